@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Rendering one sensor of a scene into a film, by OpenCL (host/render/render.c) or by the reference renderer
+ * (host/reference/reference.h): same options, same statistics.
+ */
+#ifndef MCVISI_HOST_RENDER_RENDER_H
+#define MCVISI_HOST_RENDER_RENDER_H
+
+#include "film/film.h"
+#include "scene/scene.h"
+
+enum { MCV_SAMPLER_SOBOL, MCV_SAMPLER_RANDOM };
+enum { MCV_SCHEDULE_AUTO, MCV_SCHEDULE_TILE, MCV_SCHEDULE_STREAM };
+
+/* Told after every pass; false stops the render, keeping the rounds that are whole. */
+typedef bool mcv_progress(void *user, double fraction, double seconds, double error);
+
+typedef struct mcv_render_options {
+    uint32_t sampler;    /* MCV_SAMPLER_… */
+    uint32_t replicates; /* 1 … 64, default 4 */
+    uint32_t seed;
+    uint32_t depth;       /* surfaces a path may meet, default 32 */
+    uint32_t schedule;    /* MCV_SCHEDULE_… */
+    uint64_t first, last; /* sample range per replicate: [0, 2^k) or an aligned power of two; last = 0: until error or time */
+    double error;         /* stop at this relative error; 0: never */
+    double seconds;       /* stop after this time; 0: never */
+    uint32_t threads;     /* of the reference; 0: all */
+    uint32_t slice;       /* paths per slice of the tile schedule, a multiple of 64; 0: default */
+    const char *device;   /* NULL: the first; see mcv_cl_open */
+    mcv_progress *progress;
+    void *user;
+} mcv_render_options;
+
+mcv_render_options mcv_render_defaults(void);
+
+typedef struct mcv_render_stats {
+    char device[256];
+    char features[256]; /* names, separated by spaces */
+    uint64_t paths;     /* begun */
+    uint64_t rays, shadow_rays;
+    uint64_t depth_cut; /* paths ended by the depth limit */
+    double lost_energy; /* their throughput over that of all paths begun: the share of the light that may be missing */
+    uint64_t nonfinite; /* samples dropped because they were not finite */
+    uint64_t unmatched; /* exits from a medium that the path had not entered */
+    double seconds_build, seconds_compile, seconds_first_sample, seconds_render;
+    bool interrupted;
+} mcv_render_stats;
+
+/*
+ * Renders until options->last samples, the error, or the time is reached, whichever is first. The film is made here
+ * (with the scene's channels); on failure it is empty.
+ */
+mcv_result mcv_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, mcv_film *film, mcv_render_stats *stats,
+                      mcv_error *error);
+
+/* One vertex of a traced path; see mcv_trace. */
+typedef struct mcv_vertex {
+    uint32_t ray, index;  /* which given ray, which vertex along it (0: its start) */
+    double position[3];   /* [m], world */
+    double normal[3];     /* interpolated, on the side the ray came from; 0 at the start and on a miss */
+    double direction[3];  /* unit, in which the path goes on; 0 where it ends */
+    double distance;      /* from the vertex before [m]; infinite on a miss */
+    uint32_t triangle;    /* global number, MCV_NONE at the start and on a miss */
+    uint32_t event;       /* MCV_EVENT_… */
+    double ior;           /* of the medium in which the path goes on */
+    double transmittance; /* product of the interfaces' transmittances (reflectances after total reflection) and absorption so far, first
+                             channel */
+    double radiance;      /* L/n² that this vertex emits along the path, first channel */
+} mcv_vertex;
+
+#define MCV_EVENTS(X) \
+    X(START, "start") \
+    X(REFRACT, "refract") \
+    X(REFLECT, "reflect") \
+    X(PASS, "pass") /* a boundary that is none: same medium on both sides, or a thin sheet */ \
+    X(END, "end")   /* diffuse, absorbing or emitting surface */ \
+    X(MISS, "miss")
+enum {
+#define MCV_X(NAME, text) MCV_EVENT_##NAME,
+    MCV_EVENTS(MCV_X)
+#undef MCV_X
+};
+
+typedef struct mcv_trace_ray {
+    double origin[3], direction[3]; /* world; the direction need not be unit */
+} mcv_trace_ray;
+
+/*
+ * Follows each ray through smooth surfaces, always refracted where it can be, else totally reflected (mirrors reflect,
+ * sheets pass), until it ends or has met `depth` surfaces. The rays start in the medium that surrounds their origin (by parity). *vertices
+ * is malloc'ed, in the order of the rays; the caller frees it.
+ */
+mcv_result mcv_trace(const mcv_scene *scene, const mcv_trace_ray *rays, size_t ray_count, const mcv_render_options *options,
+                     mcv_vertex **vertices, size_t *vertex_count, mcv_error *error);
+
+#endif

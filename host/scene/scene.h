@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The scene as the host works with it: what the file says, in SI units and double, before any re-centring or packing for
+ * a device. The loader (host/scene/load.c) makes it; the OpenCL renderer, the reference renderer and `mcvisi check` read it.
+ *
+ * Everything inside is owned by the scene and freed by mcv_scene_free. Tests may build one by hand with
+ * mcv_scene_new and the mcv_scene_add_… functions, which copy what they are given.
+ */
+#ifndef MCVISI_HOST_SCENE_SCENE_H
+#define MCVISI_HOST_SCENE_SCENE_H
+
+#include "mcvisi/elements.h"
+#include "mcvisi/mcvisi.h"
+#include "mcvisi/params.h"
+
+#include "mcvisi/emitters/area.h"
+#include "mcvisi/emitters/environment.h"
+#include "mcvisi/emitters/parallel.h"
+#include "mcvisi/materials/material.h"
+#include "mcvisi/sensors/light_field.h"
+#include "mcvisi/sensors/pinhole.h"
+#include "mcvisi/sensors/telecentric.h"
+#include "mcvisi/sensors/thin_lens.h"
+
+/* The parameter structs mcv_<name>_params. */
+typedef struct mcv_pinhole_params {
+    MCV_PINHOLE_PARAMS(MCV_DEFINE_FIELD)
+} mcv_pinhole_params;
+typedef struct mcv_thin_lens_params {
+    MCV_THIN_LENS_PARAMS(MCV_DEFINE_FIELD)
+} mcv_thin_lens_params;
+typedef struct mcv_telecentric_params {
+    MCV_TELECENTRIC_PARAMS(MCV_DEFINE_FIELD)
+} mcv_telecentric_params;
+typedef struct mcv_light_field_params {
+    MCV_LIGHT_FIELD_PARAMS(MCV_DEFINE_FIELD)
+} mcv_light_field_params;
+typedef struct mcv_parallel_params {
+    MCV_PARALLEL_PARAMS(MCV_DEFINE_FIELD)
+} mcv_parallel_params;
+typedef struct mcv_area_params {
+    MCV_AREA_PARAMS(MCV_DEFINE_FIELD)
+} mcv_area_params;
+typedef struct mcv_environment_params {
+    MCV_ENVIRONMENT_PARAMS(MCV_DEFINE_FIELD)
+} mcv_environment_params;
+typedef struct mcv_diffuse_params {
+    MCV_DIFFUSE_PARAMS(MCV_DEFINE_FIELD)
+} mcv_diffuse_params;
+typedef struct mcv_dielectric_params {
+    MCV_DIELECTRIC_PARAMS(MCV_DEFINE_FIELD)
+} mcv_dielectric_params;
+typedef struct mcv_sheet_params {
+    MCV_SHEET_PARAMS(MCV_DEFINE_FIELD)
+} mcv_sheet_params;
+typedef struct mcv_mirror_params {
+    MCV_MIRROR_PARAMS(MCV_DEFINE_FIELD)
+} mcv_mirror_params;
+typedef struct mcv_absorber_params {
+    char unused;
+} mcv_absorber_params;
+
+/* Row-major affine map of points: world = m[0..8] p + m[9..11]. */
+typedef struct mcv_transform {
+    double m[12];
+} mcv_transform;
+
+/* An 8-bit image, row 0 on top, RGBA; values are sRGB-encoded (glTF base colour and emissive textures). */
+typedef struct mcv_texture {
+    char *name;
+    uint32_t width, height;
+    uint32_t wrap_s, wrap_t; /* glTF: 10497 repeat, 33071 clamp to edge, 33648 mirrored repeat */
+    bool nearest;            /* magnification filter; otherwise bilinear */
+    uint8_t *rgba;
+} mcv_texture;
+
+typedef struct mcv_material {
+    char *name;
+    uint32_t type;    /* MCV_MATERIAL_… */
+    uint32_t texture; /* multiplies reflectance or transmittance, or MCV_NONE */
+    union {
+#define MCV_X(name, key, NAME) mcv_##name##_params name;
+        MCV_MATERIALS(MCV_X)
+#undef MCV_X
+    } as;
+} mcv_material;
+
+/* Triangles in their node's frame, as stored in the file (float32), shared by instances. */
+typedef struct mcv_mesh {
+    char *name;
+    uint32_t vertex_count, triangle_count;
+    float *positions;  /* 3 per vertex [m] */
+    float *normals;    /* 3 per vertex, unit, or NULL: flat */
+    float *texcoords;  /* 2 per vertex (TEXCOORD_0), or NULL */
+    uint32_t *indices; /* 3 per triangle */
+} mcv_mesh;
+
+/* A mesh placed in the world. Its triangles have the global numbers first_triangle … first_triangle + triangle_count - 1. */
+typedef struct mcv_instance {
+    char *name; /* of the node */
+    uint32_t mesh, material;
+    uint32_t emitter; /* index into emitters, or MCV_NONE */
+    uint32_t first_triangle;
+    mcv_transform to_world; /* may mirror: then the winding turns, the normal stays on the front side */
+} mcv_instance;
+
+/* An emitter belongs to exactly one instance; the environment to none. */
+typedef struct mcv_emitter {
+    char *name;
+    uint32_t type;      /* MCV_EMITTER_… */
+    uint32_t instance;  /* whose triangles emit, or MCV_NONE for the environment */
+    uint32_t texture;   /* multiplies the radiance (glTF emissive texture), or MCV_NONE */
+    double radiance[3]; /* resolved from radiance or power [W/(m² sr)] */
+    double area;        /* of the instance in the world [m²]; 0 for the environment */
+    union {
+#define MCV_X(name, key, NAME) mcv_##name##_params name;
+        MCV_EMITTERS(MCV_X)
+#undef MCV_X
+    } as;
+} mcv_emitter;
+
+typedef struct mcv_sensor {
+    char *name;
+    uint32_t type;          /* MCV_SENSOR_… */
+    mcv_transform to_world; /* rotation and translation of the node, scale removed; the sensor looks along the node's -z, +y is up */
+    union {
+#define MCV_X(name, key, NAME) mcv_##name##_params name;
+        MCV_SENSORS(MCV_X)
+#undef MCV_X
+    } as; /* resolved: the report's parameters are all set */
+} mcv_sensor;
+
+typedef struct mcv_scene {
+    char *path; /* of the file, for messages */
+    uint32_t texture_count, material_count, mesh_count, instance_count, emitter_count, sensor_count;
+    uint32_t triangle_count; /* of all instances */
+    mcv_texture *textures;
+    mcv_material *materials;
+    mcv_mesh *meshes;
+    mcv_instance *instances;
+    mcv_emitter *emitters;
+    mcv_sensor *sensors;
+    char **warnings; /* sentences for the user */
+    uint32_t warning_count;
+} mcv_scene;
+
+/* "PATH=VALUE" as given to --set: a path into the scene (design: `sensors/cam/focalLength`) and a JSON value or a string with a unit. */
+typedef struct mcv_overrides {
+    const char *const *items;
+    size_t count;
+} mcv_overrides;
+
+/* Reads a .gltf or .glb. On failure *scene is NULL and the error names file, JSON path and what would be right. */
+mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene **scene, mcv_error *error);
+void mcv_scene_free(mcv_scene *scene);
+
+/* An empty scene to add to. NULL without memory. */
+mcv_scene *mcv_scene_new(const char *path);
+
+/*
+ * Each copies its argument (arrays, names and all) and appends it; the new element has the index count - 1.
+ * add_instance sets first_triangle and triangle_count; add_emitter sets area, resolves radiance or power and marks its instance;
+ * add_sensor resolves the parameters. Bad values fail as they would from a file.
+ */
+mcv_result mcv_scene_add_texture(mcv_scene *scene, const mcv_texture *texture, mcv_error *error);
+mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material, mcv_error *error);
+mcv_result mcv_scene_add_mesh(mcv_scene *scene, const mcv_mesh *mesh, mcv_error *error);
+mcv_result mcv_scene_add_instance(mcv_scene *scene, const mcv_instance *instance, mcv_error *error);
+mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, mcv_error *error);
+mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_error *error);
+mcv_result mcv_scene_warn(mcv_scene *scene, mcv_error *error, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* All parameters of `params` at their defaults (NaN where unset), for hand-made elements: table from mcv_<kind>_table(type). */
+typedef struct mcv_param_table {
+    const mcv_param *params;
+    size_t count;
+    size_t struct_size;
+} mcv_param_table;
+mcv_param_table mcv_sensor_table(uint32_t type);
+mcv_param_table mcv_emitter_table(uint32_t type);
+mcv_param_table mcv_material_table(uint32_t type);
+void mcv_params_set_defaults(mcv_param_table table, void *params);
+
+/* Pixels of the sensor's image. */
+void mcv_sensor_film_size(const mcv_sensor *sensor, uint32_t *width, uint32_t *height);
+
+/* The number of channels that the spectra need: 1 if all are grey and no texture is coloured, else 3. */
+uint32_t mcv_scene_channels(const mcv_scene *scene);
+
+/* World geometry in double. `global` is a triangle's number; `instance` gets its instance. Corners run counter-clockwise from the front. */
+uint32_t mcv_scene_instance_of(const mcv_scene *scene, uint32_t global);
+void mcv_scene_corners(const mcv_scene *scene, uint32_t instance, uint32_t local, double corners[3][3]);
+void mcv_scene_vertex_normals(const mcv_scene *scene, uint32_t instance, uint32_t local,
+                              double normals[3][3]); /* unit; flat meshes: the face's */
+void mcv_transform_point(const mcv_transform *transform, const double p[3], double out[3]);
+void mcv_transform_vector(const mcv_transform *transform, const double v[3], double out[3]);
+mcv_transform mcv_transform_compose(const mcv_transform *outer, const mcv_transform *inner);
+mcv_transform mcv_transform_identity(void);
+
+#endif

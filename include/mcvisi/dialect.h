@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The one file that knows that there are two languages. Everything in include/mcvisi/{sensors,emitters,materials} and
+ * the headers beside this one is compiled as OpenCL C 1.2 on the device and as C11 on the host, with the same bits:
+ * only + - * / sqrt fma, comparisons, integers. Contraction is off on both sides (host: -ffp-contract=off).
+ * The clang front end alone defines only __OPENCL_C_VERSION__, drivers define __OPENCL_VERSION__ too.
+ */
+#ifndef MCVISI_DIALECT_H
+#define MCVISI_DIALECT_H
+
+#if defined(__OPENCL_VERSION__) || defined(__OPENCL_C_VERSION__)
+
+#define MCV_ON_DEVICE 1
+#pragma OPENCL FP_CONTRACT OFF
+#define MCV_GLOBAL __global
+#define MCV_CONSTANT __constant
+#define MCV_FUNCTION static inline
+#define MCV_ASSERT_SIZE(type, bytes) typedef char mcv_size_of_##type[sizeof(type) == (bytes) ? 1 : -1]
+#define mcv_fma(a, b, c) fma((float)(a), (float)(b), (float)(c))
+#define mcv_sqrt(x) sqrt((float)(x))
+#define mcv_abs(x) fabs((float)(x))
+#define mcv_floor(x) floor((float)(x))
+
+#else
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#define MCV_ON_DEVICE 0
+#define MCV_GLOBAL
+#define MCV_CONSTANT
+#define MCV_FUNCTION static inline
+#define MCV_ASSERT_SIZE(type, bytes) _Static_assert(sizeof(type) == (bytes), #type " has another size on the device")
+typedef uint32_t uint;
+#define mcv_fma(a, b, c) fmaf((a), (b), (c))
+#define mcv_sqrt(x) sqrtf(x)
+#define mcv_abs(x) fabsf(x)
+#define mcv_floor(x) floorf(x)
+
+MCV_FUNCTION uint as_uint(float x) {
+    uint bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
+MCV_FUNCTION float as_float(uint bits) {
+    float x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+#endif
+
+/* "No such thing": an absent texture, emitter, medium, triangle. */
+#define MCV_NONE 0xffffffffu
+
+#endif

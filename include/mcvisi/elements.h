@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The lists of all elements: X(name, "name in the scene file", NAME). One line here and one header make a new element;
+ * enums, parser, dispatch, help and schema follow.
+ */
+#ifndef MCVISI_ELEMENTS_H
+#define MCVISI_ELEMENTS_H
+
+#define MCV_SENSORS(X) \
+    X(pinhole, "pinhole", PINHOLE) \
+    X(thin_lens, "thinLens", THIN_LENS) \
+    X(telecentric, "telecentric", TELECENTRIC) \
+    X(light_field, "lightField", LIGHT_FIELD)
+
+#define MCV_EMITTERS(X) \
+    X(parallel, "parallel", PARALLEL) \
+    X(area, "area", AREA) \
+    X(environment, "environment", ENVIRONMENT)
+
+#define MCV_MATERIALS(X) \
+    X(diffuse, "diffuse", DIFFUSE) \
+    X(dielectric, "dielectric", DIELECTRIC) \
+    X(sheet, "sheet", SHEET) \
+    X(mirror, "mirror", MIRROR) \
+    X(absorber, "absorber", ABSORBER)
+
+#define MCV_SENSOR_ENUM(name, key, NAME) MCV_SENSOR_##NAME,
+#define MCV_EMITTER_ENUM(name, key, NAME) MCV_EMITTER_##NAME,
+#define MCV_MATERIAL_ENUM(name, key, NAME) MCV_MATERIAL_##NAME,
+enum { MCV_SENSORS(MCV_SENSOR_ENUM) MCV_SENSOR_COUNT };
+enum { MCV_EMITTERS(MCV_EMITTER_ENUM) MCV_EMITTER_COUNT };
+enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
+
+#endif

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What all emitters share. An emitter is a set of triangles (a mesh, or the rectangle that `size` spans in the node's xy plane,
+ * facing -z) that emits radiance from its front side only, by the interpolated normal. Sizes do not scale with the node.
+ * Rectangles absorb what falls on them; meshes keep their material.
+ *
+ * An emitter is one header with
+ *     MCV_<NAME>_PARAMS(X)      its parameters (mcvisi/params.h)
+ *     mcv_<name>                what the device needs of them, 4-byte scalars
+ *     mcv_<name>_evaluate       the share of its radiance that leaves a point in a direction (q_d, q_n unit)
+ * and one line in MCV_EMITTERS (mcvisi/elements.h); host/scene/emitters.c resolves and prepares.
+ */
+#ifndef MCVISI_EMITTERS_EMITTER_H
+#define MCVISI_EMITTERS_EMITTER_H
+
+#include "mcvisi/params.h"
+#include "mcvisi/sampling.h"
+
+/* How bright: either is given, the other follows. Power is per channel, over the whole surface. */
+#define MCV_RADIANCE_PARAMS(X) \
+    X(spectrum, radiance, MCV_UNSET, 0, 1e30, "radiance L in its cone [W/(m² sr)]") \
+    X(spectrum, power, MCV_UNSET, 0, 1e30, "power of the whole emitter, in place of radiance [W]") \
+    X(length2, size, MCV_UNSET, MCV_POSITIVE, 1e6, "width and height of the rectangle, for a node without a mesh [m]")
+
+#endif

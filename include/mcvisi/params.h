@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Parameters of scene elements. Each element (a sensor, an emitter, a material) has one list
+ *
+ *     X(kind, key, default, min, max, "doc [unit]")
+ *
+ * with kinds length, angle, number, int2, length2, spectrum, choice. The list generates the struct that the host works
+ * with (SI, double), the parser, --set, `mcvisi check`, the help and the JSON schema. Both ends of [min, max] are
+ * allowed; MCV_POSITIVE as min reads "above 0". A default of MCV_REQUIRED must be given; one of MCV_UNSET is NaN (0 for int2) until
+ * the element's resolve function derives it or leaves it out. For a choice the default is the name of the first
+ * option and min/max are 0 and the last index; its options stand in MCV_CHOICES below.
+ */
+#ifndef MCVISI_PARAMS_H
+#define MCVISI_PARAMS_H
+
+#include "mcvisi/dialect.h"
+
+#if !MCV_ON_DEVICE
+
+#include <float.h>
+#include <stddef.h>
+
+#define MCV_POSITIVE DBL_MIN
+#define MCV_REQUIRED (-1e300)
+#define MCV_UNSET (-2e300)
+
+/* The fields a kind occupies in a parameter struct. length2 and int2 also accept one number for both. */
+#define MCV_FIELD_length(key) double key;
+#define MCV_FIELD_angle(key) double key;
+#define MCV_FIELD_number(key) double key;
+#define MCV_FIELD_int2(key) uint32_t key[2];
+#define MCV_FIELD_length2(key) double key[2];
+#define MCV_FIELD_spectrum(key) double key[3]; /* a number is grey, an array is R, G, B */
+#define MCV_FIELD_choice(key) int key;
+
+#define MCV_DEFINE_FIELD(kind, key, default_value, min, max, doc) MCV_FIELD_##kind(key)
+
+/* X(key, "option 0", "option 1" …): the options of each choice key, in the order of its enum. */
+#define MCV_CHOICES(X) \
+    X(radiometry, "radiance", "irradiance") \
+    X(aperture, "square", "circle")
+
+enum { MCV_RADIOMETRY_RADIANCE, MCV_RADIOMETRY_IRRADIANCE };
+enum { MCV_APERTURE_SQUARE, MCV_APERTURE_CIRCLE };
+
+typedef enum mcv_param_kind {
+    MCV_PARAM_length,
+    MCV_PARAM_angle,
+    MCV_PARAM_number,
+    MCV_PARAM_int2,
+    MCV_PARAM_length2,
+    MCV_PARAM_spectrum,
+    MCV_PARAM_choice,
+} mcv_param_kind;
+
+/* One row of an element's parameter table; `offset` points into its parameter struct. */
+typedef struct mcv_param {
+    mcv_param_kind kind;
+    const char *key;
+    size_t offset;
+    double default_value, min, max;
+    const char *doc;
+} mcv_param;
+
+#endif /* !MCV_ON_DEVICE */
+
+#endif

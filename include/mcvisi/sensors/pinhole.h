@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Pinhole camera (type "pinhole"): perspective without blur. All rays of sight start in the origin, direction
+ * (-s_x/b, -s_y/b, 1). It has no aperture, so it measures radiance only; "irradiance" is bad input.
+ *
+ *     {"type": "pinhole", "imageDistance": "16mm", "resolution": [640, 480], "pixelSize": "5um"}
+ */
+#ifndef MCVISI_SENSORS_PINHOLE_H
+#define MCVISI_SENSORS_PINHOLE_H
+
+#include "mcvisi/sensors/sensor.h"
+
+#define MCV_PINHOLE_PARAMS(X) \
+    X(length, imageDistance, MCV_REQUIRED, MCV_POSITIVE, 1e3, "distance b from the pinhole to the image plane [m]") \
+    MCV_FILM_PARAMS(X)
+
+typedef struct mcv_pinhole {
+    uint width, height;
+    float slope_x, slope_y; /* pixel size / b */
+} mcv_pinhole;
+MCV_ASSERT_SIZE(mcv_pinhole, 16);
+
+MCV_FUNCTION mcv_sight mcv_pinhole_sample(MCV_CONSTANT const mcv_pinhole *sensor, mcv_film_sample film, float xi, float eta) {
+    mcv_sight sight;
+    (void)xi;
+    (void)eta;
+    sight.origin = mcv_vec(0.0f, 0.0f, 0.0f);
+    sight.direction = mcv_vec(-mcv_from_centre(sensor->width, film.column, film.x) * sensor->slope_x,
+                              mcv_from_centre(sensor->height, film.row, film.y) * sensor->slope_y, 1.0f);
+    sight.weight = 1.0f;
+    return sight;
+}
+
+#endif

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What all sensors share.
+ *
+ * Optical frame: origin in the centre of the main lens, x right, y up, z towards the scene (z = -z of the node, so the
+ * frame is left-handed: no cross products in it). The image plane is at z = -b. The stored image is upright, row 0 on
+ * top: the image point (column, row) in pixels from the top-left corner lies at s = ((W/2 - column) l_x, (row - H/2) l_y).
+ * With κ = (b - f)/(b f) = 1/w_z the report's (4.1), (4.2) and d = w - o become, scaled by κ,
+ *
+ *     d = (-x/b - κ o_x, -y/b - κ o_y, 1)
+ *
+ * for the point (x, y) on the image plane and o on the main lens: one form, focus at infinity included.
+ *
+ * Radiometry: "radiance" weighs each ray 0 or 1 (pixel = mean radiance over the samples; closing the stop does not darken
+ * the image); "irradiance" [W/m² on the pixel] weighs it A cos⁴θ / h² with cosθ = 1/|d|, A the area sampled at distance h.
+ *
+ * A sensor is one header with
+ *     MCV_<NAME>_PARAMS(X)    its parameters (mcvisi/params.h)
+ *     mcv_<name>              what the device needs of them, 4-byte scalars
+ *     mcv_<name>_sample       pixel and aperture sample -> ray of sight
+ * one line in MCV_SENSORS (mcvisi/elements.h), and in host/scene/sensors.c
+ *     mcv_<name>_resolve      fills in parameters that follow from others, refuses contradictions
+ *     mcv_<name>_prepare      parameters -> device struct, in double
+ */
+#ifndef MCVISI_SENSORS_SENSOR_H
+#define MCVISI_SENSORS_SENSOR_H
+
+#include "mcvisi/params.h"
+#include "mcvisi/sampling.h"
+
+/* Film parameters of the sensors whose pixels are one grid. */
+#define MCV_FILM_PARAMS(X) \
+    X(int2, resolution, MCV_REQUIRED, 1, 65536, "pixels in x and y") \
+    X(length2, pixelSize, MCV_REQUIRED, MCV_POSITIVE, 1, "width and height of a pixel [m]") \
+    X(choice, radiometry, 0, 0, 1, "what a pixel measures: mean radiance [W/(m² sr)] or irradiance [W/m²]")
+
+/* A ray of sight in the optical frame. The direction has z = 1 and is not normalised. */
+typedef struct mcv_sight {
+    mcv_vec3 origin, direction;
+    float weight; /* 0: the ray does not pass the lens */
+} mcv_sight;
+
+/* Where in the image a ray starts: pixel indices from the top-left corner, position (x, y) inside the pixel in [0, 1). */
+typedef struct mcv_film_sample {
+    uint column, row;
+    float x, y;
+} mcv_film_sample;
+
+/* W/2 - (index + offset), the distance from the image's centre in pixels, exact but for its last operation. */
+MCV_FUNCTION float mcv_from_centre(uint size, uint index, float offset) { return 0.5f * (float)((int)size - 2 * (int)index) - offset; }
+
+/* The radiometric weight: etendue = A/h² for irradiance, 0 for radiance. */
+MCV_FUNCTION float mcv_sight_weight(float etendue, mcv_vec3 direction) {
+    const float squared = mcv_dot(direction, direction);
+    return etendue > 0.0f ? etendue / (squared * squared) : 1.0f;
+}
+
+#endif

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Telecentric camera (type "telecentric"; report 4.2.1): a stop of diameter D_t in the image-side focal plane z = -f of the
+ * main lens. Image point s on z = -b, a uniform on the stop, o = s + (a - s) b/(b - f) on the lens; weight 0 if
+ * |o| > D_l/2. Because the stop lies in the focal plane the direction is exactly (-a_x/f, -a_y/f, 1), so every chief ray
+ * is parallel to the axis and the image scale m = (b - f)/f is the same at every depth. b <= f is bad input.
+ * In focus: depth W = b f/(b - f). Irradiance: A = π D_t²/4 (the stop), h = b - f: constant over the image.
+ *
+ * Either focalLength, imageDistance, stopDiameter, lensDiameter or, as on a datasheet, magnification m, workingDistance W
+ * and fNumber N (working, image side) or numericalAperture NA = m/(2N) (object side):
+ *     f = W m/(1 + m)   b = f (1 + m)   D_t = 2 f NA   D_l = diagonal of the field + 2 W NA
+ * Both sets may be given if they agree.
+ *
+ *     {"type": "telecentric", "magnification": 0.25, "workingDistance": "110mm", "fNumber": 8,
+ *      "resolution": [2448, 2048], "pixelSize": "3.45um"}
+ */
+#ifndef MCVISI_SENSORS_TELECENTRIC_H
+#define MCVISI_SENSORS_TELECENTRIC_H
+
+#include "mcvisi/sensors/sensor.h"
+
+#define MCV_TELECENTRIC_PARAMS(X) \
+    X(length, focalLength, MCV_UNSET, MCV_POSITIVE, 1e3, "focal length f of the main lens [m]") \
+    X(length, imageDistance, MCV_UNSET, MCV_POSITIVE, 1e3, "distance b > f from the main lens to the image plane [m]") \
+    X(length, stopDiameter, MCV_UNSET, MCV_POSITIVE, 1e3, "diameter D_t of the telecentric stop [m]") \
+    X(length, lensDiameter, MCV_UNSET, MCV_POSITIVE, 1e3, "diameter D_l of the main lens [m]") \
+    X(number, magnification, MCV_UNSET, MCV_POSITIVE, 1e6, "image size over object size m") \
+    X(length, workingDistance, MCV_UNSET, MCV_POSITIVE, 1e3, "distance W from the main lens to the plane in focus [m]") \
+    X(number, fNumber, MCV_UNSET, MCV_POSITIVE, 1e9, "working f-number N on the image side") \
+    X(number, numericalAperture, MCV_UNSET, MCV_POSITIVE, 1, "numerical aperture on the object side, m/(2N)") \
+    MCV_FILM_PARAMS(X)
+
+typedef struct mcv_telecentric {
+    uint width, height;
+    float pixel_x, pixel_y;  /* pixel size [m] times f/(b - f): from image pixels to the lens */
+    float stop_radius;       /* D_t / 2 [m] */
+    float stop_to_lens;      /* b/(b - f) */
+    float stop_to_direction; /* 1/f [1/m] */
+    float lens_radius;       /* D_l / 2 [m] */
+    float etendue;           /* A/h², 0 for radiance */
+    uint padding[3];
+} mcv_telecentric;
+MCV_ASSERT_SIZE(mcv_telecentric, 48);
+
+MCV_FUNCTION mcv_sight mcv_telecentric_sample(MCV_CONSTANT const mcv_telecentric *sensor, mcv_film_sample film, float xi, float eta) {
+    mcv_sight sight;
+    float cosine, sine;
+    const float r = sensor->stop_radius * mcv_disk(xi, eta, &cosine, &sine);
+    const float a_x = r * cosine;
+    const float a_y = r * sine;
+    /* o = a b/(b - f) - s f/(b - f), both factors from double: no cancellation in a - s. */
+    const float o_x = mcv_fma(a_x, sensor->stop_to_lens, -mcv_from_centre(sensor->width, film.column, film.x) * sensor->pixel_x);
+    const float o_y = mcv_fma(a_y, sensor->stop_to_lens, mcv_from_centre(sensor->height, film.row, film.y) * sensor->pixel_y);
+    sight.origin = mcv_vec(o_x, o_y, 0.0f);
+    sight.direction = mcv_vec(-a_x * sensor->stop_to_direction, -a_y * sensor->stop_to_direction, 1.0f);
+    sight.weight = mcv_fma(o_x, o_x, o_y * o_y) > sensor->lens_radius * sensor->lens_radius
+                       ? 0.0f
+                       : mcv_sight_weight(sensor->etendue, sight.direction);
+    return sight;
+}
+
+#endif

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Thin lens camera (type "thinLens"): entocentric, with depth of field. Image point s on the plane z = -b, o uniform on the
+ * lens's disk of diameter D_l. In focus: depth 1/κ, κ = (b - f)/(b f); b < f looks at a virtual plane behind the lens.
+ * Irradiance: A = π D_l²/4, h = b.
+ *
+ *     {"type": "thinLens", "focalLength": "25mm", "imageDistance": "25.6mm", "lensDiameter": "6mm",
+ *      "resolution": [1280, 1024], "pixelSize": "4.8um", "radiometry": "irradiance"}
+ */
+#ifndef MCVISI_SENSORS_THIN_LENS_H
+#define MCVISI_SENSORS_THIN_LENS_H
+
+#include "mcvisi/sensors/sensor.h"
+
+#define MCV_THIN_LENS_PARAMS(X) \
+    X(length, focalLength, MCV_REQUIRED, MCV_POSITIVE, 1e3, "focal length f [m]") \
+    X(length, imageDistance, MCV_REQUIRED, MCV_POSITIVE, 1e3, "distance b from the lens to the image plane [m]") \
+    X(length, lensDiameter, MCV_REQUIRED, MCV_POSITIVE, 1e3, "diameter D_l of the lens [m]") \
+    MCV_FILM_PARAMS(X)
+
+typedef struct mcv_thin_lens {
+    uint width, height;
+    float slope_x, slope_y; /* pixel size / b */
+    float kappa;            /* (b - f)/(b f) [1/m] */
+    float radius;           /* D_l / 2 [m] */
+    float etendue;          /* A/h², 0 for radiance */
+    uint padding;
+} mcv_thin_lens;
+MCV_ASSERT_SIZE(mcv_thin_lens, 32);
+
+MCV_FUNCTION mcv_sight mcv_thin_lens_sample(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_film_sample film, float xi, float eta) {
+    mcv_sight sight;
+    float cosine, sine;
+    const float r = sensor->radius * mcv_disk(xi, eta, &cosine, &sine);
+    sight.origin = mcv_vec(r * cosine, r * sine, 0.0f);
+    sight.direction =
+        mcv_vec(-mcv_fma(mcv_from_centre(sensor->width, film.column, film.x), sensor->slope_x, sensor->kappa * sight.origin.x),
+                mcv_fma(mcv_from_centre(sensor->height, film.row, film.y), sensor->slope_y, -sensor->kappa * sight.origin.y), 1.0f);
+    sight.weight = mcv_sight_weight(sensor->etendue, sight.direction);
+    return sight;
+}
+
+#endif
