@@ -44,7 +44,7 @@ mcv_result mcv_cl_kernel(cl_program program, const char *name, cl_kernel *kernel
 
 /* A buffer of at least 16 bytes. data may be NULL; `what` names it in messages ("the nodes of the acceleration structure"). */
 mcv_result mcv_cl_buffer(mcv_cl *cl, const char *what, size_t bytes, const void *data, cl_mem *buffer, mcv_error *error);
-mcv_result mcv_cl_read(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, void *data, mcv_error *error);  /* waits */
+mcv_result mcv_cl_read(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, void *data, mcv_error *error);        /* waits */
 mcv_result mcv_cl_write(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, const void *data, mcv_error *error); /* waits */
 mcv_result mcv_cl_finish(mcv_cl *cl, mcv_error *error);
 void mcv_cl_release(cl_mem *buffer); /* NULL is fine; nulls it */

@@ -1,0 +1,348 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "cl/cl.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cl/cache.h"
+#include "cl/flatten.h"
+#include "cl/programs.h"
+
+enum { MAX_PLATFORMS = 16, MAX_DEVICES = 64, BUILD_LOG_SHOWN = 1200 };
+
+#define MCV_CL_ERRORS(X) \
+    X(CL_DEVICE_NOT_FOUND) \
+    X(CL_DEVICE_NOT_AVAILABLE) \
+    X(CL_COMPILER_NOT_AVAILABLE) \
+    X(CL_MEM_OBJECT_ALLOCATION_FAILURE) \
+    X(CL_OUT_OF_RESOURCES) \
+    X(CL_OUT_OF_HOST_MEMORY) \
+    X(CL_PROFILING_INFO_NOT_AVAILABLE) \
+    X(CL_MEM_COPY_OVERLAP) \
+    X(CL_BUILD_PROGRAM_FAILURE) \
+    X(CL_MAP_FAILURE) \
+    X(CL_MISALIGNED_SUB_BUFFER_OFFSET) \
+    X(CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST) \
+    X(CL_INVALID_VALUE) \
+    X(CL_INVALID_DEVICE_TYPE) \
+    X(CL_INVALID_PLATFORM) \
+    X(CL_INVALID_DEVICE) \
+    X(CL_INVALID_CONTEXT) \
+    X(CL_INVALID_QUEUE_PROPERTIES) \
+    X(CL_INVALID_COMMAND_QUEUE) \
+    X(CL_INVALID_HOST_PTR) \
+    X(CL_INVALID_MEM_OBJECT) \
+    X(CL_INVALID_BINARY) \
+    X(CL_INVALID_BUILD_OPTIONS) \
+    X(CL_INVALID_PROGRAM) \
+    X(CL_INVALID_PROGRAM_EXECUTABLE) \
+    X(CL_INVALID_KERNEL_NAME) \
+    X(CL_INVALID_KERNEL_DEFINITION) \
+    X(CL_INVALID_KERNEL) \
+    X(CL_INVALID_ARG_INDEX) \
+    X(CL_INVALID_ARG_VALUE) \
+    X(CL_INVALID_ARG_SIZE) \
+    X(CL_INVALID_KERNEL_ARGS) \
+    X(CL_INVALID_WORK_DIMENSION) \
+    X(CL_INVALID_WORK_GROUP_SIZE) \
+    X(CL_INVALID_WORK_ITEM_SIZE) \
+    X(CL_INVALID_GLOBAL_OFFSET) \
+    X(CL_INVALID_EVENT_WAIT_LIST) \
+    X(CL_INVALID_EVENT) \
+    X(CL_INVALID_OPERATION) \
+    X(CL_INVALID_BUFFER_SIZE) \
+    X(CL_INVALID_GLOBAL_WORK_SIZE)
+
+const char *mcv_cl_error_name(cl_int code) {
+    switch (code) {
+#define MCV_X(name) \
+    case name: \
+        return #name;
+        MCV_CL_ERRORS(MCV_X)
+#undef MCV_X
+    case -1001:
+        return "CL_PLATFORM_NOT_FOUND_KHR";
+    default:
+        return "an unknown OpenCL error";
+    }
+}
+
+/* Choosing a device */
+
+static void describe(cl_platform_id platform, cl_device_id device, mcv_cl *cl) {
+    char platform_name[100] = "";
+    char device_name[150] = "";
+    char device_version[120] = "";
+    char driver[120] = "";
+    cl_device_type type = 0;
+    cl_device_fp_config single = 0;
+    memset(cl, 0, sizeof *cl);
+    cl->platform = platform;
+    cl->device = device;
+    clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof platform_name, platform_name, NULL);
+    clGetDeviceInfo(device, CL_DEVICE_NAME, sizeof device_name, device_name, NULL);
+    clGetDeviceInfo(device, CL_DEVICE_VERSION, sizeof device_version, device_version, NULL);
+    clGetDeviceInfo(device, CL_DRIVER_VERSION, sizeof driver, driver, NULL);
+    clGetDeviceInfo(device, CL_DEVICE_TYPE, sizeof type, &type, NULL);
+    clGetDeviceInfo(device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof single, &single, NULL);
+    clGetDeviceInfo(device, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof cl->memory, &cl->memory, NULL);
+    clGetDeviceInfo(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof cl->largest_allocation, &cl->largest_allocation, NULL);
+    clGetDeviceInfo(device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof cl->units, &cl->units, NULL);
+    snprintf(cl->name, sizeof cl->name, "%s: %s", platform_name, device_name);
+    snprintf(cl->version, sizeof cl->version, "%s, driver %s", device_version, driver);
+    cl->cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
+    cl->correct_divide_sqrt = (single & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+}
+
+mcv_result mcv_cl_list(void (*told)(void *user, unsigned index, const mcv_cl *device), void *user, mcv_error *error) {
+    cl_platform_id platforms[MAX_PLATFORMS];
+    cl_uint platform_count = 0;
+    const cl_int code = clGetPlatformIDs(MAX_PLATFORMS, platforms, &platform_count);
+    if (code != CL_SUCCESS) platform_count = 0; /* the loader reports "no platform" as an error */
+    if (platform_count > MAX_PLATFORMS) platform_count = MAX_PLATFORMS;
+    unsigned index = 0;
+    for (cl_uint p = 0; p < platform_count; ++p) {
+        cl_device_id devices[MAX_DEVICES];
+        cl_uint count = 0;
+        if (clGetDeviceIDs(platforms[p], CL_DEVICE_TYPE_ALL, MAX_DEVICES, devices, &count) != CL_SUCCESS) continue;
+        for (cl_uint d = 0; d < count && d < MAX_DEVICES; ++d, ++index) {
+            mcv_cl cl;
+            describe(platforms[p], devices[d], &cl);
+            told(user, index, &cl);
+        }
+    }
+    if (index > 0) return MCV_OK;
+    return mcv_fail(error, MCV_DEVICE,
+                    "no OpenCL device was found: install an OpenCL driver, such as Debian's pocl-opencl-icd for the CPU");
+}
+
+typedef struct choice {
+    const char *wanted; /* NULL: the best */
+    bool found;
+    mcv_cl cl;
+} choice;
+
+static bool contains(const char *text, const char *part, size_t length) {
+    if (length == 0) return true;
+    for (; *text; ++text) {
+        if (strncasecmp(text, part, length) == 0) return true;
+    }
+    return false;
+}
+
+/* Does "PLATFORM:TYPE:NAME" or a number name this device? */
+static bool matches(const char *wanted, unsigned index, const mcv_cl *cl) {
+    const char *first = strchr(wanted, ':');
+    if (!first) {
+        char *end;
+        const unsigned long number = strtoul(wanted, &end, 10);
+        return isdigit((unsigned char)wanted[0]) && *end == '\0' && number == index;
+    }
+    const char *second = strchr(first + 1, ':');
+    const char *type = first + 1;
+    const size_t type_length = second ? (size_t)(second - type) : strlen(type);
+    const char *name = second ? second + 1 : "";
+    const char *colon = strchr(cl->name, ':');
+    char platform[sizeof cl->name];
+    snprintf(platform, sizeof platform, "%.*s", (int)(colon - cl->name), cl->name);
+    return contains(platform, wanted, (size_t)(first - wanted)) && contains(cl->cpu ? "cpu" : "gpu", type, type_length) &&
+           contains(colon, name, strlen(name));
+}
+
+static void choose(void *user, unsigned index, const mcv_cl *cl) {
+    choice *c = user;
+    const bool better = c->wanted ? !c->found && matches(c->wanted, index, cl) : !c->found || (c->cl.cpu && !cl->cpu);
+    if (!better) return;
+    c->found = true;
+    c->cl = *cl;
+}
+
+/* Runs kernels/probe.cl on numbers whose results IEEE 754 fixes to the bit. */
+static mcv_result probe(mcv_cl *cl, mcv_error *error) {
+    static const float inputs[][3] = {{1.0f + 0x1p-12f, 1.0f + 0x1p-12f, -1.0f},
+                                      {1.0f, 3.0f, 0.0f},
+                                      {0x1p-126f, 0.25f, 0x1p-140f},
+                                      {2.0f, 7.0f, 0x1p-30f},
+                                      {10.0f, 9.0f, -90.0f},
+                                      {1e20f, 3e-9f, -3e11f}};
+    enum { CASES = sizeof inputs / sizeof inputs[0], RESULTS = 4 };
+    float results[CASES][RESULTS];
+    cl_program program = NULL;
+    cl_kernel kernel = NULL;
+    cl_mem in = NULL;
+    cl_mem out = NULL;
+    mcv_result result = mcv_cl_build(cl, "probe", "", &program, error);
+    if (result == MCV_OK) result = mcv_cl_kernel(program, "probe_arithmetic", &kernel, error);
+    if (result == MCV_OK) result = mcv_cl_buffer(cl, "the probe's numbers", sizeof inputs, inputs, &in, error);
+    if (result == MCV_OK) result = mcv_cl_buffer(cl, "the probe's results", sizeof results, NULL, &out, error);
+    if (result == MCV_OK) result = MCV_LAUNCH(cl, kernel, CASES, 1, error, MCV_ARG(in), MCV_ARG(out));
+    if (result == MCV_OK) result = mcv_cl_read(cl, out, 0, sizeof results, results, error);
+    for (size_t i = 0; result == MCV_OK && i < CASES; ++i) {
+        static const char *const names[RESULTS] = {"fma", "division", "square root", "a product with a denormal result"};
+        const float a = inputs[i][0];
+        const float b = inputs[i][1];
+        const float c = inputs[i][2];
+        const float expected[RESULTS] = {fmaf(a, b, c), a / b, sqrtf(a), a * b};
+        for (size_t k = 0; k < RESULTS && result == MCV_OK; ++k) {
+            if (memcmp(&expected[k], &results[i][k], sizeof(float)) == 0) continue;
+            result = mcv_fail(error, MCV_DEVICE, "%s computes %s as %a where IEEE 754 gives %a: choose another device (mcvisi devices)",
+                              cl->name, names[k], (double)results[i][k], (double)expected[k]);
+        }
+    }
+    mcv_cl_release(&in);
+    mcv_cl_release(&out);
+    if (kernel) clReleaseKernel(kernel);
+    if (program) clReleaseProgram(program);
+    return result;
+}
+
+mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error) {
+    choice c = {.wanted = which ? which : getenv("MCVISI_OPENCL_DEVICE")};
+    memset(cl, 0, sizeof *cl);
+    MCV_TRY(mcv_cl_list(choose, &c, error));
+    if (!c.found) {
+        return mcv_fail(error, MCV_DEVICE, "no OpenCL device matches \"%s\": `mcvisi devices` lists numbers and names", c.wanted);
+    }
+    *cl = c.cl;
+    cl_int code;
+    cl->context = clCreateContext(NULL, 1, &cl->device, NULL, NULL, &code);
+    MCV_TRY_CL(code, error);
+    cl->queue = clCreateCommandQueue(cl->context, cl->device, 0, &code);
+    mcv_result result =
+        code == CL_SUCCESS ? probe(cl, error) : mcv_fail(error, MCV_DEVICE, "clCreateCommandQueue failed with %s", mcv_cl_error_name(code));
+    if (result != MCV_OK) mcv_cl_close(cl);
+    return result;
+}
+
+void mcv_cl_close(mcv_cl *cl) {
+    if (cl->queue) clReleaseCommandQueue(cl->queue);
+    if (cl->context) clReleaseContext(cl->context);
+    cl->queue = NULL;
+    cl->context = NULL;
+}
+
+/* Programs */
+
+static mcv_result build_failure(mcv_cl *cl, cl_program program, const char *name, cl_int code, mcv_error *error) {
+    size_t size = 0;
+    clGetProgramBuildInfo(program, cl->device, CL_PROGRAM_BUILD_LOG, 0, NULL, &size);
+    char *log = calloc(size + 1, 1);
+    if (log) clGetProgramBuildInfo(program, cl->device, CL_PROGRAM_BUILD_LOG, size, log, NULL);
+    mcv_fail(error, MCV_DEVICE, "clBuildProgram of %s.cl for %s failed with %s: %.*s", name, cl->name, mcv_cl_error_name(code),
+             BUILD_LOG_SHOWN, log ? log : "");
+    free(log);
+    return MCV_DEVICE;
+}
+
+static mcv_result program_source(const char *name, char **from_files, const char **source, mcv_error *error) {
+    const char *root = getenv("MCVISI_KERNEL_DIR");
+    *from_files = NULL;
+    if (root) {
+        MCV_TRY(mcv_flatten(root, name, from_files, error));
+        *source = *from_files;
+        return MCV_OK;
+    }
+    for (size_t i = 0; i < mcv_program_count; ++i) {
+        if (strcmp(mcv_programs[i].name, name) == 0) {
+            *source = mcv_programs[i].source;
+            return MCV_OK;
+        }
+    }
+    return mcv_fail(error, MCV_DEVICE, "the library has no OpenCL program \"%s\"", name);
+}
+
+mcv_result mcv_cl_build(mcv_cl *cl, const char *name, const char *options, cl_program *program, mcv_error *error) {
+    char all_options[2048];
+    char *from_files;
+    const char *source;
+    *program = NULL;
+    MCV_TRY(program_source(name, &from_files, &source, error));
+    const int length = snprintf(all_options, sizeof all_options, "-cl-std=CL1.2%s %s",
+                                cl->correct_divide_sqrt ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", options);
+    mcv_result result = MCV_OK;
+    cl_int code = CL_SUCCESS;
+    if (length >= (int)sizeof all_options) result = mcv_fail(error, MCV_DEVICE, "%s.cl: the build options are too long", name);
+    if (result == MCV_OK && !mcv_cache_load(cl, source, all_options, program)) {
+        *program = clCreateProgramWithSource(cl->context, 1, &source, NULL, &code);
+        if (code != CL_SUCCESS) {
+            result = mcv_fail(error, MCV_DEVICE, "clCreateProgramWithSource of %s.cl failed with %s", name, mcv_cl_error_name(code));
+        } else {
+            code = clBuildProgram(*program, 1, &cl->device, all_options, NULL, NULL);
+            if (code != CL_SUCCESS)
+                result = build_failure(cl, *program, name, code, error);
+            else
+                mcv_cache_store(cl, source, all_options, *program);
+        }
+    }
+    free(from_files);
+    if (result != MCV_OK && *program) {
+        clReleaseProgram(*program);
+        *program = NULL;
+    }
+    return result;
+}
+
+mcv_result mcv_cl_kernel(cl_program program, const char *name, cl_kernel *kernel, mcv_error *error) {
+    cl_int code;
+    *kernel = clCreateKernel(program, name, &code);
+    if (code == CL_SUCCESS) return MCV_OK;
+    *kernel = NULL;
+    return mcv_fail(error, MCV_DEVICE, "clCreateKernel of %s failed with %s", name, mcv_cl_error_name(code));
+}
+
+/* Buffers and launches */
+
+mcv_result mcv_cl_buffer(mcv_cl *cl, const char *what, size_t bytes, const void *data, cl_mem *buffer, mcv_error *error) {
+    const size_t size = bytes < 16 ? 16 : bytes;
+    cl_int code;
+    *buffer = NULL;
+    if (size > cl->largest_allocation) {
+        return mcv_fail(error, MCV_DEVICE, "%s: %.1f MiB needed, but %s allows %.1f MiB in one buffer", what, (double)size / 0x1p20,
+                        cl->name, (double)cl->largest_allocation / 0x1p20);
+    }
+    *buffer = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, size, NULL, &code);
+    if (code == CL_SUCCESS && data && bytes > 0) code = clEnqueueWriteBuffer(cl->queue, *buffer, CL_TRUE, 0, bytes, data, 0, NULL, NULL);
+    if (code == CL_SUCCESS) return MCV_OK;
+    mcv_cl_release(buffer);
+    return mcv_fail(error, MCV_DEVICE, "%s: a buffer of %.1f MiB on %s failed with %s", what, (double)size / 0x1p20, cl->name,
+                    mcv_cl_error_name(code));
+}
+
+mcv_result mcv_cl_read(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, void *data, mcv_error *error) {
+    if (bytes > 0) MCV_TRY_CL(clEnqueueReadBuffer(cl->queue, buffer, CL_TRUE, offset, bytes, data, 0, NULL, NULL), error);
+    return MCV_OK;
+}
+
+mcv_result mcv_cl_write(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, const void *data, mcv_error *error) {
+    if (bytes > 0) MCV_TRY_CL(clEnqueueWriteBuffer(cl->queue, buffer, CL_TRUE, offset, bytes, data, 0, NULL, NULL), error);
+    return MCV_OK;
+}
+
+mcv_result mcv_cl_finish(mcv_cl *cl, mcv_error *error) {
+    MCV_TRY_CL(clFinish(cl->queue), error);
+    return MCV_OK;
+}
+
+void mcv_cl_release(cl_mem *buffer) {
+    if (*buffer) clReleaseMemObject(*buffer);
+    *buffer = NULL;
+}
+
+mcv_result mcv_cl_launch(mcv_cl *cl, cl_kernel kernel, size_t global, size_t local, const mcv_arg *arguments, size_t count,
+                         mcv_error *error) {
+    const size_t padded = (global + local - 1) / local * local;
+    cl_int code = CL_SUCCESS;
+    for (size_t i = 0; i < count && code == CL_SUCCESS; ++i) {
+        code = clSetKernelArg(kernel, (cl_uint)i, arguments[i].size, arguments[i].value);
+    }
+    if (code == CL_SUCCESS && padded > 0) {
+        code = clEnqueueNDRangeKernel(cl->queue, kernel, 1, NULL, &padded, &local, 0, NULL, NULL);
+    }
+    if (code == CL_SUCCESS) return MCV_OK;
+    char name[128] = "";
+    clGetKernelInfo(kernel, CL_KERNEL_FUNCTION_NAME, sizeof name, name, NULL);
+    return mcv_fail(error, MCV_DEVICE, "the launch of kernel %s failed with %s", name, mcv_cl_error_name(code));
+}
