@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "render/device_scene.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "accel/bvh.h"
+#include "scene/sensors.h"
+
+/* The device structs of all sensors, for the size of the buffer. */
+typedef union any_sensor {
+#define MCV_X(name, key, NAME) mcv_##name name;
+    MCV_SENSORS(MCV_X)
+#undef MCV_X
+} any_sensor;
+
+typedef struct plan {
+    cl_mem *buffer;
+    const char *what;
+    size_t bytes;
+    const void *data;
+} plan;
+
+/* A feature's array, or no bytes where the scene lacks it. */
+static size_t present(const void *data, size_t bytes) { return data ? bytes : 0; }
+
+static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene *d, mcv_error *error) {
+    const mcv_packed *p = &d->packed;
+    const size_t vertices = p->vertex_count;
+    const size_t triangles = p->triangle_count;
+    const bool dielectric = p->features >> MCV_FEATURE_DIELECTRIC & 1;
+    const bool emitters = p->emitter_count > 0;
+    const bool textures = p->features >> MCV_FEATURE_TEXTURE & 1;
+    const plan plans[] = {
+        {&d->nodes, "the nodes of the acceleration structure", bvh->node_count * sizeof *bvh->nodes, bvh->nodes},
+        {&d->leaves, "the leaves of the acceleration structure", bvh->leaf_count * sizeof *bvh->leaves, bvh->leaves},
+        {&d->triangles, "the triangles", 16 * triangles, p->triangles},
+        {&d->positions, "the vertices", 12 * vertices, p->positions},
+        {&d->normals, "the normals", present(p->normals, 12 * vertices), p->normals},
+        {&d->texcoords, "the texture coordinates", present(p->texcoords, 8 * vertices), p->texcoords},
+        {&d->instances, "the instances", p->instance_count * sizeof *p->instances, p->instances},
+        {&d->materials, "the materials", p->material_count * sizeof *p->materials, p->materials},
+        {&d->media, "the media", dielectric ? sizeof p->media : 0, p->media},
+        {&d->interfaces, "the interfaces", dielectric ? sizeof p->interfaces : 0, p->interfaces},
+        {&d->emitters, "the emitters", p->emitter_count * sizeof *p->emitters, p->emitters},
+        {&d->emitter_cdf, "the emitters' areas", emitters ? 4 * p->cdf_count : 0, p->emitter_cdf},
+        {&d->textures, "the list of textures", textures ? p->texture_count * sizeof *p->textures : 0, p->textures},
+        {&d->texels, "the textures", textures ? 4 * p->texel_count : 0, p->texels},
+        {&d->frame, "the frame", sizeof(mcv_frame), NULL},
+        {&d->sensor, "the sensor", sizeof(any_sensor), NULL},
+    };
+    size_t total = 0;
+    for (size_t i = 0; i < sizeof plans / sizeof plans[0]; ++i) total += plans[i].bytes;
+    if (total > cl->memory) {
+        return mcv_fail(error, MCV_DEVICE, "the scene needs %.1f MiB, but %s has %.1f MiB: use fewer triangles or another device",
+                        (double)total / 0x1p20, cl->name, (double)cl->memory / 0x1p20);
+    }
+    for (size_t i = 0; i < sizeof plans / sizeof plans[0]; ++i) {
+        if (plans[i].bytes > 0) MCV_TRY(mcv_cl_buffer(cl, plans[i].what, plans[i].bytes, plans[i].data, plans[i].buffer, error));
+    }
+    return MCV_OK;
+}
+
+mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *device, mcv_error *error) {
+    mcv_bvh bvh = {0};
+    memset(device, 0, sizeof *device);
+    MCV_TRY(mcv_pack(scene, &device->packed, error));
+    mcv_result result =
+        mcv_bvh_build(device->packed.positions, device->packed.indices, device->packed.triangle_count, threads, &bvh, error);
+    free(device->packed.indices);
+    device->packed.indices = NULL;
+    if (result == MCV_OK) result = fill_buffers(cl, &bvh, device, error);
+    mcv_bvh_free(&bvh);
+    return result;
+}
+
+void mcv_device_scene_close(mcv_device_scene *device) {
+#define MCV_X(name) mcv_cl_release(&device->name);
+    MCV_SCENE_BUFFERS(MCV_X)
+#undef MCV_X
+    mcv_packed_free(&device->packed);
+}
+
+mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t sensor, mcv_device_scene *device, mcv_frame *frame,
+                                  mcv_error *error) {
+    const mcv_sensor *from = &scene->sensors[sensor];
+    any_sensor prepared;
+    memset(&prepared, 0, sizeof prepared);
+    switch (from->type) {
+#define MCV_X(name, key, NAME) \
+    case MCV_SENSOR_##NAME: \
+        mcv_##name##_prepare(&from->as.name, &prepared.name); \
+        break;
+        MCV_SENSORS(MCV_X)
+#undef MCV_X
+    default:
+        return mcv_fail(error, MCV_FAILED, "sensor %u has the unknown type %u", sensor, from->type);
+    }
+    const mcv_packed *packed = &device->packed;
+    frame->emitter_count = packed->emitter_count;
+    frame->initial_media = mcv_media_around(scene, packed, from->to_world.m + 9);
+    uint32_t filling = 0;
+    while (filling < MCV_MAX_MEDIA && frame->initial_media >> filling != 0) ++filling;
+    frame->sensor_index_squared = filling > 0 ? 1.0f / packed->media[filling].inverse_index_squared : 1.0f;
+    memcpy(frame->environment, packed->environment, sizeof frame->environment);
+    mcv_pack_placement(packed, &from->to_world, frame->to_world);
+    return mcv_cl_write(cl, device->sensor, 0, sizeof prepared, &prepared, error);
+}
+
+void mcv_device_scene_arguments(const mcv_device_scene *device, mcv_arg arguments[MCV_SCENE_ARGUMENTS]) {
+    size_t i = 0;
+#define MCV_X(name) arguments[i++] = MCV_ARG(device->name);
+    MCV_SCENE_BUFFERS(MCV_X)
+#undef MCV_X
+}

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A packed scene with its acceleration structure in the device's memory, as the kernels' first arguments (kernels/world.h). */
+#ifndef MCVISI_HOST_RENDER_DEVICE_SCENE_H
+#define MCVISI_HOST_RENDER_DEVICE_SCENE_H
+
+#include "cl/cl.h"
+#include "render/pack.h"
+
+/* The buffers in the order of MCV_WORLD in kernels/world.h. */
+#define MCV_SCENE_BUFFERS(X) \
+    X(frame) \
+    X(sensor) \
+    X(nodes) \
+    X(leaves) \
+    X(triangles) \
+    X(positions) \
+    X(normals) \
+    X(texcoords) \
+    X(instances) \
+    X(materials) \
+    X(media) \
+    X(interfaces) \
+    X(emitters) \
+    X(emitter_cdf) \
+    X(textures) \
+    X(texels)
+#define MCV_X(name) +1
+enum { MCV_SCENE_ARGUMENTS = 0 MCV_SCENE_BUFFERS(MCV_X) };
+#undef MCV_X
+
+typedef struct mcv_device_scene {
+    mcv_packed packed; /* its arrays are freed once they are on the device; features, channels, counts and media stay */
+#define MCV_X(name) cl_mem name;
+    MCV_SCENE_BUFFERS(MCV_X)
+#undef MCV_X
+} mcv_device_scene;
+
+/*
+ * Packs the scene, builds the acceleration structure, plans the buffers against the device's limits and fills them. On failure
+ * mcv_device_scene_close is still to be called.
+ */
+mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *device, mcv_error *error);
+void mcv_device_scene_close(mcv_device_scene *device);
+
+/* Places a sensor: fills its buffer, and in the frame what depends on sensor and scene alone. */
+mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t sensor, mcv_device_scene *device, mcv_frame *frame,
+                                  mcv_error *error);
+
+void mcv_device_scene_arguments(const mcv_device_scene *device, mcv_arg arguments[MCV_SCENE_ARGUMENTS]);
+
+#endif

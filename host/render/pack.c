@@ -1,0 +1,496 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "render/pack.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double pi = 3.14159265358979323846;
+
+/* A cone is narrow, and sampled from the receiver, below this half-angle [rad]: a panel then mostly subtends more than the cone. */
+static const double narrow_cone = 0.1;
+
+static void *allocate(size_t count, size_t size, bool *failed) {
+    void *memory = calloc(count > 0 ? count : 1, size);
+    if (!memory) *failed = true;
+    return memory;
+}
+
+void mcv_packed_free(mcv_packed *packed) {
+    free(packed->positions);
+    free(packed->normals);
+    free(packed->texcoords);
+    free(packed->indices);
+    free(packed->triangles);
+    free(packed->instances);
+    free(packed->materials);
+    free(packed->emitters);
+    free(packed->emitter_cdf);
+    free(packed->textures);
+    free(packed->texels);
+    memset(packed, 0, sizeof *packed);
+}
+
+static uint32_t feature(unsigned index, bool present) { return present ? 1u << index : 0u; }
+
+/* Geometry */
+
+typedef struct box {
+    double lower[3], upper[3];
+} box;
+
+static box empty_box(void) { return (box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}; }
+
+static void extend(box *b, const double p[3]) {
+    for (int k = 0; k < 3; ++k) {
+        if (p[k] < b->lower[k]) b->lower[k] = p[k];
+        if (p[k] > b->upper[k]) b->upper[k] = p[k];
+    }
+}
+
+static bool overlap(const box *a, const box *b) {
+    for (int k = 0; k < 3; ++k) {
+        if (a->upper[k] < b->lower[k] || b->upper[k] < a->lower[k]) return false;
+    }
+    return true;
+}
+
+static void world_position(const mcv_mesh *mesh, const mcv_transform *to_world, uint32_t vertex, double out[3]) {
+    const float *p = mesh->positions + 3 * (size_t)vertex;
+    mcv_transform_point(to_world, (const double[3]){p[0], p[1], p[2]}, out);
+}
+
+static box instance_box(const mcv_scene *scene, const mcv_instance *instance) {
+    const mcv_mesh *mesh = &scene->meshes[instance->mesh];
+    box b = empty_box();
+    for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
+        double p[3];
+        world_position(mesh, &instance->to_world, v, p);
+        extend(&b, p);
+    }
+    return b;
+}
+
+/* The scene's centre on a grid of an eighth of its size, a power of two: moving the scene by whole grid steps changes no bit. */
+static void find_centre(const box *boxes, uint32_t count, double centre[3]) {
+    box all = empty_box();
+    double size = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (!(boxes[i].lower[0] <= boxes[i].upper[0])) continue;
+        extend(&all, boxes[i].lower);
+        extend(&all, boxes[i].upper);
+    }
+    for (int k = 0; k < 3; ++k) size = fmax(size, all.upper[k] - all.lower[k]);
+    const double grid = size > 0 && isfinite(size) ? exp2(floor(log2(size)) - 3) : 0;
+    for (int k = 0; k < 3; ++k) {
+        const double middle = 0.5 * (all.lower[k] + all.upper[k]);
+        centre[k] = !isfinite(middle) ? 0 : grid > 0 ? grid * round(middle / grid) : middle;
+    }
+}
+
+/* The matrix that takes normals along: cofactors, with the sign of the determinant. Returns the determinant. */
+static double normal_matrix(const mcv_transform *t, double n[9]) {
+    const double *m = t->m;
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) {
+            const int r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
+            n[3 * r + c] = m[3 * r1 + c1] * m[3 * r2 + c2] - m[3 * r1 + c2] * m[3 * r2 + c1];
+        }
+    }
+    const double determinant = m[0] * n[0] + m[1] * n[1] + m[2] * n[2];
+    for (int i = 0; determinant < 0 && i < 9; ++i) n[i] = -n[i];
+    return determinant;
+}
+
+static void pack_instance(const mcv_scene *scene, mcv_packed *packed, uint32_t index, uint32_t first_vertex) {
+    const mcv_instance *instance = &scene->instances[index];
+    const mcv_mesh *mesh = &scene->meshes[instance->mesh];
+    double n[9];
+    const bool mirrored = normal_matrix(&instance->to_world, n) < 0;
+    for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
+        const size_t to = first_vertex + (size_t)v;
+        double p[3];
+        world_position(mesh, &instance->to_world, v, p);
+        for (int k = 0; k < 3; ++k) packed->positions[3 * to + k] = (float)(p[k] - packed->centre[k]);
+        if (packed->normals && mesh->normals) {
+            const float *from = mesh->normals + 3 * (size_t)v;
+            double w[3];
+            for (int k = 0; k < 3; ++k) w[k] = n[3 * k] * from[0] + n[3 * k + 1] * from[1] + n[3 * k + 2] * from[2];
+            const double length = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+            for (int k = 0; k < 3; ++k) packed->normals[3 * to + k] = length > 0 ? (float)(w[k] / length) : 0.0f;
+        }
+        if (packed->texcoords && mesh->texcoords) memcpy(packed->texcoords + 2 * to, mesh->texcoords + 2 * (size_t)v, 2 * sizeof(float));
+    }
+    for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
+        const size_t to = instance->first_triangle + (size_t)t;
+        const uint32_t *from = mesh->indices + 3 * (size_t)t;
+        const uint32_t corners[3] = {from[0], from[mirrored ? 2 : 1], from[mirrored ? 1 : 2]};
+        for (int k = 0; k < 3; ++k) {
+            packed->indices[3 * to + k] = first_vertex + corners[k];
+            packed->triangles[4 * to + k] = first_vertex + corners[k];
+        }
+        packed->triangles[4 * to + 3] = index;
+    }
+}
+
+/* Media */
+
+/* One medium: bodies of one material that keep apart share it. */
+typedef struct body_medium {
+    uint32_t material;
+    double priority;
+} body_medium;
+
+static bool comes_before(const body_medium *a, const body_medium *b) {
+    return a->priority != b->priority ? a->priority < b->priority : a->material < b->material;
+}
+
+/*
+ * Gives each dielectric instance a medium, so that a path can keep the set of the bodies it is in as bits, the highest
+ * priority on top. Bodies of one material whose boxes do not touch share a bit.
+ */
+static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, const box *boxes, mcv_error *error) {
+    body_medium media[MCV_MAX_MEDIA];
+    uint32_t count = 0;
+    uint32_t *medium_of = calloc(scene->instance_count + 1, sizeof *medium_of); /* 1 + index into media before sorting */
+    if (!medium_of) return mcv_fail(error, MCV_FAILED, "%s: no memory for the media", scene->path);
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        const uint32_t material = scene->instances[i].material;
+        if (scene->materials[material].type != MCV_MATERIAL_DIELECTRIC) continue;
+        uint32_t taken = 0; /* bits of media that this body must not share */
+        for (uint32_t j = 0; j < i; ++j) {
+            if (medium_of[j] > 0 && overlap(&boxes[i], &boxes[j])) taken |= 1u << (medium_of[j] - 1);
+        }
+        for (uint32_t m = 0; m < count && medium_of[i] == 0; ++m) {
+            if (media[m].material == material && !(taken >> m & 1)) medium_of[i] = m + 1;
+        }
+        if (medium_of[i] > 0) continue;
+        if (count == MCV_MAX_MEDIA) {
+            free(medium_of);
+            return mcv_fail(
+                error, MCV_BAD_INPUT,
+                "%s: nodes: more than %d dielectric bodies differ in material or overlap: join those of one material into one mesh",
+                scene->path, MCV_MAX_MEDIA);
+        }
+        media[count] = (body_medium){material, scene->materials[material].as.dielectric.priority};
+        medium_of[i] = ++count;
+    }
+
+    /* Sorted by priority, ties as they came: the order carries the old number along in an index table. */
+    uint32_t place[MCV_MAX_MEDIA]; /* new number of an old one */
+    body_medium sorted[MCV_MAX_MEDIA];
+    for (uint32_t m = 0; m < count; ++m) {
+        place[m] = 0;
+        for (uint32_t o = 0; o < count; ++o) {
+            if (comes_before(&media[o], &media[m]) || (o < m && !comes_before(&media[m], &media[o]))) ++place[m];
+        }
+        sorted[place[m]] = media[m];
+    }
+    for (uint32_t i = 0; i < scene->instance_count; ++i) packed->instances[i].medium = medium_of[i] > 0 ? place[medium_of[i] - 1] + 1 : 0;
+    free(medium_of);
+
+    double index[MCV_MAX_MEDIA + 1] = {1.0};
+    for (uint32_t m = 0; m < count; ++m) {
+        const mcv_dielectric_params *params = &scene->materials[sorted[m].material].as.dielectric;
+        index[m + 1] = params->ior;
+        for (int k = 0; k < 3; ++k) packed->media[m + 1].absorption[k] = (float)params->absorption[k];
+    }
+    for (uint32_t a = 0; a <= count; ++a) {
+        packed->media[a].inverse_index_squared = (float)(1 / (index[a] * index[a]));
+        for (uint32_t b = 0; b <= count; ++b) {
+            mcv_device_interface *between = &packed->interfaces[a * (MCV_MAX_MEDIA + 1) + b];
+            between->eta = (float)(index[a] / index[b]);
+            between->delta = (float)((index[b] - index[a]) * (index[b] + index[a]) / (index[b] * index[b]));
+        }
+    }
+    return MCV_OK;
+}
+
+/* Does a ray from the point along a fixed oblique direction cross the instance's surface an odd number of times? */
+static bool surrounds(const mcv_scene *scene, uint32_t instance, const double point[3]) {
+    static const double d[3] = {0.5773, 0.2113, 0.7887};
+    const uint32_t triangles = scene->meshes[scene->instances[instance].mesh].triangle_count;
+    bool inside = false;
+    for (uint32_t t = 0; t < triangles; ++t) {
+        double c[3][3], e1[3], e2[3], s[3];
+        mcv_scene_corners(scene, instance, t, c);
+        for (int k = 0; k < 3; ++k) {
+            e1[k] = c[1][k] - c[0][k];
+            e2[k] = c[2][k] - c[0][k];
+            s[k] = point[k] - c[0][k];
+        }
+        const double p[3] = {d[1] * e2[2] - d[2] * e2[1], d[2] * e2[0] - d[0] * e2[2], d[0] * e2[1] - d[1] * e2[0]};
+        const double q[3] = {s[1] * e1[2] - s[2] * e1[1], s[2] * e1[0] - s[0] * e1[2], s[0] * e1[1] - s[1] * e1[0]};
+        const double det = e1[0] * p[0] + e1[1] * p[1] + e1[2] * p[2];
+        if (det == 0) continue;
+        const double u = (s[0] * p[0] + s[1] * p[1] + s[2] * p[2]) / det;
+        const double v = (d[0] * q[0] + d[1] * q[1] + d[2] * q[2]) / det;
+        const double along = (e2[0] * q[0] + e2[1] * q[1] + e2[2] * q[2]) / det;
+        if (u >= 0 && v >= 0 && u + v <= 1 && along > 0) inside = !inside;
+    }
+    return inside;
+}
+
+uint32_t mcv_media_around(const mcv_scene *scene, const mcv_packed *packed, const double point[3]) {
+    uint32_t media = 0;
+    for (uint32_t i = 0; i < packed->instance_count; ++i) {
+        if (packed->instances[i].medium == 0) continue;
+        const box b = instance_box(scene, &scene->instances[i]);
+        bool maybe = true;
+        for (int k = 0; k < 3; ++k) maybe = maybe && point[k] >= b.lower[k] && point[k] <= b.upper[k];
+        if (maybe && surrounds(scene, i, point)) media |= 1u << (packed->instances[i].medium - 1);
+    }
+    return media;
+}
+
+/* Materials and textures */
+
+static mcv_device_material pack_material(const mcv_material *material) {
+    mcv_device_material out = {.type = material->type, .texture = material->texture};
+    const double *value = NULL;
+    switch (material->type) {
+    case MCV_MATERIAL_DIFFUSE:
+        value = material->as.diffuse.reflectance;
+        break;
+    case MCV_MATERIAL_MIRROR:
+        value = material->as.mirror.reflectance;
+        break;
+    case MCV_MATERIAL_SHEET: {
+        const double n = material->as.sheet.ior;
+        value = material->as.sheet.transmittance;
+        out.eta = (float)(1 / n);
+        out.delta = (float)((n - 1) * (n + 1) / (n * n));
+        break;
+    }
+    default:
+        break;
+    }
+    for (int k = 0; value && k < 3; ++k) out.value[k] = (float)value[k];
+    return out;
+}
+
+static float decode_srgb(unsigned byte) {
+    const double v = byte / 255.0;
+    return (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
+}
+
+static void pack_textures(const mcv_scene *scene, mcv_packed *packed) {
+    size_t next = 256;
+    for (unsigned i = 0; i < 256; ++i) packed->texels[i] = as_uint(decode_srgb(i));
+    for (uint32_t i = 0; i < scene->texture_count; ++i) {
+        const mcv_texture *texture = &scene->textures[i];
+        packed->textures[i] = (mcv_device_texture){.width = texture->width,
+                                                   .height = texture->height,
+                                                   .first = (uint32_t)next,
+                                                   .wrap_s = texture->wrap_s,
+                                                   .wrap_t = texture->wrap_t,
+                                                   .nearest = texture->nearest};
+        for (size_t k = 0; k < (size_t)texture->width * texture->height; ++k, ++next) {
+            const uint8_t *rgba = texture->rgba + 4 * k;
+            packed->texels[next] = rgba[0] | (uint32_t)rgba[1] << 8 | (uint32_t)rgba[2] << 16 | (uint32_t)rgba[3] << 24;
+        }
+    }
+}
+
+/* Emitters */
+
+/* Cumulative shares in units of 2^-31; the last entry is 2^31. Returns their sum in the given unit. */
+static double write_cdf(uint32_t *cdf, uint32_t count, const double *values) {
+    double total = 0;
+    double sum = 0;
+    for (uint32_t i = 0; i < count; ++i) total += values[i];
+    for (uint32_t i = 0; i < count; ++i) {
+        cdf[i] = total > 0 ? (uint32_t)(sum / total * 0x1p31) : 0;
+        sum += values[i];
+    }
+    cdf[count] = 0x80000000u;
+    return total;
+}
+
+static double triangle_area(const mcv_scene *scene, uint32_t instance, uint32_t triangle) {
+    double c[3][3], a[3], b[3];
+    mcv_scene_corners(scene, instance, triangle, c);
+    for (int k = 0; k < 3; ++k) {
+        a[k] = c[1][k] - c[0][k];
+        b[k] = c[2][k] - c[0][k];
+    }
+    const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+    return 0.5 * sqrt(x * x + y * y + z * z);
+}
+
+/* All normals of a flat panel point the same way, but for rounding. */
+static bool common_normal(const mcv_scene *scene, uint32_t instance, double axis[3]) {
+    const uint32_t triangles = scene->meshes[scene->instances[instance].mesh].triangle_count;
+    for (uint32_t t = 0; t < triangles; ++t) {
+        double n[3][3];
+        mcv_scene_vertex_normals(scene, instance, t, n);
+        if (t == 0) memcpy(axis, n[0], 3 * sizeof(double));
+        for (int v = 0; v < 3; ++v) {
+            const double dx = n[v][0] - axis[0], dy = n[v][1] - axis[1], dz = n[v][2] - axis[2];
+            if (dx * dx + dy * dy + dz * dz > 0x1p-44)
+                return false; /* two roundings of unit vectors in float32 differ by less than 2^-22 */
+        }
+    }
+    return triangles > 0;
+}
+
+static double emitter_power(const mcv_emitter *emitter) {
+    const double brightness = (emitter->radiance[0] + emitter->radiance[1] + emitter->radiance[2]) / 3;
+    double share = 1;
+    if (emitter->type == MCV_EMITTER_PARALLEL) share = pow(sin(emitter->as.parallel.halfAngle), 2);
+    return pi * brightness * emitter->area * share;
+}
+
+static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
+    uint32_t *cdf = packed->emitter_cdf;
+    size_t next = packed->emitter_count + 1;
+    uint32_t count = 0;
+    bool failed = false;
+    double *powers = allocate(scene->emitter_count, sizeof(double), &failed);
+    double *areas = allocate(scene->triangle_count, sizeof(double), &failed);
+    for (uint32_t i = 0; !failed && i < scene->emitter_count; ++i) {
+        const mcv_emitter *from = &scene->emitters[i];
+        if (from->type == MCV_EMITTER_ENVIRONMENT) continue;
+        const uint32_t triangles = scene->meshes[scene->instances[from->instance].mesh].triangle_count;
+        mcv_device_emitter *to = &packed->emitters[count];
+        *to = (mcv_device_emitter){
+            .type = from->type, .instance = from->instance, .texture = from->texture, .cdf = (uint32_t)next, .triangle_count = triangles};
+        for (int k = 0; k < 3; ++k) to->radiance[k] = (float)from->radiance[k];
+        for (uint32_t t = 0; t < triangles; ++t) areas[t] = triangle_area(scene, from->instance, t);
+        write_cdf(cdf + next, triangles, areas);
+        next += triangles + 1;
+        if (from->type == MCV_EMITTER_PARALLEL) {
+            const double beta = from->as.parallel.halfAngle;
+            const double sin_half = sin(beta / 2);
+            double axis[3] = {0, 0, 0};
+            to->parallel.tangent_squared = (float)pow(tan(beta), 2);
+            to->parallel.sin_half = (float)sin_half;
+            to->parallel.solid_angle = (float)(4 * pi * sin_half * sin_half);
+            to->parallel.from_receiver = beta <= narrow_cone && common_normal(scene, from->instance, axis);
+            for (int k = 0; k < 3; ++k) to->parallel.axis[k] = (float)axis[k];
+        }
+        packed->instances[from->instance].emitter = count;
+        powers[count++] = emitter_power(from);
+    }
+    if (!failed) {
+        const double total = write_cdf(cdf, count, powers);
+        for (uint32_t i = 0; i < count; ++i) packed->emitters[i].probability = (float)((cdf[i + 1] - cdf[i]) * 0x1p-31);
+        if (!(total > 0)) packed->features &= ~(1u << MCV_FEATURE_NEXT_EVENT);
+    }
+    free(powers);
+    free(areas);
+    return failed ? mcv_fail(error, MCV_FAILED, "%s: no memory for the emitters", scene->path) : MCV_OK;
+}
+
+/* What the scene needs */
+
+static uint32_t find_features(const mcv_scene *scene) {
+    uint32_t features = 0;
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        const mcv_instance *instance = &scene->instances[i];
+        const mcv_material *material = &scene->materials[instance->material];
+        const mcv_dielectric_params *glass = material->type == MCV_MATERIAL_DIELECTRIC ? &material->as.dielectric : NULL;
+        features |=
+            feature(MCV_FEATURE_DIFFUSE, material->type == MCV_MATERIAL_DIFFUSE) | feature(MCV_FEATURE_DIELECTRIC, glass) |
+            feature(MCV_FEATURE_SHEET, material->type == MCV_MATERIAL_SHEET) |
+            feature(MCV_FEATURE_MIRROR, material->type == MCV_MATERIAL_MIRROR) |
+            feature(MCV_FEATURE_TEXTURE, material->texture != MCV_NONE) |
+            feature(MCV_FEATURE_NORMALS, scene->meshes[instance->mesh].normals) |
+            feature(MCV_FEATURE_ABSORPTION, glass && (glass->absorption[0] > 0 || glass->absorption[1] > 0 || glass->absorption[2] > 0));
+    }
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) {
+        const mcv_emitter *emitter = &scene->emitters[i];
+        features |= feature(MCV_FEATURE_PARALLEL, emitter->type == MCV_EMITTER_PARALLEL) |
+                    feature(MCV_FEATURE_AREA, emitter->type == MCV_EMITTER_AREA) |
+                    feature(MCV_FEATURE_ENVIRONMENT, emitter->type == MCV_EMITTER_ENVIRONMENT) |
+                    feature(MCV_FEATURE_TEXTURE, emitter->texture != MCV_NONE);
+    }
+    const uint32_t surfaces = 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_AREA;
+    return features | feature(MCV_FEATURE_NEXT_EVENT, (features >> MCV_FEATURE_DIFFUSE & 1) && (features & surfaces));
+}
+
+static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, box *boxes, mcv_error *error) {
+    uint64_t vertices = 0;
+    bool failed = false;
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        vertices += scene->meshes[scene->instances[i].mesh].vertex_count;
+        boxes[i] = instance_box(scene, &scene->instances[i]);
+    }
+    if (vertices > 0x7fffffff) {
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: nodes: %llu vertices after placing all meshes, at most 2^31 - 1 can be rendered",
+                        scene->path, (unsigned long long)vertices);
+    }
+    packed->features = find_features(scene);
+    packed->channels = mcv_scene_channels(scene);
+    packed->vertex_count = (uint32_t)vertices;
+    packed->triangle_count = scene->triangle_count;
+    packed->instance_count = scene->instance_count;
+    packed->material_count = scene->material_count;
+    packed->texture_count = scene->texture_count;
+    packed->texel_count = 256;
+    for (uint32_t i = 0; i < scene->texture_count; ++i) packed->texel_count += (size_t)scene->textures[i].width * scene->textures[i].height;
+    packed->cdf_count = 1;
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) {
+        const mcv_emitter *emitter = &scene->emitters[i];
+        if (emitter->type == MCV_EMITTER_ENVIRONMENT) {
+            for (int k = 0; k < 3; ++k) packed->environment[k] = (float)emitter->radiance[k];
+            continue;
+        }
+        ++packed->emitter_count;
+        packed->cdf_count += 2 + scene->meshes[scene->instances[emitter->instance].mesh].triangle_count;
+    }
+    find_centre(boxes, scene->instance_count, packed->centre);
+
+    packed->positions = allocate(3 * vertices, sizeof(float), &failed);
+    if (packed->features >> MCV_FEATURE_NORMALS & 1) packed->normals = allocate(3 * vertices, sizeof(float), &failed);
+    if (packed->features >> MCV_FEATURE_TEXTURE & 1) packed->texcoords = allocate(2 * vertices, sizeof(float), &failed);
+    packed->indices = allocate(3 * (size_t)scene->triangle_count, sizeof(uint32_t), &failed);
+    packed->triangles = allocate(4 * (size_t)scene->triangle_count, sizeof(uint32_t), &failed);
+    packed->instances = allocate(scene->instance_count, sizeof *packed->instances, &failed);
+    packed->materials = allocate(scene->material_count, sizeof *packed->materials, &failed);
+    packed->emitters = allocate(packed->emitter_count, sizeof *packed->emitters, &failed);
+    packed->emitter_cdf = allocate(packed->cdf_count, sizeof(uint32_t), &failed);
+    packed->textures = allocate(scene->texture_count, sizeof *packed->textures, &failed);
+    packed->texels = allocate(packed->texel_count, sizeof(uint32_t), &failed);
+    if (failed) {
+        return mcv_fail(error, MCV_FAILED, "%s: no memory to place %u triangles with %llu vertices", scene->path, scene->triangle_count,
+                        (unsigned long long)vertices);
+    }
+
+    uint32_t first_vertex = 0;
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        const mcv_instance *instance = &scene->instances[i];
+        const mcv_mesh *mesh = &scene->meshes[instance->mesh];
+        packed->instances[i] = (mcv_device_instance){.material = instance->material,
+                                                     .emitter = MCV_NONE,
+                                                     .smooth = mesh->normals != NULL,
+                                                     .first_triangle = instance->first_triangle};
+        pack_instance(scene, packed, i, first_vertex);
+        first_vertex += mesh->vertex_count;
+    }
+    for (uint32_t i = 0; i < scene->material_count; ++i) packed->materials[i] = pack_material(&scene->materials[i]);
+    pack_textures(scene, packed);
+    MCV_TRY(assign_media(scene, packed, boxes, error));
+    return pack_emitters(scene, packed, error);
+}
+
+mcv_result mcv_pack(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
+    memset(packed, 0, sizeof *packed);
+    bool failed = false;
+    box *boxes = allocate(scene->instance_count, sizeof *boxes, &failed);
+    const mcv_result result =
+        failed ? mcv_fail(error, MCV_FAILED, "%s: no memory to place the scene", scene->path) : pack_all(scene, packed, boxes, error);
+    free(boxes);
+    if (result != MCV_OK) mcv_packed_free(packed);
+    return result;
+}
+
+void mcv_pack_placement(const mcv_packed *packed, const mcv_transform *to_world, float placement[12]) {
+    const double *m = to_world->m;
+    for (int r = 0; r < 3; ++r) {
+        placement[3 * r] = (float)m[3 * r];
+        placement[3 * r + 1] = (float)m[3 * r + 1];
+        placement[3 * r + 2] = (float)-m[3 * r + 2]; /* the optical axis is the node's -z */
+        placement[9 + r] = (float)(m[9 + r] - packed->centre[r]);
+    }
+}

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A scene made ready for the device: world geometry in double, re-centred, rounded once to float32, and the tables of
+ * mcvisi/tables.h; and what of the renderer it needs.
+ */
+#ifndef MCVISI_HOST_RENDER_PACK_H
+#define MCVISI_HOST_RENDER_PACK_H
+
+#include "mcvisi/features.h"
+#include "mcvisi/tables.h"
+#include "scene/scene.h"
+
+typedef struct mcv_packed {
+    uint32_t features; /* bit MCV_FEATURE_… */
+    uint32_t channels;
+    double centre[3]; /* world point that is the device's origin, on a grid of a power of two */
+
+    uint32_t vertex_count, triangle_count, instance_count, material_count, emitter_count, texture_count;
+    size_t texel_count, cdf_count;
+    float *positions, *normals, *texcoords; /* 3, 3, 2 per vertex; normals and texcoords NULL where no feature needs them */
+    uint32_t *indices;                      /* 3 per triangle, for the acceleration structure */
+    uint32_t *triangles;                    /* 4 per triangle: the vertices and the instance */
+    mcv_device_instance *instances;
+    mcv_device_material *materials;
+    mcv_device_medium media[MCV_MAX_MEDIA + 1];
+    mcv_device_interface interfaces[(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
+    mcv_device_emitter *emitters;
+    uint32_t *emitter_cdf; /* first emitter_count + 1 entries: which emitter; then each emitter's triangles */
+    mcv_device_texture *textures;
+    uint32_t *texels; /* first 256 words: the sRGB decoding as floats */
+    float environment[3];
+} mcv_packed;
+
+/* Fails without memory, or with more than MCV_MAX_MEDIA bodies that overlap. On failure *packed is empty. */
+mcv_result mcv_pack(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
+void mcv_packed_free(mcv_packed *packed);
+
+/* The set of media (bit i: medium i + 1) whose closed surfaces surround a world point. */
+uint32_t mcv_media_around(const mcv_scene *scene, const mcv_packed *packed, const double point[3]);
+
+/* Where the sensor is, as the device wants it: the optical frame to the re-centred world. */
+void mcv_pack_placement(const mcv_packed *packed, const mcv_transform *to_world, float placement[12]);
+
+/* "dielectric normals parallel": the names of a set of features. */
+void mcv_feature_names(uint32_t features, char *names, size_t size);
+
+/* The -D options that specialise a program for a scene and one kind of sensor. */
+void mcv_feature_options(uint32_t features, uint32_t channels, uint32_t sensor_type, uint32_t sampler, uint32_t slice, char *options,
+                         size_t size);
+
+/* 32-bit words of a path's state with these features. */
+uint32_t mcv_path_words(uint32_t features, uint32_t channels);
+
+#endif

@@ -1,0 +1,300 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "render/render.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "film/film.h"
+#include "render/device_scene.h"
+#include "scene/sensors.h"
+
+enum {
+    DEFAULT_SLICE = 256,
+    MAX_SLICES = 2048,     /* per launch: enough for both an even load and a bounded state */
+    MAX_LOG2_SAMPLES = 16, /* per launch and set */
+    MIN_SAMPLES = 4,       /* per replicate, before an error estimate may stop the render */
+};
+
+mcv_render_options mcv_render_defaults(void) {
+    return (mcv_render_options){.sampler = MCV_SAMPLER_SOBOL, .replicates = 4, .depth = 32, .schedule = MCV_SCHEDULE_AUTO};
+}
+
+typedef struct renderer {
+    mcv_cl cl;
+    mcv_device_scene scene;
+    cl_program program;
+    cl_kernel kernel;
+    cl_mem paths, sums, counters;
+    uint32_t slice, slices; /* paths per slice, slices per launch */
+    const mcv_render_options *options;
+    mcv_render_stats *stats;
+    mcv_film *film;
+    double *round; /* like the film's sums: those of the samples of this round */
+    mcv_frame frame;
+    double begun; /* when */
+    mcv_error *error;
+} renderer;
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static uint32_t floor_log2(uint64_t x) {
+    uint32_t k = 0;
+    while (x >>= 1) ++k;
+    return k;
+}
+
+static bool is_power_of_two(uint64_t x) { return x > 0 && (x & (x - 1)) == 0; }
+
+/* Options that make no sense, before any work. */
+static mcv_result check_options(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, mcv_error *error) {
+    if (scene->sensor_count == 0) {
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor: give a node a glTF camera or an MCVISI_sensors sensor",
+                        scene->path);
+    }
+    if (sensor >= scene->sensor_count) {
+        return mcv_fail(error, MCV_USAGE, "%s: there is no sensor %u: the scene has %u", scene->path, sensor, scene->sensor_count);
+    }
+    if (options->replicates < 1 || options->replicates > 64)
+        return mcv_fail(error, MCV_USAGE, "replicates must be 1 to 64, not %u", options->replicates);
+    if (options->depth < 1 || options->depth > 1000000)
+        return mcv_fail(error, MCV_USAGE, "depth must be 1 to 1000000, not %u", options->depth);
+    if (options->slice % MCV_BLOCK != 0 || options->slice > 4096) {
+        return mcv_fail(error, MCV_USAGE, "a slice must be a multiple of %d paths of at most 4096, not %u", MCV_BLOCK, options->slice);
+    }
+    if (options->last == 0 && !(options->error > 0) && !(options->seconds > 0)) {
+        return mcv_fail(error, MCV_USAGE, "nothing says when to stop: give samples, an error or a time");
+    }
+    if (options->last > 0x80000000u || (options->last > 0 && options->first >= options->last)) {
+        return mcv_fail(error, MCV_USAGE, "the sample range %llu:%llu is empty or ends beyond 2^31", (unsigned long long)options->first,
+                        (unsigned long long)options->last);
+    }
+    const uint64_t count = options->last - options->first;
+    if (options->last > 0 && (!is_power_of_two(count) || options->first % count != 0)) {
+        return mcv_fail(error, MCV_USAGE,
+                        "the sample range %llu:%llu must hold a power of two of samples per replicate and begin at a multiple of it",
+                        (unsigned long long)options->first, (unsigned long long)options->last);
+    }
+    return MCV_OK;
+}
+
+static mcv_result open_renderer(renderer *r, const mcv_scene *scene, uint32_t sensor) {
+    char options[1024];
+    const double start = now();
+    MCV_TRY(mcv_cl_open(r->options->device, &r->cl, r->error));
+    memcpy(r->stats->device, r->cl.name, sizeof r->stats->device);
+    MCV_TRY(mcv_device_scene_open(&r->cl, scene, r->options->threads, &r->scene, r->error));
+    const mcv_packed *packed = &r->scene.packed;
+    mcv_feature_names(packed->features, r->stats->features, sizeof r->stats->features);
+    r->stats->seconds_build = now() - start;
+
+    const double compile = now();
+    r->slice = r->options->slice > 0 ? r->options->slice : DEFAULT_SLICE;
+    mcv_feature_options(packed->features, packed->channels, scene->sensors[sensor].type, r->options->sampler, r->slice, options,
+                        sizeof options);
+    MCV_TRY(mcv_cl_build(&r->cl, "tile", options, &r->program, r->error));
+    MCV_TRY(mcv_cl_kernel(r->program, "render_tile", &r->kernel, r->error));
+    r->stats->seconds_compile = now() - compile;
+
+    /* The state of a launch's paths, bounded by a quarter of what the device allows in one buffer. */
+    const size_t slice_bytes = 4 * (size_t)mcv_path_words(packed->features, packed->channels) * r->slice;
+    const size_t most = r->cl.largest_allocation / 4 / slice_bytes;
+    r->slices = (uint32_t)(most < MAX_SLICES ? most : MAX_SLICES);
+    if (r->slices < 1) return mcv_fail(r->error, MCV_DEVICE, "%s: too little memory for a slice of %u paths", r->cl.name, r->slice);
+    MCV_TRY(mcv_cl_buffer(&r->cl, "the paths of a launch", r->slices * slice_bytes, NULL, &r->paths, r->error));
+    MCV_TRY(mcv_cl_buffer(&r->cl, "the sums of a launch", 8 * (size_t)r->slices * r->slice * packed->channels, NULL, &r->sums, r->error));
+    MCV_TRY(mcv_cl_buffer(&r->cl, "the counters of a launch", 4 * (size_t)r->slices * MCV_COUNTER_COUNT, NULL, &r->counters, r->error));
+
+    r->frame = (mcv_frame){.width = r->film->width,
+                           .height = r->film->height,
+                           .replicates = r->film->replicates,
+                           .seed = r->options->seed,
+                           .depth = r->options->depth};
+    return mcv_device_scene_place(&r->cl, scene, sensor, &r->scene, &r->frame, r->error);
+}
+
+static void close_renderer(renderer *r) {
+    mcv_cl_release(&r->paths);
+    mcv_cl_release(&r->sums);
+    mcv_cl_release(&r->counters);
+    if (r->kernel) clReleaseKernel(r->kernel);
+    if (r->program) clReleaseProgram(r->program);
+    mcv_device_scene_close(&r->scene);
+    mcv_cl_close(&r->cl);
+    free(r->round);
+}
+
+static mcv_result add_counters(renderer *r, uint32_t slices) {
+    uint32_t *counters = malloc(4 * (size_t)slices * MCV_COUNTER_COUNT);
+    if (!counters) return mcv_fail(r->error, MCV_FAILED, "no memory for the counters of a launch");
+    const mcv_result result = mcv_cl_read(&r->cl, r->counters, 0, 4 * (size_t)slices * MCV_COUNTER_COUNT, counters, r->error);
+    for (uint32_t s = 0; result == MCV_OK && s < slices; ++s) {
+        const uint32_t *c = counters + (size_t)s * MCV_COUNTER_COUNT;
+        r->stats->paths += c[MCV_COUNTER_paths];
+        r->stats->rays += c[MCV_COUNTER_rays];
+        r->stats->shadow_rays += c[MCV_COUNTER_shadow_rays];
+        r->stats->depth_cut += c[MCV_COUNTER_depth_cut];
+        r->stats->lost_energy += (double)as_float(c[MCV_COUNTER_lost]);
+        r->stats->nonfinite += c[MCV_COUNTER_nonfinite];
+        r->stats->unmatched += c[MCV_COUNTER_unmatched];
+    }
+    free(counters);
+    return result;
+}
+
+/* One launch: 2^frame.log2_samples samples of `sets` sets. The block sums go to blocks[set][channel][first_block …]. */
+static mcv_result launch(renderer *r, uint32_t sets, float *read, double *blocks, uint32_t first_block, uint32_t blocks_per_set) {
+    const uint32_t channels = r->film->channels;
+    const uint32_t samples = 1u << r->frame.log2_samples;
+    const uint32_t block = samples < MCV_BLOCK ? samples : MCV_BLOCK;
+    r->frame.path_count = sets * samples;
+    const uint32_t slices = (r->frame.path_count + r->slice - 1) / r->slice;
+    MCV_TRY(mcv_cl_write(&r->cl, r->scene.frame, 0, sizeof r->frame, &r->frame, r->error));
+    mcv_arg arguments[MCV_SCENE_ARGUMENTS + 3];
+    mcv_device_scene_arguments(&r->scene, arguments);
+    arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(r->paths);
+    arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(r->sums);
+    arguments[MCV_SCENE_ARGUMENTS + 2] = MCV_ARG(r->counters);
+    MCV_TRY(mcv_cl_launch(&r->cl, r->kernel, slices, 1, arguments, MCV_SCENE_ARGUMENTS + 3, r->error));
+
+    const uint32_t launched_blocks = samples / block;
+    MCV_TRY(mcv_cl_read(&r->cl, r->sums, 0, 8 * (size_t)sets * launched_blocks * channels, read, r->error));
+    for (uint32_t set = 0; set < sets; ++set) {
+        for (uint32_t b = 0; b < launched_blocks; ++b) {
+            for (uint32_t c = 0; c < channels; ++c) {
+                const float *pair = read + 2 * (((size_t)set * launched_blocks + b) * channels + c);
+                blocks[((size_t)set * channels + c) * blocks_per_set + first_block + b] = (double)pair[0] + (double)pair[1];
+            }
+        }
+    }
+    if (r->stats->seconds_first_sample == 0) r->stats->seconds_first_sample = now() - r->begun;
+    return add_counters(r, slices);
+}
+
+/* Where in the image a set's pixel lies; false if its 8 x 8 tile sticks out there. */
+static bool pixel_of_set(const mcv_film *film, uint32_t set, size_t *pixel) {
+    const uint32_t number = set / film->replicates;
+    const uint32_t tiles = (film->width + 7) / 8;
+    const uint32_t column = (number >> 6) % tiles * 8 + (number & 7);
+    const uint32_t row = (number >> 6) / tiles * 8 + (number >> 3 & 7);
+    *pixel = (size_t)row * film->width + column;
+    return column < film->width && row < film->height;
+}
+
+/*
+ * All samples [first, first + count) of all pixels into r->round; count is a power of two. *stop is set when the caller's
+ * progress function asked for it: the round is not whole then.
+ */
+static mcv_result render_round(renderer *r, uint64_t first, uint64_t count, double done_before, bool *stop) {
+    const mcv_film *film = r->film;
+    const uint32_t channels = film->channels;
+    const uint64_t set_count = (uint64_t)((film->width + 7) / 8) * ((film->height + 7) / 8) * 64 * film->replicates;
+    const uint32_t capacity = r->slices * r->slice;
+    uint32_t log2_samples = floor_log2(count);
+    if (log2_samples > MAX_LOG2_SAMPLES) log2_samples = MAX_LOG2_SAMPLES;
+    if (log2_samples > floor_log2(capacity)) log2_samples = floor_log2(capacity);
+    const uint32_t launch_samples = 1u << log2_samples;
+    const uint32_t block = launch_samples < MCV_BLOCK ? launch_samples : MCV_BLOCK;
+    const uint32_t blocks_per_set = (uint32_t)(count / block);
+    const uint32_t sets_per_launch = capacity / launch_samples;
+    const size_t pixels = (size_t)film->width * film->height;
+    mcv_result result = MCV_OK;
+    if (set_count > 0xffffffffu) {
+        return mcv_fail(r->error, MCV_BAD_INPUT, "the image has too many pixels for %u replicates: %llu sets, at most 2^32",
+                        film->replicates, (unsigned long long)set_count);
+    }
+    float *read = malloc(8 * (size_t)sets_per_launch * (launch_samples / block) * channels);
+    double *blocks = malloc(8 * (size_t)sets_per_launch * channels * blocks_per_set);
+    if (!read || !blocks) result = mcv_fail(r->error, MCV_FAILED, "no memory for the sums of a launch");
+
+    r->frame.log2_samples = log2_samples;
+    for (uint64_t set = 0; result == MCV_OK && !*stop && set < set_count; set += sets_per_launch) {
+        const uint32_t sets = (uint32_t)(set_count - set < sets_per_launch ? set_count - set : sets_per_launch);
+        r->frame.first_set = (uint32_t)set;
+        for (uint64_t s = 0; result == MCV_OK && s < count; s += launch_samples) {
+            r->frame.first_sample = (uint32_t)(first + s);
+            result = launch(r, sets, read, blocks, (uint32_t)(s / block), blocks_per_set);
+        }
+        for (uint32_t i = 0; result == MCV_OK && i < sets; ++i) {
+            size_t pixel;
+            if (!pixel_of_set(film, (uint32_t)set + i, &pixel)) continue;
+            const uint32_t replicate = (uint32_t)(set + i) % film->replicates;
+            for (uint32_t c = 0; c < channels; ++c) {
+                r->round[((size_t)replicate * channels + c) * pixels + pixel] =
+                    mcv_tree_sum(blocks + ((size_t)i * channels + c) * blocks_per_set, blocks_per_set);
+            }
+        }
+        const mcv_render_options *o = r->options;
+        if (result == MCV_OK && o->progress) {
+            const double share = ((double)set + sets) / (double)set_count;
+            const double samples = (double)film->samples + share * (double)count;
+            const double seconds = now() - r->begun;
+            double fraction = o->last > 0 ? samples / (double)(o->last - o->first) : 0;
+            if (o->seconds > 0 && seconds / o->seconds > fraction) fraction = seconds / o->seconds;
+            const bool go_on = o->progress(o->user, fraction, seconds, done_before);
+            /* The first round is always finished: a stopped render has an image. */
+            if (!go_on && film->samples > 0) *stop = true;
+            if (!go_on) r->stats->interrupted = true;
+        }
+    }
+    free(read);
+    free(blocks);
+    return result;
+}
+
+/* Rounds of doubling length until the samples, the error or the time is reached. */
+static mcv_result render_rounds(renderer *r) {
+    const mcv_render_options *o = r->options;
+    const size_t values = (size_t)r->film->width * r->film->height * r->film->channels * r->film->replicates;
+    double error = INFINITY;
+    bool stop = false;
+    uint64_t next = o->first;
+    for (;;) {
+        /* [0, 1), [1, 2), [2, 4) … or the one range that does not begin at 0. */
+        const uint64_t count = o->first > 0 ? o->last - o->first : next > 0 ? next : 1;
+        const double round_begun = now();
+        MCV_TRY(render_round(r, next, count, error, &stop));
+        if (stop) return MCV_OK;
+        for (size_t i = 0; i < values; ++i) r->film->sums[i] += r->round[i];
+        r->film->samples += count;
+        next += count;
+        error = mcv_film_relative_error(r->film);
+        const double seconds = now() - r->begun;
+        const double predicted = 2 * (now() - round_begun);
+        if (o->last > 0 && next >= o->last) return MCV_OK;
+        if (o->error > 0 && r->film->samples >= MIN_SAMPLES && error <= o->error) return MCV_OK;
+        if (o->seconds > 0 && seconds + predicted > o->seconds) return MCV_OK;
+        if (r->stats->interrupted || next >= 0x80000000u) return MCV_OK;
+    }
+}
+
+mcv_result mcv_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, mcv_film *film, mcv_render_stats *stats,
+                      mcv_error *error) {
+    renderer r = {.options = options, .stats = stats, .film = film, .begun = now(), .error = error};
+    uint32_t width;
+    uint32_t height;
+    memset(film, 0, sizeof *film);
+    memset(stats, 0, sizeof *stats);
+    MCV_TRY(check_options(scene, sensor, options, error));
+    mcv_sensor_film_size(&scene->sensors[sensor], &width, &height);
+    const uint32_t channels = mcv_scene_channels(scene);
+    mcv_result result = mcv_film_new(film, width, height, channels, options->replicates, error);
+    if (result == MCV_OK) {
+        r.round = calloc((size_t)width * height * channels * options->replicates, sizeof(double));
+        if (!r.round) result = mcv_fail(error, MCV_FAILED, "no memory for an image of %u x %u pixels", width, height);
+    }
+    if (result == MCV_OK) result = open_renderer(&r, scene, sensor);
+    const double begun = now();
+    if (result == MCV_OK) result = render_rounds(&r);
+    stats->seconds_render = now() - begun;
+    stats->lost_energy = stats->paths > 0 ? stats->lost_energy / (double)stats->paths : 0;
+    close_renderer(&r);
+    if (result != MCV_OK) mcv_film_free(film);
+    return result;
+}

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What a scene needs. Only this is compiled, launched and allocated: each feature is a macro MCV_WITH_<NAME> of 0 or 1 in
+ * the kernels, set by the host from the scene (host/render/features.c).
+ *
+ * X(NAME, "word for people", "why")
+ */
+#ifndef MCVISI_FEATURES_H
+#define MCVISI_FEATURES_H
+
+#define MCV_FEATURES(X) \
+    X(DIFFUSE, "diffuse", "a material reflects diffusely") \
+    X(DIELECTRIC, "dielectric", "a body of glass, fluid or gas refracts") \
+    X(ABSORPTION, "absorption", "a medium absorbs along the path") \
+    X(SHEET, "sheet", "a thin sheet transmits") \
+    X(MIRROR, "mirror", "a mirror reflects") \
+    X(TEXTURE, "texture", "an image modulates a material or an emitter") \
+    X(NORMALS, "normals", "a mesh has interpolated normals") \
+    X(PARALLEL, "parallel", "a parallel emitter shines") \
+    X(AREA, "area", "a diffuse area emitter shines") \
+    X(ENVIRONMENT, "environment", "the environment shines") \
+    X(NEXT_EVENT, "next-event", "diffuse surfaces look for parallel and area emitters")
+
+enum {
+#define MCV_X(NAME, word, why) MCV_FEATURE_##NAME,
+    MCV_FEATURES(MCV_X)
+#undef MCV_X
+        MCV_FEATURE_COUNT
+};
+
+/* X(stage, whether it runs, in the terms of MCV_WITH_…): one file kernels/<stage>.cl each, in the order in which they run. */
+#define MCV_STAGES(X) \
+    X(generate_rays, 1) \
+    X(intersect_closest, 1) \
+    X(sample_emitters, MCV_WITH_NEXT_EVENT) \
+    X(intersect_shadow, MCV_WITH_NEXT_EVENT) \
+    X(shade_surfaces, 1) \
+    X(accumulate_film, 1)
+
+#endif

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The scene as the device sees it: float32, re-centred, in tables of 4-byte scalars. host/render/pack.c fills them.
+ */
+#ifndef MCVISI_TABLES_H
+#define MCVISI_TABLES_H
+
+#include "mcvisi/dialect.h"
+#include "mcvisi/emitters/parallel.h"
+
+/* Media that can be told apart along one path. Medium 0 is the surrounding vacuum, bit i of a path's set is medium i + 1. */
+#define MCV_MAX_MEDIA 32
+
+/*
+ * One pass: which paths to begin. A set is the samples of one replicate r of one pixel q, set = q R + r; path p of the pass is
+ * sample first_sample + (p mod 2^k) of the set first_set + floor(p / 2^k).
+ */
+typedef struct mcv_frame {
+    uint width, height; /* of the image [pixels] */
+    uint first_set;     /* pixels are numbered by 8 x 8 tiles */
+    uint path_count;    /* of this pass */
+    uint replicates;    /* R */
+    uint log2_samples;  /* k: samples per replicate in this pass, as a power of two */
+    uint first_sample;  /* of this pass, per replicate */
+    uint seed;
+    uint depth;                 /* surfaces a path may meet */
+    uint emitter_count;         /* that next-event estimation chooses from */
+    uint initial_media;         /* the set of media that surround the sensor */
+    float sensor_index_squared; /* n² of the medium the sensor lies in */
+    float to_world[12];         /* row-major; of the optical frame (z towards the scene) */
+    float environment[3];       /* its radiance */
+    uint padding;
+} mcv_frame;
+MCV_ASSERT_SIZE(mcv_frame, 112);
+
+typedef struct mcv_device_instance {
+    uint material;
+    uint emitter; /* or MCV_NONE */
+    uint medium;  /* index of the medium that its surface bounds, 0: none */
+    uint smooth;  /* 1: normals are interpolated */
+    uint first_triangle;
+    uint padding[3];
+} mcv_device_instance;
+MCV_ASSERT_SIZE(mcv_device_instance, 32);
+
+typedef struct mcv_device_material {
+    uint type;      /* MCV_MATERIAL_… */
+    uint texture;   /* or MCV_NONE */
+    float value[3]; /* reflectance or transmittance */
+    float eta;      /* sheet: 1/n */
+    float delta;    /* sheet: (n - 1)(n + 1)/n² */
+    uint padding;
+} mcv_device_material;
+MCV_ASSERT_SIZE(mcv_device_material, 32);
+
+typedef struct mcv_device_medium {
+    float absorption[3];         /* [1/m] */
+    float inverse_index_squared; /* 1/n² */
+} mcv_device_medium;
+MCV_ASSERT_SIZE(mcv_device_medium, 16);
+
+/* What Snell and Fresnel need to go from one medium (index n1) to another (n2); computed in double. */
+typedef struct mcv_device_interface {
+    float eta;   /* n1/n2 */
+    float delta; /* (n2 - n1)(n2 + n1)/n2² */
+} mcv_device_interface;
+MCV_ASSERT_SIZE(mcv_device_interface, 8);
+
+typedef struct mcv_device_emitter {
+    uint type;     /* MCV_EMITTER_… */
+    uint instance; /* whose triangles emit */
+    uint texture;  /* or MCV_NONE */
+    uint cdf;      /* where its triangle_count + 1 entries begin in the table of cumulative shares, 2^31 = 1 */
+    uint triangle_count;
+    float probability; /* that next-event estimation chooses it */
+    float radiance[3];
+    uint padding[3];
+    mcv_parallel parallel;
+} mcv_device_emitter;
+MCV_ASSERT_SIZE(mcv_device_emitter, 80);
+
+typedef struct mcv_device_texture {
+    uint width, height;
+    uint first; /* texel */
+    uint wrap_s, wrap_t, nearest;
+    uint padding[2];
+} mcv_device_texture;
+MCV_ASSERT_SIZE(mcv_device_texture, 32);
+
+/* What each slice of paths counts, for the host to add up. */
+#define MCV_COUNTERS(X) X(paths) X(rays) X(shadow_rays) X(depth_cut) X(lost) X(nonfinite) X(unmatched)
+enum {
+#define MCV_X(name) MCV_COUNTER_##name,
+    MCV_COUNTERS(MCV_X)
+#undef MCV_X
+        MCV_COUNTER_COUNT
+};
+
+/* Samples that the device sums before the host goes on with the same binary tree. */
+#define MCV_BLOCK 64
+
+#endif

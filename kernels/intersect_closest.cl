@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage: finds the first surface on a ray. reads ray -> writes hit, throughput after absorption on the way */
+#include "path.h"
+#include "surface.h"
+
+static void mcv_intersect_closest(mcv_world world, mcv_slot slot) {
+    const mcv_hit hit =
+        mcv_intersect_closest_ray(world.nodes, world.leaves, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), INFINITY);
+    MCV_STORE(slot, hit, 0, hit.t);
+    MCV_STORE(slot, hit, 1, hit.u);
+    MCV_STORE(slot, hit, 2, hit.v);
+    MCV_WORD(slot, hit, 3) = hit.triangle;
+#if MCV_WITH_ABSORPTION
+    if (hit.triangle != MCV_NONE) {
+        mcv_color throughput;
+        MCV_LOAD_COLOR(slot, throughput, throughput);
+        throughput = mcv_tint(throughput, mcv_medium_transmittance(world, MCV_WORD(slot, media, 0), hit.t));
+        MCV_STORE_COLOR(slot, throughput, throughput);
+    }
+#endif
+}

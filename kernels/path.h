@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The state of a path between stages, a structure of arrays: word f of the path in slot i of a slice lies at
+ * base[f capacity + i]. One list gives the layout on the device and, through mcv_path_words, the allocation on the host.
+ */
+#ifndef MCVISI_KERNELS_PATH_H
+#define MCVISI_KERNELS_PATH_H
+
+#include "mcvisi/dialect.h"
+
+/* X(field, words): what a scene does not need has no words. */
+#define MCV_PATH_FIELDS(X) \
+    X(origin, 3)                              /* of the current ray [m] */ \
+    X(direction, 3)                           /* unit */ \
+    X(hit, 4)                                 /* t, u, v, triangle */ \
+    X(weight, 1)                              /* of the sensor's ray; 0: the path is not begun */ \
+    X(throughput, MCV_CHANNELS)               /* product of reflectances, transmittances … since the sensor */ \
+    X(radiance, MCV_CHANNELS)                 /* found so far, L/n² */ \
+    X(media, MCV_WITH_DIELECTRIC)             /* set of the media the ray is in */ \
+    X(density, MCV_WITH_NEXT_EVENT)           /* with which the last diffuse surface chose the direction [1/sr]; 0: none did */ \
+    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT) /* ray to the emitter */ \
+    X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
+    X(shadow_target, MCV_WITH_NEXT_EVENT)              /* instance that must be met first; MCV_NONE: nothing before t = 1 */ \
+    X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */
+
+#if MCV_ON_DEVICE
+
+#define MCV_PATH_OFFSET(field, words) MCV_PATH_##field, MCV_PATH_AFTER_##field = MCV_PATH_##field + (words)-1,
+enum { MCV_PATH_FIELDS(MCV_PATH_OFFSET) MCV_PATH_WORDS };
+
+/* A path's place: slot `index` of a slice of `capacity` paths. */
+typedef struct mcv_slot {
+    __global uint *base;
+    uint capacity;
+    uint index;
+} mcv_slot;
+
+#define MCV_WORD(slot, field, k) (slot).base[((uint)MCV_PATH_##field + (uint)(k)) * (slot).capacity + (slot).index]
+#define MCV_LOAD(slot, field, k) as_float(MCV_WORD(slot, field, k))
+#define MCV_STORE(slot, field, k, value) (MCV_WORD(slot, field, k) = as_uint(value))
+#define MCV_LOAD_3(slot, field) mcv_vec(MCV_LOAD(slot, field, 0), MCV_LOAD(slot, field, 1), MCV_LOAD(slot, field, 2))
+#define MCV_STORE_3(slot, field, value) \
+    do { \
+        MCV_STORE(slot, field, 0, (value).x); \
+        MCV_STORE(slot, field, 1, (value).y); \
+        MCV_STORE(slot, field, 2, (value).z); \
+    } while (0)
+#define MCV_LOAD_COLOR(slot, field, color) MCV_EACH_CHANNEL(channel)(color).c[channel] = MCV_LOAD(slot, field, channel)
+#define MCV_STORE_COLOR(slot, field, color) MCV_EACH_CHANNEL(channel) MCV_STORE(slot, field, channel, (color).c[channel])
+
+#endif
+
+#endif

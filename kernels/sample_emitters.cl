@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Stage: next-event estimation. A diffuse surface chooses an emitter by power, then a direction to it: uniform in the cone
+ * of a narrow parallel emitter (which must then be the closest hit), else towards a point uniform by area. Weighed against the
+ * surface's own choice of directions by the balance heuristic. reads ray, hit -> writes shadow ray
+ */
+#include "identity.h"
+#include "path.h"
+#include "surface.h"
+
+/* The i with cdf[i] <= bits < cdf[i + 1], and where between them bits lies, in [0, 1). */
+MCV_FUNCTION uint mcv_search_cdf(__global const uint *cdf, uint count, float xi, float *rest) {
+    const uint bits = (uint)(xi * 2147483648.0f);
+    uint low = 0;
+    uint high = count;
+    while (high - low > 1) {
+        const uint middle = (low + high) / 2;
+        if (cdf[middle] <= bits)
+            low = middle;
+        else
+            high = middle;
+    }
+    const float share = (float)(bits - cdf[low]) / (float)(cdf[low + 1] - cdf[low]);
+    *rest = share < 0.99999994f ? share : 0.99999994f;
+    return low;
+}
+
+typedef struct mcv_shadow {
+    mcv_vec3 origin, direction;
+    uint target;
+    mcv_color light; /* radiance over the density of the choice; 0: nothing comes */
+    float density;   /* of the choice [1/sr] */
+} mcv_shadow;
+
+#if MCV_WITH_PARALLEL
+static mcv_shadow mcv_sample_cone_of(mcv_surface at, mcv_vec3 face, __global const mcv_device_emitter *e, mcv_pair pair) {
+    mcv_shadow shadow;
+    const mcv_vec3 axis = mcv_vec(e->parallel.axis[0], e->parallel.axis[1], e->parallel.axis[2]);
+    shadow.direction = mcv_scale(mcv_from_frame(mcv_sample_cone(e->parallel.sin_half, pair.x, pair.y), axis), -1.0f);
+    shadow.origin = mcv_offset_origin(at.point, at.error, face, shadow.direction);
+    shadow.target = e->instance;
+    shadow.density = e->probability / e->parallel.solid_angle;
+    MCV_EACH_CHANNEL(i) shadow.light.c[i] = e->radiance[i] / shadow.density;
+    return shadow;
+}
+#endif
+
+static mcv_shadow mcv_sample_area_of(mcv_world world, mcv_surface at, mcv_vec3 face, uint emitter, mcv_pair pair) {
+    mcv_shadow shadow;
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    float xi;
+    const uint triangle =
+        world.instances[e->instance].first_triangle + mcv_search_cdf(world.emitter_cdf + e->cdf, e->triangle_count, pair.x, &xi);
+    /* The unit square to a triangle by area. */
+    const float root = mcv_sqrt(xi);
+    const mcv_surface there = mcv_surface_at(world, triangle, root * (1.0f - pair.y), root * pair.y);
+    const mcv_vec3 towards = mcv_sub(there.point, at.point);
+    const float distance = mcv_sqrt(mcv_dot(towards, towards));
+    const mcv_vec3 direction = mcv_normalize(towards);
+    shadow.origin = mcv_offset_origin(at.point, at.error, face, direction);
+    shadow.direction = mcv_sub(mcv_offset_origin(there.point, there.error, there.face, mcv_scale(direction, -1.0f)), shadow.origin);
+    shadow.target = MCV_NONE;
+    shadow.density = mcv_emitter_density(world, there, emitter, direction, distance);
+    shadow.light = mcv_grey(0.0f);
+    /* Only a face seen exactly edge-on has no finite density. */
+    if (shadow.density > 0.0f && shadow.density < INFINITY) {
+        shadow.light = mcv_dim(mcv_emitted(world, there, emitter, mcv_scale(direction, -1.0f)), 1.0f / shadow.density);
+    }
+    return shadow;
+}
+
+/* 1 if there is a shadow ray to follow. */
+static int mcv_sample_emitter(mcv_world world, mcv_slot slot, mcv_identity id, uint depth) {
+    const uint triangle = MCV_WORD(slot, hit, 3);
+    if (triangle == MCV_NONE) return 0;
+    const uint material = world.instances[world.triangles[triangle].w].material;
+    if (world.materials[material].type != MCV_MATERIAL_DIFFUSE) return 0;
+
+    /* The surface, on the side the ray comes from. */
+    const mcv_surface at = mcv_surface_at(world, triangle, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
+    const float side = mcv_dot(MCV_LOAD_3(slot, direction), at.face) < 0.0f ? 1.0f : -1.0f;
+    const mcv_vec3 face = mcv_scale(at.face, side);
+    const mcv_vec3 normal = mcv_scale(at.normal, side);
+
+    /* Choose an emitter and a direction. */
+    const mcv_pair choice = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_CHOICE));
+    const mcv_pair pair = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_EMITTER));
+    float unused;
+    const uint emitter = mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count, choice.x, &unused);
+    mcv_shadow shadow;
+#if MCV_WITH_PARALLEL
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    if (e->type == MCV_EMITTER_PARALLEL && e->parallel.from_receiver)
+        shadow = mcv_sample_cone_of(at, face, e, pair);
+    else
+#endif
+        shadow = mcv_sample_area_of(world, at, face, emitter, pair);
+
+    /* What the surface makes of it: reflectance/π cosθ, and the balance heuristic against the density cosθ/π. */
+    const mcv_vec3 direction = mcv_normalize(shadow.direction);
+    const float cosine = mcv_dot(direction, normal);
+    if (!(cosine > 0.0f) || !(mcv_dot(direction, face) > 0.0f) || !(mcv_brightest(shadow.light) > 0.0f)) return 0;
+    const float own = cosine * (1.0f / MCV_PI);
+    mcv_color light;
+    MCV_LOAD_COLOR(slot, throughput, light);
+    light = mcv_tint(mcv_tint(light, mcv_material_value(world, at, material)), shadow.light);
+    light = mcv_dim(light, own * shadow.density / (shadow.density + own));
+#if MCV_WITH_DIELECTRIC
+    light = mcv_dim(light, world.media[mcv_filling_medium(MCV_WORD(slot, media, 0))].inverse_index_squared);
+#endif
+    MCV_STORE_3(slot, shadow_origin, shadow.origin);
+    MCV_STORE_3(slot, shadow_direction, shadow.direction);
+    MCV_WORD(slot, shadow_target, 0) = shadow.target;
+    MCV_STORE_COLOR(slot, shadow_light, light);
+    return 1;
+}

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What lies at a hit: point with its error, normals, material, and what it emits. */
+#ifndef MCVISI_KERNELS_SURFACE_H
+#define MCVISI_KERNELS_SURFACE_H
+
+#include "mcvisi/offset.h"
+#include "world.h"
+#if MCV_WITH_TEXTURE
+#include "texture.h"
+#endif
+
+typedef struct mcv_surface {
+    mcv_vec3 point, error; /* [m]; |error of a coordinate| */
+    mcv_vec3 face;         /* unit normal of the triangle, on the front side */
+    mcv_vec3 normal;       /* interpolated, unit, on the front side */
+    float area;            /* of the triangle [m²] */
+    uint triangle, instance;
+    float u, v;
+    uint4 corners;
+} mcv_surface;
+
+MCV_FUNCTION mcv_vec3 mcv_vertex_vector(__global const float *vectors, uint vertex) {
+    return mcv_vec(vectors[3 * vertex], vectors[3 * vertex + 1], vectors[3 * vertex + 2]);
+}
+
+#if MCV_WITH_NORMALS
+MCV_FUNCTION mcv_vec3 mcv_interpolate(mcv_vec3 a, mcv_vec3 b, mcv_vec3 c, float u, float v) {
+    return mcv_along(mcv_along(mcv_scale(a, 1.0f - u - v), u, b), v, c);
+}
+#endif
+
+/* The place (u, v) on a triangle. */
+MCV_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, float u, float v) {
+    mcv_surface surface;
+    const uint4 corners = world.triangles[triangle];
+    const mcv_vec3 a = mcv_vertex_vector(world.positions, corners.x);
+    const mcv_vec3 b = mcv_vertex_vector(world.positions, corners.y);
+    const mcv_vec3 c = mcv_vertex_vector(world.positions, corners.z);
+    const mcv_vec3 doubled = mcv_cross(mcv_sub(b, a), mcv_sub(c, a));
+    surface.triangle = triangle;
+    surface.instance = corners.w;
+    surface.corners = corners;
+    surface.u = u;
+    surface.v = v;
+    surface.point = mcv_hit_point(a, b, c, u, v, &surface.error);
+    surface.face = mcv_normalize(doubled);
+    surface.area = 0.5f * mcv_sqrt(mcv_dot(doubled, doubled));
+    surface.normal = surface.face;
+#if MCV_WITH_NORMALS
+    if (world.instances[corners.w].smooth) {
+        const mcv_vec3 n =
+            mcv_normalize(mcv_interpolate(mcv_vertex_vector(world.normals, corners.x), mcv_vertex_vector(world.normals, corners.y),
+                                          mcv_vertex_vector(world.normals, corners.z), u, v));
+        /* Opposite vertex normals may cancel: the face's then. */
+        if (mcv_dot(n, n) > 0.5f) surface.normal = n;
+    }
+#endif
+    return surface;
+}
+
+#if MCV_WITH_TEXTURE
+MCV_FUNCTION mcv_color mcv_texture_at(mcv_world world, mcv_surface surface, uint texture) {
+    const float w = 1.0f - surface.u - surface.v;
+    __global const float *a = world.texcoords + 2 * surface.corners.x;
+    __global const float *b = world.texcoords + 2 * surface.corners.y;
+    __global const float *c = world.texcoords + 2 * surface.corners.z;
+    return mcv_texture_lookup(world, texture, mcv_fma(surface.v, c[0], mcv_fma(surface.u, b[0], w * a[0])),
+                              mcv_fma(surface.v, c[1], mcv_fma(surface.u, b[1], w * a[1])));
+}
+#endif
+
+/* Reflectance or transmittance, texture included. */
+MCV_FUNCTION mcv_color mcv_material_value(mcv_world world, mcv_surface surface, uint material) {
+    mcv_color value;
+    MCV_EACH_CHANNEL(i) value.c[i] = world.materials[material].value[i];
+    (void)surface;
+#if MCV_WITH_TEXTURE
+    if (world.materials[material].texture != MCV_NONE) {
+        value = mcv_tint(value, mcv_texture_at(world, surface, world.materials[material].texture));
+    }
+#endif
+    return value;
+}
+
+#if MCV_WITH_PARALLEL || MCV_WITH_AREA
+/* Radiance that an emitter's surface sends in a direction (unit, away from the surface), in its medium. */
+MCV_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint emitter, mcv_vec3 direction) {
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    float share = 0.0f;
+    mcv_color radiance;
+    if (!(mcv_dot(direction, surface.face) > 0.0f)) return mcv_grey(0.0f);
+#if MCV_WITH_PARALLEL
+    if (e->type == MCV_EMITTER_PARALLEL) share = mcv_parallel_evaluate(&e->parallel, direction, surface.normal);
+#endif
+#if MCV_WITH_AREA
+    if (e->type == MCV_EMITTER_AREA) share = mcv_area_evaluate(direction, surface.normal);
+#endif
+    MCV_EACH_CHANNEL(i) radiance.c[i] = e->radiance[i] * share;
+#if MCV_WITH_TEXTURE
+    if (share > 0.0f && e->texture != MCV_NONE) radiance = mcv_tint(radiance, mcv_texture_at(world, surface, e->texture));
+#endif
+    return radiance;
+}
+#endif
+
+#if MCV_WITH_NEXT_EVENT
+/* The density [1/sr] with which next-event estimation chooses the direction to a place on an emitter at the given distance. */
+MCV_FUNCTION float mcv_emitter_density(mcv_world world, mcv_surface surface, uint emitter, mcv_vec3 direction, float distance) {
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+#if MCV_WITH_PARALLEL
+    if (e->type == MCV_EMITTER_PARALLEL && e->parallel.from_receiver) return e->probability / e->parallel.solid_angle;
+#endif
+    __global const uint *cdf = world.emitter_cdf + e->cdf + (surface.triangle - world.instances[e->instance].first_triangle);
+    const float share = (float)(cdf[1] - cdf[0]) * 4.656612873077393e-10f; /* 2^-31 */
+    return e->probability * share * distance * distance / (surface.area * mcv_abs(mcv_dot(direction, surface.face)));
+}
+#endif
+
+#if MCV_WITH_DIELECTRIC
+/* The medium that fills a place inside all media of the set: the one of the highest priority. */
+MCV_FUNCTION uint mcv_filling_medium(uint media) { return 32u - clz(media); }
+#endif
+
+#if MCV_WITH_ABSORPTION
+/* What the medium leaves of light over a distance. */
+MCV_FUNCTION mcv_color mcv_medium_transmittance(mcv_world world, uint media, float distance) {
+    __global const mcv_device_medium *medium = world.media + mcv_filling_medium(media);
+    mcv_color left;
+    MCV_EACH_CHANNEL(i) left.c[i] = medium->absorption[i] > 0.0f ? mcv_exp_minus(medium->absorption[i] * distance) : 1.0f;
+    return left;
+}
+#endif
+
+#endif

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What every stage reads: the pass, the sensor and the tables of the scene, as kernel arguments from one list.
+ * Features that a scene lacks leave their buffers NULL.
+ */
+#ifndef MCVISI_KERNELS_WORLD_H
+#define MCVISI_KERNELS_WORLD_H
+
+#include "mcvisi/elements.h"
+#include "mcvisi/features.h"
+#include "mcvisi/tables.h"
+#include "mcvisi/vector.h"
+#include "mcvisi/sensors/sensor.h"
+#include "mcvisi/emitters/emitter.h"
+#include "traverse.h"
+
+#define MCV_JOIN_3(a, b, c) a##b##c
+#define MCV_JOIN(a, b, c) MCV_JOIN_3(a, b, c)
+
+#ifdef MCV_SENSOR_pinhole
+#include "mcvisi/sensors/pinhole.h"
+#endif
+#ifdef MCV_SENSOR_thin_lens
+#include "mcvisi/sensors/thin_lens.h"
+#endif
+#ifdef MCV_SENSOR_telecentric
+#include "mcvisi/sensors/telecentric.h"
+#endif
+#ifdef MCV_SENSOR_light_field
+#include "mcvisi/sensors/light_field.h"
+#endif
+#if MCV_WITH_AREA
+#include "mcvisi/emitters/area.h"
+#endif
+#if MCV_WITH_DIELECTRIC || MCV_WITH_SHEET || MCV_WITH_MIRROR
+#include "mcvisi/materials/dielectric.h"
+#endif
+
+/* MCV_SENSOR is the sensor's name: its struct and its sample function follow. */
+typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
+#define mcv_sensor_sample MCV_JOIN(mcv_, MCV_SENSOR, _sample)
+
+#define MCV_WORLD(X) \
+    X(__constant const mcv_frame, frame) \
+    X(__constant const mcv_sensor, sensor) \
+    X(__global const mcv_node, nodes) \
+    X(__global const mcv_leaf, leaves) \
+    X(__global const uint4, triangles) /* three vertices and the instance */ \
+    X(__global const float, positions) \
+    X(__global const float, normals) \
+    X(__global const float, texcoords) \
+    X(__global const mcv_device_instance, instances) \
+    X(__global const mcv_device_material, materials) \
+    X(__global const mcv_device_medium, media) \
+    X(__global const mcv_device_interface, interfaces) \
+    X(__global const mcv_device_emitter, emitters) \
+    X(__global const uint, emitter_cdf) \
+    X(__global const mcv_device_texture, textures) \
+    X(__global const uint, texels) /* RGBA, 8 bits each */
+
+#define MCV_WORLD_FIELD(type, name) type *name;
+#define MCV_WORLD_PARAMETER(type, name) type *name,
+#define MCV_WORLD_ARGUMENT(type, name) world.name = name;
+#define MCV_WORLD_PARAMETERS MCV_WORLD(MCV_WORLD_PARAMETER)
+#define MCV_MAKE_WORLD(world) \
+    mcv_world world; \
+    MCV_WORLD(MCV_WORLD_ARGUMENT)
+
+typedef struct mcv_world {
+    MCV_WORLD(MCV_WORLD_FIELD)
+} mcv_world;
+
+/* A colour has one channel or three. */
+typedef struct mcv_color {
+    float c[MCV_CHANNELS];
+} mcv_color;
+
+#define MCV_EACH_CHANNEL(i) for (int i = 0; i < MCV_CHANNELS; ++i)
+
+MCV_FUNCTION mcv_color mcv_grey(float value) {
+    mcv_color color;
+    MCV_EACH_CHANNEL(i) color.c[i] = value;
+    return color;
+}
+
+MCV_FUNCTION mcv_color mcv_tint(mcv_color a, mcv_color b) {
+    MCV_EACH_CHANNEL(i) a.c[i] *= b.c[i];
+    return a;
+}
+
+MCV_FUNCTION mcv_color mcv_dim(mcv_color a, float s) {
+    MCV_EACH_CHANNEL(i) a.c[i] *= s;
+    return a;
+}
+
+MCV_FUNCTION float mcv_brightest(mcv_color a) {
+    float most = a.c[0];
+    MCV_EACH_CHANNEL(i) most = a.c[i] > most ? a.c[i] : most;
+    return most;
+}
+
+#endif
