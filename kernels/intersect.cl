@@ -1,4 +1,55 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "mcvisi/dialect.h"
+/*
+ * Rays in a row against a scene: intersect_closest and intersect_any through the hierarchy, intersect_all by testing
+ * every leaf (what the tests compare with). A work-group is one work-item, which handles a slice of the rays: on a CPU
+ * it runs on one core with its stack in the first cache.
+ */
+#include "traverse.h"
 
-__kernel void intersect_placeholder(__global uint *out) { out[0] = 0; }
+/* A ray of the batch: 32 bytes. */
+typedef struct mcv_batch_ray {
+    float origin[3], t_max;
+    float direction[3], unused;
+} mcv_batch_ray;
+
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_closest(__global const mcv_node *nodes,
+                                                                               __global const mcv_leaf *leaves,
+                                                                               __global const mcv_batch_ray *rays, __global mcv_hit *hits,
+                                                                               uint count, uint slice) {
+    const uint first = (uint)get_group_id(0) * slice;
+    const uint last = min(first + slice, count);
+    for (uint i = first; i < last; ++i) {
+        const mcv_vec3 origin = mcv_vec(rays[i].origin[0], rays[i].origin[1], rays[i].origin[2]);
+        const mcv_vec3 direction = mcv_vec(rays[i].direction[0], rays[i].direction[1], rays[i].direction[2]);
+        hits[i] = mcv_intersect_closest_ray(nodes, leaves, origin, direction, rays[i].t_max);
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_any(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                                                                           __global const mcv_batch_ray *rays, __global int *found,
+                                                                           uint count, uint slice) {
+    const uint first = (uint)get_group_id(0) * slice;
+    const uint last = min(first + slice, count);
+    for (uint i = first; i < last; ++i) {
+        const mcv_vec3 origin = mcv_vec(rays[i].origin[0], rays[i].origin[1], rays[i].origin[2]);
+        const mcv_vec3 direction = mcv_vec(rays[i].direction[0], rays[i].direction[1], rays[i].direction[2]);
+        found[i] = mcv_intersect_any_ray(nodes, leaves, origin, direction, rays[i].t_max);
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_all(__global const mcv_leaf *leaves,
+                                                                           __global const mcv_batch_ray *rays, __global mcv_hit *hits,
+                                                                           uint count, uint slice, uint leaf_count) {
+    const uint first = (uint)get_group_id(0) * slice;
+    const uint last = min(first + slice, count);
+    for (uint i = first; i < last; ++i) {
+        mcv_hit hit;
+        hit.t = rays[i].t_max;
+        hit.u = hit.v = 0.0f;
+        hit.triangle = MCV_NONE;
+        const mcv_ray_frame ray = mcv_ray_setup(mcv_vec(rays[i].origin[0], rays[i].origin[1], rays[i].origin[2]),
+                                                mcv_vec(rays[i].direction[0], rays[i].direction[1], rays[i].direction[2]), 0.0f);
+        for (uint leaf = 0; leaf < leaf_count; ++leaf) mcv_intersect_leaf(leaves + leaf, &ray, &hit);
+        hits[i] = hit;
+    }
+}

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Building the acceleration structure of mcvisi/accel.h. */
+#ifndef MCVISI_HOST_ACCEL_BVH_H
+#define MCVISI_HOST_ACCEL_BVH_H
+
+#include "mcvisi/accel.h"
+#include "mcvisi/mcvisi.h"
+
+/* Both arrays are aligned to 128 bytes, so that an OpenCL device may use them in place. */
+typedef struct mcv_bvh {
+    mcv_node *nodes; /* at least the root */
+    mcv_leaf *leaves;
+    uint32_t node_count, leaf_count;
+} mcv_bvh;
+
+/*
+ * Builds the hierarchy over triangles: positions are 3 finite floats per vertex in the frame of the rays [m], indices 3 vertices per
+ * triangle; triangle number i is the i-th triple. Both are only read during the call. threads = 0 means one per processor; the result does
+ * not depend on it. No triangles is a valid scene that no ray hits; triangles without area take part and are never hit.
+ * Fails without memory or with more than 2^28 triangles; then *bvh is empty. Free with mcv_bvh_free.
+ *
+ * Surface area heuristic over binned centroids (Wald, On fast Construction of SAH-based Bounding Volume Hierarchies,
+ * 2007), counting blocks of four triangles; a node opens its child of largest area until it has eight.
+ */
+mcv_result mcv_bvh_build(const float *positions, const uint32_t *indices, uint32_t triangle_count, uint32_t threads, mcv_bvh *bvh,
+                         mcv_error *error);
+void mcv_bvh_free(mcv_bvh *bvh);
+
+#endif

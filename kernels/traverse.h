@@ -1,0 +1,279 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A ray against the triangles of a scene: through the hierarchy of mcvisi/accel.h, and one leaf by itself.
+ *
+ * Triangles. The vertices are moved to the ray's origin, sheared so that the ray runs along the axis of its largest
+ * component, and the signs of the three edge functions decide (Woop, Benthin and Wald, Watertight Ray/Triangle
+ * Intersection, JCGT 2013). Kahan's difference of products makes these signs exact for the sheared vertices, which two
+ * neighbours share, so no second evaluation in double is needed. An edge function that is exactly 0 is decided as if the
+ * ray were displaced by (ε, ε²) in the sheared plane: a shared edge, and a shared vertex, then belong to exactly one of the
+ * triangles around them. (A rule on the order of the vertices in space would do for edges, but loses the vertices that
+ * come first or last among their neighbours.) Both sides of a triangle are hit. Sheared coordinates below 1e-20 m would
+ * underflow in the products: nothing else is assumed about the scale of the scene.
+ *
+ * Boxes. With u = 2^-24 and R = |origin| + extent (maximum norms), the sheared vertices are off by at most 5 u R each:
+ * u R from V - o, 2 u R from the product with the shear, 2 u R from the last rounding. The edge functions' relative error of
+ * 2 u moves the point on the triangle by 4 u times its diameter, at most 8 u R; the distance along the ray's main axis
+ * rounds by 6 u R. The computed hit so lies within 19 u R of the triangle per coordinate, and the slabs themselves round
+ * by 5 u R. Boxes that are widened by 32 u R therefore contain, at the computed t, every hit the triangle test can report:
+ * traversal and a loop over all triangles find the same hit, to the last bit, always.
+ */
+#ifndef MCVISI_TRAVERSE_H
+#define MCVISI_TRAVERSE_H
+
+#include "mcvisi/accel.h"
+#include "mcvisi/offset.h"
+
+/* Without AVX clang warns that float8 arguments have no stable ABI; all of these calls are inlined. */
+#ifdef __clang__
+#pragma clang diagnostic ignored "-Wpsabi"
+#endif
+
+/* One bit per lane with a negative (true) value. clang knows the builtin on any x86 but can only emit it with AVX. */
+#if defined(__AVX__) && defined(__has_builtin)
+#if __has_builtin(__builtin_ia32_movmskps256) && __has_builtin(__builtin_ia32_movmskps)
+#define MCV_MOVMASK 1
+#endif
+#endif
+
+static inline uint mcv_mask8(int8 lanes) {
+#ifdef MCV_MOVMASK
+    return (uint)__builtin_ia32_movmskps256(as_float8(lanes));
+#else
+    const int8 bits = lanes & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
+    const int4 four = bits.lo | bits.hi;
+    const int2 two = four.lo | four.hi;
+    return (uint)(two.x | two.y);
+#endif
+}
+
+static inline uint mcv_mask4(int4 lanes) {
+#ifdef MCV_MOVMASK
+    return (uint)__builtin_ia32_movmskps(as_float4(lanes));
+#else
+    const int4 bits = lanes & (int4)(1, 2, 4, 8);
+    const int2 two = bits.lo | bits.hi;
+    return (uint)(two.x | two.y);
+#endif
+}
+
+/* Takes the highest bit out of a mask and returns its number. */
+static inline uint mcv_pop_bit(uint *mask) {
+    const uint bit = 31u - clz(*mask);
+    *mask ^= 1u << bit;
+    return bit;
+}
+
+/* What all tests of one ray share. */
+typedef struct mcv_ray_frame {
+    /* Slabs: t = bound * inverse + offset, the offsets with the margin of 32 u R. */
+    float inverse[3], near_offset[3], far_offset[3];
+    uint near_row[3]; /* 0: the lower bound is met first, 1: the upper */
+    /* Shear: x, y, z are the rows (times 4) of the axes such that z is the ray's main axis. */
+    uint row_x, row_y, row_z;
+    float origin_x, origin_y, origin_z;
+    float shear_x, shear_y, scale_z; /* direction x / z, y / z, 1 / z */
+} mcv_ray_frame;
+
+/*
+ * The margin must not turn a slab into inf - inf, so directions along an axis plane get a component of 2^-64 of the
+ * largest: over the length R it moves a point by far less than the margin.
+ */
+static inline mcv_ray_frame mcv_ray_setup(mcv_vec3 origin, mcv_vec3 direction, float extent) {
+    mcv_ray_frame ray;
+    const float o[3] = {origin.x, origin.y, origin.z};
+    const float d[3] = {direction.x, direction.y, direction.z};
+    const float dx = fabs(d[0]), dy = fabs(d[1]), dz = fabs(d[2]);
+    const float largest = max(dx, max(dy, dz));
+    const float reach = max(fabs(o[0]), max(fabs(o[1]), fabs(o[2]))) + extent;
+    const float margin = 32.0f * MCV_UNIT_ROUNDOFF * reach;
+    const float least = largest * 0x1p-64f;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float inverse = 1.0f / (fabs(d[axis]) < least ? copysign(least, d[axis]) : d[axis]);
+        const float spread = margin * fabs(inverse);
+        ray.inverse[axis] = inverse;
+        ray.near_offset[axis] = -o[axis] * inverse - spread;
+        ray.far_offset[axis] = -o[axis] * inverse + spread;
+        ray.near_row[axis] = inverse < 0.0f ? 1u : 0u;
+    }
+    const int main_z = dz >= dx && dz >= dy;
+    const int main_y = !main_z && dy >= dx;
+    ray.row_x = main_z ? 0u : main_y ? 8u : 4u;
+    ray.row_y = main_z ? 4u : main_y ? 0u : 8u;
+    ray.row_z = main_z ? 8u : main_y ? 4u : 0u;
+    ray.origin_x = main_z ? o[0] : main_y ? o[2] : o[1];
+    ray.origin_y = main_z ? o[1] : main_y ? o[0] : o[2];
+    ray.origin_z = main_z ? o[2] : main_y ? o[1] : o[0];
+    const float along = main_z ? d[2] : main_y ? d[1] : d[0];
+    ray.shear_x = (main_z ? d[0] : main_y ? d[2] : d[1]) / along;
+    ray.shear_y = (main_z ? d[1] : main_y ? d[0] : d[2]) / along;
+    ray.scale_z = 1.0f / along;
+    return ray;
+}
+
+/* The children whose boxes the ray meets at 0 <= t <= t_max, one bit each, and where it enters them. */
+static inline uint mcv_intersect_boxes(__global const mcv_node *node, const mcv_ray_frame *ray, float t_max, float8 *entry) {
+    float8 near = (float8)(0.0f), far = (float8)(t_max);
+    for (int axis = 0; axis < 3; ++axis) {
+        const float8 first = *(__global const float8 *)node->bounds[axis][ray->near_row[axis]];
+        const float8 second = *(__global const float8 *)node->bounds[axis][1u - ray->near_row[axis]];
+        near = max(near, fma(first, (float8)(ray->inverse[axis]), (float8)(ray->near_offset[axis])));
+        far = min(far, fma(second, (float8)(ray->inverse[axis]), (float8)(ray->far_offset[axis])));
+    }
+    *entry = near;
+    return mcv_mask8(near <= far);
+}
+
+static inline float4 mcv_edge_function(float4 px, float4 py, float4 qx, float4 qy) {
+    const float4 product = py * qx;
+    return fma(px, qy, -product) + fma(-py, qx, product);
+}
+
+/* The sign of a zero edge function of P to Q for a ray displaced by (ε, ε²): true is positive. */
+static inline int4 mcv_edge_rises(float4 px, float4 py, float4 qx, float4 qy) { return (py > qy) | ((py == qy) & (px < qx)); }
+
+/*
+ * Tests the four triangles of a leaf against a ray. A hit with 0 < t < hit->t replaces *hit; so does one with the same t and a
+ * lower number. Returns whether there was one.
+ *
+ * t > 0 is certain if the triangle lies ahead of the origin as a whole: t is then a mean of positive numbers. Otherwise t
+ * must exceed its error bound (as in Physically Based Rendering). With X, Y, Z the largest |coordinates| of the sheared
+ * vertices and Z of the unscaled depth, a sheared x is off by δx = γ(4)(X + Z), an edge function by
+ * δe = 2 (X δy + Y δx) + 4 u X Y, and the depth, a mean weighted by edge functions, by 6 δe Z / |det| + 8 u Z; the first term is
+ * doubled, because the true determinant may be half of ours.
+ */
+static inline int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_ray_frame *ray, mcv_hit *hit) {
+    float4 x[3], y[3], z[3];
+    for (int corner = 0; corner < 3; ++corner) {
+        __global const float *rows = (__global const float *)leaf->vertex[corner];
+        z[corner] = *(__global const float4 *)(rows + ray->row_z) - (float4)(ray->origin_z);
+        x[corner] = fma((float4)(-ray->shear_x), z[corner], *(__global const float4 *)(rows + ray->row_x) - (float4)(ray->origin_x));
+        y[corner] = fma((float4)(-ray->shear_y), z[corner], *(__global const float4 *)(rows + ray->row_y) - (float4)(ray->origin_y));
+    }
+    const float4 a = mcv_edge_function(x[2], y[2], x[1], y[1]);
+    const float4 b = mcv_edge_function(x[0], y[0], x[2], y[2]);
+    const float4 c = mcv_edge_function(x[1], y[1], x[0], y[0]);
+    int4 inside = ((a >= 0.0f) & (b >= 0.0f) & (c >= 0.0f)) | ((a <= 0.0f) & (b <= 0.0f) & (c <= 0.0f));
+    if (!mcv_mask4(inside)) return 0;
+
+    if (mcv_mask4(inside & ((a == 0.0f) | (b == 0.0f) | (c == 0.0f)))) {
+        const int4 left = ((a > 0.0f) | ((a == 0.0f) & mcv_edge_rises(x[2], y[2], x[1], y[1]))) &
+                          ((b > 0.0f) | ((b == 0.0f) & mcv_edge_rises(x[0], y[0], x[2], y[2]))) &
+                          ((c > 0.0f) | ((c == 0.0f) & mcv_edge_rises(x[1], y[1], x[0], y[0])));
+        const int4 right = ((a < 0.0f) | ((a == 0.0f) & mcv_edge_rises(x[1], y[1], x[2], y[2]))) &
+                           ((b < 0.0f) | ((b == 0.0f) & mcv_edge_rises(x[2], y[2], x[0], y[0]))) &
+                           ((c < 0.0f) | ((c == 0.0f) & mcv_edge_rises(x[0], y[0], x[1], y[1])));
+        inside = left | right;
+    }
+
+    const float4 det = a + b + c;
+    const float4 depth = fma(a, z[0], fma(b, z[1], c * z[2])) / det;
+    const float4 t = depth * ray->scale_z;
+    const float4 sign = (float4)(ray->scale_z < 0.0f ? -1.0f : 1.0f);
+    const int4 ahead = min(z[0] * sign, min(z[1] * sign, z[2] * sign)) > 0.0f;
+    const float4 big_x = max(fabs(x[0]), max(fabs(x[1]), fabs(x[2])));
+    const float4 big_y = max(fabs(y[0]), max(fabs(y[1]), fabs(y[2])));
+    const float4 big_z = max(fabs(z[0]), max(fabs(z[1]), fabs(z[2])));
+    const float4 error_x = MCV_GAMMA(4) * (big_x + big_z), error_y = MCV_GAMMA(4) * (big_y + big_z);
+    const float4 error_edge = 2.0f * (big_x * error_y + big_y * error_x) + 4.0f * MCV_UNIT_ROUNDOFF * big_x * big_y;
+    const float4 error_depth = 12.0f * error_edge * big_z / fabs(det) + 8.0f * MCV_UNIT_ROUNDOFF * big_z;
+    inside &= (det != 0.0f) & (t > 0.0f) & (t <= hit->t) & (ahead | (depth * sign > error_depth));
+
+    uint mask = mcv_mask4(inside);
+    if (!mask) return 0;
+    float lane_t[4], lane_b[4], lane_c[4], lane_det[4];
+    vstore4(t, 0, lane_t);
+    vstore4(b, 0, lane_b);
+    vstore4(c, 0, lane_c);
+    vstore4(det, 0, lane_det);
+    int found = 0;
+    do {
+        const uint lane = mcv_pop_bit(&mask);
+        const uint triangle = leaf->triangle[lane];
+        /* A miss so far (MCV_NONE) has t_max, which is not a hit itself. */
+        if (lane_t[lane] < hit->t || (lane_t[lane] == hit->t && hit->triangle != MCV_NONE && triangle < hit->triangle)) {
+            hit->t = lane_t[lane];
+            hit->u = lane_b[lane] / lane_det[lane];
+            hit->v = lane_c[lane] / lane_det[lane];
+            hit->triangle = triangle;
+            found = 1;
+        }
+    } while (mask);
+    return found;
+}
+
+/*
+ * The closest hit with 0 < t < t_max; on equal t the triangle with the lowest number. The direction need not be unit; t counts
+ * in its length. A zero or non-finite direction hits nothing.
+ */
+static inline __attribute__((noinline)) mcv_hit mcv_intersect_closest_ray(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                                                                          mcv_vec3 origin, mcv_vec3 direction, float t_max) {
+    mcv_hit hit;
+    hit.t = t_max;
+    hit.u = hit.v = 0.0f;
+    hit.triangle = MCV_NONE;
+    const mcv_ray_frame ray = mcv_ray_setup(origin, direction, nodes->extent);
+    uint waiting[MCV_BVH_STACK];
+    float waiting_t[MCV_BVH_STACK];
+    uint count = 0;
+    uint current = 0;
+    for (;;) {
+        if (current & MCV_CHILD_LEAF) {
+            mcv_intersect_leaf(leaves + (current & ~MCV_CHILD_LEAF), &ray, &hit);
+        } else {
+            __global const mcv_node *node = nodes + current;
+            float8 entry;
+            uint mask = mcv_intersect_boxes(node, &ray, hit.t, &entry);
+            if (mask) {
+                float t[8];
+                vstore8(entry, 0, t);
+                uint nearest = mcv_pop_bit(&mask);
+                while (mask) {
+                    /* Keep the stack sorted, the nearest child on top, and go on with the nearest of all. */
+                    uint other = mcv_pop_bit(&mask);
+                    if (t[other] < t[nearest]) {
+                        const uint swap = other;
+                        other = nearest;
+                        nearest = swap;
+                    }
+                    waiting[count] = node->child[other];
+                    waiting_t[count++] = t[other];
+                }
+                current = node->child[nearest];
+                continue;
+            }
+        }
+        do {
+            if (count == 0) return hit;
+            --count;
+        } while (waiting_t[count] > hit.t);
+        current = waiting[count];
+    }
+}
+
+/* Whether anything is hit with 0 < t < t_max. */
+static inline __attribute__((noinline)) int mcv_intersect_any_ray(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                                                                  mcv_vec3 origin, mcv_vec3 direction, float t_max) {
+    mcv_hit hit;
+    hit.t = t_max;
+    hit.u = hit.v = 0.0f;
+    hit.triangle = MCV_NONE;
+    const mcv_ray_frame ray = mcv_ray_setup(origin, direction, nodes->extent);
+    uint waiting[MCV_BVH_STACK];
+    uint count = 0;
+    uint current = 0;
+    for (;;) {
+        if (current & MCV_CHILD_LEAF) {
+            if (mcv_intersect_leaf(leaves + (current & ~MCV_CHILD_LEAF), &ray, &hit)) return 1;
+        } else {
+            __global const mcv_node *node = nodes + current;
+            float8 entry;
+            uint mask = mcv_intersect_boxes(node, &ray, t_max, &entry);
+            while (mask) waiting[count++] = node->child[mcv_pop_bit(&mask)];
+        }
+        if (count == 0) return 0;
+        current = waiting[--count];
+    }
+}
+
+#endif
