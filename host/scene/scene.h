@@ -189,6 +189,7 @@ uint32_t mcv_scene_channels(const mcv_scene *scene);
 
 /* World geometry in double. `global` is a triangle's number; `instance` gets its instance. Corners run counter-clockwise from the front. */
 uint32_t mcv_scene_instance_of(const mcv_scene *scene, uint32_t global);
+void mcv_scene_triangle(const mcv_scene *scene, uint32_t instance, uint32_t local, uint32_t vertices[3]); /* of the mesh, in that order */
 void mcv_scene_corners(const mcv_scene *scene, uint32_t instance, uint32_t local, double corners[3][3]);
 void mcv_scene_vertex_normals(const mcv_scene *scene, uint32_t instance, uint32_t local,
                               double normals[3][3]); /* unit; flat meshes: the face's */

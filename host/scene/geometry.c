@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The scene's triangles in the world. */
+#include "scene/mesh.h"
+#include "scene/transform.h"
+
+uint32_t mcv_scene_instance_of(const mcv_scene *scene, uint32_t global) {
+    /* The last instance that starts at or before the triangle: later ones without triangles do not hold it. */
+    uint32_t low = 0, high = scene->instance_count;
+    while (high - low > 1) {
+        const uint32_t middle = low + (high - low) / 2;
+        if (scene->instances[middle].first_triangle <= global)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+void mcv_scene_triangle(const mcv_scene *scene, uint32_t instance, uint32_t local, uint32_t vertices[3]) {
+    const mcv_instance *placed = scene->instances + instance;
+    const uint32_t *indices = scene->meshes[placed->mesh].indices + 3 * (size_t)local;
+    const bool mirrored = mcv_transform_determinant(&placed->to_world) < 0;
+    vertices[0] = indices[0];
+    vertices[1] = indices[mirrored ? 2 : 1];
+    vertices[2] = indices[mirrored ? 1 : 2];
+}
+
+void mcv_scene_corners(const mcv_scene *scene, uint32_t instance, uint32_t local, double corners[3][3]) {
+    const mcv_instance *placed = scene->instances + instance;
+    const float *positions = scene->meshes[placed->mesh].positions;
+    uint32_t vertices[3];
+    mcv_scene_triangle(scene, instance, local, vertices);
+    for (int i = 0; i < 3; ++i) {
+        const float *p = positions + 3 * (size_t)vertices[i];
+        const double point[3] = {p[0], p[1], p[2]};
+        mcv_transform_point(&placed->to_world, point, corners[i]);
+    }
+}
+
+/* The face's normal, as long as twice its area. */
+static void face_normal(const mcv_scene *scene, uint32_t instance, uint32_t local, double normal[3]) {
+    double corners[3][3], edge[2][3];
+    mcv_scene_corners(scene, instance, local, corners);
+    for (int i = 0; i < 3; ++i) {
+        edge[0][i] = corners[1][i] - corners[0][i];
+        edge[1][i] = corners[2][i] - corners[0][i];
+    }
+    mcv_cross3(edge[0], edge[1], normal);
+}
+
+void mcv_scene_vertex_normals(const mcv_scene *scene, uint32_t instance, uint32_t local, double normals[3][3]) {
+    const mcv_instance *placed = scene->instances + instance;
+    const float *stored = scene->meshes[placed->mesh].normals;
+    double face[3];
+    face_normal(scene, instance, local, face);
+    if (!mcv_normalize3(face, face)) memcpy(face, (double[3]){0, 0, 1}, sizeof face); /* a triangle without area is never hit */
+    uint32_t vertices[3];
+    mcv_scene_triangle(scene, instance, local, vertices);
+    for (int i = 0; i < 3; ++i) {
+        memcpy(normals[i], face, sizeof face);
+        if (!stored) continue;
+        const float *n = stored + 3 * (size_t)vertices[i];
+        const double normal[3] = {n[0], n[1], n[2]};
+        double world[3];
+        mcv_transform_normal(&placed->to_world, normal, world);
+        mcv_normalize3(world, normals[i]);
+    }
+}
+
+double mcv_scene_area(const mcv_scene *scene, uint32_t instance) {
+    double sum = 0;
+    for (uint32_t t = 0; t < scene->meshes[scene->instances[instance].mesh].triangle_count; ++t) {
+        double normal[3];
+        face_normal(scene, instance, t, normal);
+        sum += 0.5 * hypot(hypot(normal[0], normal[1]), normal[2]);
+    }
+    return sum;
+}

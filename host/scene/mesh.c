@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "scene/mesh.h"
+
+#include "scene/transform.h"
+
+#include <stdlib.h>
+
+static mcv_result check_finite(const float *values, uint32_t count, uint32_t components, const char *key, const mcv_place *place,
+                               mcv_error *error) {
+    if (!values) return MCV_OK;
+    const mcv_place here = mcv_place_key(place, key);
+    for (size_t i = 0; i < (size_t)count * components; ++i)
+        if (!isfinite(values[i]))
+            return mcv_fail_at(&here, error, "vertex %zu has the coordinate %g, but must be finite", i / components, (double)values[i]);
+    return MCV_OK;
+}
+
+/* Sums the faces around each vertex whose normal has no direction; one without any face that has one looks along z. */
+static mcv_result repair_normals(mcv_mesh *mesh, const mcv_place *place, mcv_error *error) {
+    double *sums = calloc(mesh->vertex_count, 3 * sizeof *sums);
+    if (!sums) return mcv_fail_memory(place, error);
+    for (size_t t = 0; t < mesh->triangle_count; ++t) {
+        const uint32_t *v = mesh->indices + 3 * t;
+        double edge[2][3], normal[3];
+        for (int i = 0; i < 3; ++i) {
+            const double origin = mesh->positions[3 * (size_t)v[0] + i];
+            edge[0][i] = mesh->positions[3 * (size_t)v[1] + i] - origin;
+            edge[1][i] = mesh->positions[3 * (size_t)v[2] + i] - origin;
+        }
+        mcv_cross3(edge[0], edge[1], normal);
+        for (int corner = 0; corner < 3; ++corner)
+            for (int i = 0; i < 3; ++i) sums[3 * (size_t)v[corner] + i] += normal[i];
+    }
+    for (size_t v = 0; v < mesh->vertex_count; ++v) {
+        float *n = mesh->normals + 3 * v;
+        double unit[3] = {0, 0, 1};
+        if (n[0] != 0 || n[1] != 0 || n[2] != 0) continue;
+        mcv_normalize3(sums + 3 * v, unit);
+        for (int i = 0; i < 3; ++i) n[i] = (float)unit[i];
+    }
+    free(sums);
+    return MCV_OK;
+}
+
+mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_place *place, mcv_error *error) {
+    MCV_TRY(check_finite(mesh->positions, mesh->vertex_count, 3, "POSITION", place, error));
+    MCV_TRY(check_finite(mesh->normals, mesh->vertex_count, 3, "NORMAL", place, error));
+    MCV_TRY(check_finite(mesh->texcoords, mesh->vertex_count, 2, "TEXCOORD_0", place, error));
+    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; ++i)
+        if (mesh->indices[i] >= mesh->vertex_count) {
+            const mcv_place here = mcv_place_key(place, "indices");
+            return mcv_fail_at(&here, error, "index %u of triangle %zu points to nothing: vertices go from 0 to %u", mesh->indices[i],
+                               i / 3, mesh->vertex_count - 1);
+        }
+    *repaired = 0;
+    for (size_t v = 0; mesh->normals && v < mesh->vertex_count; ++v) {
+        float *n = mesh->normals + 3 * v;
+        double unit[3] = {n[0], n[1], n[2]};
+        if (!mcv_normalize3(unit, unit)) ++*repaired;
+        for (int i = 0; i < 3; ++i) n[i] = (float)unit[i];
+    }
+    return *repaired ? repair_normals(mesh, place, error) : MCV_OK;
+}
+
+void mcv_mesh_free(mcv_mesh *mesh) {
+    free(mesh->name);
+    free(mesh->positions);
+    free(mesh->normals);
+    free(mesh->texcoords);
+    free(mesh->indices);
+    *mesh = (mcv_mesh){0};
+}

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Meshes as the loader hands them to a scene. */
+#ifndef MCVISI_HOST_SCENE_MESH_H
+#define MCVISI_HOST_SCENE_MESH_H
+
+#include "scene/place.h"
+#include "scene/scene.h"
+
+/*
+ * Refuses indices beyond the vertices and values that are not finite; makes normals unit. Normals of length 0 become the
+ * mean of the adjacent faces' (weighed by area), and are counted in *repaired.
+ */
+mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_place *place, mcv_error *error);
+void mcv_mesh_free(mcv_mesh *mesh);
+
+/* Like mcv_scene_add_mesh, but takes over the arrays, which have passed mcv_mesh_check. On failure they are freed. */
+mcv_result mcv_scene_take_mesh(mcv_scene *scene, mcv_mesh *mesh, mcv_error *error);
+mcv_result mcv_scene_take_texture(mcv_scene *scene, mcv_texture *texture, mcv_error *error);
+
+/* The area of an instance in the world [m²]. */
+double mcv_scene_area(const mcv_scene *scene, uint32_t instance);
+
+#endif

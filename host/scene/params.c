@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "scene/params.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#define MCV_ROW(kind, key, default_value, min, max, doc) \
+    {MCV_PARAM_##kind, #key, offsetof(element_params, key), default_value, min, max, doc},
+
+/* A table ends in an empty row, so that an element may be without parameters. */
+#define MCV_TABLE(name, key, NAME) \
+    static mcv_param_table name##_table(void) { \
+        typedef mcv_##name##_params element_params; \
+        static const mcv_param rows[] = {MCV_##NAME##_PARAMS(MCV_ROW){0}}; \
+        return (mcv_param_table){rows, sizeof rows / sizeof rows[0] - 1, sizeof(element_params)}; \
+    }
+MCV_SENSORS(MCV_TABLE)
+MCV_EMITTERS(MCV_TABLE)
+MCV_MATERIALS(MCV_TABLE)
+
+#define MCV_CALL(name, key, NAME) name##_table,
+#define MCV_TYPE(name, key, NAME) key,
+typedef mcv_param_table table_of(void);
+static table_of *const sensor_tables[] = {MCV_SENSORS(MCV_CALL)};
+static table_of *const emitter_tables[] = {MCV_EMITTERS(MCV_CALL)};
+static table_of *const material_tables[] = {MCV_MATERIALS(MCV_CALL)};
+const char *const mcv_sensor_types[] = {MCV_SENSORS(MCV_TYPE)};
+const char *const mcv_emitter_types[] = {MCV_EMITTERS(MCV_TYPE)};
+const char *const mcv_material_types[] = {MCV_MATERIALS(MCV_TYPE)};
+
+mcv_param_table mcv_sensor_table(uint32_t type) { return sensor_tables[type](); }
+mcv_param_table mcv_emitter_table(uint32_t type) { return emitter_tables[type](); }
+mcv_param_table mcv_material_table(uint32_t type) { return material_tables[type](); }
+
+const char *const *mcv_param_options(const char *key) {
+#define MCV_OPTIONS(choice, ...) {#choice, {__VA_ARGS__, NULL}},
+    static const struct {
+        const char *key;
+        const char *options[8];
+    } choices[] = {MCV_CHOICES(MCV_OPTIONS)};
+    for (size_t i = 0; i < sizeof choices / sizeof choices[0]; ++i)
+        if (strcmp(choices[i].key, key) == 0) return choices[i].options;
+    return NULL;
+}
+
+/* How many numbers a kind holds. */
+static size_t components(mcv_param_kind kind) {
+    return kind == MCV_PARAM_spectrum ? 3 : kind == MCV_PARAM_int2 || kind == MCV_PARAM_length2 ? 2 : 1;
+}
+
+static double get(const mcv_param *param, const void *params, size_t i) {
+    const char *field = (const char *)params + param->offset;
+    if (param->kind == MCV_PARAM_int2) return ((const uint32_t *)(const void *)field)[i];
+    if (param->kind == MCV_PARAM_choice) return *(const int *)(const void *)field;
+    return ((const double *)(const void *)field)[i];
+}
+
+static void set(const mcv_param *param, void *params, size_t i, double value) {
+    char *field = (char *)params + param->offset;
+    if (param->kind == MCV_PARAM_int2)
+        ((uint32_t *)(void *)field)[i] = (uint32_t)value;
+    else if (param->kind == MCV_PARAM_choice)
+        *(int *)(void *)field = (int)value;
+    else
+        ((double *)(void *)field)[i] = value;
+}
+
+void mcv_params_set_defaults(mcv_param_table table, void *params) {
+    memset(params, 0, table.struct_size);
+    for (size_t i = 0; i < table.count; ++i) {
+        const mcv_param *param = table.params + i;
+        const bool given = param->default_value != MCV_REQUIRED && param->default_value != MCV_UNSET;
+        const double value = given ? param->default_value : param->kind == MCV_PARAM_int2 ? 0 : (double)NAN;
+        for (size_t j = 0; j < components(param->kind); ++j) set(param, params, j, value);
+    }
+}
+
+bool mcv_param_unset(const mcv_param *param, const void *params) {
+    const double first = get(param, params, 0);
+    return param->kind == MCV_PARAM_int2 ? first == 0 : param->kind != MCV_PARAM_choice && isnan(first);
+}
+
+bool mcv_parse_quantity(const char *text, mcv_param_kind kind, double *value) {
+    static const struct {
+        const char *name;
+        mcv_param_kind kind;
+        double si;
+    } units[] = {
+        {"nm", MCV_PARAM_length, 1e9}, {"um", MCV_PARAM_length, 1e6},  {"µm", MCV_PARAM_length, 1e6},
+        {"mm", MCV_PARAM_length, 1e3}, {"cm", MCV_PARAM_length, 1e2},  {"m", MCV_PARAM_length, 1},
+        {"rad", MCV_PARAM_angle, 1},   {"mrad", MCV_PARAM_angle, 1e3}, {"deg", MCV_PARAM_angle, 180 / M_PI},
+    };
+    /* Digits only: strtod would take "inf", "nan" and hexadecimal too. */
+    if (text[strspn(text, " +-.")] < '0' || text[strspn(text, " +-.")] > '9' || strchr(text, 'x') || strchr(text, 'X')) return false;
+    char *end;
+    const double number = strtod(text, &end);
+    if (end == text || !isfinite(number)) return false;
+    end += strspn(end, " ");
+    *value = number;
+    if (!*end) return true;
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; ++i)
+        if (strcmp(end, units[i].name) == 0 && (kind == units[i].kind || kind == MCV_PARAM_choice)) {
+            /* Divided, because 1e6 is exact in binary and 1e-6 is not. */
+            *value = number / units[i].si;
+            return true;
+        }
+    return false;
+}
+
+/* What one number of this kind looks like. */
+static const char *example(mcv_param_kind kind) {
+    switch (kind) {
+    case MCV_PARAM_length:
+    case MCV_PARAM_length2:
+        return "a length in metres, or with a unit as in \"25mm\" (nm, um, mm, cm, m)";
+    case MCV_PARAM_angle:
+        return "an angle in radians, or with a unit as in \"0.5deg\" (deg, mrad, rad)";
+    case MCV_PARAM_int2:
+        return "an integer";
+    default:
+        return "a number";
+    }
+}
+
+static mcv_result parse_number(const mcv_param *param, const json_t *value, double *number, const mcv_place *place, mcv_error *error) {
+    const mcv_param_kind kind = param->kind == MCV_PARAM_length2 ? MCV_PARAM_length : param->kind;
+    if (json_is_string(value) && param->kind != MCV_PARAM_int2 && param->kind != MCV_PARAM_spectrum) {
+        if (mcv_parse_quantity(json_string_value(value), kind, number)) return MCV_OK;
+        return mcv_fail_at(place, error, "\"%s\" must be %s", json_string_value(value), example(kind));
+    }
+    if (!json_is_number(value)) return mcv_fail_at(place, error, "must be %s", example(kind));
+    *number = json_number_value(value);
+    if (param->kind != MCV_PARAM_int2) return MCV_OK;
+    /* Checked here because it must fit the field. */
+    if (!(*number >= param->min && *number <= param->max) || *number != floor(*number))
+        return mcv_fail_at(place, error, "%g must be an integer from %g to %g", *number, param->min, param->max);
+    return MCV_OK;
+}
+
+static mcv_result parse_choice(const mcv_param *param, const json_t *value, void *params, const mcv_place *place, mcv_error *error) {
+    const char *const *options = mcv_param_options(param->key);
+    const char *text = json_string_value(value);
+    char list[256] = "";
+    for (int i = 0; options[i]; ++i) {
+        if (text && strcmp(text, options[i]) == 0) {
+            set(param, params, 0, i);
+            return MCV_OK;
+        }
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s\"%s\"", i ? " or " : "", options[i]);
+    }
+    return text ? mcv_fail_at(place, error, "\"%s\" must be %s", text, list) : mcv_fail_at(place, error, "must be %s", list);
+}
+
+static mcv_result parse_value(const mcv_param *param, const json_t *value, void *params, const mcv_place *place, mcv_error *error) {
+    if (param->kind == MCV_PARAM_choice) return parse_choice(param, value, params, place, error);
+    const size_t n = components(param->kind);
+    if (json_is_array(value) && (n == 1 || json_array_size(value) != n)) {
+        if (n == 1) return mcv_fail_at(place, error, "must be %s, not an array", example(param->kind));
+        return mcv_fail_at(place, error, "has %zu values, but must have %zu (or be one for all)", json_array_size(value), n);
+    }
+    for (size_t i = 0; i < n; ++i) {
+        const mcv_place element = mcv_place_index(place, i);
+        double number;
+        MCV_TRY(json_is_array(value) ? parse_number(param, json_array_get(value, i), &number, &element, error)
+                                     : parse_number(param, value, &number, place, error));
+        set(param, params, i, number);
+    }
+    return MCV_OK;
+}
+
+static mcv_result fail_unknown(mcv_param_table table, const char *const *others, const mcv_place *place, const char *key,
+                               mcv_error *error) {
+    const char *words[64];
+    char list[1024] = "";
+    size_t n = 0;
+    for (size_t i = 0; i < table.count && n < 48; ++i) words[n++] = table.params[i].key;
+    for (size_t i = 0; others[i] && n < 64; ++i) words[n++] = others[i];
+    const char *nearest = mcv_nearest_word(key, words, n);
+    if (nearest) return mcv_fail_at(place, error, "unknown key \"%s\": did you mean \"%s\"?", key, nearest);
+    for (size_t i = 0; i < n; ++i) snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "", words[i]);
+    return mcv_fail_at(place, error, "unknown key \"%s\": known are %s", key, list);
+}
+
+mcv_result mcv_params_parse(mcv_param_table table, const json_t *object, const char *const *others, void *params, const mcv_place *place,
+                            mcv_error *error) {
+    const char *key;
+    json_t *value;
+    json_object_foreach((json_t *)object, key, value) {
+        size_t i = 0, other = 0;
+        while (i < table.count && strcmp(table.params[i].key, key) != 0) ++i;
+        while (others[other] && strcmp(others[other], key) != 0) ++other;
+        const mcv_place here = mcv_place_key(place, key);
+        if (i < table.count)
+            MCV_TRY(parse_value(table.params + i, value, params, &here, error));
+        else if (!others[other])
+            return fail_unknown(table, others, place, key, error);
+    }
+    return MCV_OK;
+}
+
+mcv_result mcv_params_check(mcv_param_table table, const void *params, const mcv_place *place, mcv_error *error) {
+    for (size_t i = 0; i < table.count; ++i) {
+        const mcv_param *param = table.params + i;
+        const mcv_place here = mcv_place_key(place, param->key);
+        if (mcv_param_unset(param, params)) {
+            if (param->default_value == MCV_REQUIRED) return mcv_fail_at(&here, error, "is missing: %s", param->doc);
+            continue;
+        }
+        for (size_t j = 0; j < components(param->kind); ++j) {
+            const double value = get(param, params, j);
+            if (value >= param->min && value <= param->max) continue;
+            if (param->min == MCV_POSITIVE)
+                return mcv_fail_at(&here, error, "%g must be above 0 and at most %g: %s", value, param->max, param->doc);
+            return mcv_fail_at(&here, error, "%g must lie from %g to %g: %s", value, param->min, param->max, param->doc);
+        }
+    }
+    return MCV_OK;
+}
+
+mcv_result mcv_element_type(const json_t *object, const char *const *types, uint32_t count, uint32_t *type, const mcv_place *place,
+                            mcv_error *error) {
+    char list[256] = "";
+    const char *name = NULL;
+    const mcv_place here = mcv_place_key(place, "type");
+    MCV_TRY(mcv_json_string(object, "type", &name, place, error));
+    for (*type = 0; *type < count; ++*type) {
+        if (name && strcmp(name, types[*type]) == 0) return MCV_OK;
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", *type ? ", " : "", types[*type]);
+    }
+    if (!name) return mcv_fail_at(&here, error, "is missing: one of %s", list);
+    const char *nearest = mcv_nearest_word(name, types, count);
+    if (nearest) return mcv_fail_at(&here, error, "unknown type \"%s\": did you mean \"%s\"?", name, nearest);
+    return mcv_fail_at(&here, error, "unknown type \"%s\": known are %s", name, list);
+}

@@ -1,0 +1,263 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "scene/scene.h"
+
+#include "scene/emitters.h"
+#include "scene/mesh.h"
+#include "scene/params.h"
+#include "scene/sensors.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+mcv_scene *mcv_scene_new(const char *path) {
+    mcv_scene *scene = calloc(1, sizeof *scene);
+    if (scene && !(scene->path = strdup(path))) {
+        free(scene);
+        return NULL;
+    }
+    return scene;
+}
+
+void mcv_scene_free(mcv_scene *scene) {
+    if (!scene) return;
+    for (uint32_t i = 0; i < scene->texture_count; ++i) {
+        free(scene->textures[i].name);
+        free(scene->textures[i].rgba);
+    }
+    for (uint32_t i = 0; i < scene->material_count; ++i) free(scene->materials[i].name);
+    for (uint32_t i = 0; i < scene->mesh_count; ++i) mcv_mesh_free(scene->meshes + i);
+    for (uint32_t i = 0; i < scene->instance_count; ++i) free(scene->instances[i].name);
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) free(scene->emitters[i].name);
+    for (uint32_t i = 0; i < scene->sensor_count; ++i) free(scene->sensors[i].name);
+    for (uint32_t i = 0; i < scene->warning_count; ++i) free(scene->warnings[i]);
+    free(scene->textures);
+    free(scene->materials);
+    free(scene->meshes);
+    free(scene->instances);
+    free(scene->emitters);
+    free(scene->sensors);
+    free(scene->warnings);
+    free(scene->path);
+    free(scene);
+}
+
+/* --- adding ----------------------------------------------------------------------------------------------------- */
+
+/*
+ * Appends a copy of `element` to *array. The capacity is the power of two at or above count, so it is not kept. Sizes are
+ * those of the element, arrays are arrays of it.
+ */
+static bool append(void *array, uint32_t *count, const void *element, size_t size) {
+    void *elements;
+    memcpy(&elements, array, sizeof elements);
+    if ((*count & (*count - 1)) == 0) {
+        elements = realloc(elements, (*count ? 2 * (size_t)*count : 1) * size);
+        if (!elements) return false;
+        memcpy(array, &elements, sizeof elements);
+    }
+    memcpy((char *)elements + *count * size, element, size);
+    ++*count;
+    return true;
+}
+
+/* A copy of an optional array; *failed is set where memory is missing. */
+static void *copy(const void *from, size_t size, bool *failed) {
+    if (!from) return NULL;
+    void *to = malloc(size ? size : 1);
+    if (to)
+        memcpy(to, from, size);
+    else
+        *failed = true;
+    return to;
+}
+
+static char *copy_name(const char *name, bool *failed) { return copy(name ? name : "", name ? strlen(name) + 1 : 1, failed); }
+
+/* FILE: KIND/NAME, for the messages of the add functions. */
+typedef struct element_place {
+    mcv_place file, kind, element;
+} element_place;
+
+static const mcv_place *place_element(element_place *place, const mcv_scene *scene, const char *kind, const char *name, uint32_t index) {
+    place->file = mcv_place_file(scene->path);
+    place->kind = mcv_place_key(&place->file, kind);
+    place->element = mcv_place_element(&place->kind, name, index);
+    return &place->element;
+}
+
+mcv_result mcv_scene_take_texture(mcv_scene *scene, mcv_texture *texture, mcv_error *error) {
+    const mcv_place file = mcv_place_file(scene->path);
+    if (append(&scene->textures, &scene->texture_count, texture, sizeof *texture)) return MCV_OK;
+    free(texture->name);
+    free(texture->rgba);
+    return mcv_fail_memory(&file, error);
+}
+
+mcv_result mcv_scene_add_texture(mcv_scene *scene, const mcv_texture *texture, mcv_error *error) {
+    element_place place;
+    const mcv_place *here = place_element(&place, scene, "textures", texture->name, scene->texture_count);
+    if (texture->width == 0 || texture->height == 0 || !texture->rgba) return mcv_fail_at(here, error, "must have pixels");
+    bool failed = false;
+    mcv_texture own = *texture;
+    own.name = copy_name(texture->name, &failed);
+    own.rgba = copy(texture->rgba, 4 * (size_t)texture->width * texture->height, &failed);
+    if (!failed) return mcv_scene_take_texture(scene, &own, error);
+    free(own.name);
+    free(own.rgba);
+    return mcv_fail_memory(here, error);
+}
+
+mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material, mcv_error *error) {
+    element_place place;
+    const mcv_place *here = place_element(&place, scene, "materials", material->name, scene->material_count);
+    if (material->type >= MCV_MATERIAL_COUNT) return mcv_fail_at(here, error, "%u is no type of material", material->type);
+    if (material->texture != MCV_NONE && material->texture >= scene->texture_count)
+        return mcv_fail_at(here, error, "texture %u does not exist", material->texture);
+    MCV_TRY(mcv_params_check(mcv_material_table(material->type), &material->as, here, error));
+    if (material->type == MCV_MATERIAL_DIELECTRIC && material->as.dielectric.priority != floor(material->as.dielectric.priority))
+        return mcv_fail_at(here, error, "priority %g must be an integer", material->as.dielectric.priority);
+    bool failed = false;
+    mcv_material own = *material;
+    own.name = copy_name(material->name, &failed);
+    if (!failed && append(&scene->materials, &scene->material_count, &own, sizeof own)) return MCV_OK;
+    free(own.name);
+    return mcv_fail_memory(here, error);
+}
+
+mcv_result mcv_scene_take_mesh(mcv_scene *scene, mcv_mesh *mesh, mcv_error *error) {
+    const mcv_place file = mcv_place_file(scene->path);
+    if (append(&scene->meshes, &scene->mesh_count, mesh, sizeof *mesh)) return MCV_OK;
+    mcv_mesh_free(mesh);
+    return mcv_fail_memory(&file, error);
+}
+
+mcv_result mcv_scene_add_mesh(mcv_scene *scene, const mcv_mesh *mesh, mcv_error *error) {
+    element_place place;
+    const mcv_place *here = place_element(&place, scene, "meshes", mesh->name, scene->mesh_count);
+    if (!mesh->positions || !mesh->indices || mesh->vertex_count == 0) return mcv_fail_at(here, error, "must have positions and indices");
+    const size_t vertices = mesh->vertex_count;
+    bool failed = false;
+    mcv_mesh own = *mesh;
+    own.name = copy_name(mesh->name, &failed);
+    own.positions = copy(mesh->positions, 3 * vertices * sizeof(float), &failed);
+    own.normals = copy(mesh->normals, 3 * vertices * sizeof(float), &failed);
+    own.texcoords = copy(mesh->texcoords, 2 * vertices * sizeof(float), &failed);
+    own.indices = copy(mesh->indices, 3 * (size_t)mesh->triangle_count * sizeof(uint32_t), &failed);
+    uint32_t repaired;
+    const mcv_result result = failed ? mcv_fail_memory(here, error) : mcv_mesh_check(&own, &repaired, here, error);
+    if (result == MCV_OK) return mcv_scene_take_mesh(scene, &own, error);
+    mcv_mesh_free(&own);
+    return result;
+}
+
+mcv_result mcv_scene_add_instance(mcv_scene *scene, const mcv_instance *instance, mcv_error *error) {
+    element_place place;
+    const mcv_place *here = place_element(&place, scene, "nodes", instance->name, scene->instance_count);
+    if (instance->mesh >= scene->mesh_count) return mcv_fail_at(here, error, "mesh %u does not exist", instance->mesh);
+    if (instance->material >= scene->material_count) return mcv_fail_at(here, error, "material %u does not exist", instance->material);
+    for (int i = 0; i < 12; ++i)
+        if (!isfinite(instance->to_world.m[i])) return mcv_fail_at(here, error, "its transform must be finite");
+    const uint32_t triangles = scene->meshes[instance->mesh].triangle_count;
+    if (triangles > INT32_MAX - scene->triangle_count)
+        return mcv_fail_at(here, error, "%u triangles and these %u are more than %d", scene->triangle_count, triangles, INT32_MAX);
+    bool failed = false;
+    mcv_instance own = *instance;
+    own.name = copy_name(instance->name, &failed);
+    own.emitter = MCV_NONE;
+    own.first_triangle = scene->triangle_count;
+    if (!failed && append(&scene->instances, &scene->instance_count, &own, sizeof own)) {
+        scene->triangle_count += triangles;
+        return MCV_OK;
+    }
+    free(own.name);
+    return mcv_fail_memory(here, error);
+}
+
+static mcv_result check_emitter_instance(const mcv_scene *scene, mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+    if (emitter->type == MCV_EMITTER_ENVIRONMENT) {
+        emitter->instance = MCV_NONE;
+        emitter->area = 0;
+        for (uint32_t i = 0; i < scene->emitter_count; ++i)
+            if (scene->emitters[i].type == MCV_EMITTER_ENVIRONMENT)
+                return mcv_fail_at(place, error, "\"%s\" is an environment already: a scene has one at most", scene->emitters[i].name);
+        return MCV_OK;
+    }
+    if (emitter->instance >= scene->instance_count) return mcv_fail_at(place, error, "instance %u does not exist", emitter->instance);
+    const mcv_instance *instance = scene->instances + emitter->instance;
+    if (instance->emitter != MCV_NONE) return mcv_fail_at(place, error, "node \"%s\" has an emitter already", instance->name);
+    emitter->area = mcv_scene_area(scene, emitter->instance);
+    if (emitter->area > 0 && isfinite(emitter->area)) return MCV_OK;
+    return mcv_fail_at(place, error, "node \"%s\" has an area of %g m², but must have one to emit from", instance->name, emitter->area);
+}
+
+mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, mcv_error *error) {
+    element_place place;
+    const mcv_place *here = place_element(&place, scene, "emitters", emitter->name, scene->emitter_count);
+    if (emitter->type >= MCV_EMITTER_COUNT) return mcv_fail_at(here, error, "%u is no type of emitter", emitter->type);
+    if (emitter->texture != MCV_NONE && emitter->texture >= scene->texture_count)
+        return mcv_fail_at(here, error, "texture %u does not exist", emitter->texture);
+    mcv_emitter own = *emitter;
+    MCV_TRY(mcv_emitter_check(&own, here, error));
+    MCV_TRY(check_emitter_instance(scene, &own, here, error));
+    MCV_TRY(mcv_emitter_resolve(&own, here, error));
+    bool failed = false;
+    own.name = copy_name(emitter->name, &failed);
+    if (!failed && append(&scene->emitters, &scene->emitter_count, &own, sizeof own)) {
+        if (own.instance != MCV_NONE) scene->instances[own.instance].emitter = scene->emitter_count - 1;
+        return MCV_OK;
+    }
+    free(own.name);
+    return mcv_fail_memory(here, error);
+}
+
+mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_error *error) {
+    element_place place;
+    const mcv_place *here = place_element(&place, scene, "sensors", sensor->name, scene->sensor_count);
+    if (sensor->type >= MCV_SENSOR_COUNT) return mcv_fail_at(here, error, "%u is no type of sensor", sensor->type);
+    mcv_sensor own = *sensor;
+    MCV_TRY(mcv_sensor_resolve(&own, here, error));
+    bool failed = false;
+    own.name = copy_name(sensor->name, &failed);
+    if (!failed && append(&scene->sensors, &scene->sensor_count, &own, sizeof own)) return MCV_OK;
+    free(own.name);
+    return mcv_fail_memory(here, error);
+}
+
+mcv_result mcv_scene_warn(mcv_scene *scene, mcv_error *error, const char *format, ...) {
+    const mcv_place file = mcv_place_file(scene->path);
+    char *text = NULL;
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = vasprintf(&text, format, arguments);
+    va_end(arguments);
+    if (length >= 0 && append(&scene->warnings, &scene->warning_count, &text, sizeof text)) return MCV_OK;
+    if (length >= 0) free(text);
+    return mcv_fail_memory(&file, error);
+}
+
+/* --- channels --------------------------------------------------------------------------------------------------- */
+
+static bool grey(const double spectrum[3]) { return spectrum[0] == spectrum[1] && spectrum[1] == spectrum[2]; }
+
+static bool grey_parameters(mcv_param_table table, const void *params) {
+    for (size_t i = 0; i < table.count; ++i)
+        if (table.params[i].kind == MCV_PARAM_spectrum && !mcv_param_unset(table.params + i, params) &&
+            !grey((const double *)(const void *)((const char *)params + table.params[i].offset)))
+            return false;
+    return true;
+}
+
+uint32_t mcv_scene_channels(const mcv_scene *scene) {
+    for (uint32_t i = 0; i < scene->emitter_count; ++i)
+        if (!grey(scene->emitters[i].radiance)) return 3;
+    for (uint32_t i = 0; i < scene->material_count; ++i)
+        if (!grey_parameters(mcv_material_table(scene->materials[i].type), &scene->materials[i].as)) return 3;
+    for (uint32_t i = 0; i < scene->texture_count; ++i) {
+        const mcv_texture *texture = scene->textures + i;
+        const size_t pixels = (size_t)texture->width * texture->height;
+        for (const uint8_t *p = texture->rgba; p < texture->rgba + 4 * pixels; p += 4)
+            if (p[0] != p[1] || p[1] != p[2]) return 3;
+    }
+    return 1;
+}

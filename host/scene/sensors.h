@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Sensors on the host: what follows from their parameters, in double. */
+#ifndef MCVISI_HOST_SCENE_SENSORS_H
+#define MCVISI_HOST_SCENE_SENSORS_H
+
+#include "scene/place.h"
+#include "scene/scene.h"
+
+/* Fills in parameters that follow from others; refuses contradictions and what the sensor cannot do. */
+#define MCV_SENSOR_FUNCTIONS(name, key, NAME) \
+    mcv_result mcv_##name##_resolve(mcv_##name##_params *params, const mcv_place *place, mcv_error *error); \
+    void mcv_##name##_prepare(const mcv_##name##_params *params, mcv_##name *device);
+MCV_SENSORS(MCV_SENSOR_FUNCTIONS)
+#undef MCV_SENSOR_FUNCTIONS
+
+/* Checks required parameters and ranges by the table, then resolves. */
+mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_place *place, mcv_error *error);
+
+/*
+ * What an optics engineer asks of a sensor; lengths in m, angles in rad, NaN where the sensor has no such thing. First-order
+ * optics of the thin lens: numbers on the axis. A light field camera's depth of field is that of its sub-aperture views,
+ * whose pixel is a macro pixel and whose aperture is a (J, K)-th of the lens.
+ */
+typedef struct mcv_optics {
+    double focused_depth;      /* from the main lens to the plane in focus, 1/κ; infinite, or negative where it is virtual */
+    double magnification;      /* image size over object size in that plane: 0 at infinity, negative where it is virtual */
+    double field[2];           /* width and height seen in that plane (infinite at infinity) */
+    double field_angle[2];     /* full angles of view; 0 for telecentric */
+    double f_number;           /* working, image side: distance over diameter of the cone that meets the image */
+    double numerical_aperture; /* object side, radius over distance of the cone that leaves the plane in focus */
+    double depth_of_field[2];  /* depths of the nearest and the farthest plane blurred by one pixel; may be infinite */
+    double macro_pixel[2];     /* pitch of the macro pixels */
+} mcv_optics;
+mcv_optics mcv_sensor_optics(const mcv_sensor *sensor);
+
+#endif
