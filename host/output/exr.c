@@ -197,6 +197,11 @@ static mcv_result check_arguments(const char *path, const mcv_exr_part *parts, u
                             parts[p].name, image->width, image->height, image->channels, MCV_EXR_MAX_SIDE, MCV_EXR_MAX_SIDE,
                             MCV_EXR_MAX_CHANNELS);
         }
+        for (uint32_t q = 0; q < p; ++q) {
+            if (strcmp(parts[p].name, parts[q].name) == 0) {
+                return mcv_fail(error, MCV_FAILED, "%s: two parts are named %s; each needs its own name", path, parts[p].name);
+            }
+        }
         if (!parts[p].channel_names && image->channels != 1 && image->channels != 3) {
             return mcv_fail(error, MCV_FAILED, "%s: part %s has %u channels without names; only 1 and 3 have some by themselves", path,
                             parts[p].name, image->channels);
