@@ -18,11 +18,22 @@ typedef struct mcv_film {
     double *sums;     /* [replicate][channel][row][column] */
 } mcv_film;
 
-/* Zeroed. Fails with a sentence that says how much memory it would take. */
+enum { MCV_MAX_REPLICATES = 64 };
+
+/* Zeroed. Fails for a size of 0 or more replicates than there can be, or with a sentence that says how much memory it would take. */
 mcv_result mcv_film_new(mcv_film *film, uint32_t width, uint32_t height, uint32_t channels, uint32_t replicates, mcv_error *error);
 void mcv_film_free(mcv_film *film);
 
-/* a += b, for the aligned sample range that follows a's. Fails where sizes differ. */
+/*
+ * The sum of `count` (a power of two) values at values[i * stride], over the fixed binary tree: the sums of aligned halves
+ * are the halves of the sum, so blocks summed apart and then added give the same bits.
+ */
+double mcv_tree_sum(const double *values, size_t count, size_t stride);
+
+/*
+ * a += b, for the aligned sample range that follows a's. Fails where sizes differ, or where a is neither empty nor holds as
+ * many samples as b (the tree would be another one).
+ */
 mcv_result mcv_film_merge(mcv_film *a, const mcv_film *b, mcv_error *error);
 
 /* A plane of floats per channel, as written to files: [channel][row][column]. */
@@ -33,11 +44,23 @@ typedef struct mcv_image {
 mcv_result mcv_image_new(mcv_image *image, uint32_t width, uint32_t height, uint32_t channels, mcv_error *error);
 void mcv_image_free(mcv_image *image);
 
+/* A mean that is known with an error: the variance of the mean (not of one value) and its degrees of freedom. */
+typedef struct mcv_estimate {
+    double mean, variance, freedom;
+} mcv_estimate;
+
+/* The estimate from independent replicates' means: R - 1 degrees of freedom; the variance of a single one is NaN. */
+mcv_estimate mcv_estimate_replicates(const double *means, uint32_t replicates);
+
 /* The mean over samples and replicates, and its standard error (NaN with fewer than two replicates). Both images are made here; error_image
  * may be NULL. */
 mcv_result mcv_film_develop(const mcv_film *film, mcv_image *mean, mcv_image *error_image, mcv_error *error);
 
-/* √(mean over pixels and channels of SE²) / mean of the image: what --error compares with. Infinite for a black image with an error. */
+/* The mean over pixels and channels. NaN for a film without samples. */
+double mcv_film_mean(const mcv_film *film);
+
+/* √(mean over pixels and channels of SE²) / mean of the image: what --error compares with. Infinite for a black image with an
+ * error, 0 for one without; NaN for a single replicate or no samples. */
 double mcv_film_relative_error(const mcv_film *film);
 
 #endif

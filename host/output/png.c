@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "output/png.h"
+#include "output/file.h"
+
+#include <math.h>
+#include <png.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct target {
+    mcv_output *output;
+    mcv_error *error;
+    mcv_result result;
+} target;
+
+static void on_write(png_structp png, png_bytep bytes, size_t count) {
+    target *t = png_get_io_ptr(png);
+    t->result = mcv_output_write(t->output, bytes, count, t->error);
+    if (t->result != MCV_OK) png_error(png, "write");
+}
+
+/* The output is flushed once, at its commit. */
+static void on_flush(png_structp png) { (void)png; }
+
+static void on_error(png_structp png, png_const_charp message) {
+    target *t = png_get_error_ptr(png);
+    if (t->result == MCV_OK) t->result = mcv_fail(t->error, MCV_FAILED, "%s: libpng: %s", t->output->path, message);
+    png_longjmp(png, 1);
+}
+
+static void on_warning(png_structp png, png_const_charp message) {
+    (void)png;
+    (void)message;
+}
+
+/*
+ * Rows are width * channels * bits / 8 bytes, 16-bit values big-endian. text is written as a tEXt chunk; NULL: no text, and the
+ * values are not said to be sRGB. What must outlive a longjmp belongs to the caller.
+ */
+static void encode(target *t, const uint8_t *bytes, uint32_t width, uint32_t height, int channels, int bits, png_text *text) {
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, t, on_error, on_warning);
+    png_infop info = png ? png_create_info_struct(png) : NULL;
+    if (!info) {
+        png_destroy_write_struct(&png, NULL);
+        t->result = mcv_fail(t->error, MCV_FAILED, "%s: no memory for libpng", t->output->path);
+        return;
+    }
+    if (setjmp(png_jmpbuf(png)) == 0) {
+        png_set_write_fn(png, t, on_write, on_flush);
+        png_set_user_limits(png, 0x7fffffff, 0x7fffffff);
+        png_set_IHDR(png, info, width, height, bits, channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+                     PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+        if (text) {
+            png_set_sRGB(png, info, PNG_sRGB_INTENT_RELATIVE);
+            png_set_text(png, info, text, 1);
+        }
+        png_write_info(png, info);
+        const size_t stride = (size_t)width * (size_t)(channels * bits / 8);
+        for (uint32_t row = 0; row < height; ++row) png_write_row(png, bytes + row * stride);
+        png_write_end(png, info);
+    }
+    png_destroy_write_struct(&png, &info);
+}
+
+static mcv_result write_file(const char *path, const uint8_t *bytes, uint32_t width, uint32_t height, int channels, int bits,
+                             png_text *text, mcv_error *error) {
+    mcv_output output;
+    MCV_TRY(mcv_output_open(&output, path, error));
+    target t = {.output = &output, .error = error, .result = MCV_OK};
+    encode(&t, bytes, width, height, channels, bits, text);
+    if (t.result != MCV_OK) {
+        mcv_output_discard(&output);
+        return t.result;
+    }
+    return mcv_output_commit(&output, error);
+}
+
+/*
+ * The value of rank k (from 0) among the finite ones, by two passes over a histogram of 16 bits of the float: for numbers not below 0
+ * the bits are ordered as the numbers are. Negative ones count as 0.
+ */
+static float select_rank(const mcv_image *image, uint64_t rank) {
+    const size_t count = (size_t)image->width * image->height * image->channels;
+    uint32_t prefix = 0;
+    for (int shift = 16; shift >= 0; shift -= 16) {
+        static const uint32_t BINS = 1u << 16;
+        uint64_t *histogram = calloc(BINS, sizeof *histogram);
+        if (!histogram) return 0;
+        for (size_t i = 0; i < count; ++i) {
+            const float value = image->pixels[i] > 0 ? image->pixels[i] : 0;
+            uint32_t bits;
+            memcpy(&bits, &value, sizeof bits);
+            if (isfinite(image->pixels[i]) && (shift == 16 || bits >> 16 == prefix >> 16)) ++histogram[bits >> shift & 0xffffu];
+        }
+        uint32_t bin = 0;
+        while (bin < BINS - 1 && rank >= histogram[bin]) rank -= histogram[bin++];
+        prefix |= bin << shift;
+        free(histogram);
+    }
+    float value;
+    memcpy(&value, &prefix, sizeof value);
+    return value;
+}
+
+double mcv_preview_white(const mcv_image *image) {
+    const size_t count = (size_t)image->width * image->height * image->channels;
+    uint64_t finite = 0;
+    double largest = 0;
+    for (size_t i = 0; i < count; ++i) {
+        if (!isfinite(image->pixels[i])) continue;
+        ++finite;
+        largest = fmax(largest, image->pixels[i]);
+    }
+    if (largest == 0) return 1;
+    const double quantile = select_rank(image, (uint64_t)(0.995 * (double)(finite - 1)));
+    return quantile > 0 ? quantile : largest;
+}
+
+static uint8_t encode_srgb(double value) {
+    if (!(value > 0)) return 0;
+    if (value >= 1) return 255;
+    const double encoded = value <= 0.0031308 ? 12.92 * value : 1.055 * pow(value, 1 / 2.4) - 0.055;
+    return (uint8_t)(255 * encoded + 0.5);
+}
+
+mcv_result mcv_png_write_preview(const char *path, const mcv_image *image, const char *unit, mcv_preview *preview, mcv_error *error) {
+    if (image->channels != 1 && image->channels != 3) {
+        return mcv_fail(error, MCV_FAILED, "%s: an image of %u channels has no preview; 1 or 3 can be shown", path, image->channels);
+    }
+    if (!(preview->white > 0) || isinf(preview->white)) preview->white = mcv_preview_white(image);
+    const size_t pixels = (size_t)image->width * image->height;
+    uint8_t *bytes = malloc(pixels * image->channels);
+    if (!bytes) return mcv_fail(error, MCV_FAILED, "%s: no memory for a preview of %u x %u pixels", path, image->width, image->height);
+    uint64_t saturated = 0;
+    for (size_t i = 0; i < pixels; ++i) {
+        bool above = false;
+        for (uint32_t c = 0; c < image->channels; ++c) {
+            const double value = image->pixels[c * pixels + i];
+            bytes[i * image->channels + c] = encode_srgb(value / preview->white);
+            above = above || value > preview->white;
+        }
+        saturated += above;
+    }
+    preview->saturated = (double)saturated / (double)pixels;
+
+    char level[128], key[] = "White level";
+    snprintf(level, sizeof level, "%.9g %s", preview->white, unit);
+    png_text text = {.compression = PNG_TEXT_COMPRESSION_NONE, .key = key, .text = level};
+    const mcv_result result = write_file(path, bytes, image->width, image->height, (int)image->channels, 8, &text, error);
+    free(bytes);
+    return result;
+}
+
+mcv_result mcv_png_write_grey(const char *path, const uint16_t *values, uint32_t width, uint32_t height, int bits, mcv_error *error) {
+    if (bits != 8 && bits != 16) return mcv_fail(error, MCV_USAGE, "%s: a grey PNG has 8 or 16 bits, not %d", path, bits);
+    const size_t count = (size_t)width * height, size = (size_t)bits / 8;
+    uint8_t *bytes = malloc(count * size);
+    if (!bytes) return mcv_fail(error, MCV_FAILED, "%s: no memory for %u x %u grey values", path, width, height);
+    for (size_t i = 0; i < count; ++i) {
+        if (bits == 16) bytes[2 * i] = (uint8_t)(values[i] >> 8);
+        bytes[i * size + size - 1] = (uint8_t)values[i];
+    }
+    const mcv_result result = write_file(path, bytes, width, height, 1, bits, NULL, error);
+    free(bytes);
+    return result;
+}
