@@ -256,8 +256,8 @@ static mcv_result program_source(const char *name, char **from_files, const char
 
 mcv_result mcv_cl_build(mcv_cl *cl, const char *name, const char *options, cl_program *program, mcv_error *error) {
     char all_options[2048];
-    char *from_files;
-    const char *source;
+    char *from_files = NULL;
+    const char *source = NULL;
     *program = NULL;
     MCV_TRY(program_source(name, &from_files, &source, error));
     const int length = snprintf(all_options, sizeof all_options, "-cl-std=CL1.2%s %s",

@@ -33,7 +33,7 @@ static mcv_result flatten_file(flattening *f, const char *name, int depth) {
     if (depth == MAX_DEPTH || f->seen_count == MAX_FILES || strlen(name) >= sizeof f->seen[0]) {
         return mcv_fail(f->error, MCV_FAILED, "%s: includes are nested too deeply or too many", name);
     }
-    strcpy(f->seen[f->seen_count++], name);
+    memcpy(f->seen[f->seen_count++], name, strlen(name) + 1);
     FILE *in = open_source(f, name);
     if (!in) return mcv_fail(f->error, MCV_FAILED, "%s: no such file in %s/kernels or %s/include", name, f->root, f->root);
     fprintf(f->out, "#line 1 \"%s\"\n", name);

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Writing glTF 2.0 with the standard library alone: meshes into one binary chunk, JSON around it."""
+
+import base64
+import json
+import math
+import struct
+
+FLOAT, U16, U32 = 5126, 5123, 5125
+VERTICES, INDICES = 34962, 34963
+
+
+def rounded(x):
+    """x as the nearest float32, the precision in which it is stored."""
+    return struct.unpack("<f", struct.pack("<f", x))[0]
+
+
+def dumped(tree):
+    """JSON text with one element a line: made to be read and to be compared."""
+    def value(x):
+        return json.dumps(x, separators=(", ", ": "), ensure_ascii=False)
+
+    def member(key, x):
+        if isinstance(x, list) and x and isinstance(x[0], dict):
+            return value(key) + ": [\n    " + ",\n    ".join(map(value, x)) + "\n  ]"
+        return value(key) + ": " + value(x)
+
+    return "{\n  " + ",\n  ".join(member(*item) for item in tree.items()) + "\n}\n"
+
+
+class Scene:
+    """A glTF file in the making. The lists are glTF's; MCVISI_ objects on nodes are gathered into their root arrays."""
+
+    def __init__(self, note):
+        self.asset = {"version": "2.0", "generator": "scenes/generate.py", "extras": {"note": note}}
+        self.nodes, self.meshes, self.materials = [], [], []
+        self.accessors, self.views, self.binary = [], [], bytearray()
+        self.elements = {}  # "sensor" or "emitter" -> its root array
+        self.extensions = set()
+
+    def material(self, name, mcvisi, base_colour=(1, 1, 1), extensions=None, **more):
+        """A material with its MCVISI_materials object and core properties for other viewers; returns its index."""
+        extensions = dict(extensions or {}, MCVISI_materials=mcvisi)
+        self.extensions.update(extensions)
+        self.materials.append({"name": name, "pbrMetallicRoughness": {"baseColorFactor": [*base_colour, 1], "metallicFactor": 0},
+                               **more, "extensions": extensions})
+        return len(self.materials) - 1
+
+    def _accessor(self, data, component, kind, count, target, bounds=None):
+        self.binary += bytes(-len(self.binary) % 4)
+        self.views.append({"buffer": 0, "byteOffset": len(self.binary), "byteLength": len(data), "target": target})
+        self.binary += data
+        self.accessors.append({"bufferView": len(self.views) - 1, "componentType": component, "count": count, "type": kind,
+                               **(bounds or {})})
+        return len(self.accessors) - 1
+
+    def mesh(self, name, material, positions, triangles, normals=None):
+        """An indexed triangle mesh; without normals it is flat. Returns its index."""
+        pack = struct.Struct("<3f").pack
+        low = [rounded(min(p[i] for p in positions)) for i in range(3)]
+        high = [rounded(max(p[i] for p in positions)) for i in range(3)]
+        attributes = {"POSITION": self._accessor(b"".join(pack(*p) for p in positions), FLOAT, "VEC3", len(positions), VERTICES,
+                                                 {"min": low, "max": high})}
+        if normals:
+            attributes["NORMAL"] = self._accessor(b"".join(pack(*n) for n in normals), FLOAT, "VEC3", len(normals), VERTICES)
+        wide = len(positions) > 65535  # 65535 itself is reserved
+        flat = [i for triangle in triangles for i in triangle]
+        indices = self._accessor(struct.pack("<%d%s" % (len(flat), "I" if wide else "H"), *flat), U32 if wide else U16, "SCALAR",
+                                 len(flat), INDICES)
+        self.meshes.append({"name": name, "primitives": [{"attributes": attributes, "indices": indices, "material": material}]})
+        return len(self.meshes) - 1
+
+    def node(self, name, sensor=None, emitter=None, **more):
+        """A node, with a sensor or an emitter of its own if given; returns its index."""
+        extensions = {}
+        for kind, element in (("sensor", sensor), ("emitter", emitter)):
+            if element:
+                array = self.elements.setdefault(kind, [])
+                extensions["MCVISI_%ss" % kind] = {kind: len(array)}
+                array.append(dict({"name": name}, **element))
+        self.extensions.update(extensions)
+        self.nodes.append({"name": name, **more, **({"extensions": extensions} if extensions else {})})
+        return len(self.nodes) - 1
+
+    def tree(self, roots):
+        """The JSON tree without buffers; roots are the top nodes."""
+        tree = {"asset": self.asset, "scene": 0, "scenes": [{"nodes": roots}], "extensionsUsed": sorted(self.extensions),
+                "extensions": {"MCVISI_%ss" % kind: {kind + "s": array} for kind, array in self.elements.items()},
+                "nodes": self.nodes, "materials": self.materials, "meshes": self.meshes, "accessors": self.accessors,
+                "bufferViews": self.views}
+        return {key: value for key, value in tree.items() if value != [] and value != {}}
+
+    def glb(self):
+        """The whole as .glb."""
+        self.binary += bytes(-len(self.binary) % 4)
+        tree = dict(self.tree(list(range(len(self.nodes)))), buffers=[{"byteLength": len(self.binary)}])
+        text = dumped(tree).encode()
+        text += b" " * (-len(text) % 4)
+        return b"".join((struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(self.binary)), struct.pack("<I4s", len(text), b"JSON"),
+                         text, struct.pack("<I4s", len(self.binary), b"BIN\0"), self.binary))
+
+    def gltf(self):
+        """The whole as .gltf with the binary in a data URI: for small scenes, to be read and edited."""
+        uri = "data:application/octet-stream;base64," + base64.b64encode(self.binary).decode()
+        tree = dict(self.tree(list(range(len(self.nodes)))), buffers=[{"byteLength": len(self.binary), "uri": uri}])
+        return dumped(tree).encode()
+
+
+def facing(direction, up=(0, 1, 0)):
+    """The glTF rotation (x, y, z, w) that turns a node's -z, along which sensors look and emitters shine, into direction."""
+    def unit(v):
+        length = math.sqrt(sum(c * c for c in v))
+        return [c / length for c in v]
+
+    def cross(a, b):
+        return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+    z = unit([-c for c in direction])
+    x = unit(cross(up, z))
+    y = cross(z, x)
+    # Of the four ways to write it take the one with the largest divisor.
+    squares = [1 + x[0] - y[1] - z[2], 1 - x[0] + y[1] - z[2], 1 - x[0] - y[1] + z[2], 1 + x[0] + y[1] + z[2]]
+    largest = squares.index(max(squares))
+    rows = [[squares[0], x[1] + y[0], z[0] + x[2], y[2] - z[1]],
+            [x[1] + y[0], squares[1], y[2] + z[1], z[0] - x[2]],
+            [z[0] + x[2], y[2] + z[1], squares[2], x[1] - y[0]],
+            [y[2] - z[1], z[0] - x[2], x[1] - y[0], squares[3]]]
+    return unit(rows[largest])
