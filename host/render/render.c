@@ -227,7 +227,7 @@ static mcv_result render_round(renderer *r, uint64_t first, uint64_t count, doub
             const uint32_t replicate = (uint32_t)(set + i) % film->replicates;
             for (uint32_t c = 0; c < channels; ++c) {
                 r->round[((size_t)replicate * channels + c) * pixels + pixel] =
-                    mcv_tree_sum(blocks + ((size_t)i * channels + c) * blocks_per_set, blocks_per_set);
+                    mcv_tree_sum(blocks + ((size_t)i * channels + c) * blocks_per_set, blocks_per_set, 1);
             }
         }
         const mcv_render_options *o = r->options;
