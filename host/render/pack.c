@@ -17,6 +17,7 @@ static void *allocate(size_t count, size_t size, bool *failed) {
 }
 
 void mcv_packed_free(mcv_packed *packed) {
+    free(packed->boxes);
     free(packed->positions);
     free(packed->normals);
     free(packed->texcoords);
@@ -35,20 +36,16 @@ static uint32_t feature(unsigned index, bool present) { return present ? 1u << i
 
 /* Geometry */
 
-typedef struct box {
-    double lower[3], upper[3];
-} box;
+static mcv_box empty_box(void) { return (mcv_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}; }
 
-static box empty_box(void) { return (box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}; }
-
-static void extend(box *b, const double p[3]) {
+static void extend(mcv_box *b, const double p[3]) {
     for (int k = 0; k < 3; ++k) {
         if (p[k] < b->lower[k]) b->lower[k] = p[k];
         if (p[k] > b->upper[k]) b->upper[k] = p[k];
     }
 }
 
-static bool overlap(const box *a, const box *b) {
+static bool overlap(const mcv_box *a, const mcv_box *b) {
     for (int k = 0; k < 3; ++k) {
         if (a->upper[k] < b->lower[k] || b->upper[k] < a->lower[k]) return false;
     }
@@ -60,9 +57,9 @@ static void world_position(const mcv_mesh *mesh, const mcv_transform *to_world, 
     mcv_transform_point(to_world, (const double[3]){p[0], p[1], p[2]}, out);
 }
 
-static box instance_box(const mcv_scene *scene, const mcv_instance *instance) {
+static mcv_box instance_box(const mcv_scene *scene, const mcv_instance *instance) {
     const mcv_mesh *mesh = &scene->meshes[instance->mesh];
-    box b = empty_box();
+    mcv_box b = empty_box();
     for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
         double p[3];
         world_position(mesh, &instance->to_world, v, p);
@@ -72,8 +69,8 @@ static box instance_box(const mcv_scene *scene, const mcv_instance *instance) {
 }
 
 /* The scene's centre on a grid of an eighth of its size, a power of two: moving the scene by whole grid steps changes no bit. */
-static void find_centre(const box *boxes, uint32_t count, double centre[3]) {
-    box all = empty_box();
+static void find_centre(const mcv_box *boxes, uint32_t count, double centre[3]) {
+    mcv_box all = empty_box();
     double size = 0;
     for (uint32_t i = 0; i < count; ++i) {
         if (!(boxes[i].lower[0] <= boxes[i].upper[0])) continue;
@@ -149,7 +146,8 @@ static bool comes_before(const body_medium *a, const body_medium *b) {
  * Gives each dielectric instance a medium, so that a path can keep the set of the bodies it is in as bits, the highest
  * priority on top. Bodies of one material whose boxes do not touch share a bit.
  */
-static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, const box *boxes, mcv_error *error) {
+static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
+    const mcv_box *boxes = packed->boxes;
     body_medium media[MCV_MAX_MEDIA];
     uint32_t count = 0;
     uint32_t *medium_of = calloc(scene->instance_count + 1, sizeof *medium_of); /* 1 + index into media before sorting */
@@ -235,7 +233,7 @@ uint32_t mcv_media_around(const mcv_scene *scene, const mcv_packed *packed, cons
     uint32_t media = 0;
     for (uint32_t i = 0; i < packed->instance_count; ++i) {
         if (packed->instances[i].medium == 0) continue;
-        const box b = instance_box(scene, &scene->instances[i]);
+        const mcv_box b = packed->boxes[i];
         bool maybe = true;
         for (int k = 0; k < 3; ++k) maybe = maybe && point[k] >= b.lower[k] && point[k] <= b.upper[k];
         if (maybe && surrounds(scene, i, point)) media |= 1u << (packed->instances[i].medium - 1);
@@ -409,12 +407,14 @@ static uint32_t find_features(const mcv_scene *scene) {
     return features | feature(MCV_FEATURE_NEXT_EVENT, (features >> MCV_FEATURE_DIFFUSE & 1) && (features & surfaces));
 }
 
-static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, box *boxes, mcv_error *error) {
+static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
     uint64_t vertices = 0;
     bool failed = false;
+    packed->boxes = allocate(scene->instance_count, sizeof *packed->boxes, &failed);
+    if (failed) return mcv_fail(error, MCV_FAILED, "%s: no memory to place the scene", scene->path);
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         vertices += scene->meshes[scene->instances[i].mesh].vertex_count;
-        boxes[i] = instance_box(scene, &scene->instances[i]);
+        packed->boxes[i] = instance_box(scene, &scene->instances[i]);
     }
     if (vertices > 0x7fffffff) {
         return mcv_fail(error, MCV_BAD_INPUT, "%s: nodes: %llu vertices after placing all meshes, at most 2^31 - 1 can be rendered",
@@ -439,7 +439,7 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, box *boxe
         ++packed->emitter_count;
         packed->cdf_count += 2 + scene->meshes[scene->instances[emitter->instance].mesh].triangle_count;
     }
-    find_centre(boxes, scene->instance_count, packed->centre);
+    find_centre(packed->boxes, scene->instance_count, packed->centre);
 
     packed->positions = allocate(3 * vertices, sizeof(float), &failed);
     if (packed->features >> MCV_FEATURE_NORMALS & 1) packed->normals = allocate(3 * vertices, sizeof(float), &failed);
@@ -470,17 +470,13 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, box *boxe
     }
     for (uint32_t i = 0; i < scene->material_count; ++i) packed->materials[i] = pack_material(&scene->materials[i]);
     pack_textures(scene, packed);
-    MCV_TRY(assign_media(scene, packed, boxes, error));
+    MCV_TRY(assign_media(scene, packed, error));
     return pack_emitters(scene, packed, error);
 }
 
 mcv_result mcv_pack(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
     memset(packed, 0, sizeof *packed);
-    bool failed = false;
-    box *boxes = allocate(scene->instance_count, sizeof *boxes, &failed);
-    const mcv_result result =
-        failed ? mcv_fail(error, MCV_FAILED, "%s: no memory to place the scene", scene->path) : pack_all(scene, packed, boxes, error);
-    free(boxes);
+    const mcv_result result = pack_all(scene, packed, error);
     if (result != MCV_OK) mcv_packed_free(packed);
     return result;
 }

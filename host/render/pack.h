@@ -10,9 +10,14 @@
 #include "mcvisi/tables.h"
 #include "scene/scene.h"
 
+typedef struct mcv_box {
+    double lower[3], upper[3]; /* [m]; lower > upper: empty */
+} mcv_box;
+
 typedef struct mcv_packed {
     uint32_t features; /* bit MCV_FEATURE_… */
     uint32_t channels;
+    mcv_box *boxes;   /* of the instances in the world */
     double centre[3]; /* world point that is the device's origin, on a grid of a power of two */
 
     uint32_t vertex_count, triangle_count, instance_count, material_count, emitter_count, texture_count;

@@ -7,6 +7,7 @@
 #define MCVISI_HOST_RENDER_RENDER_H
 
 #include "film/film.h"
+#include "mcvisi/tables.h"
 #include "scene/scene.h"
 
 enum { MCV_SAMPLER_SOBOL, MCV_SAMPLER_RANDOM };
@@ -67,19 +68,6 @@ typedef struct mcv_vertex {
                              channel */
     double radiance;      /* L/n² that this vertex emits along the path, first channel */
 } mcv_vertex;
-
-#define MCV_EVENTS(X) \
-    X(START, "start") \
-    X(REFRACT, "refract") \
-    X(REFLECT, "reflect") \
-    X(PASS, "pass") /* a boundary that is none: same medium on both sides, or a thin sheet */ \
-    X(END, "end")   /* diffuse, absorbing or emitting surface */ \
-    X(MISS, "miss")
-enum {
-#define MCV_X(NAME, text) MCV_EVENT_##NAME,
-    MCV_EVENTS(MCV_X)
-#undef MCV_X
-};
 
 typedef struct mcv_trace_ray {
     double origin[3], direction[3]; /* world; the direction need not be unit */

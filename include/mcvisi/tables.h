@@ -96,6 +96,40 @@ enum {
         MCV_COUNTER_COUNT
 };
 
+/* What happens at a vertex of a path. X(NAME, "word") */
+#define MCV_EVENTS(X) \
+    X(START, "start") \
+    X(REFRACT, "refract") \
+    X(REFLECT, "reflect") \
+    X(PASS, "pass") /* a boundary that is none: same index on both sides, or a thin sheet */ \
+    X(END, "end")   /* diffuse, absorbing or emitting surface */ \
+    X(MISS, "miss")
+enum {
+#define MCV_X(NAME, word) MCV_EVENT_##NAME,
+    MCV_EVENTS(MCV_X)
+#undef MCV_X
+};
+
+/* A traced ray to follow, and a vertex of its path (host/render/render.h says more). */
+typedef struct mcv_device_ray {
+    float origin[3], direction[3];
+    uint media;
+    uint padding;
+} mcv_device_ray;
+MCV_ASSERT_SIZE(mcv_device_ray, 32);
+
+typedef struct mcv_device_vertex {
+    float position[3], normal[3], direction[3];
+    float distance;
+    uint triangle;
+    uint event;
+    uint medium;
+    float transmittance;
+    float radiance;
+    uint padding;
+} mcv_device_vertex;
+MCV_ASSERT_SIZE(mcv_device_vertex, 64);
+
 /* Samples that the device sums before the host goes on with the same binary tree. */
 #define MCV_BLOCK 64
 
