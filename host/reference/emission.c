@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "reference/emission.h"
+
+#include <stdlib.h>
+
+#include "reference/texture.h"
+
+static void triangle_of(const mcv_scene *scene, uint32_t instance, uint32_t local, ref_vec corner[3]) {
+    double corners[3][3];
+    mcv_scene_corners(scene, instance, local, corners);
+    for (int i = 0; i < 3; ++i) corner[i] = ref_from(corners[i]);
+}
+
+/* Sets the axis, and the half-angle of the cone that holds the emission of every point: β and how far the normals spread. */
+static void find_cone(const mcv_scene *scene, const mcv_emitter *source, uint32_t triangle_count, ref_emitter *emitter) {
+    double normals[3][3], spread = 0;
+    ref_vec sum = {0, 0, 0};
+    for (uint32_t local = 0; local < triangle_count; ++local) {
+        mcv_scene_vertex_normals(scene, source->instance, local, normals);
+        for (int i = 0; i < 3; ++i) sum = ref_add(sum, ref_from(normals[i]));
+    }
+    if (!(ref_dot(sum, sum) > 0)) return;
+    emitter->axis = ref_unit(sum);
+    for (uint32_t local = 0; local < triangle_count; ++local) {
+        mcv_scene_vertex_normals(scene, source->instance, local, normals);
+        for (int i = 0; i < 3; ++i) spread = fmax(spread, ref_angle(emitter->axis, ref_from(normals[i])));
+    }
+    const double half_angle = source->as.parallel.halfAngle;
+    if (spread < half_angle && spread + half_angle < M_PI / 2) emitter->half_angle = spread + half_angle;
+}
+
+static mcv_result emitter_new(const mcv_scene *scene, uint32_t index, ref_emitter *emitter, mcv_error *error) {
+    const mcv_emitter *source = &scene->emitters[index];
+    const uint32_t triangle_count = scene->meshes[scene->instances[source->instance].mesh].triangle_count;
+    emitter->index = index;
+    emitter->areas = malloc((triangle_count + (size_t)1) * sizeof *emitter->areas);
+    if (!emitter->areas)
+        return mcv_fail(error, MCV_FAILED, "reference renderer: no memory for emitter \"%s\" of %s", source->name, scene->path);
+    for (uint32_t local = 0; local < triangle_count; ++local) {
+        ref_vec c[3];
+        triangle_of(scene, source->instance, local, c);
+        const double area = 0.5 * ref_length(ref_cross(ref_sub(c[1], c[0]), ref_sub(c[2], c[0])));
+        emitter->areas[local] = emitter->area += area;
+        emitter->centre = ref_add(emitter->centre, ref_scale(area / 3, ref_add(c[0], ref_add(c[1], c[2]))));
+    }
+    if (emitter->area > 0) emitter->centre = ref_scale(1 / emitter->area, emitter->centre);
+    if (source->type == MCV_EMITTER_PARALLEL) find_cone(scene, source, triangle_count, emitter);
+    return MCV_OK;
+}
+
+mcv_result ref_emitters_new(const mcv_scene *scene, ref_emitters *emitters, mcv_error *error) {
+    *emitters = (ref_emitters){.items = calloc(scene->emitter_count + (size_t)1, sizeof *emitters->items)};
+    if (!emitters->items) return mcv_fail(error, MCV_FAILED, "reference renderer: no memory for the emitters of %s", scene->path);
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) {
+        if (scene->emitters[i].type == MCV_EMITTER_ENVIRONMENT) {
+            for (int channel = 0; channel < 3; ++channel) emitters->environment[channel] = scene->emitters[i].radiance[channel];
+            continue;
+        }
+        ref_emitter *emitter = &emitters->items[emitters->count];
+        MCV_TRY(emitter_new(scene, i, emitter, error));
+        if (emitter->area > 0) {
+            ++emitters->count;
+        } else { /* cannot be met */
+            free(emitter->areas);
+            *emitter = (ref_emitter){0};
+        }
+    }
+    return MCV_OK;
+}
+
+void ref_emitters_free(ref_emitters *emitters) {
+    for (uint32_t i = 0; emitters->items && i < emitters->count; ++i) free(emitters->items[i].areas);
+    free(emitters->items);
+    *emitters = (ref_emitters){0};
+}
+
+void ref_emitted(const mcv_scene *scene, const ref_surface *surface, ref_vec direction, double radiance[3]) {
+    const uint32_t index = scene->instances[surface->instance].emitter;
+    radiance[0] = radiance[1] = radiance[2] = 0;
+    if (index == MCV_NONE || !(ref_dot(direction, surface->normal) > 0)) return;
+    const mcv_emitter *emitter = &scene->emitters[index];
+    if (emitter->type == MCV_EMITTER_PARALLEL && ref_angle(direction, surface->normal) > emitter->as.parallel.halfAngle) return;
+    ref_texture_lookup(scene, emitter->texture, surface->texcoord, radiance);
+    for (int channel = 0; channel < 3; ++channel) radiance[channel] *= emitter->radiance[channel];
+}
+
+/* Whether the cone is the smaller target: its solid angle against the emitter's, were it seen face on. */
+static bool by_cone(const ref_emitter *emitter, ref_vec point) {
+    const ref_vec d = ref_sub(emitter->centre, point);
+    const double s = sin(emitter->half_angle / 2);
+    return emitter->half_angle > 0 && 4 * M_PI * s * s * ref_dot(d, d) < emitter->area;
+}
+
+ref_vec ref_emitter_sample(const ref_emitter *emitter, const mcv_scene *scene, ref_vec point, ref_random *random, uint32_t *number) {
+    double u = ref_random_unit(random);
+    const double v = ref_random_unit(random);
+    if (by_cone(emitter, point)) { /* uniform in the solid angle: sin²(θ/2) is uniform */
+        const double s = sin(emitter->half_angle / 2) * sqrt(u), sine = 2 * s * sqrt(1 - s * s);
+        ref_vec x, y;
+        ref_frame(emitter->axis, &x, &y);
+        *number = MCV_NONE;
+        return ref_scale(-1, ref_add(ref_scale(1 - 2 * s * s, emitter->axis),
+                                     ref_add(ref_scale(sine * cos(2 * M_PI * v), x), ref_scale(sine * sin(2 * M_PI * v), y))));
+    }
+    const mcv_instance *instance = &scene->instances[scene->emitters[emitter->index].instance];
+    const double area = u * emitter->area;
+    uint32_t low = 0, high = scene->meshes[instance->mesh].triangle_count - 1;
+    while (low < high) { /* the first triangle whose running sum exceeds the area */
+        const uint32_t middle = low + (high - low) / 2;
+        if (emitter->areas[middle] > area)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    const double below = low > 0 ? emitter->areas[low - 1] : 0;
+    u = sqrt((area - below) / (emitter->areas[low] - below));
+    ref_vec c[3];
+    triangle_of(scene, scene->emitters[emitter->index].instance, low, c);
+    const ref_vec place = ref_add(ref_scale(1 - u, c[0]), ref_add(ref_scale(u * (1 - v), c[1]), ref_scale(u * v, c[2])));
+    *number = instance->first_triangle + low;
+    return ref_unit(ref_sub(place, point));
+}
+
+double ref_emitter_density(const ref_emitter *emitter, ref_vec point, ref_vec direction, const ref_surface *surface) {
+    if (by_cone(emitter, point)) {
+        const double s = sin(emitter->half_angle / 2);
+        return ref_angle(ref_scale(-1, direction), emitter->axis) <= emitter->half_angle ? 1 / (4 * M_PI * s * s) : 0;
+    }
+    const ref_vec d = ref_sub(surface->position, point);
+    return ref_dot(d, d) / (emitter->area * fabs(ref_dot(direction, surface->geometric)));
+}

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The scene's triangles in the world, in double, under a binary tree of boxes.
+ *
+ * A ray that passes between two triangles which share an edge meets exactly one of them: both compute the same edge
+ * function with opposite signs, and one that is zero belongs to the triangle that runs the edge upwards (vertices ordered
+ * by position, since files repeat vertices at seams). Equal distances: the lowest triangle number wins.
+ */
+#ifndef MCVISI_HOST_REFERENCE_GEOMETRY_H
+#define MCVISI_HOST_REFERENCE_GEOMETRY_H
+
+#include "reference/vector.h"
+#include "scene/scene.h"
+
+typedef struct ref_triangle {
+    ref_vec corner[3];
+    uint32_t instance, number; /* number: global in the scene */
+} ref_triangle;
+
+/* A leaf holds the triangles first … first + count - 1; an inner node (count 0) its children first and first + 1. */
+typedef struct ref_node {
+    ref_vec low, high;
+    uint32_t first, count;
+} ref_node;
+
+typedef struct ref_geometry {
+    const mcv_scene *scene;
+    ref_triangle *triangles; /* in the order of the tree */
+    ref_node *nodes;         /* nodes[0] is the root; NULL for a scene without triangles */
+} ref_geometry;
+
+typedef struct ref_hit {
+    double distance;   /* along the ray, in units of its direction's length */
+    double weights[3]; /* barycentric */
+    const ref_triangle *triangle;
+} ref_hit;
+
+/* What shading needs to know of a hit. */
+typedef struct ref_surface {
+    ref_vec position;
+    ref_vec geometric;   /* unit normal of the triangle, on its front side */
+    ref_vec normal;      /* unit, interpolated from the vertices, on the front side as the file has it */
+    double texcoord[2];  /* 0 where the mesh has none */
+    uint32_t instance;
+    uint32_t number; /* of the triangle */
+} ref_surface;
+
+/* Fails only without memory. The scene must outlive the geometry. */
+mcv_result ref_geometry_new(const mcv_scene *scene, ref_geometry *geometry, mcv_error *error);
+void ref_geometry_free(ref_geometry *geometry);
+
+/* The closest hit with distance > 0, not on the triangle numbered `skip` (where the ray starts; MCV_NONE: nowhere). */
+bool ref_closest_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction, uint32_t skip, ref_hit *hit);
+
+/*
+ * Adds to winding[i], for each instance i, the number of its surfaces that the ray leaves minus those it enters: for closed
+ * surfaces how often they surround the origin, whatever the direction.
+ */
+void ref_add_windings(const ref_geometry *geometry, ref_vec origin, ref_vec direction, int *winding);
+
+/* The geometry at a hit. */
+ref_surface ref_surface_at(const ref_geometry *geometry, const ref_hit *hit);
+
+#endif

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The media around a point: the dielectric instances that surround it. Of those the one with the largest priority fills
+ * the space, and of equal ones the one with the largest instance number, so that what fills a place depends on the place
+ * alone and not on the path that led there.
+ */
+#ifndef MCVISI_HOST_REFERENCE_MEDIA_H
+#define MCVISI_HOST_REFERENCE_MEDIA_H
+
+#include "reference/geometry.h"
+
+enum { REF_MEDIA_DEPTH = 64 };
+
+typedef struct ref_media {
+    uint32_t count;
+    uint32_t instances[REF_MEDIA_DEPTH]; /* an instance may stand here more than once: shells of one mesh that overlap */
+} ref_media;
+
+/* The media at a point, by the windings along a ray from it. `winding`: room for one int per instance. Fails if they are too many. */
+mcv_result ref_media_at(const ref_geometry *geometry, ref_vec point, int *winding, ref_media *media, mcv_error *error);
+
+/* Crosses a surface of an instance: enters it from its front, leaves it from its back. False: it was not there to be left, or is one too
+ * many; nothing changes then. */
+bool ref_media_cross(ref_media *media, uint32_t instance, bool front);
+
+/* The material that fills the space, or NULL for vacuum (n = 1, clear). */
+const mcv_dielectric_params *ref_media_filling(const ref_media *media, const mcv_scene *scene);
+
+static inline double ref_media_ior(const mcv_dielectric_params *filling) { return filling ? filling->ior : 1; }
+
+#endif

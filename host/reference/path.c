@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "reference/path.h"
+
+#include "reference/interface.h"
+#include "reference/texture.h"
+
+/* Russian roulette from this surface on, for throughputs below the threshold. */
+enum { ROULETTE_DEPTH = 8 };
+#define ROULETTE_THRESHOLD 0.25
+
+typedef struct path {
+    ref_vec origin, direction;
+    uint32_t skip; /* the triangle it starts on */
+    ref_media media;
+    double throughput[3];
+    double density; /* with which the direction was chosen [1/sr] if emitters were sampled too; else 0: emission counts in full */
+} path;
+
+static void multiply(double a[3], const double b[3]) {
+    for (int channel = 0; channel < 3; ++channel) a[channel] *= b[channel];
+}
+
+static double mean(const double a[3]) { return (a[0] + a[1] + a[2]) / 3; }
+
+static const ref_emitter *sampled_emitter(const ref_world *world, uint32_t instance) {
+    for (uint32_t i = 0; i < world->emitters.count; ++i)
+        if (world->scene->emitters[world->emitters.items[i].index].instance == instance) return &world->emitters.items[i];
+    return NULL;
+}
+
+/* Adds the emission of a surface that the path has met. */
+static void add_emission(const ref_world *world, const path *p, const ref_surface *surface, double ior, double radiance[3]) {
+    double emitted[3], weight = 1;
+    ref_emitted(world->scene, surface, ref_scale(-1, p->direction), emitted);
+    if (mean(emitted) == 0) return;
+    if (p->density > 0)
+        weight = p->density /
+                 (p->density + ref_emitter_density(sampled_emitter(world, surface->instance), p->origin, p->direction, surface));
+    for (int channel = 0; channel < 3; ++channel) radiance[channel] += weight * p->throughput[channel] * emitted[channel] / (ior * ior);
+}
+
+/* Adds the light of one emitter at a diffuse surface with the facing normal n and the given reflectance. */
+static void add_direct(const ref_world *world, const path *p, const ref_emitter *emitter, const ref_surface *surface, ref_vec n,
+                       const double reflectance[3], ref_random *random, ref_tally *tally, double radiance[3]) {
+    uint32_t number;
+    const ref_vec direction = ref_emitter_sample(emitter, world->scene, surface->position, random, &number);
+    const double cosine = ref_dot(direction, n);
+    const bool above = (ref_dot(direction, surface->geometric) > 0) == (ref_dot(p->direction, surface->geometric) < 0);
+    if (!(cosine > 0) || !above) return;
+    ref_hit hit;
+    ++tally->shadow_rays;
+    if (!ref_closest_hit(&world->geometry, surface->position, direction, surface->number, &hit)) return;
+    const bool met = number == MCV_NONE ? world->scene->instances[hit.triangle->instance].emitter == emitter->index
+                                        : hit.triangle->number == number;
+    if (!met) return;
+    const ref_surface source = ref_surface_at(&world->geometry, &hit);
+    double emitted[3];
+    ref_emitted(world->scene, &source, ref_scale(-1, direction), emitted);
+    const double density = ref_emitter_density(emitter, surface->position, direction, &source);
+    if (mean(emitted) == 0 || density == 0) return;
+    const mcv_dielectric_params *filling = ref_media_filling(&p->media, world->scene);
+    const double ior = ref_media_ior(filling);
+    const double scale = cosine / M_PI / (density + cosine / M_PI) / (ior * ior); /* balance heuristic / density */
+    for (int channel = 0; channel < 3; ++channel) {
+        const double absorption = filling ? exp(-filling->absorption[channel] * hit.distance) : 1;
+        radiance[channel] += p->throughput[channel] * reflectance[channel] * emitted[channel] * absorption * scale;
+    }
+}
+
+/* Each of these continues the path or ends it (false). */
+
+static bool meet_diffuse(const ref_world *world, path *p, const ref_surface *surface, const double reflectance[3], bool last,
+                         ref_random *random, ref_tally *tally, double radiance[3]) {
+    const ref_vec n = ref_facing_normal(surface, p->direction);
+    if (world->sample_emitters && !last)
+        for (uint32_t i = 0; i < world->emitters.count; ++i)
+            add_direct(world, p, &world->emitters.items[i], surface, n, reflectance, random, tally, radiance);
+    /* Density cosθ/π: sin²θ is uniform. */
+    const double u = ref_random_unit(random), phi = 2 * M_PI * ref_random_unit(random), sine = sqrt(u), cosine = sqrt(1 - u);
+    ref_vec x, y;
+    ref_frame(n, &x, &y);
+    const ref_vec direction =
+        ref_add(ref_scale(cosine, n), ref_add(ref_scale(sine * cos(phi), x), ref_scale(sine * sin(phi), y)));
+    if ((ref_dot(direction, surface->geometric) > 0) != (ref_dot(p->direction, surface->geometric) < 0)) return false; /* into the surface */
+    p->direction = direction;
+    p->density = world->sample_emitters ? cosine / M_PI : 0;
+    multiply(p->throughput, reflectance);
+    return true;
+}
+
+static void meet_dielectric(const ref_world *world, path *p, const ref_surface *surface, ref_random *random, ref_tally *tally) {
+    const mcv_dielectric_params *before = ref_media_filling(&p->media, world->scene);
+    const bool front = ref_dot(p->direction, surface->geometric) < 0;
+    ref_media beyond = p->media;
+    if (!ref_media_cross(&beyond, surface->instance, front)) ++tally->unmatched;
+    const mcv_dielectric_params *after = ref_media_filling(&beyond, world->scene);
+    const ref_interface i = ref_interface_at(surface, p->direction, ref_media_ior(before), ref_media_ior(after));
+    const bool reflects = ref_random_unit(random) < i.reflectance;
+    p->density = 0; /* even where it passes: emitters behind any surface were not sampled */
+    p->direction = reflects ? i.reflected : i.refracted;
+    if (!reflects) p->media = beyond;
+}
+
+static void meet_mirror(path *p, const ref_surface *surface, const double reflectance[3]) {
+    p->direction = ref_interface_at(surface, p->direction, 1, 1).reflected;
+    p->density = 0;
+    multiply(p->throughput, reflectance);
+}
+
+static void meet_sheet(const ref_world *world, path *p, const ref_surface *surface, double ior, const double transmittance[3],
+                       ref_random *random) {
+    const double outside = ref_media_ior(ref_media_filling(&p->media, world->scene));
+    const ref_interface i = ref_interface_at(surface, p->direction, outside, ior);
+    p->density = 0;
+    if (ref_random_unit(random) < ref_sheet_reflectance(i.reflectance))
+        p->direction = i.reflected;
+    else
+        multiply(p->throughput, transmittance);
+}
+
+/* `parameter` times the material's texture. */
+static void modulate(const ref_world *world, const ref_surface *surface, const double parameter[3], double product[3]) {
+    const mcv_material *material = &world->scene->materials[world->scene->instances[surface->instance].material];
+    ref_texture_lookup(world->scene, material->texture, surface->texcoord, product);
+    multiply(product, parameter);
+}
+
+static bool meet_surface(const ref_world *world, path *p, const ref_surface *surface, bool last, ref_random *random, ref_tally *tally,
+                         double radiance[3]) {
+    const mcv_material *material = &world->scene->materials[world->scene->instances[surface->instance].material];
+    double share[3];
+    switch (material->type) {
+    case MCV_MATERIAL_DIFFUSE:
+        modulate(world, surface, material->as.diffuse.reflectance, share);
+        return meet_diffuse(world, p, surface, share, last, random, tally, radiance);
+    case MCV_MATERIAL_DIELECTRIC: meet_dielectric(world, p, surface, random, tally); return true;
+    case MCV_MATERIAL_SHEET:
+        modulate(world, surface, material->as.sheet.transmittance, share);
+        meet_sheet(world, p, surface, material->as.sheet.ior, share, random);
+        return true;
+    case MCV_MATERIAL_MIRROR:
+        modulate(world, surface, material->as.mirror.reflectance, share);
+        meet_mirror(p, surface, share);
+        return true;
+    default: return false;
+    }
+}
+
+/* Russian roulette on the throughput. */
+static bool survives(path *p, ref_random *random) {
+    const double largest = fmax(p->throughput[0], fmax(p->throughput[1], p->throughput[2]));
+    if (largest >= ROULETTE_THRESHOLD) return true;
+    const double chance = largest / ROULETTE_THRESHOLD;
+    if (ref_random_unit(random) >= chance) return false;
+    for (int channel = 0; channel < 3; ++channel) p->throughput[channel] /= chance;
+    return true;
+}
+
+void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *random, ref_tally *tally, double value[3]) {
+    path p = {.origin = sight->origin, .direction = sight->direction, .skip = MCV_NONE, .media = world->media, .throughput = {1, 1, 1}};
+    const double sensor_ior = ref_media_ior(ref_media_filling(&p.media, world->scene));
+    value[0] = value[1] = value[2] = 0;
+    ++tally->paths;
+    tally->begun += sight->weight;
+    if (sight->weight == 0) return;
+    for (uint32_t met = 0;; ++met) {
+        if (met == world->depth) {
+            ++tally->depth_cut;
+            tally->cut += sight->weight * mean(p.throughput);
+            break;
+        }
+        const mcv_dielectric_params *filling = ref_media_filling(&p.media, world->scene);
+        const double ior = ref_media_ior(filling);
+        ref_hit hit;
+        ++tally->rays;
+        if (!ref_closest_hit(&world->geometry, p.origin, p.direction, p.skip, &hit)) {
+            for (int channel = 0; channel < 3; ++channel)
+                if (!filling || filling->absorption[channel] == 0) /* it is infinitely far away */
+                    value[channel] += p.throughput[channel] * world->emitters.environment[channel] / (ior * ior);
+            break;
+        }
+        const ref_surface surface = ref_surface_at(&world->geometry, &hit);
+        if (filling)
+            for (int channel = 0; channel < 3; ++channel) p.throughput[channel] *= exp(-filling->absorption[channel] * hit.distance);
+        add_emission(world, &p, &surface, ior, value);
+        if (!meet_surface(world, &p, &surface, met + 1 == world->depth, random, tally, value)) break;
+        if (mean(p.throughput) == 0 || (met + 1 >= ROULETTE_DEPTH && !survives(&p, random))) break;
+        p.origin = surface.position;
+        p.skip = surface.number;
+    }
+    for (int channel = 0; channel < 3; ++channel) value[channel] *= sight->weight * sensor_ior * sensor_ior;
+}

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Path tracing from the sensor. A path carries L/n², so that smooth interfaces multiply by their transmittances only; its
+ * value is n_sensor² Σ throughput · L_e/n_emitter². At an interface the branch is chosen with Fresnel's probability. From
+ * diffuse surfaces area and parallel emitters are also sampled, both estimates weighed by the balance heuristic (Veach 1997).
+ */
+#ifndef MCVISI_HOST_REFERENCE_PATH_H
+#define MCVISI_HOST_REFERENCE_PATH_H
+
+#include "reference/emission.h"
+#include "reference/media.h"
+#include "reference/sight.h"
+#include "render/render.h"
+
+typedef struct ref_world {
+    const mcv_scene *scene;
+    ref_geometry geometry;
+    ref_emitters emitters;
+    ref_media media;      /* around the sensor */
+    uint32_t depth;       /* surfaces a path may meet; after the last one no ray is traced */
+    bool sample_emitters;
+} ref_world;
+
+/* What happened along paths. */
+typedef struct ref_tally {
+    uint64_t paths, rays, shadow_rays, depth_cut, nonfinite, unmatched;
+    double begun, cut; /* throughput of the paths begun and of those that the depth limit ended, mean of the channels, times the sensor's weight */
+} ref_tally;
+
+/* Follows one ray of sight: what it adds to its pixel, the radiance that arrives along it times its weight. */
+void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *random, ref_tally *tally, double value[3]);
+
+/* mcv_reference_render (reference.h); without sample_emitters, emission is found by chance only: the same image, more noise. */
+mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, bool sample_emitters, mcv_film *film,
+                      mcv_render_stats *stats, mcv_error *error);
+
+/* A sheet's reflectance, both interfaces and all reflections between them: R' = 2R/(1 + R). */
+static inline double ref_sheet_reflectance(double reflectance) { return 2 * reflectance / (1 + reflectance); }
+
+#endif

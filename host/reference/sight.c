@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "reference/sight.h"
+
+typedef struct point {
+    double x, y;
+} point;
+
+/* Uniform on the disk of the given radius. */
+static point on_disk(double radius, double u, double v) {
+    const double r = radius * sqrt(u);
+    return (point){r * cos(2 * M_PI * v), r * sin(2 * M_PI * v)};
+}
+
+/* The image point of the position (column, row) in pixels. The lens turns the image, the read-out turns it back. */
+static point image_point(const uint32_t resolution[2], const double pixel[2], double column, double row) {
+    return (point){(resolution[0] / 2.0 - column) * pixel[0], (row - resolution[1] / 2.0) * pixel[1]};
+}
+
+/* In the optical frame: the ray through o on the lens to the point in focus, w = -w_z/b (p, -b), of the image point p; d = (w - o)/w_z. */
+static ref_vec through_focus(point p, point o, double focal_length, double image_distance) {
+    const double reciprocal_depth = 1 / focal_length - 1 / image_distance; /* 1/w_z; 0: in focus at infinity */
+    return (ref_vec){-p.x / image_distance - o.x * reciprocal_depth, -p.y / image_distance - o.y * reciprocal_depth, 1};
+}
+
+/* From the optical frame (z towards the scene) to the node's, which looks along -z, and to the world. */
+static ref_sight in_world(const mcv_sensor *sensor, point o, ref_vec d) {
+    const double origin[3] = {o.x, o.y, 0}, direction[3] = {d.x, d.y, -d.z};
+    double world[3];
+    ref_sight sight = {.weight = 1};
+    mcv_transform_point(&sensor->to_world, origin, world);
+    sight.origin = ref_from(world);
+    mcv_transform_vector(&sensor->to_world, direction, world);
+    sight.direction = ref_unit(ref_from(world));
+    return sight;
+}
+
+/* A cos⁴θ/h²: the aperture's area A at distance h from the image plane, θ the object-side angle to the axis. */
+static double throughput(double area, double distance, ref_vec d) {
+    const double cosine = d.z / ref_length(d);
+    return area / (distance * distance) * pow(cosine, 4);
+}
+
+static ref_sight pinhole(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y) {
+    const mcv_pinhole_params *p = &sensor->as.pinhole;
+    const point s = image_point(p->resolution, p->pixelSize, column + x, row + y);
+    return in_world(sensor, (point){0, 0}, (ref_vec){-s.x / p->imageDistance, -s.y / p->imageDistance, 1});
+}
+
+static ref_sight thin_lens(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y, double u, double v) {
+    const mcv_thin_lens_params *p = &sensor->as.thin_lens;
+    const point s = image_point(p->resolution, p->pixelSize, column + x, row + y);
+    const point o = on_disk(p->lensDiameter / 2, u, v);
+    const ref_vec d = through_focus(s, o, p->focalLength, p->imageDistance);
+    ref_sight sight = in_world(sensor, o, d);
+    if (p->radiometry == MCV_RADIOMETRY_IRRADIANCE)
+        sight.weight = throughput(M_PI * p->lensDiameter * p->lensDiameter / 4, p->imageDistance, d);
+    return sight;
+}
+
+static ref_sight telecentric(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y, double u, double v) {
+    const mcv_telecentric_params *p = &sensor->as.telecentric;
+    const double f = p->focalLength, b = p->imageDistance;
+    const point s = image_point(p->resolution, p->pixelSize, column + x, row + y);
+    const point a = on_disk(p->stopDiameter / 2, u, v);
+    const point o = {s.x + (a.x - s.x) * b / (b - f), s.y + (a.y - s.y) * b / (b - f)}; /* the line s a at the lens */
+    const ref_vec d = through_focus(s, o, f, b);
+    ref_sight sight = in_world(sensor, o, d);
+    if (p->radiometry == MCV_RADIOMETRY_IRRADIANCE) sight.weight = throughput(M_PI * p->stopDiameter * p->stopDiameter / 4, b - f, d);
+    if (hypot(o.x, o.y) > p->lensDiameter / 2) sight.weight = 0;
+    return sight;
+}
+
+static ref_sight light_field(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y) {
+    const mcv_light_field_params *p = &sensor->as.light_field;
+    const uint32_t *angular = p->angularResolution;
+    const uint32_t resolution[2] = {p->spatialResolution[0] * angular[0], p->spatialResolution[1] * angular[1]};
+    const uint32_t m = column / angular[0], n = row / angular[1];
+    const point c = image_point(resolution, p->pixelSize, (m + 0.5) * angular[0], (n + 0.5) * angular[1]);
+    /* The place in the macro pixel, -1 … 1, from whole pixels so that no sample slips into the next one. */
+    const double across = 2 * (column - m * angular[0] + x) / angular[0] - 1, down = 2 * (row - n * angular[1] + y) / angular[1] - 1;
+    const point o = {across * p->lensDiameter / 2, -down * p->lensDiameter / 2};
+    const ref_vec d = through_focus(c, o, p->focalLength, p->imageDistance);
+    ref_sight sight = in_world(sensor, o, d);
+    if (p->radiometry == MCV_RADIOMETRY_IRRADIANCE) sight.weight = throughput(p->lensDiameter * p->lensDiameter, p->imageDistance, d);
+    if (p->aperture == MCV_APERTURE_CIRCLE && hypot(across, down) > 1) sight.weight = 0;
+    return sight;
+}
+
+ref_sight ref_sight_sample(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y, double u, double v) {
+    switch (sensor->type) {
+    case MCV_SENSOR_THIN_LENS: return thin_lens(sensor, column, row, x, y, u, v);
+    case MCV_SENSOR_TELECENTRIC: return telecentric(sensor, column, row, x, y, u, v);
+    case MCV_SENSOR_LIGHT_FIELD: return light_field(sensor, column, row, x, y);
+    default: return pinhole(sensor, column, row, x, y);
+    }
+}

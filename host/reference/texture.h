@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef MCVISI_HOST_REFERENCE_TEXTURE_H
+#define MCVISI_HOST_REFERENCE_TEXTURE_H
+
+#include "scene/scene.h"
+
+/*
+ * A texture's linear R, G, B at glTF coordinates (0, 0 is the top-left corner of the image): decoded from sRGB
+ * (IEC 61966-2-1), then interpolated. `texture` MCV_NONE is white.
+ */
+void ref_texture_lookup(const mcv_scene *scene, uint32_t texture, const double texcoord[2], double rgb[3]);
+
+#endif

@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* mcv_reference_trace: single paths, deterministic at interfaces. */
+#include <stdlib.h>
+
+#include "reference/interface.h"
+#include "reference/path.h"
+#include "reference/reference.h"
+#include "reference/texture.h"
+
+typedef struct vertices {
+    mcv_vertex *items;
+    size_t count, capacity;
+} vertices;
+
+static mcv_result append(vertices *all, mcv_vertex vertex, mcv_error *error) {
+    if (all->count == all->capacity) {
+        const size_t capacity = all->capacity ? 2 * all->capacity : 1024;
+        mcv_vertex *items = realloc(all->items, capacity * sizeof *items);
+        if (!items) return mcv_fail(error, MCV_FAILED, "trace: no memory for %zu vertices; trace fewer rays at a time", capacity);
+        all->items = items;
+        all->capacity = capacity;
+    }
+    all->items[all->count++] = vertex;
+    return MCV_OK;
+}
+
+static void store(double out[3], ref_vec v) {
+    out[0] = v.x;
+    out[1] = v.y;
+    out[2] = v.z;
+}
+
+/* Bends the ray at a surface and completes the vertex: direction, event, transmittance. False: the path ends. */
+static bool bend(const mcv_scene *scene, const ref_surface *surface, ref_vec *direction, ref_media *media, mcv_vertex *vertex) {
+    const mcv_material *material = &scene->materials[scene->instances[surface->instance].material];
+    const double ior = ref_media_ior(ref_media_filling(media, scene));
+    double texture[3];
+    ref_texture_lookup(scene, material->texture, surface->texcoord, texture);
+    ref_interface i = ref_interface_at(surface, *direction, ior, ior);
+    switch (material->type) {
+    case MCV_MATERIAL_MIRROR:
+        vertex->event = MCV_EVENT_REFLECT;
+        vertex->transmittance *= material->as.mirror.reflectance[0] * texture[0];
+        *direction = i.reflected;
+        break;
+    case MCV_MATERIAL_SHEET:
+        i = ref_interface_at(surface, *direction, ior, material->as.sheet.ior);
+        if (i.reflectance == 1) { /* total reflection */
+            vertex->event = MCV_EVENT_REFLECT;
+            *direction = i.reflected;
+        } else {
+            vertex->event = MCV_EVENT_PASS;
+            vertex->transmittance *= (1 - ref_sheet_reflectance(i.reflectance)) * material->as.sheet.transmittance[0] * texture[0];
+        }
+        break;
+    case MCV_MATERIAL_DIELECTRIC: {
+        ref_media beyond = *media;
+        ref_media_cross(&beyond, surface->instance, i.front);
+        const double other = ref_media_ior(ref_media_filling(&beyond, scene));
+        i = ref_interface_at(surface, *direction, ior, other);
+        if (i.reflectance == 1) {
+            vertex->event = MCV_EVENT_REFLECT;
+            *direction = i.reflected;
+        } else {
+            vertex->event = ior == other ? MCV_EVENT_PASS : MCV_EVENT_REFRACT;
+            vertex->transmittance *= 1 - i.reflectance;
+            *direction = i.refracted;
+            *media = beyond;
+        }
+        break;
+    }
+    default: vertex->event = MCV_EVENT_END;
+    }
+    store(vertex->normal, i.normal);
+    return vertex->event != MCV_EVENT_END;
+}
+
+static mcv_result trace_ray(const ref_world *world, ref_media media, uint32_t ray, ref_vec origin, ref_vec direction, vertices *all,
+                            mcv_error *error) {
+    const mcv_scene *scene = world->scene;
+    mcv_vertex vertex = {.ray = ray, .triangle = MCV_NONE, .event = MCV_EVENT_START, .transmittance = 1};
+    store(vertex.position, origin);
+    store(vertex.direction, direction);
+    vertex.ior = ref_media_ior(ref_media_filling(&media, scene));
+    MCV_TRY(append(all, vertex, error));
+    bool goes_on = true;
+    for (uint32_t skip = MCV_NONE; goes_on && vertex.index < world->depth; skip = vertex.triangle) {
+        const mcv_dielectric_params *filling = ref_media_filling(&media, scene);
+        const double squared = vertex.ior * vertex.ior;
+        ref_hit hit;
+        ++vertex.index;
+        if (ref_closest_hit(&world->geometry, origin, direction, skip, &hit)) {
+            const ref_surface surface = ref_surface_at(&world->geometry, &hit);
+            double emitted[3];
+            ref_emitted(scene, &surface, ref_scale(-1, direction), emitted);
+            origin = surface.position;
+            vertex.distance = hit.distance;
+            vertex.triangle = surface.number;
+            vertex.radiance = emitted[0] / squared;
+            if (filling) vertex.transmittance *= exp(-filling->absorption[0] * hit.distance);
+            store(vertex.position, origin);
+            goes_on = bend(scene, &surface, &direction, &media, &vertex);
+        } else {
+            goes_on = false;
+            vertex.distance = INFINITY;
+            vertex.triangle = MCV_NONE;
+            vertex.event = MCV_EVENT_MISS;
+            vertex.radiance = world->emitters.environment[0] / squared;
+            if (filling && filling->absorption[0] > 0) vertex.transmittance = 0;
+            store(vertex.normal, (ref_vec){0, 0, 0});
+        }
+        store(vertex.direction, goes_on ? direction : (ref_vec){0, 0, 0});
+        vertex.ior = ref_media_ior(ref_media_filling(&media, scene));
+        MCV_TRY(append(all, vertex, error));
+    }
+    return MCV_OK;
+}
+
+static mcv_result trace_rays(const ref_world *world, const mcv_trace_ray *rays, size_t ray_count, int *winding, vertices *all,
+                             mcv_error *error) {
+    for (size_t i = 0; i < ray_count; ++i) {
+        const ref_vec origin = ref_from(rays[i].origin), direction = ref_from(rays[i].direction);
+        const double length = ref_length(direction);
+        ref_media media;
+        if (!isfinite(ref_length(origin)) || !isfinite(length) || !(length > 0))
+            return mcv_fail(error, MCV_BAD_INPUT, "trace: ray %zu has no finite origin and direction; the direction must not be 0", i);
+        MCV_TRY(ref_media_at(&world->geometry, origin, winding, &media, error));
+        MCV_TRY(trace_ray(world, media, (uint32_t)i, origin, ref_scale(1 / length, direction), all, error));
+    }
+    return MCV_OK;
+}
+
+mcv_result mcv_reference_trace(const mcv_scene *scene, const mcv_trace_ray *rays, size_t ray_count, const mcv_render_options *options,
+                               mcv_vertex **vertices_out, size_t *vertex_count, mcv_error *error) {
+    ref_world world = {.scene = scene, .depth = options->depth};
+    vertices all = {0};
+    int *winding = calloc(scene->instance_count + (size_t)1, sizeof *winding);
+    *vertices_out = NULL;
+    *vertex_count = 0;
+    mcv_result result = winding ? MCV_OK : mcv_fail(error, MCV_FAILED, "trace: no memory for the instances of %s", scene->path);
+    if (result == MCV_OK) result = ref_geometry_new(scene, &world.geometry, error);
+    if (result == MCV_OK) result = ref_emitters_new(scene, &world.emitters, error);
+    if (result == MCV_OK) result = trace_rays(&world, rays, ray_count, winding, &all, error);
+    if (result == MCV_OK) {
+        *vertices_out = all.items;
+        *vertex_count = all.count;
+    } else {
+        free(all.items);
+    }
+    ref_emitters_free(&world.emitters);
+    ref_geometry_free(&world.geometry);
+    free(winding);
+    return result;
+}
