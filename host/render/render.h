@@ -7,7 +7,7 @@
 #define MCVISI_HOST_RENDER_RENDER_H
 
 #include "film/film.h"
-#include "mcvisi/tables.h"
+#include "mcvisi/events.h"
 #include "scene/scene.h"
 
 enum { MCV_SAMPLER_SOBOL, MCV_SAMPLER_RANDOM };

@@ -7,6 +7,7 @@
 
 #include "mcvisi/dialect.h"
 #include "mcvisi/emitters/parallel.h"
+#include "mcvisi/events.h"
 
 /* Media that can be told apart along one path. Medium 0 is the surrounding vacuum, bit i of a path's set is medium i + 1. */
 #define MCV_MAX_MEDIA 32
@@ -94,20 +95,6 @@ enum {
     MCV_COUNTERS(MCV_X)
 #undef MCV_X
         MCV_COUNTER_COUNT
-};
-
-/* What happens at a vertex of a path. X(NAME, "word") */
-#define MCV_EVENTS(X) \
-    X(START, "start") \
-    X(REFRACT, "refract") \
-    X(REFLECT, "reflect") \
-    X(PASS, "pass") /* a boundary that is none: same index on both sides, or a thin sheet */ \
-    X(END, "end")   /* diffuse, absorbing or emitting surface */ \
-    X(MISS, "miss")
-enum {
-#define MCV_X(NAME, word) MCV_EVENT_##NAME,
-    MCV_EVENTS(MCV_X)
-#undef MCV_X
 };
 
 /* A traced ray to follow, and a vertex of its path (host/render/render.h says more). */
