@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Single elements over arrays of cases, one work-item per case: how the tests see the very functions that the stages call
+ * (tests/test_elements.c compares them with the reference).
+ */
+#include "world.h"
+#include "mcvisi/emitters/parallel.h"
+#include "mcvisi/materials/dielectric.h"
+
+/* cases: column, row, x, y, ξ, η as words (integers first); sights: origin, direction, weight. */
+__kernel void sample_sensor(__constant const mcv_sensor *sensor, __global const uint *cases, __global float *sights) {
+    const uint i = get_global_id(0);
+    __global const uint *in = cases + 6 * i;
+    mcv_film_sample film;
+    film.column = in[0];
+    film.row = in[1];
+    film.x = as_float(in[2]);
+    film.y = as_float(in[3]);
+    const mcv_sight sight = mcv_sensor_sample(sensor, film, as_float(in[4]), as_float(in[5]));
+    __global float *out = sights + 7 * i;
+    out[0] = sight.origin.x;
+    out[1] = sight.origin.y;
+    out[2] = sight.origin.z;
+    out[3] = sight.direction.x;
+    out[4] = sight.direction.y;
+    out[5] = sight.direction.z;
+    out[6] = sight.weight;
+}
+
+/* cases: direction, normal; shares: of the radiance that leaves in that direction. */
+__kernel void evaluate_parallel(__global const mcv_parallel *emitter, __global const float *cases, __global float *shares) {
+    const uint i = get_global_id(0);
+    __global const float *in = cases + 6 * i;
+    shares[i] = mcv_parallel_evaluate(emitter, mcv_vec(in[0], in[1], in[2]), mcv_vec(in[3], in[4], in[5]));
+}
+
+/* cases: η, δ, incident direction, normal on its side; results: reflectance, c2, refracted direction (0 under total reflection). */
+__kernel void refract_directions(__global const float *cases, __global float *results) {
+    const uint i = get_global_id(0);
+    __global const float *in = cases + 8 * i;
+    __global float *out = results + 5 * i;
+    const mcv_vec3 d = mcv_vec(in[2], in[3], in[4]);
+    const mcv_vec3 n = mcv_vec(in[5], in[6], in[7]);
+    mcv_device_interface between;
+    between.eta = in[0];
+    between.delta = in[1];
+    const float c1 = min(-mcv_dot(d, n), 1.0f);
+    const float c2 = mcv_refracted_cosine(between, c1);
+    const mcv_vec3 t = c2 > 0.0f ? mcv_refract(between, d, n, c1, c2) : mcv_vec(0.0f, 0.0f, 0.0f);
+    out[0] = mcv_fresnel(between, c1, c2);
+    out[1] = c2;
+    out[2] = t.x;
+    out[3] = t.y;
+    out[4] = t.z;
+}
+
+/* cases: ξ, η, sin(β/2); directions about +z. */
+__kernel void sample_cones(__global const float *cases, __global float *directions) {
+    const uint i = get_global_id(0);
+    const mcv_vec3 d = mcv_sample_cone(cases[3 * i + 2], cases[3 * i], cases[3 * i + 1]);
+    directions[3 * i] = d.x;
+    directions[3 * i + 1] = d.y;
+    directions[3 * i + 2] = d.z;
+}
+
+/* exp(-x) */
+__kernel void attenuate(__global const float *x, __global float *y) {
+    const uint i = get_global_id(0);
+    y[i] = mcv_exp_minus(x[i]);
+}
