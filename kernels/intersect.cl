@@ -43,13 +43,27 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_all(__glo
     const uint first = (uint)get_group_id(0) * slice;
     const uint last = min(first + slice, count);
     for (uint i = first; i < last; ++i) {
-        mcv_hit hit;
-        hit.t = rays[i].t_max;
-        hit.u = hit.v = 0.0f;
-        hit.triangle = MCV_NONE;
+        mcv_hit hit = mcv_miss(rays[i].t_max);
         const mcv_ray_frame ray = mcv_ray_setup(mcv_vec(rays[i].origin[0], rays[i].origin[1], rays[i].origin[2]),
                                                 mcv_vec(rays[i].direction[0], rays[i].direction[1], rays[i].direction[2]), 0.0f);
         for (uint leaf = 0; leaf < leaf_count; ++leaf) mcv_intersect_leaf(leaves + leaf, &ray, &hit);
         hits[i] = hit;
+    }
+}
+
+/* How many leaves a ray hits: crossings, if every triangle has a leaf of its own. */
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void count_hits(__global const mcv_leaf *leaves, __global const mcv_batch_ray *rays,
+                                                                        __global int *counts, uint count, uint slice, uint leaf_count) {
+    const uint first = (uint)get_group_id(0) * slice;
+    const uint last = min(first + slice, count);
+    for (uint i = first; i < last; ++i) {
+        const mcv_ray_frame ray = mcv_ray_setup(mcv_vec(rays[i].origin[0], rays[i].origin[1], rays[i].origin[2]),
+                                                mcv_vec(rays[i].direction[0], rays[i].direction[1], rays[i].direction[2]), 0.0f);
+        int crossings = 0;
+        for (uint leaf = 0; leaf < leaf_count; ++leaf) {
+            mcv_hit hit = mcv_miss(rays[i].t_max);
+            crossings += mcv_intersect_leaf(leaves + leaf, &ray, &hit);
+        }
+        counts[i] = crossings;
     }
 }

@@ -111,6 +111,14 @@ static inline mcv_ray_frame mcv_ray_setup(mcv_vec3 origin, mcv_vec3 direction, f
     return ray;
 }
 
+static inline mcv_hit mcv_miss(float t_max) {
+    mcv_hit hit;
+    hit.t = t_max;
+    hit.u = hit.v = 0.0f;
+    hit.triangle = MCV_NONE;
+    return hit;
+}
+
 /* The children whose boxes the ray meets at 0 <= t <= t_max, one bit each, and where it enters them. */
 static inline uint mcv_intersect_boxes(__global const mcv_node *node, const mcv_ray_frame *ray, float t_max, float8 *entry) {
     float8 near = (float8)(0.0f), far = (float8)(t_max);
@@ -208,10 +216,7 @@ static inline int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_ra
  */
 static inline __attribute__((noinline)) mcv_hit mcv_intersect_closest_ray(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
                                                                           mcv_vec3 origin, mcv_vec3 direction, float t_max) {
-    mcv_hit hit;
-    hit.t = t_max;
-    hit.u = hit.v = 0.0f;
-    hit.triangle = MCV_NONE;
+    mcv_hit hit = mcv_miss(t_max);
     const mcv_ray_frame ray = mcv_ray_setup(origin, direction, nodes->extent);
     uint waiting[MCV_BVH_STACK];
     float waiting_t[MCV_BVH_STACK];
@@ -254,10 +259,7 @@ static inline __attribute__((noinline)) mcv_hit mcv_intersect_closest_ray(__glob
 /* Whether anything is hit with 0 < t < t_max. */
 static inline __attribute__((noinline)) int mcv_intersect_any_ray(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
                                                                   mcv_vec3 origin, mcv_vec3 direction, float t_max) {
-    mcv_hit hit;
-    hit.t = t_max;
-    hit.u = hit.v = 0.0f;
-    hit.triangle = MCV_NONE;
+    mcv_hit hit = mcv_miss(t_max);
     const mcv_ray_frame ray = mcv_ray_setup(origin, direction, nodes->extent);
     uint waiting[MCV_BVH_STACK];
     uint count = 0;

@@ -213,6 +213,12 @@ static uint32_t levels_needed(uint32_t n) {
     return levels;
 }
 
+/* Of two children that could be opened, the one of larger area, or of more triangles where areas say nothing. */
+static bool opens_before(const record *a, const record *b, bool halve) {
+    const float area_a = box_area(&a->bounds), area_b = box_area(&b->bounds);
+    return halve || area_a == area_b ? record_count(a) > record_count(b) : area_a > area_b;
+}
+
 /*
  * Opens the content of a node into at most 8 children. Where the levels left suffice only just, it is halved evenly, so
  * that the depth stays within MCV_BVH_LEVELS: an uneven split costs a level and needs one to spare.
@@ -223,14 +229,9 @@ static uint32_t open_record(builder *b, const task *t, record children[MCV_BVH_W
     children[0] = t->content;
     while (count < MCV_BVH_WIDTH) {
         uint32_t chosen = MCV_BVH_WIDTH;
-        float largest = -1.0f;
         for (uint32_t i = 0; i < count; ++i) {
-            const uint32_t size = record_count(children + i);
-            const float weight = halve ? (float)size : box_area(&children[i].bounds);
-            if (size > MCV_LEAF_TRIANGLES && !(weight <= largest)) { /* an area may overflow to NaN */
-                largest = weight;
-                chosen = i;
-            }
+            if (record_count(children + i) <= MCV_LEAF_TRIANGLES) continue;
+            if (chosen == MCV_BVH_WIDTH || opens_before(children + i, children + chosen, halve)) chosen = i;
         }
         if (chosen == MCV_BVH_WIDTH) break;
         const record opened = children[chosen];

@@ -16,7 +16,9 @@
  * The builder makes at most this many levels of nodes, whatever the triangles. A traversal that goes on with one child
  * and stacks the others holds at most WIDTH - 1 entries per level: this bounds its stack.
  */
+#ifndef MCV_BVH_LEVELS
 #define MCV_BVH_LEVELS 32
+#endif
 #define MCV_BVH_STACK (MCV_BVH_LEVELS * (MCV_BVH_WIDTH - 1))
 
 /* A child is the number of a node, or with this bit the number of a leaf. */
