@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Whether two renders of the same picture differ by more than their noise. Four tests, each of which wrongly calls two
+ * correct renders different in at most 2.5 of 10 000 cases:
+ *
+ *   unit    the smallest p-value of all pixels, channels and 8 x 8 tiles (Šidák-corrected for their number)
+ *   tiles   Kolmogorov-Smirnov: the tiles' p-values are not smaller than uniform ones
+ *   count   the number of tiles with p < 0.01 against its binomial distribution
+ *   image   the means of the whole image
+ *
+ * p-values are Welch's t test with the Welch-Satterthwaite degrees of freedom, the variances from independent replicates.
+ * Where a pixel's replicates take only two values (a sample more or less on an edge), t is far too sure of itself and
+ * Fisher's exact test stands in for it. The smallest p that R replicates can then give is 2/(2R choose R): 3e-9 for 16,
+ * 0.03 for 4, so comparisons want 16. KS and count look upwards only (too many small p-values), and only at tiles that saw enough
+ * light: a picture equals itself. Differences below 10^-6 of the value, the rounding of float32 renderers, never count.
+ */
+#ifndef MCVISI_HOST_ANALYSIS_COMPARE_H
+#define MCVISI_HOST_ANALYSIS_COMPARE_H
+
+#include "film/film.h"
+
+#define MCV_COMPARE_ALPHA 2.5e-4
+#define MCV_COMPARE_ROUNDING 1e-6
+enum { MCV_COMPARE_TILE = 8 };
+
+/* Where the smallest p-value is, in pixels. */
+typedef struct mcv_region {
+    uint32_t channel, column, row, width, height;
+} mcv_region;
+
+typedef struct mcv_comparison {
+    bool different;
+    char reason[512];                         /* one sentence: what differs and by how much, or what would have been seen */
+    double p_unit, p_tiles, p_count, p_image; /* each different below MCV_COMPARE_ALPHA */
+    mcv_region worst;                         /* the unit of the smallest p-value */
+    uint64_t units, tiles, small_tiles;       /* tested; tiles that KS and count look at; of them with p < 0.01 */
+    double mean_x, mean_y;                    /* of the whole image */
+    double detectable;                        /* relative bias of the image mean that would be seen in 9 of 10 cases */
+    double detectable_tile;                   /* of a tile, relative to the image mean; after Šidák */
+} mcv_comparison;
+
+/* Compares films of equal width, height and channels with two or more replicates each, rendered with different seeds. */
+mcv_result mcv_compare_films(const mcv_film *x, const mcv_film *y, mcv_comparison *comparison, mcv_error *error);
+
+/* A mean image and its standard error from R replicates, as files hold them. */
+typedef struct mcv_measured {
+    const mcv_image *mean, *error;
+    uint32_t replicates;
+} mcv_measured;
+
+/*
+ * The same from files. Pixels are taken as independent of each other, as they are here, and channels as fully correlated.
+ * Pixels that are not finite in both are left out; one that is so in a single image makes them different.
+ */
+mcv_result mcv_compare_images(const mcv_measured *x, const mcv_measured *y, mcv_comparison *comparison, mcv_error *error);
+
+#endif
