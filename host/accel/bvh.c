@@ -121,7 +121,8 @@ static inline uint32_t bin_of(const binning *b, const reference *r) {
 
 /* Leaves hold whole blocks, so blocks are what a side costs. */
 static inline float side_cost(const box *bounds, uint32_t count) {
-    return box_area(bounds) * (float)((count + MCV_LEAF_TRIANGLES - 1) / MCV_LEAF_TRIANGLES);
+    const uint32_t blocks = (count + MCV_LEAF_TRIANGLES - 1) / MCV_LEAF_TRIANGLES;
+    return box_area(bounds) * (float)blocks;
 }
 
 /* The cheapest plane between bins: bins below *split go left. False if all centroids fall into one bin on every axis. */
@@ -153,7 +154,7 @@ static bool find_split(const builder *b, const record *r, binning *best, uint32_
         float right_cost[MOST_BINS];
         box side = box_empty();
         uint32_t count = 0;
-        for (uint32_t i = bins - 1; i > 0; --i) {
+        for (uint32_t i = bins; i-- > 1;) {
             box_add(&side, &bounds[axis][i]);
             count += counts[axis][i];
             right_cost[i] = count ? side_cost(&side, count) : INFINITY;

@@ -118,6 +118,7 @@ static exr_result_t put_attribute(exr_context_t context, const mcv_attribute *a)
 static const char *channel_name(const mcv_exr_part *part, uint32_t channel) {
     static const char *const names[] = {"R", "G", "B"};
     if (part->channel_names) return part->channel_names[channel];
+    // NOLINTNEXTLINE(clang-analyzer-core.uninitialized.UndefReturn): check_arguments lets no unnamed channel past the third
     return part->image.channels == 1 ? "Y" : names[channel];
 }
 
@@ -284,7 +285,7 @@ static mcv_result make_part(const mcv_exr_part_header *header, mcv_exr_part *par
         return mcv_fail(error, MCV_FAILED, "no memory for the names of %u channels", header->channel_count);
 
     bool placed[MCV_EXR_MAX_CHANNELS] = {false};
-    uint32_t order[MCV_EXR_MAX_CHANNELS], count = 0;
+    uint32_t order[MCV_EXR_MAX_CHANNELS] = {0}, count = 0;
     for (int k = 0; k < 3; ++k) {
         for (uint32_t c = 0; c < header->channel_count; ++c) {
             if (strcmp(header->channels[c].name, rgb[k]) == 0) order[count++] = c;
@@ -350,7 +351,7 @@ mcv_result mcv_exr_read(const char *path, mcv_exr *exr, mcv_error *error) {
     if (result == MCV_OK) {
         exr->parts = calloc(header.part_count, sizeof *exr->parts);
         if (!exr->parts) result = mcv_fail(error, MCV_FAILED, "%s: no memory for its parts", path);
-        for (uint32_t p = 0; p < header.part_count && result == MCV_OK; ++p) {
+        for (uint32_t p = 0; exr->parts && p < header.part_count && result == MCV_OK; ++p) {
             exr->part_count = p + 1;
             result = make_part(&header.parts[p], &exr->parts[p], error);
         }

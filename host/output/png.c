@@ -136,6 +136,7 @@ mcv_result mcv_png_write_preview(const char *path, const mcv_image *image, const
         bool above = false;
         for (uint32_t c = 0; c < image->channels; ++c) {
             const double value = image->pixels[c * pixels + i];
+            // NOLINTNEXTLINE(clang-analyzer-unix.Malloc): pixels times channels is no 0, the image itself is larger
             bytes[i * image->channels + c] = encode_srgb(value / preview->white);
             above = above || value > preview->white;
         }

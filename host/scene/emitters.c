@@ -40,7 +40,7 @@ mcv_result mcv_emitter_resolve(mcv_emitter *emitter, const mcv_place *place, mcv
         return mcv_fail_at(place, error, "has both radiance %g and power %g: give one, the other follows", radiance[0], power[0]);
     for (int i = 0; i < 3; ++i)
         emitter->radiance[i] = has_power ? power[i] / (mcv_emitter_projected_solid_angle(emitter) * emitter->area) : radiance[i];
-    if (isfinite(emitter->radiance[0] + emitter->radiance[1] + emitter->radiance[2])) return MCV_OK;
+    if (!has_power || isfinite(emitter->radiance[0] + emitter->radiance[1] + emitter->radiance[2])) return MCV_OK;
     return mcv_fail_at(place, error, "an area of %g m² with this cone is too small for a power of %g W", emitter->area, power[0]);
 }
 

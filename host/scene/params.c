@@ -160,7 +160,7 @@ static mcv_result parse_value(const mcv_param *param, const json_t *value, void 
     }
     for (size_t i = 0; i < n; ++i) {
         const mcv_place element = mcv_place_index(place, i);
-        double number;
+        double number = 0;
         MCV_TRY(json_is_array(value) ? parse_number(param, json_array_get(value, i), &number, &element, error)
                                      : parse_number(param, value, &number, place, error));
         set(param, params, i, number);

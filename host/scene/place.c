@@ -37,7 +37,7 @@ static size_t add_place(char *text, size_t size, size_t length, const mcv_place 
 
 mcv_result mcv_fail_at(const mcv_place *place, mcv_error *error, const char *format, ...) {
     const size_t size = sizeof error->text;
-    mcv_error sentence; /* the arguments may point into error */
+    mcv_error sentence = {""}; /* the arguments may point into error */
     size_t length = add_place(sentence.text, size, 0, place);
     if (place->parent) length = add(sentence.text, size, length, ": ");
     va_list arguments;

@@ -52,8 +52,9 @@ static bool append(void *array, uint32_t *count, const void *element, size_t siz
     void *elements;
     memcpy(&elements, array, sizeof elements);
     if ((*count & (*count - 1)) == 0) {
-        elements = realloc(elements, (*count ? 2 * (size_t)*count : 1) * size);
-        if (!elements) return false;
+        void *larger = realloc(elements, (*count ? 2 * (size_t)*count : 1) * size);
+        if (!larger) return false;
+        elements = larger;
         memcpy(array, &elements, sizeof elements);
     }
     memcpy((char *)elements + *count * size, element, size);
