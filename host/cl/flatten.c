@@ -26,14 +26,17 @@ static FILE *open_source(const flattening *f, const char *name) {
     return NULL;
 }
 
-static mcv_result flatten_file(flattening *f, const char *name, int depth) {
+static bool begins(const char *text, const char *word) { return strncmp(text, word, strlen(word)) == 0; }
+
+/* `optional`: the file is included under some #if, which may be false: a later #include of it must count again. */
+static mcv_result flatten_file(flattening *f, const char *name, int depth, bool optional) {
     for (size_t i = 0; i < f->seen_count; ++i) {
         if (strcmp(f->seen[i], name) == 0) return MCV_OK;
     }
     if (depth == MAX_DEPTH || f->seen_count == MAX_FILES || strlen(name) >= sizeof f->seen[0]) {
         return mcv_fail(f->error, MCV_FAILED, "%s: includes are nested too deeply or too many", name);
     }
-    memcpy(f->seen[f->seen_count++], name, strlen(name) + 1);
+    if (!optional) memcpy(f->seen[f->seen_count++], name, strlen(name) + 1);
     FILE *in = open_source(f, name);
     if (!in) return mcv_fail(f->error, MCV_FAILED, "%s: no such file in %s/kernels or %s/include", name, f->root, f->root);
     fprintf(f->out, "#line 1 \"%s\"\n", name);
@@ -41,13 +44,20 @@ static mcv_result flatten_file(flattening *f, const char *name, int depth) {
     mcv_result result = MCV_OK;
     char *line = NULL;
     size_t capacity = 0;
+    int conditions = 0;
+    int guards = -1; /* 1 if the file's first condition is its include guard */
     for (unsigned number = 1; result == MCV_OK && getline(&line, &capacity, in) >= 0; ++number) {
         char included[128];
         const char *hash = line + strspn(line, " \t");
+        if (begins(hash, "#if")) {
+            if (guards < 0) guards = begins(hash, "#ifndef");
+            ++conditions;
+        }
+        if (begins(hash, "#endif")) --conditions;
         if (sscanf(hash, "#include \"%127[^\"]\"", included) == 1) {
-            result = flatten_file(f, included, depth + 1);
+            result = flatten_file(f, included, depth + 1, optional || conditions > (guards > 0));
             fprintf(f->out, "#line %u \"%s\"\n", number + 1, name);
-        } else if (strncmp(hash, "#include <", 10) == 0) {
+        } else if (begins(hash, "#include <")) {
             fputc('\n', f->out);
         } else {
             fputs(line, f->out);
@@ -65,7 +75,7 @@ mcv_result mcv_flatten(const char *root, const char *program, char **text, mcv_e
     flattening f = {.root = root, .error = error, .out = open_memstream(text, &size)};
     if (!f.out) return mcv_fail(error, MCV_FAILED, "%s: no memory to read the OpenCL program", program);
     snprintf(name, sizeof name, "%s.cl", program);
-    const mcv_result result = flatten_file(&f, name, 0);
+    const mcv_result result = flatten_file(&f, name, 0, false);
     fclose(f.out);
     if (result != MCV_OK) {
         free(*text);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One text out of an OpenCL program and what it includes: each `#include "file"` once, with #line so that messages name the file. */
+/* One text out of an OpenCL program and what it includes: each `#include "file"` once (those under an #if as often as they stand, since the
+ * #if may be false), with #line so that messages name the file. */
 #ifndef MCVISI_HOST_CL_FLATTEN_H
 #define MCVISI_HOST_CL_FLATTEN_H
 
