@@ -77,7 +77,7 @@ void ref_emitters_free(ref_emitters *emitters) {
 void ref_emitted(const mcv_scene *scene, const ref_surface *surface, ref_vec direction, double radiance[3]) {
     const uint32_t index = scene->instances[surface->instance].emitter;
     radiance[0] = radiance[1] = radiance[2] = 0;
-    if (index == MCV_NONE || !(ref_dot(direction, surface->normal) > 0)) return;
+    if (index == MCV_NONE || !(ref_dot(direction, surface->normal) > 0) || !(ref_dot(direction, surface->geometric) > 0)) return;
     const mcv_emitter *emitter = &scene->emitters[index];
     if (emitter->type == MCV_EMITTER_PARALLEL && ref_angle(direction, surface->normal) > emitter->as.parallel.halfAngle) return;
     ref_texture_lookup(scene, emitter->texture, surface->texcoord, radiance);

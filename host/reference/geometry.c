@@ -261,13 +261,15 @@ ref_surface ref_surface_at(const ref_geometry *geometry, const ref_hit *hit) {
     surface.geometric = ref_unit(ref_cross(ref_sub(corner[1], corner[0]), ref_sub(corner[2], corner[0])));
     surface.normal = surface.geometric;
     double normals[3][3];
+    uint32_t vertices[3];
+    mcv_scene_triangle(scene, triangle->instance, local, vertices);
     if (mesh->normals) mcv_scene_vertex_normals(scene, triangle->instance, local, normals);
     ref_vec sum = {0, 0, 0};
     for (int i = 0; i < 3; ++i) {
         surface.position = ref_add(surface.position, ref_scale(hit->weights[i], corner[i]));
         if (mesh->normals) sum = ref_add(sum, ref_scale(hit->weights[i], ref_from(normals[i])));
         if (mesh->texcoords) {
-            const float *texcoord = &mesh->texcoords[2 * (size_t)mesh->indices[3 * (size_t)local + (size_t)i]];
+            const float *texcoord = &mesh->texcoords[2 * (size_t)vertices[i]];
             for (int axis = 0; axis < 2; ++axis) surface.texcoord[axis] += hit->weights[i] * texcoord[axis];
         }
     }

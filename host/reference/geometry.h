@@ -38,9 +38,9 @@ typedef struct ref_hit {
 /* What shading needs to know of a hit. */
 typedef struct ref_surface {
     ref_vec position;
-    ref_vec geometric;   /* unit normal of the triangle, on its front side */
-    ref_vec normal;      /* unit, interpolated from the vertices, on the front side as the file has it */
-    double texcoord[2];  /* 0 where the mesh has none */
+    ref_vec geometric;  /* unit normal of the triangle, on its front side */
+    ref_vec normal;     /* unit, interpolated from the vertices, on the front side as the file has it */
+    double texcoord[2]; /* 0 where the mesh has none */
     uint32_t instance;
     uint32_t number; /* of the triangle */
 } ref_surface;

@@ -1,6 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "reference/interface.h"
 
+ref_meeting ref_meet(const ref_surface *surface, ref_vec direction) {
+    ref_meeting meeting = {.direction = direction, .front = ref_dot(direction, surface->geometric) < 0};
+    meeting.face = ref_scale(meeting.front ? 1 : -1, surface->geometric);
+    meeting.normal = ref_scale(meeting.front ? 1 : -1, surface->normal);
+    if (ref_dot(direction, meeting.normal) >= 0) meeting.normal = meeting.face;
+    return meeting;
+}
+
 void ref_fresnel(double from, double to, double cosine, double *perpendicular, double *parallel) {
     const double sine = from / to * sqrt((1 - cosine) * (1 + cosine)); /* of the angle of refraction */
     *perpendicular = *parallel = 1;
@@ -12,37 +20,31 @@ void ref_fresnel(double from, double to, double cosine, double *perpendicular, d
     *parallel = p * p;
 }
 
-/* Snell with the tangential part, which keeps its digits near normal incidence. */
-static ref_interface interface_by(ref_vec normal, ref_vec direction, double from, double to) {
-    ref_interface result = {.normal = normal, .reflectance = 1};
-    const double cosine = -ref_dot(direction, normal);
-    result.reflected = ref_add(direction, ref_scale(2 * cosine, normal));
-    const ref_vec tangential = ref_scale(from / to, ref_add(direction, ref_scale(cosine, normal)));
-    const double squared = ref_dot(tangential, tangential);
-    if (from == to) {
-        result.reflectance = 0;
-        result.refracted = direction;
-    } else if (squared < 1) {
-        double s, p;
-        ref_fresnel(from, to, fmin(cosine, 1), &s, &p);
-        result.reflectance = 0.5 * (s + p);
-        result.refracted = ref_unit(ref_sub(tangential, ref_scale(sqrt(1 - squared), normal)));
-    }
-    return result;
+double ref_reflectance(const ref_meeting *meeting, double from, double to) {
+    double s, p;
+    if (from == to) return 0;
+    ref_fresnel(from, to, fmin(-ref_dot(meeting->direction, meeting->normal), 1), &s, &p);
+    return 0.5 * (s + p);
 }
 
-static ref_vec toward(ref_vec normal, bool front) { return front ? normal : ref_scale(-1, normal); }
-
-ref_interface ref_interface_at(const ref_surface *surface, ref_vec direction, double from, double to) {
-    const bool front = ref_dot(direction, surface->geometric) < 0;
-    const ref_vec geometric = toward(surface->geometric, front), normal = toward(surface->normal, front);
-    ref_interface result = interface_by(normal, direction, from, to);
-    if (ref_dot(direction, normal) >= 0 || ref_dot(result.reflected, geometric) <= 0 || ref_dot(result.refracted, geometric) > 0)
-        result = interface_by(geometric, direction, from, to);
-    result.front = front;
-    return result;
+static ref_vec reflect_at(ref_vec normal, ref_vec direction) {
+    return ref_unit(ref_sub(direction, ref_scale(2 * ref_dot(direction, normal), normal)));
 }
 
-ref_vec ref_facing_normal(const ref_surface *surface, ref_vec direction) {
-    return toward(surface->normal, ref_dot(direction, surface->geometric) < 0);
+ref_vec ref_reflect(const ref_meeting *meeting) {
+    const ref_vec reflected = reflect_at(meeting->normal, meeting->direction);
+    return ref_dot(reflected, meeting->face) > 0 ? reflected : reflect_at(meeting->face, meeting->direction);
+}
+
+/* Snell's law for the part along the surface, which keeps its digits near normal incidence. Straight on under total reflection. */
+static ref_vec refract_at(ref_vec normal, ref_vec direction, double ratio) {
+    const ref_vec along = ref_scale(ratio, ref_sub(direction, ref_scale(ref_dot(direction, normal), normal)));
+    const double squared = ref_dot(along, along);
+    return squared < 1 ? ref_unit(ref_sub(along, ref_scale(sqrt(1 - squared), normal))) : direction;
+}
+
+ref_vec ref_refract(const ref_meeting *meeting, double from, double to) {
+    if (from == to) return meeting->direction;
+    const ref_vec refracted = refract_at(meeting->normal, meeting->direction, from / to);
+    return ref_dot(refracted, meeting->face) < 0 ? refracted : refract_at(meeting->face, meeting->direction, from / to);
 }

@@ -1,35 +1,39 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "reference/media.h"
 
-bool ref_media_cross(ref_media *media, uint32_t instance, bool front) {
-    if (front) {
-        if (media->count == REF_MEDIA_DEPTH) return false;
+/* Makes the instance surround the point, or not. False: it was so already, or there is no room for one more. */
+static bool set_inside(ref_media *media, uint32_t instance, bool inside) {
+    uint32_t i = 0;
+    while (i < media->count && media->instances[i] != instance) ++i;
+    if ((i < media->count) == inside || (inside && i == REF_MEDIA_DEPTH)) return false;
+    if (inside)
         media->instances[media->count++] = instance;
-        return true;
-    }
-    for (uint32_t i = 0; i < media->count; ++i) {
-        if (media->instances[i] == instance) {
-            media->instances[i] = media->instances[--media->count];
-            return true;
-        }
-    }
-    return false;
+    else
+        media->instances[i] = media->instances[--media->count];
+    return true;
 }
 
-static const mcv_dielectric_params *dielectric_of(const mcv_scene *scene, uint32_t instance) {
-    return &scene->materials[scene->instances[instance].material].as.dielectric;
+bool ref_media_cross(ref_media *near, ref_media *far, uint32_t instance, bool front) {
+    const bool corrected = set_inside(near, instance, !front);
+    *far = *near;
+    set_inside(far, instance, front);
+    return !corrected;
 }
 
 const mcv_dielectric_params *ref_media_filling(const ref_media *media, const mcv_scene *scene) {
     const mcv_dielectric_params *filling = NULL;
     uint32_t owner = 0;
     for (uint32_t i = 0; i < media->count; ++i) {
-        const uint32_t instance = media->instances[i];
-        const mcv_dielectric_params *candidate = dielectric_of(scene, instance);
-        if (!filling || candidate->priority > filling->priority || (candidate->priority == filling->priority && instance > owner)) {
-            filling = candidate;
-            owner = instance;
+        const uint32_t instance = media->instances[i], material = scene->instances[instance].material;
+        const mcv_dielectric_params *candidate = &scene->materials[material].as.dielectric;
+        bool wins = !filling || candidate->priority > filling->priority;
+        if (filling && candidate->priority == filling->priority) {
+            const uint32_t other = scene->instances[owner].material;
+            wins = material != other ? material > other : instance > owner;
         }
+        if (!wins) continue;
+        filling = candidate;
+        owner = instance;
     }
     return filling;
 }
@@ -41,12 +45,10 @@ mcv_result ref_media_at(const ref_geometry *geometry, ref_vec point, int *windin
     for (uint32_t i = 0; i < scene->instance_count; ++i) winding[i] = 0;
     ref_add_windings(geometry, point, anywhere, winding);
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        if (scene->materials[scene->instances[i].material].type != MCV_MATERIAL_DIELECTRIC) continue;
-        for (int n = 0; n < winding[i]; ++n) {
-            if (!ref_media_cross(media, i, true))
-                return mcv_fail(error, MCV_BAD_INPUT, "%s: more than %d dielectric bodies overlap at (%g, %g, %g) m; use fewer", scene->path,
-                                REF_MEDIA_DEPTH, point.x, point.y, point.z);
-        }
+        if (scene->materials[scene->instances[i].material].type != MCV_MATERIAL_DIELECTRIC || winding[i] <= 0) continue;
+        if (!set_inside(media, i, true))
+            return mcv_fail(error, MCV_BAD_INPUT, "%s: more than %d dielectric bodies overlap at (%g, %g, %g) m; use fewer", scene->path,
+                            REF_MEDIA_DEPTH, point.x, point.y, point.z);
     }
     return MCV_OK;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The media around a point: the dielectric instances that surround it. Of those the one with the largest priority fills
- * the space, and of equal ones the one with the largest instance number, so that what fills a place depends on the place
- * alone and not on the path that led there.
+ * the space; among equal priorities the later material, then the later instance. So what fills a place depends on the
+ * place alone and not on the path that led there.
  */
 #ifndef MCVISI_HOST_REFERENCE_MEDIA_H
 #define MCVISI_HOST_REFERENCE_MEDIA_H
@@ -13,15 +13,18 @@ enum { REF_MEDIA_DEPTH = 64 };
 
 typedef struct ref_media {
     uint32_t count;
-    uint32_t instances[REF_MEDIA_DEPTH]; /* an instance may stand here more than once: shells of one mesh that overlap */
+    uint32_t instances[REF_MEDIA_DEPTH];
 } ref_media;
 
 /* The media at a point, by the windings along a ray from it. `winding`: room for one int per instance. Fails if they are too many. */
 mcv_result ref_media_at(const ref_geometry *geometry, ref_vec point, int *winding, ref_media *media, mcv_error *error);
 
-/* Crosses a surface of an instance: enters it from its front, leaves it from its back. False: it was not there to be left, or is one too
- * many; nothing changes then. */
-bool ref_media_cross(ref_media *media, uint32_t instance, bool front);
+/*
+ * Media on the two sides of an instance's surface, for a path in *near that meets it from its front or its back. False:
+ * *near did not agree with the side (a body left that was never entered, or entered twice); the surface is right, and *near is set to what
+ * it says.
+ */
+bool ref_media_cross(ref_media *near, ref_media *far, uint32_t instance, bool front);
 
 /* The material that fills the space, or NULL for vacuum (n = 1, clear). */
 const mcv_dielectric_params *ref_media_filling(const ref_media *media, const mcv_scene *scene);

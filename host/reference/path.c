@@ -20,7 +20,7 @@ static void multiply(double a[3], const double b[3]) {
     for (int channel = 0; channel < 3; ++channel) a[channel] *= b[channel];
 }
 
-static double mean(const double a[3]) { return (a[0] + a[1] + a[2]) / 3; }
+static double largest(const double a[3]) { return fmax(a[0], fmax(a[1], a[2])); }
 
 static const ref_emitter *sampled_emitter(const ref_world *world, uint32_t instance) {
     for (uint32_t i = 0; i < world->emitters.count; ++i)
@@ -32,32 +32,31 @@ static const ref_emitter *sampled_emitter(const ref_world *world, uint32_t insta
 static void add_emission(const ref_world *world, const path *p, const ref_surface *surface, double ior, double radiance[3]) {
     double emitted[3], weight = 1;
     ref_emitted(world->scene, surface, ref_scale(-1, p->direction), emitted);
-    if (mean(emitted) == 0) return;
+    if (largest(emitted) == 0) return;
     if (p->density > 0)
-        weight = p->density /
-                 (p->density + ref_emitter_density(sampled_emitter(world, surface->instance), p->origin, p->direction, surface));
+        weight =
+            p->density / (p->density + ref_emitter_density(sampled_emitter(world, surface->instance), p->origin, p->direction, surface));
     for (int channel = 0; channel < 3; ++channel) radiance[channel] += weight * p->throughput[channel] * emitted[channel] / (ior * ior);
 }
 
-/* Adds the light of one emitter at a diffuse surface with the facing normal n and the given reflectance. */
-static void add_direct(const ref_world *world, const path *p, const ref_emitter *emitter, const ref_surface *surface, ref_vec n,
-                       const double reflectance[3], ref_random *random, ref_tally *tally, double radiance[3]) {
+/* Adds the light of one emitter at a diffuse surface. */
+static void add_direct(const ref_world *world, const path *p, const ref_emitter *emitter, const ref_surface *surface,
+                       const ref_meeting *meeting, const double reflectance[3], ref_random *random, ref_tally *tally, double radiance[3]) {
     uint32_t number;
     const ref_vec direction = ref_emitter_sample(emitter, world->scene, surface->position, random, &number);
-    const double cosine = ref_dot(direction, n);
-    const bool above = (ref_dot(direction, surface->geometric) > 0) == (ref_dot(p->direction, surface->geometric) < 0);
-    if (!(cosine > 0) || !above) return;
+    const double cosine = ref_dot(direction, meeting->normal);
+    if (!(cosine > 0) || !(ref_dot(direction, meeting->face) > 0)) return;
     ref_hit hit;
     ++tally->shadow_rays;
     if (!ref_closest_hit(&world->geometry, surface->position, direction, surface->number, &hit)) return;
-    const bool met = number == MCV_NONE ? world->scene->instances[hit.triangle->instance].emitter == emitter->index
-                                        : hit.triangle->number == number;
+    const bool met =
+        number == MCV_NONE ? world->scene->instances[hit.triangle->instance].emitter == emitter->index : hit.triangle->number == number;
     if (!met) return;
     const ref_surface source = ref_surface_at(&world->geometry, &hit);
     double emitted[3];
     ref_emitted(world->scene, &source, ref_scale(-1, direction), emitted);
     const double density = ref_emitter_density(emitter, surface->position, direction, &source);
-    if (mean(emitted) == 0 || density == 0) return;
+    if (largest(emitted) == 0 || density == 0) return;
     const mcv_dielectric_params *filling = ref_media_filling(&p->media, world->scene);
     const double ior = ref_media_ior(filling);
     const double scale = cosine / M_PI / (density + cosine / M_PI) / (ior * ior); /* balance heuristic / density */
@@ -71,17 +70,17 @@ static void add_direct(const ref_world *world, const path *p, const ref_emitter 
 
 static bool meet_diffuse(const ref_world *world, path *p, const ref_surface *surface, const double reflectance[3], bool last,
                          ref_random *random, ref_tally *tally, double radiance[3]) {
-    const ref_vec n = ref_facing_normal(surface, p->direction);
+    const ref_meeting meeting = ref_meet(surface, p->direction);
     if (world->sample_emitters && !last)
         for (uint32_t i = 0; i < world->emitters.count; ++i)
-            add_direct(world, p, &world->emitters.items[i], surface, n, reflectance, random, tally, radiance);
+            add_direct(world, p, &world->emitters.items[i], surface, &meeting, reflectance, random, tally, radiance);
     /* Density cosθ/π: sin²θ is uniform. */
     const double u = ref_random_unit(random), phi = 2 * M_PI * ref_random_unit(random), sine = sqrt(u), cosine = sqrt(1 - u);
     ref_vec x, y;
-    ref_frame(n, &x, &y);
+    ref_frame(meeting.normal, &x, &y);
     const ref_vec direction =
-        ref_add(ref_scale(cosine, n), ref_add(ref_scale(sine * cos(phi), x), ref_scale(sine * sin(phi), y)));
-    if ((ref_dot(direction, surface->geometric) > 0) != (ref_dot(p->direction, surface->geometric) < 0)) return false; /* into the surface */
+        ref_add(ref_scale(cosine, meeting.normal), ref_add(ref_scale(sine * cos(phi), x), ref_scale(sine * sin(phi), y)));
+    if (!(ref_dot(direction, meeting.face) > 0)) return false; /* into the surface: absorbed */
     p->direction = direction;
     p->density = world->sample_emitters ? cosine / M_PI : 0;
     multiply(p->throughput, reflectance);
@@ -89,31 +88,31 @@ static bool meet_diffuse(const ref_world *world, path *p, const ref_surface *sur
 }
 
 static void meet_dielectric(const ref_world *world, path *p, const ref_surface *surface, ref_random *random, ref_tally *tally) {
-    const mcv_dielectric_params *before = ref_media_filling(&p->media, world->scene);
-    const bool front = ref_dot(p->direction, surface->geometric) < 0;
-    ref_media beyond = p->media;
-    if (!ref_media_cross(&beyond, surface->instance, front)) ++tally->unmatched;
-    const mcv_dielectric_params *after = ref_media_filling(&beyond, world->scene);
-    const ref_interface i = ref_interface_at(surface, p->direction, ref_media_ior(before), ref_media_ior(after));
-    const bool reflects = ref_random_unit(random) < i.reflectance;
-    p->density = 0; /* even where it passes: emitters behind any surface were not sampled */
-    p->direction = reflects ? i.reflected : i.refracted;
-    if (!reflects) p->media = beyond;
+    const ref_meeting meeting = ref_meet(surface, p->direction);
+    ref_media beyond;
+    if (!ref_media_cross(&p->media, &beyond, surface->instance, meeting.front)) ++tally->unmatched;
+    const double from = ref_media_ior(ref_media_filling(&p->media, world->scene));
+    const double to = ref_media_ior(ref_media_filling(&beyond, world->scene));
+    if (ref_random_unit(random) < ref_reflectance(&meeting, from, to)) {
+        p->direction = ref_reflect(&meeting);
+    } else {
+        p->direction = ref_refract(&meeting, from, to);
+        p->media = beyond;
+    }
 }
 
 static void meet_mirror(path *p, const ref_surface *surface, const double reflectance[3]) {
-    p->direction = ref_interface_at(surface, p->direction, 1, 1).reflected;
-    p->density = 0;
+    const ref_meeting meeting = ref_meet(surface, p->direction);
+    p->direction = ref_reflect(&meeting);
     multiply(p->throughput, reflectance);
 }
 
 static void meet_sheet(const ref_world *world, path *p, const ref_surface *surface, double ior, const double transmittance[3],
                        ref_random *random) {
+    const ref_meeting meeting = ref_meet(surface, p->direction);
     const double outside = ref_media_ior(ref_media_filling(&p->media, world->scene));
-    const ref_interface i = ref_interface_at(surface, p->direction, outside, ior);
-    p->density = 0;
-    if (ref_random_unit(random) < ref_sheet_reflectance(i.reflectance))
-        p->direction = i.reflected;
+    if (ref_random_unit(random) < ref_sheet_reflectance(ref_reflectance(&meeting, outside, ior)))
+        p->direction = ref_reflect(&meeting);
     else
         multiply(p->throughput, transmittance);
 }
@@ -129,11 +128,14 @@ static bool meet_surface(const ref_world *world, path *p, const ref_surface *sur
                          double radiance[3]) {
     const mcv_material *material = &world->scene->materials[world->scene->instances[surface->instance].material];
     double share[3];
+    p->density = 0; /* emitters behind smooth surfaces, passed straight or not, are not sampled */
     switch (material->type) {
     case MCV_MATERIAL_DIFFUSE:
         modulate(world, surface, material->as.diffuse.reflectance, share);
         return meet_diffuse(world, p, surface, share, last, random, tally, radiance);
-    case MCV_MATERIAL_DIELECTRIC: meet_dielectric(world, p, surface, random, tally); return true;
+    case MCV_MATERIAL_DIELECTRIC:
+        meet_dielectric(world, p, surface, random, tally);
+        return true;
     case MCV_MATERIAL_SHEET:
         modulate(world, surface, material->as.sheet.transmittance, share);
         meet_sheet(world, p, surface, material->as.sheet.ior, share, random);
@@ -142,15 +144,15 @@ static bool meet_surface(const ref_world *world, path *p, const ref_surface *sur
         modulate(world, surface, material->as.mirror.reflectance, share);
         meet_mirror(p, surface, share);
         return true;
-    default: return false;
+    default:
+        return false;
     }
 }
 
 /* Russian roulette on the throughput. */
 static bool survives(path *p, ref_random *random) {
-    const double largest = fmax(p->throughput[0], fmax(p->throughput[1], p->throughput[2]));
-    if (largest >= ROULETTE_THRESHOLD) return true;
-    const double chance = largest / ROULETTE_THRESHOLD;
+    const double chance = largest(p->throughput) / ROULETTE_THRESHOLD;
+    if (chance >= 1) return true;
     if (ref_random_unit(random) >= chance) return false;
     for (int channel = 0; channel < 3; ++channel) p->throughput[channel] /= chance;
     return true;
@@ -160,13 +162,13 @@ void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *
     path p = {.origin = sight->origin, .direction = sight->direction, .skip = MCV_NONE, .media = world->media, .throughput = {1, 1, 1}};
     const double sensor_ior = ref_media_ior(ref_media_filling(&p.media, world->scene));
     value[0] = value[1] = value[2] = 0;
+    if (sight->weight == 0) return; /* the lens stops it */
     ++tally->paths;
     tally->begun += sight->weight;
-    if (sight->weight == 0) return;
     for (uint32_t met = 0;; ++met) {
         if (met == world->depth) {
             ++tally->depth_cut;
-            tally->cut += sight->weight * mean(p.throughput);
+            tally->cut += sight->weight * largest(p.throughput);
             break;
         }
         const mcv_dielectric_params *filling = ref_media_filling(&p.media, world->scene);
@@ -184,7 +186,7 @@ void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *
             for (int channel = 0; channel < 3; ++channel) p.throughput[channel] *= exp(-filling->absorption[channel] * hit.distance);
         add_emission(world, &p, &surface, ior, value);
         if (!meet_surface(world, &p, &surface, met + 1 == world->depth, random, tally, value)) break;
-        if (mean(p.throughput) == 0 || (met + 1 >= ROULETTE_DEPTH && !survives(&p, random))) break;
+        if (largest(p.throughput) == 0 || (met + 1 >= ROULETTE_DEPTH && !survives(&p, random))) break;
         p.origin = surface.position;
         p.skip = surface.number;
     }

@@ -16,15 +16,16 @@ typedef struct ref_world {
     const mcv_scene *scene;
     ref_geometry geometry;
     ref_emitters emitters;
-    ref_media media;      /* around the sensor */
-    uint32_t depth;       /* surfaces a path may meet; after the last one no ray is traced */
+    ref_media media; /* around the sensor */
+    uint32_t depth;  /* surfaces a path may meet; after the last one no ray is traced */
     bool sample_emitters;
 } ref_world;
 
 /* What happened along paths. */
 typedef struct ref_tally {
     uint64_t paths, rays, shadow_rays, depth_cut, nonfinite, unmatched;
-    double begun, cut; /* throughput of the paths begun and of those that the depth limit ended, mean of the channels, times the sensor's weight */
+    double begun,
+        cut; /* throughput of the paths begun and of those that the depth limit ended, largest channel, times the sensor's weight */
 } ref_tally;
 
 /* Follows one ray of sight: what it adds to its pixel, the radiance that arrives along it times its weight. */

@@ -9,8 +9,8 @@
 
 #include "reference/path.h"
 
-/* A round: the samples [first, first + count) of every replicate of every pixel. Threads take whole rows. */
-typedef struct round {
+/* A pass: the samples [first, first + count) of every replicate of every pixel. Threads take whole rows. */
+typedef struct pass {
     const ref_world *world;
     const mcv_sensor *sensor;
     const mcv_render_options *options;
@@ -20,7 +20,7 @@ typedef struct round {
     uint64_t first, count;
     atomic_uint next;
     atomic_bool stopped;
-} round;
+} pass;
 
 static double now(void) {
     struct timespec t;
@@ -29,7 +29,7 @@ static double now(void) {
 }
 
 /* Adds the samples of a power-of-two range over the film's binary tree. */
-static void sum_samples(const round *r, uint32_t column, uint32_t row, uint32_t replicate, uint64_t first, uint64_t count, ref_tally *tally,
+static void sum_samples(const pass *r, uint32_t column, uint32_t row, uint32_t replicate, uint64_t first, uint64_t count, ref_tally *tally,
                         double sum[3]) {
     if (count > 1) {
         double other[3];
@@ -50,7 +50,7 @@ static void sum_samples(const round *r, uint32_t column, uint32_t row, uint32_t 
 }
 
 /* Renders the next row that is free; false once there is none. */
-static bool render_row(round *r) {
+static bool render_row(pass *r) {
     const uint32_t row = atomic_fetch_add(&r->next, 1);
     const mcv_film *film = r->film;
     if (row >= film->height || atomic_load(&r->stopped)) return false;
@@ -76,8 +76,8 @@ static uint32_t thread_count(const mcv_render_options *options, uint32_t rows) {
     return wanted < rows ? wanted : rows;
 }
 
-/* Renders a round on several threads, of which the calling one alone reports progress. False: stopped by the caller. */
-static bool render_round(round *r, pthread_t *threads, double start, double done, double share, double error) {
+/* Renders a pass on several threads, of which the calling one alone reports progress. False: stopped by the caller. */
+static bool render_round(pass *r, pthread_t *threads, double start, double done, double share, double error) {
     const uint32_t wanted = thread_count(r->options, r->film->height);
     uint32_t helpers = 0;
     atomic_store(&r->next, 0);
@@ -110,7 +110,7 @@ static uint64_t next_count(const mcv_film *film) { return film->samples > 0 ? fi
 /* Too few samples do not know their own error. */
 enum { FEWEST_SAMPLES = 16 };
 
-static void render_rounds(round *r, mcv_film *film, pthread_t *threads, double start, mcv_render_stats *stats) {
+static void render_rounds(pass *r, mcv_film *film, pthread_t *threads, double start, mcv_render_stats *stats) {
     const mcv_render_options *options = r->options;
     const size_t values = (size_t)film->replicates * film->channels * film->height * film->width;
     const uint64_t wanted = options->last - options->first; /* 0: no end */
@@ -129,7 +129,8 @@ static void render_rounds(round *r, mcv_film *film, pthread_t *threads, double s
         const double end = now();
         if (stats->seconds_first_sample == 0) stats->seconds_first_sample = end - start;
         if (options->error > 0 || options->progress) error = mcv_film_relative_error(film);
-        if (options->progress && !options->progress(options->user, wanted ? (double)film->samples / (double)wanted : done, end - start, error)) {
+        if (options->progress &&
+            !options->progress(options->user, wanted ? (double)film->samples / (double)wanted : done, end - start, error)) {
             atomic_store(&r->stopped, true);
             break;
         }
@@ -173,7 +174,7 @@ mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_
     *stats = (mcv_render_stats){.device = "reference (double precision)"};
     MCV_TRY(check_options(scene, sensor, options, error));
     ref_world world = {.scene = scene, .depth = options->depth, .sample_emitters = sample_emitters};
-    round r = {.world = &world, .sensor = &scene->sensors[sensor], .options = options, .film = film};
+    pass r = {.world = &world, .sensor = &scene->sensors[sensor], .options = options, .film = film};
     uint32_t width, height;
     mcv_sensor_film_size(r.sensor, &width, &height);
     MCV_TRY(mcv_film_new(film, width, height, mcv_scene_channels(scene), options->replicates, error));

@@ -88,9 +88,13 @@ static ref_sight light_field(const mcv_sensor *sensor, uint32_t column, uint32_t
 
 ref_sight ref_sight_sample(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y, double u, double v) {
     switch (sensor->type) {
-    case MCV_SENSOR_THIN_LENS: return thin_lens(sensor, column, row, x, y, u, v);
-    case MCV_SENSOR_TELECENTRIC: return telecentric(sensor, column, row, x, y, u, v);
-    case MCV_SENSOR_LIGHT_FIELD: return light_field(sensor, column, row, x, y);
-    default: return pinhole(sensor, column, row, x, y);
+    case MCV_SENSOR_THIN_LENS:
+        return thin_lens(sensor, column, row, x, y, u, v);
+    case MCV_SENSOR_TELECENTRIC:
+        return telecentric(sensor, column, row, x, y, u, v);
+    case MCV_SENSOR_LIGHT_FIELD:
+        return light_field(sensor, column, row, x, y);
+    default:
+        return pinhole(sensor, column, row, x, y);
     }
 }

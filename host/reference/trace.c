@@ -36,42 +36,36 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, ref_vec *di
     const double ior = ref_media_ior(ref_media_filling(media, scene));
     double texture[3];
     ref_texture_lookup(scene, material->texture, surface->texcoord, texture);
-    ref_interface i = ref_interface_at(surface, *direction, ior, ior);
+    const ref_meeting meeting = ref_meet(surface, *direction);
+    double reflectance;
+    vertex->event = MCV_EVENT_END;
+    store(vertex->normal, meeting.normal);
     switch (material->type) {
     case MCV_MATERIAL_MIRROR:
         vertex->event = MCV_EVENT_REFLECT;
         vertex->transmittance *= material->as.mirror.reflectance[0] * texture[0];
-        *direction = i.reflected;
         break;
     case MCV_MATERIAL_SHEET:
-        i = ref_interface_at(surface, *direction, ior, material->as.sheet.ior);
-        if (i.reflectance == 1) { /* total reflection */
-            vertex->event = MCV_EVENT_REFLECT;
-            *direction = i.reflected;
-        } else {
-            vertex->event = MCV_EVENT_PASS;
-            vertex->transmittance *= (1 - ref_sheet_reflectance(i.reflectance)) * material->as.sheet.transmittance[0] * texture[0];
-        }
+        reflectance = ref_sheet_reflectance(ref_reflectance(&meeting, ior, material->as.sheet.ior));
+        vertex->event = reflectance == 1 ? MCV_EVENT_REFLECT : MCV_EVENT_PASS; /* 1: total reflection */
+        if (reflectance < 1) vertex->transmittance *= (1 - reflectance) * material->as.sheet.transmittance[0] * texture[0];
         break;
     case MCV_MATERIAL_DIELECTRIC: {
-        ref_media beyond = *media;
-        ref_media_cross(&beyond, surface->instance, i.front);
-        const double other = ref_media_ior(ref_media_filling(&beyond, scene));
-        i = ref_interface_at(surface, *direction, ior, other);
-        if (i.reflectance == 1) {
-            vertex->event = MCV_EVENT_REFLECT;
-            *direction = i.reflected;
-        } else {
-            vertex->event = ior == other ? MCV_EVENT_PASS : MCV_EVENT_REFRACT;
-            vertex->transmittance *= 1 - i.reflectance;
-            *direction = i.refracted;
-            *media = beyond;
-        }
+        ref_media beyond;
+        ref_media_cross(media, &beyond, surface->instance, meeting.front);
+        const double from = ref_media_ior(ref_media_filling(media, scene)), to = ref_media_ior(ref_media_filling(&beyond, scene));
+        reflectance = ref_reflectance(&meeting, from, to);
+        vertex->event = reflectance == 1 ? MCV_EVENT_REFLECT : from == to ? MCV_EVENT_PASS : MCV_EVENT_REFRACT;
+        if (vertex->event == MCV_EVENT_REFLECT) break;
+        vertex->transmittance *= 1 - reflectance;
+        *direction = ref_refract(&meeting, from, to);
+        *media = beyond;
         break;
     }
-    default: vertex->event = MCV_EVENT_END;
+    default:
+        break;
     }
-    store(vertex->normal, i.normal);
+    if (vertex->event == MCV_EVENT_REFLECT) *direction = ref_reflect(&meeting);
     return vertex->event != MCV_EVENT_END;
 }
 
