@@ -8,6 +8,10 @@
 
 #include "mcvisi/mcvisi.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct mcv_place {
     const struct mcv_place *parent; /* NULL: the file itself, whose path is key */
     const char *key;                /* NULL: an index */
@@ -27,4 +31,7 @@ mcv_result mcv_fail_at(const mcv_place *place, mcv_error *error, const char *for
 /* No memory left for what `place` asks for. */
 mcv_result mcv_fail_memory(const mcv_place *place, mcv_error *error);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

@@ -1,0 +1,309 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A glTF document to a scene: read, split, parse, override, validate, open buffers, then walk the nodes. */
+#include "scene/load.h"
+
+#include "scene/overrides.h"
+#include "scene/transform.h"
+#include "scene/validate.h"
+
+#include <stdlib.h>
+
+/* Extensions that are read; a file may require no other. */
+static const char *const known_extensions[] = {"MCVISI_sensors",
+                                               "MCVISI_emitters",
+                                               "MCVISI_materials",
+                                               "KHR_materials_transmission",
+                                               "KHR_materials_volume",
+                                               "KHR_materials_ior",
+                                               "KHR_materials_emissive_strength",
+                                               "KHR_mesh_quantization"};
+/* Refused wherever they stand, because a scene without them would be another scene. */
+static const char *const planned_extensions[] = {"MCVISI_assets", "MCVISI_pose"};
+
+static bool is_known(const char *name) {
+    for (size_t i = 0; i < sizeof known_extensions / sizeof known_extensions[0]; ++i)
+        if (strcmp(known_extensions[i], name) == 0) return true;
+    return false;
+}
+
+static mcv_result check_extensions(const json_t *root, const mcv_place *file, mcv_error *error) {
+    const size_t known = sizeof known_extensions / sizeof known_extensions[0];
+    const json_t *required = json_object_get(root, "extensionsRequired"), *used = json_object_get(root, "extensionsUsed");
+    for (size_t i = 0; i < json_array_size(used); ++i)
+        for (size_t k = 0; k < sizeof planned_extensions / sizeof planned_extensions[0]; ++k)
+            if (strcmp(json_string_value(json_array_get(used, i)), planned_extensions[k]) == 0) {
+                const mcv_place place = mcv_place_key(file, "extensionsUsed"), here = mcv_place_index(&place, i);
+                return mcv_fail_at(&here, error,
+                                   "this version does not read %s: place nodes by translation and rotation, and meshes in the file itself",
+                                   planned_extensions[k]);
+            }
+    for (size_t i = 0; i < json_array_size(required); ++i) {
+        const char *name = json_string_value(json_array_get(required, i));
+        if (is_known(name)) continue;
+        const mcv_place place = mcv_place_key(file, "extensionsRequired"), here = mcv_place_index(&place, i);
+        const char *nearest = mcv_nearest_word(name, known_extensions, known);
+        return mcv_fail_at(&here, error, "%s is required, but this program does not read it%s%s", name,
+                           nearest ? "; it reads " : ": export without it", nearest ? nearest : "");
+    }
+    return MCV_OK;
+}
+
+/* --- one line about what was ignored ---------------------------------------------------------------------------- */
+
+/* Objects with extras other than a note, below `value`. jansson bounds the depth of a document. */
+static size_t count_extras(const json_t *value) {
+    size_t count = 0, i;
+    const char *key;
+    json_t *child;
+    if (json_is_object(value)) {
+        const json_t *extras = json_object_get(value, "extras");
+        const size_t notes = json_object_get(extras, "note") ? 1 : 0;
+        if (extras && !(json_is_object(extras) && json_object_size(extras) <= notes)) ++count;
+        json_object_foreach((json_t *)value, key, child) {
+            if (strcmp(key, "extras") != 0) count += count_extras(child);
+        }
+    } else if (json_is_array(value)) {
+        json_array_foreach(value, i, child) { count += count_extras(child); }
+    }
+    return count;
+}
+
+static mcv_result warn_ignored(mcv_loader *loader, mcv_error *error) {
+    const json_t *used = json_object_get(loader->root, "extensionsUsed");
+    const size_t extras = count_extras(loader->root);
+    char *text = NULL;
+    size_t size = 0, unknown = 0;
+    FILE *stream = open_memstream(&text, &size);
+    if (!stream) return mcv_fail_memory(&loader->file, error);
+    for (size_t i = 0; i < json_array_size(used); ++i) {
+        const char *name = json_string_value(json_array_get(used, i));
+        if (!is_known(name)) fprintf(stream, "%s%s", unknown++ ? ", " : "extensions ", name);
+    }
+    if (json_array_size(json_object_get(loader->root, "animations"))) fprintf(stream, "%sanimations", unknown++ ? ", " : "");
+    if (json_array_size(json_object_get(loader->root, "skins"))) fprintf(stream, "%sskins", unknown++ ? ", " : "");
+    if (extras) fprintf(stream, "%sextras of %zu objects", unknown++ ? ", " : "", extras);
+    fclose(stream);
+    const mcv_result result = unknown && text ? mcv_scene_warn(loader->scene, error, "ignored: %s", text) : MCV_OK;
+    free(text);
+    return result;
+}
+
+static mcv_result warn_unused(mcv_loader *loader, mcv_error *error) {
+    for (size_t i = 0; i < loader->sensor_count; ++i)
+        if (!loader->sensor_uses[i])
+            MCV_TRY(mcv_scene_warn(loader->scene, error, "sensors/%zu \"%s\" is on no node of the scene", i, loader->sensors[i].name));
+    for (size_t i = 0; i < loader->emitter_count; ++i)
+        if (!loader->emitter_uses[i])
+            MCV_TRY(mcv_scene_warn(loader->scene, error, "emitters/%zu \"%s\" is on no node of the scene", i, loader->emitters[i].name));
+    return MCV_OK;
+}
+
+/* --- nodes ------------------------------------------------------------------------------------------------------ */
+
+static mcv_result node_transform(const json_t *node, mcv_transform *transform, const mcv_place *place, mcv_error *error) {
+    double translation[3] = {0}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1}, matrix[16];
+    if (json_object_get(node, "matrix")) { /* by columns */
+        MCV_TRY(mcv_json_numbers(node, "matrix", 16, -INFINITY, INFINITY, matrix, place, error));
+        for (int column = 0; column < 4; ++column)
+            for (int row = 0; row < 3; ++row) transform->m[column < 3 ? 3 * row + column : 9 + row] = matrix[4 * column + row];
+        return MCV_OK;
+    }
+    MCV_TRY(mcv_json_numbers(node, "translation", 3, -INFINITY, INFINITY, translation, place, error));
+    MCV_TRY(mcv_json_numbers(node, "rotation", 4, -INFINITY, INFINITY, rotation, place, error));
+    MCV_TRY(mcv_json_numbers(node, "scale", 3, -INFINITY, INFINITY, scale, place, error));
+    /* Files round quaternions; a length other than 1 would scale. */
+    const double length = hypot(hypot(rotation[0], rotation[1]), hypot(rotation[2], rotation[3]));
+    for (int i = 0; i < 4; ++i) rotation[i] /= length;
+    *transform = mcv_transform_from_trs(translation, rotation, scale);
+    return MCV_OK;
+}
+
+static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transform *parent, mcv_error *error) {
+    const json_t *nodes = json_object_get(loader->root, "nodes"), *node = json_array_get(nodes, index);
+    const mcv_place place = mcv_place_key(&loader->file, "nodes"), here = mcv_place_element(&place, mcv_json_name(node), index);
+    mcv_transform local;
+    MCV_TRY(node_transform(node, &local, &here, error));
+    const mcv_transform to_world = mcv_transform_compose(parent, &local);
+    const uint32_t first = loader->scene->instance_count;
+    uint32_t mesh;
+    MCV_TRY(mcv_json_index(node, "mesh", json_array_size(json_object_get(loader->root, "meshes")), "meshes", &mesh, &here, error));
+    if (mesh != MCV_NONE) {
+        MCV_TRY(mcv_load_mesh(loader, mesh, error));
+        const mcv_loaded_mesh *loaded = loader->meshes + mesh;
+        for (uint32_t i = 0; i < loaded->count; ++i) {
+            const mcv_instance instance = {
+                .name = (char *)mcv_json_name(node), .mesh = loaded->first + i, .material = loaded->materials[i], .to_world = to_world};
+            MCV_TRY(mcv_scene_add_instance(loader->scene, &instance, error));
+        }
+    }
+    MCV_TRY(mcv_load_emitter(loader, node, &to_world, first, loader->scene->instance_count, &here, error));
+    MCV_TRY(mcv_load_sensors(loader, node, &to_world, &here, error));
+    const json_t *children = json_object_get(node, "children");
+    for (size_t i = 0; i < json_array_size(children); ++i)
+        MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(children, i)), &to_world, error));
+    return MCV_OK;
+}
+
+static mcv_result load_nodes(mcv_loader *loader, mcv_error *error) {
+    const json_t *scenes = json_object_get(loader->root, "scenes"), *scene = json_object_get(loader->root, "scene");
+    const json_t *nodes = json_object_get(json_array_get(scenes, (size_t)json_number_value(scene)), "nodes");
+    const mcv_transform world = mcv_transform_identity();
+    for (size_t i = 0; i < json_array_size(nodes); ++i)
+        MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(nodes, i)), &world, error));
+    return MCV_OK;
+}
+
+/* --- document --------------------------------------------------------------------------------------------------- */
+
+/* What tinygltf asks for: "buffers/3" or "images/5", by the names that describe_data() has given. */
+static mcv_result read_external(void *user, const char *name, mcv_bytes *bytes, mcv_error *error) {
+    mcv_loader *loader = user;
+    const char *slash = strchr(name, '/');
+    const bool is_buffer = slash && strncmp(name, "buffers/", 8) == 0;
+    const size_t index = slash ? strtoul(slash + 1, NULL, 10) : 0;
+    const mcv_place of = mcv_place_key(&loader->file, is_buffer ? "buffers" : "images");
+    const mcv_place element = mcv_place_index(&of, index), place = mcv_place_key(&element, "uri");
+    const json_t *object = json_array_get(json_object_get(loader->root, is_buffer ? "buffers" : "images"), index);
+    const char *uri = json_string_value(json_object_get(object, "uri"));
+    const size_t length = (size_t)json_number_value(json_object_get(object, "byteLength"));
+    if (uri) {
+        char *path;
+        MCV_TRY(mcv_file_resolve(loader->scene->path, uri, &path, &place, error));
+        const mcv_result result = mcv_file_read(path, bytes, &place, error);
+        free(path);
+        MCV_TRY(result);
+    } else {
+        bytes->data = malloc(length);
+        bytes->size = length;
+        if (!bytes->data) return mcv_fail_memory(&element, error);
+        memcpy(bytes->data, loader->binary.data, length);
+    }
+    if (!is_buffer) return MCV_OK;
+    if (bytes->size < length) {
+        free(bytes->data);
+        return mcv_fail_at(&place, error, "\"%s\" has %zu bytes, but byteLength says %zu", uri, bytes->size, length);
+    }
+    bytes->size = length; /* tinygltf takes no more and no less */
+    return MCV_OK;
+}
+
+/* A data: URI stays; anything else is asked for by read_external. A longer data: URI raises byteLength, for the same reason. */
+static json_t *describe_data(const json_t *object, const char *of, size_t index) {
+    static const char *const types[] = {"application/octet-stream", "application/gltf-buffer", "text/plain", NULL};
+    const char *uri = json_string_value(json_object_get(object, "uri"));
+    json_t *copy = json_object();
+    mcv_error ignored;
+    const mcv_place place = mcv_place_file("");
+    uint64_t length;
+    json_object_set_new(copy, "name", json_sprintf("%s/%zu", of, index));
+    if (json_object_get(object, "bufferView")) {
+        json_object_set(copy, "bufferView", json_object_get(object, "bufferView"));
+        json_object_set(copy, "mimeType", json_object_get(object, "mimeType"));
+        return copy;
+    }
+    if (json_object_get(object, "byteLength"))
+        json_object_set_new(copy, "byteLength", json_integer((json_int_t)json_number_value(json_object_get(object, "byteLength"))));
+    if (!uri || strncmp(uri, "data:", 5) != 0) {
+        json_object_set_new(copy, "uri", json_sprintf("%s/%zu", of, index));
+        return copy;
+    }
+    json_object_set(copy, "uri", json_object_get(object, "uri"));
+    if (strcmp(of, "buffers") == 0 && mcv_data_uri_length(uri, types, &length, &place, &ignored) == MCV_OK)
+        json_object_set_new(copy, "byteLength", json_integer((json_int_t)length));
+    return copy;
+}
+
+/* The part of the document that tinygltf sees. */
+static json_t *describe_document(const mcv_loader *loader, uint32_t image_count) {
+    const json_t *buffers = json_object_get(loader->root, "buffers"), *images = json_object_get(loader->root, "images");
+    json_t *data = json_array(), *pictures = json_array(), *document = json_object();
+    for (size_t i = 0; i < json_array_size(buffers); ++i)
+        json_array_append_new(data, describe_data(json_array_get(buffers, i), "buffers", i));
+    for (uint32_t slot = 0; slot < image_count; ++slot)
+        for (size_t i = 0; i < json_array_size(images); ++i)
+            if (loader->images[i] == slot) json_array_append_new(pictures, describe_data(json_array_get(images, i), "images", i));
+    json_object_set_new(document, "buffers", data);
+    json_object_set_new(document, "images", pictures);
+    if (json_object_get(loader->root, "bufferViews"))
+        json_object_set(document, "bufferViews", json_object_get(loader->root, "bufferViews"));
+    return document;
+}
+
+static mcv_result open_data(mcv_loader *loader, mcv_error *error) {
+    uint32_t image_count;
+    MCV_TRY(mcv_load_needed_images(loader, &image_count, error));
+    json_t *document = describe_document(loader, image_count);
+    char *text = json_dumps(document, JSON_COMPACT);
+    json_decref(document);
+    if (!text) return mcv_fail_memory(&loader->file, error);
+    const mcv_result result = mcv_gltf_open(text, strlen(text), read_external, loader, &loader->gltf, &loader->file, error);
+    free(text);
+    free(loader->bytes.data);
+    loader->bytes = loader->binary = (mcv_bytes){NULL, 0};
+    return result;
+}
+
+static mcv_result parse(mcv_loader *loader, mcv_error *error) {
+    mcv_bytes json;
+    json_error_t wrong;
+    MCV_TRY(mcv_file_read(loader->scene->path, &loader->bytes, &loader->file, error));
+    MCV_TRY(mcv_glb_split(loader->bytes, &json, &loader->binary, &loader->file, error));
+    loader->root = json_loadb((const char *)json.data, json.size, 0, &wrong);
+    if (!loader->root) return mcv_fail_at(&loader->file, error, "line %d column %d is no JSON: %s", wrong.line, wrong.column, wrong.text);
+    if (!loader->binary.data) { /* all of a .gltf is in the tree now */
+        free(loader->bytes.data);
+        loader->bytes = (mcv_bytes){NULL, 0};
+    }
+    return MCV_OK;
+}
+
+static mcv_result load(mcv_loader *loader, mcv_overrides overrides, mcv_error *error) {
+    MCV_TRY(parse(loader, error));
+    MCV_TRY(mcv_overrides_apply(overrides, loader->root, &loader->file, error));
+    MCV_TRY(mcv_gltf_validate(loader->root, loader->binary, &loader->file, error));
+    MCV_TRY(check_extensions(loader->root, &loader->file, error));
+    const size_t images = json_array_size(json_object_get(loader->root, "images"));
+    const size_t textures = json_array_size(json_object_get(loader->root, "textures"));
+    const size_t materials = json_array_size(json_object_get(loader->root, "materials"));
+    const size_t meshes = json_array_size(json_object_get(loader->root, "meshes"));
+    loader->images = malloc((images + 1) * sizeof *loader->images);
+    loader->textures = malloc((textures + 1) * sizeof *loader->textures);
+    loader->emission = calloc(materials + 1, sizeof *loader->emission);
+    loader->meshes = calloc(meshes + 1, sizeof *loader->meshes);
+    if (!loader->images || !loader->textures || !loader->emission || !loader->meshes) return mcv_fail_memory(&loader->file, error);
+    for (size_t i = 0; i < textures; ++i) loader->textures[i] = MCV_NONE;
+    MCV_TRY(mcv_load_definitions(loader, error));
+    MCV_TRY(open_data(loader, error));
+    MCV_TRY(mcv_load_materials(loader, error));
+    MCV_TRY(load_nodes(loader, error));
+    MCV_TRY(warn_unused(loader, error));
+    return warn_ignored(loader, error);
+}
+
+static void finish(mcv_loader *loader) {
+    for (size_t i = 0; loader->meshes && i < json_array_size(json_object_get(loader->root, "meshes")); ++i)
+        free(loader->meshes[i].materials);
+    free(loader->meshes);
+    free(loader->emission);
+    free(loader->textures);
+    free(loader->images);
+    free(loader->sensors);
+    free(loader->emitters);
+    free(loader->sensor_uses);
+    free(loader->emitter_uses);
+    mcv_gltf_close(loader->gltf);
+    json_decref(loader->root);
+    free(loader->bytes.data);
+}
+
+mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene **scene, mcv_error *error) {
+    mcv_loader loader = {.file = mcv_place_file(path), .plain = MCV_NONE, .absorber = MCV_NONE};
+    *scene = loader.scene = mcv_scene_new(path);
+    if (!loader.scene) return mcv_fail_memory(&loader.file, error);
+    const mcv_result result = load(&loader, overrides, error);
+    finish(&loader);
+    if (result == MCV_OK) return MCV_OK;
+    mcv_scene_free(*scene);
+    *scene = NULL;
+    return result;
+}

@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* glTF materials to the scene's: MCVISI_materials where it is given, else what the core material and KHR extensions say. */
+#include "scene/load.h"
+
+#include "scene/mesh.h"
+#include "scene/params.h"
+
+#include <float.h>
+#include <stdlib.h>
+
+/* --- textures --------------------------------------------------------------------------------------------------- */
+
+/* The member `key` of a material (or its part) as a texture: MCV_NONE where absent or without an image. */
+static mcv_result texture_source(const mcv_loader *loader, const json_t *part, const char *key, uint32_t *texture, uint32_t *source,
+                                 const mcv_place *place, mcv_error *error) {
+    const json_t *textures = json_object_get(loader->root, "textures");
+    json_t *info;
+    *texture = *source = MCV_NONE;
+    MCV_TRY(mcv_json_object(part, key, &info, place, error));
+    if (!info) return MCV_OK;
+    const mcv_place here = mcv_place_key(place, key);
+    MCV_TRY(mcv_json_index(info, "index", json_array_size(textures), "textures", texture, &here, error));
+    if (*texture == MCV_NONE) return mcv_fail_at(&here, error, "must have an index");
+    return mcv_json_index(json_array_get(textures, *texture), "source", SIZE_MAX, "images", source, &here, error);
+}
+
+mcv_result mcv_load_needed_images(mcv_loader *loader, uint32_t *count, mcv_error *error) {
+    const json_t *materials = json_object_get(loader->root, "materials");
+    const mcv_place place = mcv_place_key(&loader->file, "materials");
+    *count = 0;
+    for (size_t i = 0; i < json_array_size(json_object_get(loader->root, "images")); ++i) loader->images[i] = MCV_NONE;
+    for (size_t i = 0; i < json_array_size(materials); ++i) {
+        const json_t *material = json_array_get(materials, i);
+        const mcv_place here = mcv_place_element(&place, mcv_json_name(material), i);
+        json_t *core;
+        MCV_TRY(mcv_json_object(material, "pbrMetallicRoughness", &core, &here, error));
+        const mcv_place core_place = mcv_place_key(&here, "pbrMetallicRoughness");
+        const struct {
+            const json_t *part;
+            const char *key;
+            const mcv_place *place;
+            bool needed;
+        } textures[] = {{core, "baseColorTexture", &core_place, true},
+                        {material, "emissiveTexture", &here, true},
+                        {core, "metallicRoughnessTexture", &core_place, false},
+                        {material, "normalTexture", &here, false},
+                        {material, "occlusionTexture", &here, false}};
+        for (size_t k = 0; k < sizeof textures / sizeof textures[0]; ++k) {
+            uint32_t texture, source;
+            MCV_TRY(texture_source(loader, textures[k].part, textures[k].key, &texture, &source, textures[k].place, error));
+            if (textures[k].needed && source != MCV_NONE && loader->images[source] == MCV_NONE) loader->images[source] = (*count)++;
+        }
+    }
+    return MCV_OK;
+}
+
+/* The scene's number of a texture; reads it when first asked for. */
+static mcv_result load_texture(mcv_loader *loader, const json_t *part, const char *key, uint32_t *scene_texture, const mcv_place *place,
+                               mcv_error *error) {
+    uint32_t index, source, sampler_index;
+    *scene_texture = MCV_NONE;
+    MCV_TRY(texture_source(loader, part, key, &index, &source, place, error));
+    if (source == MCV_NONE) return MCV_OK;
+    const json_t *info = json_object_get(part, key);
+    if (json_number_value(json_object_get(info, "texCoord")) != 0)
+        return mcv_scene_warn(loader->scene, error, "a use of texture %u is left out: it asks for another set than TEXCOORD_0", index);
+    if (loader->textures[index] == MCV_NONE) {
+        const json_t *texture = json_array_get(json_object_get(loader->root, "textures"), index);
+        const json_t *samplers = json_object_get(loader->root, "samplers");
+        MCV_TRY(mcv_json_index(texture, "sampler", json_array_size(samplers), "samplers", &sampler_index, place, error));
+        const json_t *sampler = sampler_index == MCV_NONE ? NULL : json_array_get(samplers, sampler_index);
+        uint64_t wrap_s = 10497, wrap_t = 10497, filter = 9729;
+        MCV_TRY(mcv_json_uint(sampler, "wrapS", 0, UINT32_MAX, &wrap_s, place, error));
+        MCV_TRY(mcv_json_uint(sampler, "wrapT", 0, UINT32_MAX, &wrap_t, place, error));
+        MCV_TRY(mcv_json_uint(sampler, "magFilter", 0, UINT32_MAX, &filter, place, error));
+        mcv_texture own = {.wrap_s = (uint32_t)wrap_s, .wrap_t = (uint32_t)wrap_t, .nearest = filter == 9728};
+        own.rgba = (uint8_t *)mcv_gltf_image(loader->gltf, loader->images[source], &own.width, &own.height);
+        own.name = (char *)mcv_json_name(texture);
+        MCV_TRY(mcv_scene_add_texture(loader->scene, &own, error));
+        loader->textures[index] = loader->scene->texture_count - 1;
+    }
+    *scene_texture = loader->textures[index];
+    return MCV_OK;
+}
+
+/* --- core materials --------------------------------------------------------------------------------------------- */
+
+typedef struct core_material {
+    double base[4], metallic, roughness, transmission, thickness, ior;
+    double attenuation_distance, attenuation[3];
+    double emissive[3], emissive_strength;
+} core_material;
+
+static mcv_result read_core(const json_t *material, core_material *core, const mcv_place *place, mcv_error *error) {
+    const json_t *part = json_object_get(material, "pbrMetallicRoughness");
+    const mcv_place part_place = mcv_place_key(place, "pbrMetallicRoughness");
+    const mcv_place extensions = mcv_place_key(place, "extensions");
+    json_t *extension[4];
+    static const char *const names[4] = {"KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_ior",
+                                         "KHR_materials_emissive_strength"};
+    mcv_place places[4];
+    *core = (core_material){.base = {1, 1, 1, 1},
+                            .metallic = 1,
+                            .roughness = 1,
+                            .ior = 1.5,
+                            .attenuation_distance = INFINITY,
+                            .attenuation = {1, 1, 1},
+                            .emissive_strength = 1};
+    json_t *all;
+    MCV_TRY(mcv_json_object(material, "extensions", &all, place, error));
+    for (int i = 0; i < 4; ++i) {
+        places[i] = mcv_place_key(&extensions, names[i]);
+        MCV_TRY(mcv_json_object(all, names[i], extension + i, &extensions, error));
+    }
+    MCV_TRY(mcv_json_numbers(part, "baseColorFactor", 4, 0, 1, core->base, &part_place, error));
+    MCV_TRY(mcv_json_number(part, "metallicFactor", 0, 1, &core->metallic, &part_place, error));
+    MCV_TRY(mcv_json_number(part, "roughnessFactor", 0, 1, &core->roughness, &part_place, error));
+    MCV_TRY(mcv_json_numbers(material, "emissiveFactor", 3, 0, 1, core->emissive, place, error));
+    MCV_TRY(mcv_json_number(extension[0], "transmissionFactor", 0, 1, &core->transmission, &places[0], error));
+    MCV_TRY(mcv_json_number(extension[1], "thicknessFactor", 0, DBL_MAX, &core->thickness, &places[1], error));
+    MCV_TRY(mcv_json_number(extension[1], "attenuationDistance", DBL_MIN, DBL_MAX, &core->attenuation_distance, &places[1], error));
+    MCV_TRY(mcv_json_numbers(extension[1], "attenuationColor", 3, 0, 1, core->attenuation, &places[1], error));
+    MCV_TRY(mcv_json_number(extension[2], "ior", 0, DBL_MAX, &core->ior, &places[2], error));
+    MCV_TRY(mcv_json_number(extension[3], "emissiveStrength", 0, DBL_MAX, &core->emissive_strength, &places[3], error));
+    if (core->ior > 0 && core->ior < 1) return mcv_fail_at(&places[2], error, "ior %g must be 1 or more", core->ior);
+    return MCV_OK;
+}
+
+/* Design: smooth full transmission is glass or, without thickness, a sheet; a smooth metal is a mirror; the rest is diffuse. */
+static bool map_core(const core_material *core, mcv_material *material) {
+    const bool smooth = core->roughness == 0;
+    if (core->transmission == 1 && smooth && core->metallic == 0 && core->thickness > 0) {
+        material->type = MCV_MATERIAL_DIELECTRIC;
+        material->as.dielectric.ior = core->ior;
+        for (int i = 0; i < 3; ++i) /* a colour of 0 has an infinite coefficient: the largest that is allowed */
+            material->as.dielectric.absorption[i] =
+                core->attenuation[i] == 1 ? 0 : fmin(-log(core->attenuation[i]) / core->attenuation_distance, 1e30);
+        return true;
+    }
+    if (core->transmission == 1 && smooth && core->metallic == 0) {
+        material->type = MCV_MATERIAL_SHEET;
+        material->as.sheet.ior = core->ior;
+        memcpy(material->as.sheet.transmittance, core->base, sizeof material->as.sheet.transmittance);
+        return true;
+    }
+    if (core->metallic == 1 && smooth && core->transmission == 0) {
+        material->type = MCV_MATERIAL_MIRROR;
+        memcpy(material->as.mirror.reflectance, core->base, sizeof material->as.mirror.reflectance);
+        return true;
+    }
+    material->type = MCV_MATERIAL_DIFFUSE;
+    memcpy(material->as.diffuse.reflectance, core->base, sizeof material->as.diffuse.reflectance);
+    return false;
+}
+
+static mcv_result read_own(const json_t *object, mcv_material *material, const mcv_place *place, mcv_error *error) {
+    static const char *const others[] = {"type", "extras", "extensions", NULL};
+    if (!json_is_object(object)) return mcv_fail_at(place, error, "must be an object {\"type\": ...}");
+    MCV_TRY(mcv_element_type(object, mcv_material_types, MCV_MATERIAL_COUNT, &material->type, place, error));
+    const mcv_param_table table = mcv_material_table(material->type);
+    mcv_params_set_defaults(table, &material->as);
+    MCV_TRY(mcv_params_parse(table, object, others, &material->as, place, error));
+    return mcv_params_check(table, &material->as, place, error);
+}
+
+/* Materials with something to warn about, by name: the keys of a JSON object, so that a name comes once. */
+static void note(json_t *names, const char *name, size_t index) {
+    char number[32];
+    snprintf(number, sizeof number, "%zu", index);
+    json_object_set_new(names, *name ? name : number, json_true());
+}
+
+static mcv_result warn_names(mcv_scene *scene, json_t *names, const char *sentence, mcv_error *error) {
+    char *text = NULL;
+    size_t size = 0;
+    const char *key;
+    json_t *value;
+    FILE *stream = json_object_size(names) ? open_memstream(&text, &size) : NULL;
+    if (!stream) return MCV_OK;
+    json_object_foreach(names, key, value) fprintf(stream, "%s%s", ftell(stream) > 0 ? ", " : "", key);
+    fclose(stream);
+    const mcv_result result = text ? mcv_scene_warn(scene, error, "materials %s: %s", text, sentence) : MCV_OK;
+    free(text);
+    return result;
+}
+
+static mcv_result load_material(mcv_loader *loader, const json_t *object, size_t index, json_t *diffuse, json_t *cut_out,
+                                const mcv_place *place, mcv_error *error) {
+    const char *name = mcv_json_name(object), *alpha = "OPAQUE";
+    core_material core;
+    mcv_material material = {.name = (char *)name, .texture = MCV_NONE};
+    mcv_emission *emission = loader->emission + index;
+    MCV_TRY(read_core(object, &core, place, error));
+    MCV_TRY(mcv_json_string(object, "alphaMode", &alpha, place, error));
+    const json_t *own = mcv_json_extension(object, "MCVISI_materials");
+    if (core.ior == 0 && !own) { /* glTF: no Fresnel effect at all, written by converters from specular-glossiness */
+        MCV_TRY(mcv_scene_warn(loader->scene, error, "material \"%s\": ior 0 is read as 1.5", name));
+        core.ior = 1.5;
+    }
+    if (own)
+        MCV_TRY(read_own(own, &material, place, error));
+    else if (!map_core(&core, &material))
+        note(diffuse, name, index);
+    if (strcmp(alpha, "OPAQUE") != 0) note(cut_out, name, index);
+    const json_t *part = json_object_get(object, "pbrMetallicRoughness");
+    if (material.type != MCV_MATERIAL_DIELECTRIC && material.type != MCV_MATERIAL_ABSORBER)
+        MCV_TRY(load_texture(loader, part, "baseColorTexture", &material.texture, place, error));
+    emission->texture = MCV_NONE;
+    for (int i = 0; i < 3; ++i) emission->radiance[i] = core.emissive[i] * core.emissive_strength;
+    if (emission->radiance[0] + emission->radiance[1] + emission->radiance[2] > 0)
+        MCV_TRY(load_texture(loader, object, "emissiveTexture", &emission->texture, place, error));
+    return mcv_scene_add_material(loader->scene, &material, error);
+}
+
+mcv_result mcv_load_materials(mcv_loader *loader, mcv_error *error) {
+    const json_t *materials = json_object_get(loader->root, "materials");
+    const mcv_place place = mcv_place_key(&loader->file, "materials");
+    json_t *diffuse = json_object(), *cut_out = json_object();
+    mcv_result result = MCV_OK;
+    for (size_t i = 0; result == MCV_OK && i < json_array_size(materials); ++i) {
+        const json_t *object = json_array_get(materials, i);
+        const mcv_place here = mcv_place_element(&place, mcv_json_name(object), i);
+        result = load_material(loader, object, i, diffuse, cut_out, &here, error);
+    }
+    if (result == MCV_OK) result = warn_names(loader->scene, diffuse, "rendered as diffuse, their gloss is not", error);
+    if (result == MCV_OK) result = warn_names(loader->scene, cut_out, "rendered opaque, their alpha is ignored", error);
+    json_decref(diffuse);
+    json_decref(cut_out);
+    return result;
+}
+
+mcv_result mcv_load_plain(mcv_loader *loader, uint32_t *material, mcv_error *error) {
+    if (loader->plain == MCV_NONE) {
+        mcv_material plain = {.name = "", .type = MCV_MATERIAL_DIFFUSE, .texture = MCV_NONE};
+        mcv_params_set_defaults(mcv_material_table(plain.type), &plain.as);
+        MCV_TRY(mcv_scene_add_material(loader->scene, &plain, error));
+        loader->plain = loader->scene->material_count - 1;
+        MCV_TRY(mcv_scene_warn(loader->scene, error, "meshes without a material are rendered diffuse, reflectance %g",
+                               plain.as.diffuse.reflectance[0]));
+    }
+    *material = loader->plain;
+    return MCV_OK;
+}
+
+mcv_result mcv_load_absorber(mcv_loader *loader, uint32_t *material, mcv_error *error) {
+    if (loader->absorber == MCV_NONE) {
+        const mcv_material absorber = {.name = "", .type = MCV_MATERIAL_ABSORBER, .texture = MCV_NONE};
+        MCV_TRY(mcv_scene_add_material(loader->scene, &absorber, error));
+        loader->absorber = loader->scene->material_count - 1;
+    }
+    *material = loader->absorber;
+    return MCV_OK;
+}
