@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 #include "cl/cache.h"
 #include "cl/flatten.h"
@@ -295,6 +296,20 @@ mcv_result mcv_cl_kernel(cl_program program, const char *name, cl_kernel *kernel
 
 /* Buffers and launches */
 
+/*
+ * Asks the system for large pages before a buffer is first touched: a hierarchy of 140 MB has 35 000 small ones, and every
+ * random ray waits for their tables. Where a device keeps its buffers elsewhere this changes nothing.
+ */
+static void prefer_large_pages(mcv_cl *cl, cl_mem buffer, size_t size) {
+    const uintptr_t page = (uintptr_t)2 << 20;
+    if (!cl->cpu || size < 2 * page) return;
+    char *start = clEnqueueMapBuffer(cl->queue, buffer, CL_TRUE, CL_MAP_WRITE, 0, size, 0, NULL, NULL, NULL);
+    if (!start) return;
+    const uintptr_t first = ((uintptr_t)start + page - 1) / page * page, last = ((uintptr_t)start + size) / page * page;
+    madvise((void *)first, last - first, MADV_HUGEPAGE);
+    clEnqueueUnmapMemObject(cl->queue, buffer, start, 0, NULL, NULL);
+}
+
 mcv_result mcv_cl_buffer(mcv_cl *cl, const char *what, size_t bytes, const void *data, cl_mem *buffer, mcv_error *error) {
     const size_t size = bytes < 16 ? 16 : bytes;
     cl_int code;
@@ -304,6 +319,7 @@ mcv_result mcv_cl_buffer(mcv_cl *cl, const char *what, size_t bytes, const void 
                         cl->name, (double)cl->largest_allocation / 0x1p20);
     }
     *buffer = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, size, NULL, &code);
+    if (code == CL_SUCCESS) prefer_large_pages(cl, *buffer, size);
     if (code == CL_SUCCESS && data && bytes > 0) code = clEnqueueWriteBuffer(cl->queue, *buffer, CL_TRUE, 0, bytes, data, 0, NULL, NULL);
     if (code == CL_SUCCESS) return MCV_OK;
     mcv_cl_release(buffer);
