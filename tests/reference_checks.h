@@ -5,6 +5,7 @@
 
 #include "scene_builder.h"
 
+#include "reference/interface.h"
 #include "reference/path.h"
 #include "reference/reference.h"
 
@@ -17,6 +18,9 @@ static inline void check(const char *what, double value, double expected, double
     print_message("  %-58s %.9g, error %.2g, bound %.2g\n", what, value, error, bound);
     if (!(error <= bound)) fail_msg("%s: %.17g instead of %.17g, off by %.3g > %.3g", what, value, expected, error, bound);
 }
+
+/* The larger of two errors; NaN is the largest. */
+static inline double worse(double a, double b) { return b > a || isnan(b) ? b : a; }
 
 /* P(|T| >= t) of Student's distribution with a whole number of degrees of freedom (Abramowitz and Stegun 26.7.3, 26.7.4). */
 static inline double student_two_sided(double t, int freedom) {

@@ -122,7 +122,7 @@ static void check_ball(mcv_transform to_world, const char *name) {
         const double slack = tilt * (1 + exact) / sin(bend), single = axis_crossing(&v[1]);
         if (single < fmin(low, high) - slack || single > fmax(low, high) + slack)
             fail_msg("T3 %s: h = %g crosses at %.9g, not between %.9g and %.9g", name, h, single, low, high);
-        worst = fmax(worst, fabs(single / exact - 1));
+        worst = worse(worst, fabs(single / exact - 1));
         worst_bound = fmax(worst_bound, (fmax(fabs(low - exact), fabs(high - exact)) + slack) / exact);
 
         double bottom = INFINITY, top = 0;
@@ -431,7 +431,7 @@ static void test_tree_is_brute_force(void **state) {
         /* A triple product of vectors below 4 rounds by less than 16 · 4³ DBL_EPSILON; the quotient's condition is 1/|w0 + w1 + w2|. */
         const double bound = 2 * 16 * 64 * DBL_EPSILON * amplified * (1 + best);
         if (met && fabs(hit.distance - best) > bound) fail_msg("ray %d: distance off by %g > %g", r, hit.distance - best, bound);
-        if (met) worst = fmax(worst, fabs(hit.distance - best) / bound);
+        if (met) worst = worse(worst, fabs(hit.distance - best) / bound);
     }
     print_message("  tree: %d of %d rays hit, distance off by at most %.2g of its bound\n", hits, RAYS, worst);
     assert_true(hits > RAYS / 3);
