@@ -153,12 +153,6 @@ static ray ray_new(ref_vec origin, ref_vec direction) {
     return r;
 }
 
-static bool before(ref_vec a, ref_vec b) {
-    if (a.x != b.x) return a.x < b.x;
-    if (a.y != b.y) return a.y < b.y;
-    return a.z < b.z;
-}
-
 /*
  * The slab test. The far distance is widened by twice its rounding error, 2 γ(3) < 4 DBL_EPSILON (Ize 2013). A 0 · ∞ compares
  * false and leaves its slab out.
@@ -189,11 +183,12 @@ static bool meets_triangle(const ray *r, const ref_triangle *triangle, ref_hit *
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         edge[i] = x[j] * y[k] - y[j] * x[k];
-        positive += edge[i] > 0 || (edge[i] == 0 && before(triangle->corner[j], triangle->corner[k]));
+        /* A zero gets the sign it has where the ray is moved across by (ε, ε²), ε > 0 as small as you like. */
+        const double sign = edge[i] != 0 ? edge[i] : y[j] != y[k] ? y[j] - y[k] : x[k] - x[j];
+        positive += sign > 0;
     }
-    if (positive != 0 && positive != 3) return false;
     const double sum = edge[0] + edge[1] + edge[2];
-    if (sum == 0) return false;
+    if ((positive != 0 && positive != 3) || sum == 0) return false;
     for (int i = 0; i < 3; ++i) hit->weights[i] = edge[i] / sum;
     hit->distance = (hit->weights[0] * z[0] + hit->weights[1] * z[1] + hit->weights[2] * z[2]) * r->scale;
     hit->triangle = triangle;

@@ -2,9 +2,9 @@
 /*
  * The scene's triangles in the world, in double, under a binary tree of boxes.
  *
- * A ray that passes between two triangles which share an edge meets exactly one of them: both compute the same edge
- * function with opposite signs, and one that is zero belongs to the triangle that runs the edge upwards (vertices ordered
- * by position, since files repeat vertices at seams). Equal distances: the lowest triangle number wins.
+ * A ray crosses a closed surface as often inwards as outwards, even through its edges and vertices: all triangles compute
+ * the same edge function for a shared edge, up to the sign, and one that is zero is taken as if the ray were moved aside by
+ * an infinitesimal step, the same for all. Equal distances: the lowest triangle number wins.
  */
 #ifndef MCVISI_HOST_REFERENCE_GEOMETRY_H
 #define MCVISI_HOST_REFERENCE_GEOMETRY_H

@@ -1,0 +1,251 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The reference renderer's rays of sight: the report's maps, orientation, both radiometries. */
+#include "reference_checks.h"
+
+#include <float.h>
+
+/* A sensor with W x H pixels of 10 µm and what else the test sets; resolved by the scene, as from a file. */
+static mcv_scene *scene_with(uint32_t type, const mcv_sensor *values) {
+    mcv_scene *scene = mcv_scene_new("sensor");
+    add_sensor(scene, type, values, looking_down_z(0, 0, 0));
+    return scene;
+}
+
+static const double pixel = 10e-6;
+
+static mcv_sensor telecentric(uint32_t width, uint32_t height) {
+    mcv_sensor sensor = sensor_defaults(MCV_SENSOR_TELECENTRIC);
+    mcv_telecentric_params *p = &sensor.as.telecentric;
+    p->focalLength = 0.05;
+    p->imageDistance = 0.0625; /* m = 1/4, in focus at 0.25 m */
+    p->stopDiameter = 0.008;
+    p->lensDiameter = 0.05;
+    p->resolution[0] = width;
+    p->resolution[1] = height;
+    p->pixelSize[0] = p->pixelSize[1] = pixel;
+    return sensor;
+}
+
+static mcv_sensor thin_lens(uint32_t width, uint32_t height, double image_distance) {
+    mcv_sensor sensor = sensor_defaults(MCV_SENSOR_THIN_LENS);
+    mcv_thin_lens_params *p = &sensor.as.thin_lens;
+    p->focalLength = 0.025;
+    p->imageDistance = image_distance;
+    p->lensDiameter = 0.006;
+    p->resolution[0] = width;
+    p->resolution[1] = height;
+    p->pixelSize[0] = p->pixelSize[1] = pixel;
+    return sensor;
+}
+
+static mcv_sensor light_field(int aperture) {
+    mcv_sensor sensor = sensor_defaults(MCV_SENSOR_LIGHT_FIELD);
+    mcv_light_field_params *p = &sensor.as.light_field;
+    p->focalLength = 0.05;
+    p->imageDistance = 0.06;
+    p->lensDiameter = 0.02;
+    p->spatialResolution[0] = 16;
+    p->spatialResolution[1] = 12;
+    p->angularResolution[0] = 5;
+    p->angularResolution[1] = 3;
+    p->pixelSize[0] = p->pixelSize[1] = pixel;
+    p->aperture = aperture;
+    return sensor;
+}
+
+/* Where a ray of sight is at a depth before the lens. */
+static ref_vec at_depth(ref_sight sight, double depth) {
+    return ref_add(sight.origin, ref_scale((depth + sight.origin.z) / -sight.direction.z, sight.direction));
+}
+
+/* Directions are unit vectors rounded a few times; at depth z a place is off by a few ulp of z and of the origin. */
+static double place_bound(double depth) { return 16 * DBL_EPSILON * (depth + 0.1); }
+
+/* T22: the chief ray's place is the image point over m at every depth. */
+static void test_telecentric_magnification(void **state) {
+    const mcv_sensor sensor = telecentric(100, 80);
+    mcv_scene *scene = scene_with(MCV_SENSOR_TELECENTRIC, &sensor);
+    double worst = 0;
+    (void)state;
+    for (uint32_t column = 0; column < 100; column += 9) {
+        const ref_sight sight = ref_sight_sample(&scene->sensors[0], column, column / 2, 0.25, 0.75, 0, 0);
+        for (double depth = 0.23; depth <= 0.27; depth += 0.01) {
+            const ref_vec place = at_depth(sight, depth);
+            worst = worse(worst, fabs(place.x - (column + 0.25 - 50) * pixel * 4));
+            worst = worse(worst, fabs(place.y - (40 - (column / 2 + 0.75)) * pixel * 4));
+        }
+    }
+    check("T22 telecentric: chief rays over +-20 mm of depth [m]", worst, 0, place_bound(0.27));
+    mcv_scene_free(scene);
+}
+
+/* All rays of an image point meet in the plane in focus. */
+static void test_focus(void **state) {
+    const mcv_sensor sensors[] = {thin_lens(100, 80, 0.03), telecentric(100, 80)};
+    const double depth[] = {0.15, 0.25}, scale[] = {5, 4}; /* 1/f - 1/b, object over image size */
+    (void)state;
+    for (int i = 0; i < 2; ++i) {
+        mcv_scene *scene = scene_with(sensors[i].type, &sensors[i]);
+        ref_random random = {9};
+        double worst = 0, spread = 0;
+        for (int k = 0; k < 1000; ++k) {
+            const uint32_t column = (uint32_t)(100 * ref_random_unit(&random)), row = (uint32_t)(80 * ref_random_unit(&random));
+            const double u = ref_random_unit(&random), v = ref_random_unit(&random);
+            const ref_sight sight = ref_sight_sample(&scene->sensors[0], column, row, 0.5, 0.5, u, v);
+            const ref_vec place = at_depth(sight, depth[i]);
+            worst = worse(worst, fabs(place.x - (column + 0.5 - 50) * pixel * scale[i]));
+            worst = worse(worst, fabs(place.y - (40 - (row + 0.5)) * pixel * scale[i]));
+            spread = fmax(spread, hypot(sight.origin.x, sight.origin.y));
+        }
+        check(i ? "telecentric: place in focus [m]" : "thin lens: place in focus [m]", worst, 0, place_bound(0.25));
+        assert_true(spread > 0.0025); /* the aperture was used */
+        mcv_scene_free(scene);
+    }
+}
+
+/* Report 4.2.2: s -> its macro pixel's centre c, w = -w_z/b c, o linear in s - c. */
+static void test_light_field_map(void **state) {
+    const mcv_sensor sensor = light_field(MCV_APERTURE_SQUARE);
+    mcv_scene *scene = scene_with(MCV_SENSOR_LIGHT_FIELD, &sensor);
+    const double depth = 0.3, scale = 5; /* 1/(1/0.05 - 1/0.06) m; w_z/b */
+    double worst_focus = 0, worst_lens = 0;
+    (void)state;
+    for (uint32_t row = 0; row < 36; ++row) {
+        for (uint32_t column = 0; column < 80; ++column) {
+            const double x = 0.125, y = 1 - 0x1p-53; /* the last sample that is still in the pixel */
+            const ref_sight sight = ref_sight_sample(&scene->sensors[0], column, row, x, y, 0.3, 0.3);
+            const ref_vec place = at_depth(sight, depth);
+            /* The upright image: a macro pixel right of the centre looks at the right, one above at what is above. */
+            const double focus_x = (column / 5 + 0.5 - 8) * 5 * pixel * scale, focus_y = (6 - (row / 3 + 0.5)) * 3 * pixel * scale;
+            /* The report's o with its sign, s read in the upright image: p mod J grows to the right, p mod K downwards. */
+            const double lens_x = ((column % 5 + x) / 5 * 2 - 1) * 0.01, lens_y = -((row % 3 + y) / 3 * 2 - 1) * 0.01;
+            worst_focus = worse(worst_focus, hypot(place.x - focus_x, place.y - focus_y));
+            worst_lens = worse(worst_lens, hypot(sight.origin.x - lens_x, sight.origin.y - lens_y));
+        }
+    }
+    check("light field: place in focus [m]", worst_focus, 0, place_bound(depth));
+    check("light field: place on the lens [m]", worst_lens, 0, 8 * DBL_EPSILON * 0.01);
+    mcv_scene_free(scene);
+
+    const mcv_sensor circle = light_field(MCV_APERTURE_CIRCLE);
+    scene = scene_with(MCV_SENSOR_LIGHT_FIELD, &circle);
+    assert_true(ref_sight_sample(&scene->sensors[0], 0, 0, 0.5, 0.5, 0, 0).weight == 0); /* a corner of the pupil */
+    assert_true(ref_sight_sample(&scene->sensors[0], 2, 1, 0.5, 0.5, 0, 0).weight == 1);
+    mcv_scene_free(scene);
+}
+
+/* A light at the upper right lights the upper right of every sensor's image, and nothing else. */
+static void test_images_are_upright(void **state) {
+    mcv_sensor sensors[4] = {sensor_defaults(MCV_SENSOR_PINHOLE), thin_lens(40, 40, 0.03), telecentric(40, 40), light_field(0)};
+    (void)state;
+    sensors[0].as.pinhole.imageDistance = 0.06;
+    for (int k = 0; k < 2; ++k) {
+        sensors[0].as.pinhole.resolution[k] = 40;
+        sensors[0].as.pinhole.pixelSize[k] = pixel;
+        sensors[3].as.light_field.pixelSize[k] = 2 * pixel;
+    }
+    for (int i = 0; i < 4; ++i) {
+        mcv_scene *scene = scene_with(sensors[i].type, &sensors[i]);
+        const double depth = i == 1 ? 0.15 : i == 2 ? 0.25 : 0.3;
+        add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 8e-4, 5e-4, add_absorber(scene), looking_up_z(5e-4, 3e-4, -depth)), 1, 0);
+        const mcv_render_options options = options_of(16, 4);
+        mcv_render_stats stats;
+        mcv_film film = render_with(scene, &options, true, &stats);
+        double inside = 0, outside = 0;
+        for (uint32_t row = 0; row < film.height; ++row) {
+            for (uint32_t column = 0; column < film.width; ++column) {
+                const double light = film_estimate(&film, (size_t)row * film.width + column, 1).mean;
+                if (2 * column >= film.width && 2 * row < film.height)
+                    inside += light;
+                else
+                    outside += light;
+            }
+        }
+        print_message("  sensor %d: %g pixels lit at the upper right, %g elsewhere\n", i, inside, outside);
+        if (!(inside > 1 && outside == 0)) fail_msg("sensor %d shows its image the wrong way", i);
+        mcv_film_free(&film);
+        mcv_scene_free(scene);
+    }
+}
+
+/* T22: E = π L D²/(4 b²) cos⁴θ under an even sky, focused at infinity (b = f), where the ray's angle is the pixel's. */
+static void test_thin_lens_irradiance(void **state) {
+    enum { SIZE = 21, STEPS = 64 };
+    mcv_sensor sensor = thin_lens(SIZE, SIZE, 0.025);
+    (void)state;
+    sensor.as.thin_lens.pixelSize[0] = sensor.as.thin_lens.pixelSize[1] = 2e-3; /* 40° in the corner */
+    sensor.as.thin_lens.radiometry = MCV_RADIOMETRY_IRRADIANCE;
+    mcv_scene *scene = scene_with(sensor.type, &sensor);
+    add_environment(scene, 2);
+    const mcv_render_options options = options_of(256, 4);
+    mcv_render_stats stats;
+    mcv_film film = render_with(scene, &options, true, &stats);
+    const double axis = M_PI * 2 * 0.006 * 0.006 / (4 * 0.025 * 0.025);
+    for (uint32_t k = 0; k <= SIZE / 2; k += 5) {
+        /* The mean of cos⁴ over the pixel by the midpoint rule: error below (step/f)²/24 times |cos⁴''| <= 4. */
+        double truth = 0;
+        for (int i = 0; i < STEPS * STEPS; ++i) {
+            const double x = (SIZE / 2.0 - (k + (i % STEPS + 0.5) / STEPS)) * 2e-3 / 0.025;
+            const double y = (SIZE / 2.0 - (k + (i / STEPS + 0.5) / STEPS)) * 2e-3 / 0.025;
+            truth += axis / pow(1 + x * x + y * y, 2) / (STEPS * STEPS);
+        }
+        char what[64];
+        snprintf(what, sizeof what, "T22 thin lens irradiance, pixel %u, %u [W/m2]", k, k);
+        check_mean(what, film_estimate(&film, (size_t)k * SIZE + k, 1), truth, axis * 2 * 4.0 / 24 * pow(2e-3 / 0.025 / STEPS, 2));
+    }
+    mcv_film_free(&film);
+    mcv_scene_free(scene);
+}
+
+/* T22: E = L A/h² times the mean of cos⁴ over the stop, 1/(1 + (D_t/2f)²), everywhere in the image. */
+static void test_telecentric_irradiance(void **state) {
+    enum { SIZE = 16 };
+    mcv_sensor sensor = telecentric(SIZE, SIZE);
+    (void)state;
+    sensor.as.telecentric.stopDiameter = 0.03;
+    sensor.as.telecentric.lensDiameter = 0.5;
+    sensor.as.telecentric.pixelSize[0] = sensor.as.telecentric.pixelSize[1] = 1e-3;
+    sensor.as.telecentric.radiometry = MCV_RADIOMETRY_IRRADIANCE;
+    mcv_scene *scene = scene_with(sensor.type, &sensor);
+    add_environment(scene, 2);
+    const mcv_render_options options = options_of(64, 4);
+    mcv_render_stats stats;
+    mcv_film film = render_with(scene, &options, true, &stats);
+    const double truth = 2 * M_PI * 0.03 * 0.03 / (4 * 0.0125 * 0.0125) / (1 + pow(0.03 / 2 / 0.05, 2));
+    check_mean("T22 telecentric irradiance, image [W/m2]", film_estimate(&film, 0, SIZE * SIZE), truth, 0);
+    check_mean("T22 telecentric irradiance, first row", film_estimate(&film, 0, SIZE), truth, 0);
+    check_mean("T22 telecentric irradiance, middle row", film_estimate(&film, SIZE * SIZE / 2, SIZE), truth, 0);
+    mcv_film_free(&film);
+    mcv_scene_free(scene);
+}
+
+/* Radiance mode: an even sky is 1 whatever the aperture; light field irradiance on axis is L D²/b². */
+static void test_other_radiometry(void **state) {
+    mcv_render_stats stats;
+    (void)state;
+    for (int irradiance = 0; irradiance < 2; ++irradiance) {
+        mcv_sensor sensor = light_field(MCV_APERTURE_SQUARE);
+        sensor.as.light_field.radiometry = irradiance ? MCV_RADIOMETRY_IRRADIANCE : MCV_RADIOMETRY_RADIANCE;
+        sensor.as.light_field.imageDistance = sensor.as.light_field.focalLength; /* infinity: the angle is the macro pixel's */
+        mcv_scene *scene = scene_with(sensor.type, &sensor);
+        add_environment(scene, 3);
+        const mcv_render_options options = options_of(1, 4);
+        mcv_film film = render_with(scene, &options, true, &stats);
+        const double slope_x = 0.5 * 5 * pixel / 0.05, slope_y = 0.5 * 3 * pixel / 0.05; /* macro pixels beside the centre */
+        const double truth = irradiance ? 3 * 0.02 * 0.02 / (0.05 * 0.05) / pow(1 + slope_x * slope_x + slope_y * slope_y, 2) : 3;
+        check(irradiance ? "light field irradiance [W/m2]" : "light field radiance [W/(m2 sr)]", film_estimate(&film, 18 * 80 + 40, 1).mean,
+              truth, 16 * DBL_EPSILON * truth);
+        mcv_film_free(&film);
+        mcv_scene_free(scene);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_telecentric_magnification), cmocka_unit_test(test_focus),
+        cmocka_unit_test(test_light_field_map),           cmocka_unit_test(test_images_are_upright),
+        cmocka_unit_test(test_thin_lens_irradiance),      cmocka_unit_test(test_telecentric_irradiance),
+        cmocka_unit_test(test_other_radiometry),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
