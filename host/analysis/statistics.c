@@ -7,7 +7,8 @@
 
 /* The k-th numerator of the continued fraction 1/(1+ d1/(1+ d2/(1+ …))) of I_x(a, b), DLMF 8.17.22 and 8.17.23. */
 static double numerator(double a, double b, double x, int k) {
-    const double m = k / 2;
+    const int half = k / 2;
+    const double m = half;
     if (k % 2 == 0) return m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m));
     return -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1));
 }
@@ -50,14 +51,15 @@ double mcv_student_quantile(double p, double freedom) {
     double low = 0, high = 1;
     while (mcv_student_two_sided(high, freedom) > p && high < DBL_MAX / 2) high *= 2;
     /* Halving until neighbouring numbers are reached. */
-    for (double middle = high / 2; low < middle && middle < high; middle = low + (high - low) / 2) {
+    for (;;) {
+        const double middle = low + (high - low) / 2;
+        if (middle <= low || middle >= high) return high;
         if (mcv_student_two_sided(middle, freedom) > p) {
             low = middle;
         } else {
             high = middle;
         }
     }
-    return high;
 }
 
 double mcv_binomial_upper(uint64_t successes, uint64_t trials, double p) {

@@ -116,10 +116,9 @@ static exr_result_t put_attribute(exr_context_t context, const mcv_attribute *a)
 }
 
 static const char *channel_name(const mcv_exr_part *part, uint32_t channel) {
-    static const char *const names[] = {"R", "G", "B"};
     if (part->channel_names) return part->channel_names[channel];
-    // NOLINTNEXTLINE(clang-analyzer-core.uninitialized.UndefReturn): check_arguments lets no unnamed channel past the third
-    return part->image.channels == 1 ? "Y" : names[channel];
+    if (part->image.channels == 1) return "Y";
+    return channel == 0 ? "R" : channel == 1 ? "G" : "B";
 }
 
 static exr_result_t put_part(exr_context_t context, const mcv_exr_part *part) {
