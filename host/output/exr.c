@@ -60,7 +60,8 @@ static int64_t on_size(exr_const_context_t context, void *user) {
 /* Turns a failed call into the sentence for the user; what our own callback has written stands. */
 static mcv_result failed(stream *s, mcv_result code, exr_result_t result) {
     if (s->result != MCV_OK) return s->result;
-    return mcv_fail(s->error, code, "%s: OpenEXR: %s", s->path, s->message[0] ? s->message : exr_get_default_error_message(result));
+    return mcv_fail(s->error, code, "%s: %s: %s", s->path, s->output ? "OpenEXR cannot write it" : "damaged OpenEXR file",
+                    s->message[0] ? s->message : exr_get_default_error_message(result));
 }
 
 #define TRY_EXR(call) \
