@@ -61,10 +61,16 @@ static void test_counting_distributions(void **state) {
     expect_near(mcv_binomial_upper(2, 3, 0.5), 0.5, 1e-13, "P(X >= 2) of 3 coins");
     expect_near(mcv_binomial_upper(1, 100, 0.01), 1 - pow(0.99, 100), 1e-12, "P(X >= 1) of 100");
     assert_true(mcv_binomial_upper(0, 100, 0.01) == 1);
-    /* Fisher: 3 of 4 against 1 of 4: (16 + 1) 2/70; all against none of 16: 2/(32 choose 16). */
-    expect_near(mcv_fisher_exact(3, 4, 1, 4), 34.0 / 70, 1e-12, "Fisher's p of 3/4 and 1/4");
-    expect_near(mcv_fisher_exact(16, 16, 0, 16), 2.0 / 601080390, 1e-12, "Fisher's p of 16/16 and 0/16");
-    expect_near(mcv_fisher_exact(2, 4, 2, 4), 1, 1e-12, "Fisher's p of 2/4 and 2/4");
+    /* Mann-Whitney: 1, 2, 4, 7, 12 of the 252 orders of 5 and 5 have U <= 0 … 4; all 16 below all 16: one of 32 choose 16. */
+    const double cumulative[] = {1, 2, 4, 7, 12};
+    double *five = mcv_mann_whitney(5, 5), *sixteen = mcv_mann_whitney(16, 16), *uneven = mcv_mann_whitney(3, 1);
+    for (int u = 0; u < 5; ++u) expect_near(five[u], cumulative[u] / 252, 1e-14, "P(U <= u) of 5 and 5");
+    expect_near(five[12], 0.5, 1e-14, "P(U <= 12) of 5 and 5");
+    expect_near(sixteen[0], 1.0 / 601080390, 1e-13, "P(U = 0) of 16 and 16");
+    for (int u = 0; u < 4; ++u) expect_near(uneven[u], (u + 1) / 4.0, 1e-14, "P(U <= u) of 3 and 1");
+    free(five);
+    free(sixteen);
+    free(uneven);
     expect_near(mcv_sidak(1e-9, 1e6), 1e-3, 1e-3, "Šidák's p"); /* 1 - exp(-1e-3) */
     double even[100];
     for (int i = 0; i < 100; ++i) even[i] = (99 - i + 0.5) / 100;
@@ -84,11 +90,12 @@ static double uniform(uint64_t *state) { return ((double)(random_bits(state) >> 
 
 static double normal(uint64_t *state) { return sqrt(-2 * log(uniform(state))) * cos(2 * acos(-1) * uniform(state)); }
 
-enum { NORMAL, EDGES, SPARSE };
+enum { NORMAL, EDGES, SPARSE, BURSTS };
 
 /*
  * A film of noise around a gradient from 1 to 2, with 1 sample: NORMAL (SD 5 %); EDGES: most pixels without noise, every
- * fourth one a few counts of sixteenths, as low-discrepancy samples on an edge give; SPARSE: exponential bursts in one of eight samples.
+ * fourth one a few counts of sixteenths, as low-discrepancy samples on an edge give; SPARSE: exponential bursts in one of eight samples;
+ * BURSTS: 100 times the background in one of 300, as caustics give.
  */
 static mcv_film make_film(uint32_t width, uint32_t height, uint32_t channels, uint32_t replicates, int kind, uint64_t seed) {
     mcv_film film;
@@ -104,6 +111,8 @@ static mcv_film make_film(uint32_t width, uint32_t height, uint32_t channels, ui
         } else if (kind == EDGES) {
             const double place = 8 + 4 * sin(0.7 * column); /* where the edge runs, in samples */
             film.sums[i] = column % 4 ? 1 : floor(place + uniform(&seed)) / 16;
+        } else if (kind == BURSTS) {
+            film.sums[i] = truth * (1 + 0.01 * normal(&seed)) + (uniform(&seed) < 1.0 / 300 ? -100 * log(uniform(&seed)) : 0);
         } else {
             film.sums[i] = uniform(&seed) < 0.125 ? -8 * truth * log(uniform(&seed)) : 0;
         }
@@ -126,8 +135,8 @@ static mcv_comparison compare(const mcv_film *x, const mcv_film *y) {
 static void test_equal_pictures_are_accepted(void **state) {
     (void)state;
     enum { PAIRS = 300 };
-    const char *const names[] = {"normal", "edges", "sparse"};
-    for (int kind = NORMAL; kind <= SPARSE; ++kind) {
+    const char *const names[] = {"normal", "edges", "sparse", "bursts"};
+    for (int kind = NORMAL; kind <= BURSTS; ++kind) {
         for (uint32_t replicates = 4; replicates <= 16; replicates *= 4) {
             int rejected = 0, small[4] = {0};
             char reason[512] = "";
