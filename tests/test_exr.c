@@ -308,7 +308,7 @@ static void test_collected_files(void **state) {
     assert_int_equal(exr.parts[0].image.width, 800);
     assert_int_equal(exr.parts[0].image.height, 800);
     int nans = 0, infinities = 0;
-    for (size_t i = 0; i < 3u * 800 * 800; ++i) {
+    for (size_t i = 0; i < (size_t)3 * 800 * 800; ++i) {
         nans += isnan(exr.parts[0].image.pixels[i]);
         infinities += isinf(exr.parts[0].image.pixels[i]) != 0;
     }

@@ -25,7 +25,7 @@ static void test_tree_sum_is_the_same_for_every_split(void **state) {
     uint32_t seed = 1;
     double in_order = 0;
     for (int i = 0; i < COUNT * STRIDE; ++i) values[i] = scattered(&seed);
-    for (int i = 0; i < COUNT; ++i) in_order += values[i * STRIDE];
+    for (size_t i = 0; i < COUNT; ++i) in_order += values[i * STRIDE];
     const double whole = mcv_tree_sum(values, COUNT, STRIDE);
     /* Any order is within n u of the sum of magnitudes; the data are such that the bits do differ, else the test says nothing. */
     assert_true(whole != in_order);
@@ -53,13 +53,13 @@ static void test_merge_of_rounds_equals_the_whole(void **state) {
         mcv_film round;
         assert_int_equal(mcv_film_new(&round, 3, 2, 1, REPLICATES, &error), MCV_OK);
         round.samples = count;
-        for (int i = 0; i < REPLICATES * PIXELS; ++i) round.sums[i] = mcv_tree_sum(values + i * SAMPLES + first, count, 1);
+        for (int i = 0; i < REPLICATES * PIXELS; ++i) round.sums[i] = mcv_tree_sum(values + (size_t)i * SAMPLES + first, count, 1);
         assert_int_equal(mcv_film_merge(&film, &round, &error), MCV_OK);
         mcv_film_free(&round);
     }
     assert_int_equal(film.samples, SAMPLES);
     for (int i = 0; i < REPLICATES * PIXELS; ++i) {
-        const double whole = mcv_tree_sum(values + i * SAMPLES, SAMPLES, 1);
+        const double whole = mcv_tree_sum(values + (size_t)i * SAMPLES, SAMPLES, 1);
         if (film.sums[i] != whole) fail_msg("place %d: %.17g instead of %.17g", i, film.sums[i], whole);
     }
     mcv_film_free(&film);
@@ -90,8 +90,8 @@ static void test_develop_gives_mean_and_standard_error(void **state) {
     assert_int_equal(mcv_film_new(&film, 2, 1, 1, 4, &error), MCV_OK);
     film.samples = 2;
     /* Replicate means 1 2 3 4: mean 2.5, variance 5/3 with 3 degrees of freedom, SE = √(5/12). The other pixel is 3 without error. */
-    for (int r = 0; r < 4; ++r) {
-        film.sums[2 * r] = 2 * (r + 1);
+    for (size_t r = 0; r < 4; ++r) {
+        film.sums[2 * r] = 2 * ((double)r + 1);
         film.sums[2 * r + 1] = 6;
     }
     mcv_image mean, standard_error;

@@ -20,7 +20,7 @@
 static char folder[64];
 
 static const char *in_folder(const char *name) {
-    static char path[128];
+    static char path[512];
     snprintf(path, sizeof path, "%s/%s", folder, name);
     return path;
 }
@@ -33,9 +33,13 @@ static int make_folder(void **state) {
 
 static int remove_folder(void **state) {
     (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    return system(command);
+    DIR *directory = opendir(folder);
+    if (!directory) return -1;
+    for (struct dirent *entry; (entry = readdir(directory));) {
+        if (entry->d_name[0] != '.') unlink(in_folder(entry->d_name));
+    }
+    closedir(directory);
+    return rmdir(folder);
 }
 
 static void expect_content(const char *path, const char *expected) {

@@ -9,8 +9,8 @@
 #define ALL_CHANNELS UINT32_MAX
 
 /*
- * A tile's p-value is only uniform where its replicate means are nearly normal: they are counted from 25 effective samples of light
- * per replicate on (relative variance at most 1/25, as of a Poisson count of 25).
+ * Without replicate values, a tile's p-value is near uniform where its noise is nearly normal: they are counted from 25 effective
+ * samples of light per replicate on (relative variance at most 1/25, as of a Poisson count of 25).
  */
 enum { MIN_EVENTS = 25 };
 
@@ -19,6 +19,7 @@ typedef struct side {
     const mcv_film *film;
     const mcv_measured *measured;
     uint32_t replicates;
+    const double *rank_table; /* mcv_mann_whitney of both sides' replicates */
 } side;
 
 /* What is known of one region of one side. */
@@ -34,7 +35,7 @@ typedef struct outcome {
     bool tested;     /* which are not all equal beyond doubt */
     double p;        /* for the unit test */
     bool counts;     /* whether the p-value may enter KS and count: */
-    double uniform;  /* Welch's, uniform in [0, 1] where there is no difference */
+    double uniform;  /* uniform in [0, 1] or larger where there is no difference */
     double variance; /* of the difference of the means */
 } outcome;
 
@@ -111,30 +112,24 @@ static double welch(const mcv_estimate *difference) {
     return mcv_student_two_sided(difference->mean / sqrt(difference->variance), difference->freedom);
 }
 
-/* How many of the replicate means lie at `high`; -1 where one lies neither there nor at `low`. */
-static int count_high(const double *means, uint32_t count, double low, double high, double rounding) {
-    int found = 0;
-    for (uint32_t r = 0; r < count; ++r) {
-        if (high - means[r] <= rounding) {
-            ++found;
-        } else if (means[r] - low > rounding) {
-            return -1;
+/*
+ * The two-sided rank test of the replicate means; -1 where all are equal. Values closer than rounding are ties, which are ordered as
+ * speaks least for a difference: no chance order of them has a larger p-value, so that ties cannot raise a false alarm.
+ */
+static double rank_test(const side *x, const view *vx, const side *y, const view *vy, double rounding) {
+    uint32_t greater = 0, ties = 0;
+    for (uint32_t i = 0; i < x->replicates; ++i) {
+        for (uint32_t j = 0; j < y->replicates; ++j) {
+            const double difference = vx->means[i] - vy->means[j];
+            ties += fabs(difference) <= rounding;
+            greater += difference > rounding;
         }
     }
-    return found;
-}
-
-/* Fisher's p-value where the replicates of both films take two values, NaN where they take more, -1 where all are equal. */
-static double two_valued(const side *x, const view *vx, const side *y, const view *vy) {
-    double low = INFINITY, high = -INFINITY;
-    for (uint32_t r = 0; r < x->replicates; ++r) low = fmin(low, vx->means[r]), high = fmax(high, vx->means[r]);
-    for (uint32_t r = 0; r < y->replicates; ++r) low = fmin(low, vy->means[r]), high = fmax(high, vy->means[r]);
-    const double rounding = MCV_COMPARE_ROUNDING * fmax(fabs(low), fabs(high));
-    if (high - low <= rounding) return -1;
-    const int in_x = count_high(vx->means, x->replicates, low, high, rounding);
-    const int in_y = count_high(vy->means, y->replicates, low, high, rounding);
-    if (in_x < 0 || in_y < 0) return NAN;
-    return mcv_fisher_exact((uint32_t)in_x, x->replicates, (uint32_t)in_y, y->replicates);
+    const uint32_t pairs = x->replicates * y->replicates;
+    if (ties == pairs) return -1;
+    const uint32_t less = pairs - greater - ties;
+    const uint32_t smaller = (greater < less ? greater : less) + ties;
+    return 2 * smaller >= pairs ? 1 : fmin(1, 2 * x->rank_table[smaller]);
 }
 
 static bool enough_events(const side *s, const mcv_estimate *e) { return e->variance * s->replicates * MIN_EVENTS <= e->mean * e->mean; }
@@ -147,21 +142,21 @@ static outcome test_unit(const side *x, const side *y, const mcv_region *region)
     const double rounding = MCV_COMPARE_ROUNDING * fmax(fabs(vx.estimate.mean), fabs(vy.estimate.mean));
     const mcv_estimate difference = subtract(&vx.estimate, &vy.estimate);
     const bool equal = fabs(difference.mean) <= rounding;
+    const bool constant = difference.variance == 0;
     outcome o = {.seen = true, .variance = difference.variance};
-    double exact = NAN;
     if (x->film) {
-        exact = two_valued(x, &vx, y, &vy);
-    } else if (difference.variance == 0) {
-        /* All that is known of the replicates is that each side has one value. */
-        exact = equal ? -1 : mcv_fisher_exact(x->replicates, x->replicates, 0, y->replicates);
+        o.uniform = rank_test(x, &vx, y, &vy, rounding);
+        if (o.uniform < 0) return o;
+        o.counts = true;
+        o.p = equal ? 1 : fmax(o.uniform, constant ? 0 : welch(&difference));
+    } else {
+        if (constant && equal) return o;
+        /* Without noise all that is known of the replicates is that each side has one value. */
+        o.uniform = constant ? 2 * x->rank_table[0] : welch(&difference);
+        o.counts = sqrt(difference.variance) > rounding && enough_events(x, &vx.estimate) && enough_events(y, &vy.estimate);
+        o.p = equal ? 1 : o.uniform;
     }
-    if (exact < 0) return o;
     o.tested = true;
-    o.p = exact;
-    if (!isnan(exact)) return o;
-    o.uniform = welch(&difference);
-    o.p = equal ? 1 : o.uniform;
-    o.counts = sqrt(difference.variance) > rounding && enough_events(x, &vx.estimate) && enough_events(y, &vy.estimate);
     return o;
 }
 
@@ -270,17 +265,22 @@ static void judge(const side *x, const side *y, mcv_comparison *c) {
     }
 }
 
-static mcv_result compare(const side *x, const side *y, uint32_t width, uint32_t height, uint32_t channels, mcv_comparison *c,
-                          mcv_error *error) {
+static mcv_result compare(side *x, side *y, uint32_t width, uint32_t height, uint32_t channels, mcv_comparison *c, mcv_error *error) {
     if (x->replicates < 2 || y->replicates < 2 || x->replicates > MCV_MAX_REPLICATES || y->replicates > MCV_MAX_REPLICATES) {
         return mcv_fail(error, MCV_BAD_INPUT, "renders of %u and %u replicates cannot be compared: 2 to %d are needed, 16 wanted",
                         x->replicates, y->replicates, MCV_MAX_REPLICATES);
     }
+    double *rank_table = mcv_mann_whitney(x->replicates, y->replicates);
+    if (!rank_table) return mcv_fail(error, MCV_FAILED, "no memory to compare %u and %u replicates", x->replicates, y->replicates);
+    x->rank_table = y->rank_table = rank_table;
     test_units(x, y, width, height, channels, c);
-    MCV_TRY(test_tiles(x, y, width, height, c, error));
-    test_image(x, y, width, height, channels, c);
-    judge(x, y, c);
-    return MCV_OK;
+    const mcv_result result = test_tiles(x, y, width, height, c, error);
+    if (result == MCV_OK) {
+        test_image(x, y, width, height, channels, c);
+        judge(x, y, c);
+    }
+    free(rank_table);
+    return result;
 }
 
 static mcv_result sizes_differ(uint32_t w1, uint32_t h1, uint32_t c1, uint32_t w2, uint32_t h2, uint32_t c2, mcv_error *error) {
@@ -296,7 +296,7 @@ mcv_result mcv_compare_films(const mcv_film *x, const mcv_film *y, mcv_compariso
     }
     if (x->samples == 0 || y->samples == 0)
         return mcv_fail(error, MCV_FAILED, "a film without samples cannot be compared: nothing was rendered");
-    const side sx = {.film = x, .replicates = x->replicates}, sy = {.film = y, .replicates = y->replicates};
+    side sx = {.film = x, .replicates = x->replicates}, sy = {.film = y, .replicates = y->replicates};
     return compare(&sx, &sy, x->width, x->height, x->channels, comparison, error);
 }
 
@@ -327,6 +327,6 @@ mcv_result mcv_compare_images(const mcv_measured *x, const mcv_measured *y, mcv_
                             error);
     }
     if (differ_in_finiteness(x->mean, y->mean, comparison)) return MCV_OK;
-    const side sx = {.measured = x, .replicates = x->replicates}, sy = {.measured = y, .replicates = y->replicates};
+    side sx = {.measured = x, .replicates = x->replicates}, sy = {.measured = y, .replicates = y->replicates};
     return compare(&sx, &sy, x->mean->width, x->mean->height, x->mean->channels, comparison, error);
 }

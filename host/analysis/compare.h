@@ -8,11 +8,13 @@
  *   count   the number of tiles with p < 0.01 against its binomial distribution
  *   image   the means of the whole image
  *
- * p-values are Welch's t test with the Welch-Satterthwaite degrees of freedom, the variances from independent replicates.
- * Where a pixel's replicates take only two values (a sample more or less on an edge), t is far too sure of itself and
- * Fisher's exact test stands in for it. The smallest p that R replicates can then give is 2/(2R choose R): 3e-9 for 16,
- * 0.03 for 4, so comparisons want 16. KS and count look upwards only (too many small p-values), and only at tiles that saw enough
- * light: a picture equals itself. Differences below 10^-6 of the value, the rounding of float32 renderers, never count.
+ * The image means are compared by Welch's t test with the Welch-Satterthwaite degrees of freedom. The replicate means of a
+ * pixel or tile are seldom normal: a sample more or less on an edge gives two values, a caustic rare bursts, and t is then far
+ * too sure of itself. So films are compared there by Mann and Whitney's exact rank test, which asks only that the replicates be
+ * independent; a unit's p-value is the larger of both. The smallest p that R replicates can give is 2/(2R choose R): 0.03 for 4,
+ * 3e-9 for 16, 1e-18 for 32. Comparisons want 16; single pixels of pictures above some 70 000 values want 32. KS and count look
+ * upwards only (too many small p-values): a picture equals itself. Differences below 10^-6 of the value, the rounding of float32
+ * renderers, never count.
  */
 #ifndef MCVISI_HOST_ANALYSIS_COMPARE_H
 #define MCVISI_HOST_ANALYSIS_COMPARE_H
@@ -49,8 +51,10 @@ typedef struct mcv_measured {
 } mcv_measured;
 
 /*
- * The same from files. Pixels are taken as independent of each other, as they are here, and channels as fully correlated.
- * Pixels that are not finite in both are left out; one that is so in a single image makes them different.
+ * The same from files. Without the replicates' values all tests are Welch's: noise with rare bursts may be called a difference,
+ * and KS and count leave out tiles with a relative standard deviation above 20 % per replicate. Pixels are taken as independent of each
+ * other, as they are here, and channels as fully correlated. Pixels that are not finite in both are left out; one that is so in a single
+ * image makes them different.
  */
 mcv_result mcv_compare_images(const mcv_measured *x, const mcv_measured *y, mcv_comparison *comparison, mcv_error *error);
 

@@ -7,7 +7,8 @@
 
 /* The k-th numerator of the continued fraction 1/(1+ d1/(1+ d2/(1+ …))) of I_x(a, b), DLMF 8.17.22 and 8.17.23. */
 static double numerator(double a, double b, double x, int k) {
-    const double m = k / 2;
+    const int half = k / 2;
+    const double m = half;
     if (k % 2 == 0) return m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m));
     return -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1));
 }
@@ -50,14 +51,15 @@ double mcv_student_quantile(double p, double freedom) {
     double low = 0, high = 1;
     while (mcv_student_two_sided(high, freedom) > p && high < DBL_MAX / 2) high *= 2;
     /* Halving until neighbouring numbers are reached. */
-    for (double middle = high / 2; low < middle && middle < high; middle = low + (high - low) / 2) {
+    for (;;) {
+        const double middle = low + (high - low) / 2;
+        if (middle <= low || middle >= high) return high;
         if (mcv_student_two_sided(middle, freedom) > p) {
             low = middle;
         } else {
             high = middle;
         }
     }
-    return high;
 }
 
 double mcv_binomial_upper(uint64_t successes, uint64_t trials, double p) {
@@ -66,20 +68,29 @@ double mcv_binomial_upper(uint64_t successes, uint64_t trials, double p) {
     return mcv_incomplete_beta((double)successes, (double)(trials - successes + 1), p);
 }
 
-static double log_choose(double n, double k) { return lgamma(n + 1) - lgamma(k + 1) - lgamma(n - k + 1); }
-
-double mcv_fisher_exact(uint32_t x, uint32_t nx, uint32_t y, uint32_t ny) {
-    const uint32_t both = x + y;
-    const double all = log_choose(nx + ny, both);
-    const double observed = log_choose(nx, x) + log_choose(ny, y) - all;
-    const uint32_t first = both > ny ? both - ny : 0, last = both < nx ? both : nx;
-    double sum = 0;
-    for (uint32_t k = first; k <= last; ++k) {
-        const double probability = log_choose(nx, k) + log_choose(ny, both - k) - all;
-        /* Tables as probable as this one count; lgamma rounds them apart by at most about 1e-13. */
-        if (probability <= observed + 1e-9) sum += exp(probability);
+double *mcv_mann_whitney(uint32_t nx, uint32_t ny) {
+    /* ways[j][u]: orders of i x and j y in which u pairs have x > y. The largest is an x, above all j y, or a y. */
+    const size_t pairs = (size_t)nx * ny, stride = pairs + 1;
+    double *ways = calloc((ny + 1) * stride, sizeof *ways);
+    double *lower = malloc(stride * sizeof *lower);
+    if (!ways || !lower) {
+        free(ways);
+        free(lower);
+        return NULL;
     }
-    return fmin(sum, 1);
+    for (size_t j = 0; j <= ny; ++j) ways[j * stride] = 1;
+    for (size_t i = 1; i <= nx; ++i) {
+        for (size_t j = 1; j <= ny; ++j) {
+            double *here = ways + j * stride;
+            for (size_t u = stride; u-- > 0;) here[u] = (u >= j ? here[u - j] : 0) + here[u - stride];
+        }
+    }
+    const double *all = ways + ny * stride;
+    double sum = 0;
+    for (size_t u = 0; u < stride; ++u) lower[u] = sum += all[u];
+    for (size_t u = 0; u < stride; ++u) lower[u] /= sum;
+    free(ways);
+    return lower;
 }
 
 static int compare_doubles(const void *a, const void *b) {

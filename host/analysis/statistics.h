@@ -21,10 +21,10 @@ double mcv_student_quantile(double p, double freedom);
 double mcv_binomial_upper(uint64_t successes, uint64_t trials, double p);
 
 /*
- * Fisher's exact test, two-sided: x of nx and y of ny had the property. The probability, given x + y, of a table that is not
- * more probable than this one.
+ * Mann and Whitney's U of nx and ny values, the number of pairs with x > y: table[u] = P(U <= u), 0 <= u <= nx ny, exact where all
+ * come from one distribution, whatever it is. malloc'ed; NULL without memory.
  */
-double mcv_fisher_exact(uint32_t x, uint32_t nx, uint32_t y, uint32_t ny);
+double *mcv_mann_whitney(uint32_t nx, uint32_t ny);
 
 /*
  * Kolmogorov-Smirnov, one-sided: whether the values (sorted in place) are smaller than uniform on [0, 1] ones would be. The

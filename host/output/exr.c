@@ -60,7 +60,8 @@ static int64_t on_size(exr_const_context_t context, void *user) {
 /* Turns a failed call into the sentence for the user; what our own callback has written stands. */
 static mcv_result failed(stream *s, mcv_result code, exr_result_t result) {
     if (s->result != MCV_OK) return s->result;
-    return mcv_fail(s->error, code, "%s: OpenEXR: %s", s->path, s->message[0] ? s->message : exr_get_default_error_message(result));
+    return mcv_fail(s->error, code, "%s: %s: %s", s->path, s->output ? "OpenEXR cannot write it" : "damaged OpenEXR file",
+                    s->message[0] ? s->message : exr_get_default_error_message(result));
 }
 
 #define TRY_EXR(call) \
@@ -116,10 +117,9 @@ static exr_result_t put_attribute(exr_context_t context, const mcv_attribute *a)
 }
 
 static const char *channel_name(const mcv_exr_part *part, uint32_t channel) {
-    static const char *const names[] = {"R", "G", "B"};
     if (part->channel_names) return part->channel_names[channel];
-    // NOLINTNEXTLINE(clang-analyzer-core.uninitialized.UndefReturn): check_arguments lets no unnamed channel past the third
-    return part->image.channels == 1 ? "Y" : names[channel];
+    if (part->image.channels == 1) return "Y";
+    return channel == 0 ? "R" : channel == 1 ? "G" : "B";
 }
 
 static exr_result_t put_part(exr_context_t context, const mcv_exr_part *part) {

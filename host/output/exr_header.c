@@ -100,7 +100,7 @@ static mcv_result read_channels(const reader *r, const raw_attribute *attribute,
 static mcv_result read_window(const reader *r, const raw_attribute *attribute, mcv_exr_part_header *part) {
     int64_t box[4];
     for (int i = 0; i < 4; ++i) {
-        box[i] = i32(attribute->value + 4 * i);
+        box[i] = i32(attribute->value + (size_t)4 * i);
         if (box[i] < -(1 << 30) || box[i] > 1 << 30) return damaged(r, "the data window lies beyond ±2^30");
     }
     const int64_t width = box[2] - box[0] + 1, height = box[3] - box[1] + 1;
@@ -178,7 +178,7 @@ static mcv_result keep_attribute(const reader *r, const raw_attribute *a, mcv_ex
             const uint32_t scalar_size = kinds[k].scalar == 'd' ? 8 : 4;
             if (!has_type(a, kinds[k].type, kinds[k].count * scalar_size)) continue;
             kept.count = kinds[k].count;
-            for (uint32_t i = 0; i < kept.count; ++i) kept.numbers[i] = number_at(a->value + i * scalar_size, kinds[k].scalar);
+            for (uint32_t i = 0; i < kept.count; ++i) kept.numbers[i] = number_at(a->value + (size_t)i * scalar_size, kinds[k].scalar);
         }
         if (kept.count == 0) return MCV_OK;
     }

@@ -129,8 +129,11 @@ mcv_result mcv_png_write_preview(const char *path, const mcv_image *image, const
     }
     if (!(preview->white > 0) || isinf(preview->white)) preview->white = mcv_preview_white(image);
     const size_t pixels = (size_t)image->width * image->height;
-    uint8_t *bytes = malloc(pixels * image->channels);
-    if (!bytes) return mcv_fail(error, MCV_FAILED, "%s: no memory for a preview of %u x %u pixels", path, image->width, image->height);
+    const size_t values = pixels * image->channels;
+    uint8_t *bytes = values > 0 ? malloc(values) : NULL;
+    if (!bytes)
+        return mcv_fail(error, MCV_FAILED, "%s: a preview of %u x %u pixels: nothing to show, or no memory for it", path, image->width,
+                        image->height);
     uint64_t saturated = 0;
     for (size_t i = 0; i < pixels; ++i) {
         bool above = false;
@@ -146,8 +149,8 @@ mcv_result mcv_png_write_preview(const char *path, const mcv_image *image, const
 
     char level[128], key[] = "White level";
     snprintf(level, sizeof level, "%.9g %s", preview->white, unit);
-    png_text text = {.compression = PNG_TEXT_COMPRESSION_NONE, .key = key, .text = level};
-    const mcv_result result = write_file(path, bytes, image->width, image->height, (int)image->channels, 8, &text, error);
+    png_text note = {.compression = PNG_TEXT_COMPRESSION_NONE, .key = key, .text = level};
+    const mcv_result result = write_file(path, bytes, image->width, image->height, (int)image->channels, 8, &note, error);
     free(bytes);
     return result;
 }
@@ -155,8 +158,8 @@ mcv_result mcv_png_write_preview(const char *path, const mcv_image *image, const
 mcv_result mcv_png_write_grey(const char *path, const uint16_t *values, uint32_t width, uint32_t height, int bits, mcv_error *error) {
     if (bits != 8 && bits != 16) return mcv_fail(error, MCV_USAGE, "%s: a grey PNG has 8 or 16 bits, not %d", path, bits);
     const size_t count = (size_t)width * height, size = (size_t)bits / 8;
-    uint8_t *bytes = malloc(count * size);
-    if (!bytes) return mcv_fail(error, MCV_FAILED, "%s: no memory for %u x %u grey values", path, width, height);
+    uint8_t *bytes = count > 0 ? malloc(count * size) : NULL;
+    if (!bytes) return mcv_fail(error, MCV_FAILED, "%s: %u x %u grey values: nothing to write, or no memory for it", path, width, height);
     for (size_t i = 0; i < count; ++i) {
         if (bits == 16) bytes[2 * i] = (uint8_t)(values[i] >> 8);
         bytes[i * size + size - 1] = (uint8_t)values[i];
