@@ -35,24 +35,24 @@ def diffuse(scene, name, *colour):
 
 
 def diffuse_box():
-    """A closed room of 0.2 m with a red and a green wall, a block, a mirror cube, and an area light under the ceiling."""
+    """A room of 0.2 m, open to the camera, with a red and a green wall, a block, a mirror cube, and an area light as ceiling lamp."""
     scene = Scene("A box of diffuse walls under an area light: interreflection.")
     room = box((-0.1, -0.1, -0.1), (0.1, 0.1, 0.1), outside=False)
-    for name, colour, faces in (("red", (0.6, 0.05, 0.05), [0]), ("green", (0.1, 0.45, 0.1), [1]), ("white", (0.7, 0.7, 0.7), [2, 3, 4, 5])):
+    for name, colour, faces in (("red", (0.6, 0.05, 0.05), [0]), ("green", (0.1, 0.45, 0.1), [1]), ("white", (0.7, 0.7, 0.7), [2, 3, 4])):
         scene.node(name, mesh=scene.mesh(name, diffuse(scene, name, *colour), *face(room, *faces)))
     block = scene.mesh("block", diffuse(scene, "grey", 0.5), *box((-0.03, -0.06, -0.03), (0.03, 0.06, 0.03)))
     scene.node("block", mesh=block, translation=[-0.035, -0.04, -0.035], rotation=facing((0.3, 0, -1)))
     cube = scene.mesh("cube", scene.material("mirror", {"type": "mirror", "reflectance": 0.9}), *box((-0.03,) * 3, (0.03,) * 3))
-    scene.node("cube", mesh=cube, translation=[0.04, -0.07, 0.02], rotation=facing((-0.3, 0, -1)))
+    scene.node("cube", mesh=cube, translation=[0.04, -0.07, 0.03], rotation=facing((-0.3, 0, -1)))
     scene.node("light", translation=[0, 0.0999, 0], rotation=facing((0, -1, 0), up=(0, 0, 1)),
-               emitter={"type": "area", "size": ["60mm", "60mm"], "radiance": 10})
-    scene.node("camera", translation=[0, 0, 0.099],
-               sensor={"type": "pinhole", "imageDistance": "4mm", "resolution": [256, 256], "pixelSize": "30um"})
+               emitter={"type": "area", "size": ["140mm", "140mm"], "radiance": 1})
+    scene.node("camera", translation=[0, 0, 0.4],
+               sensor={"type": "pinhole", "imageDistance": "11.3mm", "resolution": [256, 256], "pixelSize": "30um"})
     return scene.gltf()
 
 
 def furnace():
-    """Lossless glass with air inside it, under radiance 1 from everywhere: neither may be seen (each pixel is 1)."""
+    """Lossless glass with air inside it, under radiance 1 from everywhere: neither may be seen (each pixel is 1, but for what the depth limit cuts)."""
     scene = Scene("A glass ball around an air bubble in a uniform environment: every pixel is 1.")
     scene.node("ball", mesh=scene.mesh("ball", glass(scene, "glass", 1.5, 0.02), *ball(0.01, 3)))
     scene.node("bubble", mesh=scene.mesh("bubble", glass(scene, "air", 1, 0.006, priority=1), *ball(0.003, 2)), translation=[0.004, 0, 0])

@@ -65,9 +65,9 @@ def backlight():
 def area_light():
     """From the front, above and the left: a large light above the camera, a weaker one to the right, a bright field behind."""
     scene = Scene("Telecentric view of 2CylinderEngine.glb under area lights.")
-    parts = [scene.node("camera", sensor=CAMERA, translation=[0, 0, 0.15])]
-    for name, at, size, radiance in (("key", [-0.10, 0.16, 0.12], ["120mm", "120mm"], 2.0), ("fill", [0.20, 0.02, 0.10], ["80mm", "80mm"], 1.0),
-                                     ("field", [0, 0, -0.08], ["120mm", "80mm"], 0.15)):
+    parts = [scene.node("camera", sensor=CAMERA, translation=[0, 0.0016, 0.15])]  # seen from here the part's middle lies higher
+    for name, at, size, radiance in (("key", [-0.10, 0.16, 0.12], ["120mm", "120mm"], 3), ("fill", [0.20, 0.02, 0.10], ["80mm", "80mm"], 3),
+                                     ("field", [0, 0, -0.08], ["120mm", "80mm"], 0.1)):
         parts.append(scene.node(name, translation=at, rotation=facing([-c for c in at]),
                                 emitter={"type": "area", "size": size, "radiance": radiance}))
     rig = scene.node("rig", rotation=facing([0.5, -0.5, -1]), children=parts)
