@@ -62,6 +62,7 @@ static mcv_result check_span(const json_t *root, const json_t *object, uint64_t 
         return mcv_fail_at(place, error, "%llu elements of %llu bytes from byte %llu on exceed the %llu bytes of bufferView %u",
                            (unsigned long long)count, (unsigned long long)span->stride, (unsigned long long)offset,
                            (unsigned long long)length, span->view);
+    span->end = span->offset + span->stride * (count - 1) + size;
     return MCV_OK;
 }
 
@@ -165,6 +166,19 @@ static const uint8_t *element(const mcv_gltf *gltf, const mcv_span *span, uint64
     return mcv_gltf_buffer(gltf, span->buffer).data + span->offset + i * span->stride;
 }
 
+/* A buffer may be declared without data. */
+static mcv_result check_data(const mcv_gltf *gltf, const mcv_span *span, const mcv_place *place, mcv_error *error) {
+    if (span->view == MCV_NONE || span->end <= mcv_gltf_buffer(gltf, span->buffer).size) return MCV_OK;
+    return mcv_fail_at(place, error, "buffer %u has no data: give it a uri", span->buffer);
+}
+
+static mcv_result check_all_data(const mcv_gltf *gltf, const mcv_accessor *accessor, const mcv_place *place, mcv_error *error) {
+    MCV_TRY(check_data(gltf, &accessor->elements, place, error));
+    if (accessor->sparse_count == 0) return MCV_OK;
+    MCV_TRY(check_data(gltf, &accessor->sparse_indices, place, error));
+    return check_data(gltf, &accessor->sparse_values, place, error);
+}
+
 /* The element that the k-th sparse value replaces; they must rise. */
 static mcv_result sparse_target(const mcv_gltf *gltf, const mcv_accessor *accessor, uint64_t k, uint64_t *target, const mcv_place *place,
                                 mcv_error *error) {
@@ -178,6 +192,7 @@ static mcv_result sparse_target(const mcv_gltf *gltf, const mcv_accessor *access
 
 mcv_result mcv_accessor_floats(const mcv_gltf *gltf, const mcv_accessor *accessor, float **values, const mcv_place *place,
                                mcv_error *error) {
+    MCV_TRY(check_all_data(gltf, accessor, place, error));
     const uint32_t n = accessor->components, type = accessor->component_type;
     const uint64_t size = component_size(type);
     float *out = *values = calloc(accessor->count, n * sizeof *out);
@@ -200,6 +215,7 @@ mcv_result mcv_accessor_floats(const mcv_gltf *gltf, const mcv_accessor *accesso
 
 mcv_result mcv_accessor_indices(const mcv_gltf *gltf, const mcv_accessor *accessor, uint32_t **values, const mcv_place *place,
                                 mcv_error *error) {
+    MCV_TRY(check_all_data(gltf, accessor, place, error));
     uint32_t *out = *values = calloc(accessor->count, sizeof *out);
     if (!out) return mcv_fail_memory(place, error);
     for (uint64_t i = 0; accessor->elements.view != MCV_NONE && i < accessor->count; ++i)

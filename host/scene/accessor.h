@@ -17,9 +17,9 @@ enum {
 
 /* Elements in a buffer. */
 typedef struct mcv_span {
-    uint32_t view, buffer; /* view: MCV_NONE where there is none, then all elements are 0 */
-    uint64_t offset, stride;
-    bool has_stride; /* byteStride is written out */
+    uint32_t view, buffer;        /* view: MCV_NONE where there is none, then all elements are 0 */
+    uint64_t offset, stride, end; /* bytes from the buffer's begin; end: behind the last element */
+    bool has_stride;              /* byteStride is written out */
 } mcv_span;
 
 typedef struct mcv_accessor {

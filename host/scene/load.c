@@ -166,6 +166,11 @@ static mcv_result read_external(void *user, const char *name, mcv_bytes *bytes, 
     const json_t *object = json_array_get(json_object_get(loader->root, is_buffer ? "buffers" : "images"), index);
     const char *uri = json_string_value(json_object_get(object, "uri"));
     const size_t length = (size_t)json_number_value(json_object_get(object, "byteLength"));
+    if (is_buffer && !uri && !mcv_buffer_is_chunk(loader->root, object, loader->binary)) {
+        bytes->data = calloc(1, 1); /* stands for no data: nothing that is read fits into it */
+        bytes->size = 1;
+        return bytes->data ? MCV_OK : mcv_fail_memory(&element, error);
+    }
     if (uri) {
         char *path;
         MCV_TRY(mcv_file_resolve(loader->scene->path, uri, &path, &place, error));
@@ -188,7 +193,7 @@ static mcv_result read_external(void *user, const char *name, mcv_bytes *bytes, 
 }
 
 /* A data: URI stays; anything else is asked for by read_external. A longer data: URI raises byteLength, for the same reason. */
-static json_t *describe_data(const json_t *object, const char *of, size_t index) {
+static json_t *describe_data(const mcv_loader *loader, const json_t *object, const char *of, size_t index) {
     static const char *const types[] = {"application/octet-stream", "application/gltf-buffer", "text/plain", NULL};
     const char *uri = json_string_value(json_object_get(object, "uri"));
     json_t *copy = json_object();
@@ -203,6 +208,8 @@ static json_t *describe_data(const json_t *object, const char *of, size_t index)
     }
     if (json_object_get(object, "byteLength"))
         json_object_set_new(copy, "byteLength", json_integer((json_int_t)json_number_value(json_object_get(object, "byteLength"))));
+    if (strcmp(of, "buffers") == 0 && !uri && !mcv_buffer_is_chunk(loader->root, object, loader->binary))
+        json_object_set_new(copy, "byteLength", json_integer(1)); /* see read_external */
     if (!uri || strncmp(uri, "data:", 5) != 0) {
         json_object_set_new(copy, "uri", json_sprintf("%s/%zu", of, index));
         return copy;
@@ -218,10 +225,10 @@ static json_t *describe_document(const mcv_loader *loader, uint32_t image_count)
     const json_t *buffers = json_object_get(loader->root, "buffers"), *images = json_object_get(loader->root, "images");
     json_t *data = json_array(), *pictures = json_array(), *document = json_object();
     for (size_t i = 0; i < json_array_size(buffers); ++i)
-        json_array_append_new(data, describe_data(json_array_get(buffers, i), "buffers", i));
+        json_array_append_new(data, describe_data(loader, json_array_get(buffers, i), "buffers", i));
     for (uint32_t slot = 0; slot < image_count; ++slot)
         for (size_t i = 0; i < json_array_size(images); ++i)
-            if (loader->images[i] == slot) json_array_append_new(pictures, describe_data(json_array_get(images, i), "images", i));
+            if (loader->images[i] == slot) json_array_append_new(pictures, describe_data(loader, json_array_get(images, i), "images", i));
     json_object_set_new(document, "buffers", data);
     json_object_set_new(document, "images", pictures);
     if (json_object_get(loader->root, "bufferViews"))

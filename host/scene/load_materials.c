@@ -4,6 +4,7 @@
 
 #include "scene/mesh.h"
 #include "scene/params.h"
+#include "scene/validate.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -22,6 +23,19 @@ static mcv_result texture_source(const mcv_loader *loader, const json_t *part, c
     MCV_TRY(mcv_json_index(info, "index", json_array_size(textures), "textures", texture, &here, error));
     if (*texture == MCV_NONE) return mcv_fail_at(&here, error, "must have an index");
     return mcv_json_index(json_array_get(textures, *texture), "source", SIZE_MAX, "images", source, &here, error);
+}
+
+/* tinygltf decodes an image from its bufferView unchecked, so the buffer must have data. */
+static mcv_result check_image_data(const mcv_loader *loader, uint32_t source, mcv_error *error) {
+    const json_t *image = json_array_get(json_object_get(loader->root, "images"), source);
+    const json_t *view_index = json_object_get(image, "bufferView");
+    if (!view_index) return MCV_OK;
+    const json_t *view = json_array_get(json_object_get(loader->root, "bufferViews"), (size_t)json_number_value(view_index));
+    const size_t index = (size_t)json_number_value(json_object_get(view, "buffer"));
+    const json_t *buffer = json_array_get(json_object_get(loader->root, "buffers"), index);
+    if (json_object_get(buffer, "uri") || mcv_buffer_is_chunk(loader->root, buffer, loader->binary)) return MCV_OK;
+    const mcv_place images = mcv_place_key(&loader->file, "images"), here = mcv_place_index(&images, source);
+    return mcv_fail_at(&here, error, "buffer %zu has no data: give it a uri", index);
 }
 
 mcv_result mcv_load_needed_images(mcv_loader *loader, uint32_t *count, mcv_error *error) {
@@ -48,7 +62,9 @@ mcv_result mcv_load_needed_images(mcv_loader *loader, uint32_t *count, mcv_error
         for (size_t k = 0; k < sizeof textures / sizeof textures[0]; ++k) {
             uint32_t texture, source;
             MCV_TRY(texture_source(loader, textures[k].part, textures[k].key, &texture, &source, textures[k].place, error));
-            if (textures[k].needed && source != MCV_NONE && loader->images[source] == MCV_NONE) loader->images[source] = (*count)++;
+            if (!textures[k].needed || source == MCV_NONE || loader->images[source] != MCV_NONE) continue;
+            MCV_TRY(check_image_data(loader, source, error));
+            loader->images[source] = (*count)++;
         }
     }
     return MCV_OK;

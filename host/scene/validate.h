@@ -24,6 +24,9 @@ typedef mcv_result mcv_validate_one(const json_t *root, const json_t *object, mc
 mcv_result mcv_validate_each(const json_t *root, const char *of, mcv_validate_one *check, mcv_bytes binary, const mcv_place *file,
                              mcv_error *error);
 
+/* Is this buffer the binary chunk of the GLB? */
+bool mcv_buffer_is_chunk(const json_t *root, const json_t *buffer, mcv_bytes binary);
+
 /* The length of the data in a base64 data: URI of one of these types (ended by NULL); an error where it is none. */
 mcv_result mcv_data_uri_length(const char *uri, const char *const *types, uint64_t *length, const mcv_place *place, mcv_error *error);
 

@@ -34,6 +34,10 @@ static mcv_result check_uri(const char *uri, const mcv_place *place, mcv_error *
     return result;
 }
 
+bool mcv_buffer_is_chunk(const json_t *root, const json_t *buffer, mcv_bytes binary) {
+    return binary.data && !json_object_get(buffer, "uri") && buffer == json_array_get(json_object_get(root, "buffers"), 0);
+}
+
 static mcv_result check_buffer(const json_t *root, const json_t *buffer, mcv_bytes binary, const mcv_place *place, mcv_error *error) {
     static const char *const types[] = {"application/octet-stream", "application/gltf-buffer", "text/plain", NULL};
     uint64_t length = 0, available = 0;
@@ -43,13 +47,12 @@ static mcv_result check_buffer(const json_t *root, const json_t *buffer, mcv_byt
     MCV_TRY(mcv_json_string(buffer, "uri", &uri, place, error));
     if (length == 0) return mcv_fail_at(place, error, "must have a byteLength");
     if (uri && strncmp(uri, "data:", 5) != 0) return check_uri(uri, &here, error);
-    if (uri) {
+    if (uri)
         MCV_TRY(mcv_data_uri_length(uri, types, &available, &here, error));
-    } else {
-        if (buffer != json_array_get(json_object_get(root, "buffers"), 0) || !binary.data)
-            return mcv_fail_at(place, error, "must have a uri: only the first buffer of a GLB with a binary chunk is without");
+    else if (mcv_buffer_is_chunk(root, buffer, binary))
         available = binary.size;
-    }
+    else /* declared without data, which matters to what reads it */
+        available = length;
     if (length <= available) return MCV_OK;
     return mcv_fail_at(place, error, "byteLength %llu exceeds the %llu bytes of its data", (unsigned long long)length,
                        (unsigned long long)available);
@@ -75,7 +78,7 @@ static mcv_result check_view(const json_t *root, const json_t *view, mcv_bytes b
 
 static mcv_result check_image(const json_t *root, const json_t *image, mcv_bytes binary, const mcv_place *place, mcv_error *error) {
     (void)binary;
-    static const char *const types[] = {"image/png", "image/jpeg", NULL};
+    static const char *const types[] = {"image/png", "image/jpeg", "image/webp", "image/ktx2", NULL};
     const char *uri = NULL, *mime = NULL;
     uint32_t view;
     uint64_t length;

@@ -44,17 +44,17 @@ static mcv_result check_attributes(const json_t *root, json_t *attributes, const
     return MCV_OK;
 }
 
-/* Does the material multiply by a texture that looks up this texture coordinate? */
-static bool uses_texcoord(const json_t *material, const char *set) {
+/* The set of texture coordinates that the material's textures ask for but the attributes lack; -1 if there is none. */
+static int missing_texcoord(const json_t *material, const json_t *attributes) {
     const json_t *infos[] = {json_object_get(json_object_get(material, "pbrMetallicRoughness"), "baseColorTexture"),
                              json_object_get(material, "emissiveTexture")};
     for (int i = 0; i < 2; ++i) {
-        const json_int_t used = json_integer_value(json_object_get(infos[i], "texCoord"));
+        const int set = (int)fmin(json_number_value(json_object_get(infos[i], "texCoord")), 1000);
         char name[32];
-        snprintf(name, sizeof name, "TEXCOORD_%d", (int)used);
-        if (infos[i] && strcmp(name, set) == 0) return true;
+        snprintf(name, sizeof name, "TEXCOORD_%d", set);
+        if (infos[i] && !json_object_get(attributes, name)) return set;
     }
-    return false;
+    return -1;
 }
 
 static mcv_result check_primitive(const json_t *root, const json_t *primitive, const mcv_place *place, mcv_error *error) {
@@ -78,9 +78,8 @@ static mcv_result check_primitive(const json_t *root, const json_t *primitive, c
         return mcv_fail_at(&indices, error, "must be a SCALAR of unsigned integers");
     if (given && (accessor.normalized || accessor.elements.has_stride))
         return mcv_fail_at(&indices, error, "must not be normalized, nor have a byteStride");
-    if (material != MCV_NONE && uses_texcoord(json_array_get(materials, material), "TEXCOORD_0") &&
-        !json_object_get(attributes, "TEXCOORD_0"))
-        return mcv_fail_at(&here, error, "must have TEXCOORD_0 for the texture of its material %u", material);
+    const int missing = material == MCV_NONE ? -1 : missing_texcoord(json_array_get(materials, material), attributes);
+    if (missing >= 0) return mcv_fail_at(&here, error, "must have TEXCOORD_%d for the texture of its material %u", missing, material);
     return MCV_OK;
 }
 

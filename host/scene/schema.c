@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "scene/schema.h"
+
+#include "scene/params.h"
+
+const char *const mcv_schema_names[] = {"MCVISI_sensors", "MCVISI_emitters", "MCVISI_materials", NULL};
+
+/* What one number of a parameter may be. */
+static json_t *scalar_schema(const mcv_param *param) {
+    json_t *schema = json_object();
+    const char *units = NULL;
+    if (param->kind == MCV_PARAM_length || param->kind == MCV_PARAM_length2) units = "nm|um|µm|mm|cm|m";
+    if (param->kind == MCV_PARAM_angle) units = "deg|mrad|rad";
+    if (units) {
+        json_object_set_new(schema, "type", json_pack("[s, s]", "number", "string"));
+        json_object_set_new(schema, "pattern", json_sprintf("^[-+.0-9eE]+ *(%s)?$", units));
+    } else {
+        json_object_set_new(schema, "type", json_string(param->kind == MCV_PARAM_int2 ? "integer" : "number"));
+    }
+    json_object_set_new(schema, "minimum", json_real(param->min == MCV_POSITIVE ? 0 : param->min));
+    if (param->min == MCV_POSITIVE) json_object_set_new(schema, "exclusiveMinimum", json_true());
+    json_object_set_new(schema, "maximum", json_real(param->max));
+    return schema;
+}
+
+static json_t *param_schema(const mcv_param *param) {
+    json_t *schema = json_object();
+    json_object_set_new(schema, "description", json_string(param->doc));
+    if (param->kind == MCV_PARAM_choice) {
+        const char *const *options = mcv_param_options(param->key);
+        json_t *list = json_array();
+        for (int i = 0; options[i]; ++i) json_array_append_new(list, json_string(options[i]));
+        json_object_set_new(schema, "enum", list);
+        json_object_set_new(schema, "default", json_string(options[0]));
+        return schema;
+    }
+    const int n = param->kind == MCV_PARAM_spectrum ? 3 : param->kind == MCV_PARAM_length2 || param->kind == MCV_PARAM_int2 ? 2 : 1;
+    if (n == 1)
+        json_object_update_new(schema, scalar_schema(param));
+    else
+        json_object_set_new(schema, "anyOf",
+                            json_pack("[o, {s:s, s:o, s:i, s:i}]", scalar_schema(param), "type", "array", "items", scalar_schema(param),
+                                      "minItems", n, "maxItems", n));
+    if (param->default_value != MCV_REQUIRED && param->default_value != MCV_UNSET)
+        json_object_set_new(schema, "default", json_real(param->default_value));
+    return schema;
+}
+
+static json_t *element_schema(const char *type, mcv_param_table table) {
+    json_t *properties = json_pack("{s:{s:[s]}, s:{s:s}}", "type", "enum", type, "name", "type", "string");
+    json_t *required = json_pack("[s]", "type");
+    for (size_t i = 0; i < table.count; ++i) {
+        json_object_set_new(properties, table.params[i].key, param_schema(table.params + i));
+        if (table.params[i].default_value == MCV_REQUIRED) json_array_append_new(required, json_string(table.params[i].key));
+    }
+    return json_pack("{s:s, s:o, s:o}", "type", "object", "properties", properties, "required", required);
+}
+
+/* Adds definitions/TYPE for each type, and gives the choice of them. */
+static json_t *any_element(json_t *definitions, const char *const *types, uint32_t count, mcv_param_table (*table)(uint32_t)) {
+    json_t *choice = json_array();
+    for (uint32_t type = 0; type < count; ++type) {
+        json_object_set_new(definitions, types[type], element_schema(types[type], table(type)));
+        json_array_append_new(choice, json_pack("{s:o}", "$ref", json_sprintf("#/definitions/%s", types[type])));
+    }
+    return choice;
+}
+
+/* The root array KEYs and the index KEY (without s) on a node. */
+static json_t *indexed_schema(const char *key, const char *index, json_t *choice, json_t *definitions) {
+    json_object_set_new(definitions, "node",
+                        json_pack("{s:s, s:s, s:{s:{s:s, s:i}}, s:[s]}", "description", "the extension object of a node", "type", "object",
+                                  "properties", index, "type", "integer", "minimum", 0, "required", index));
+    return json_pack("{s:s, s:{s:{s:s, s:i, s:{s:o}}}, s:[s], s:o}", "type", "object", "properties", key, "type", "array", "minItems", 1,
+                     "items", "oneOf", choice, "required", key, "definitions", definitions);
+}
+
+mcv_result mcv_schema_write(FILE *stream, const char *name, mcv_error *error) {
+    json_t *definitions = json_object(), *schema = NULL;
+    if (strcmp(name, "MCVISI_sensors") == 0)
+        schema = indexed_schema("sensors", "sensor", any_element(definitions, mcv_sensor_types, MCV_SENSOR_COUNT, mcv_sensor_table),
+                                definitions);
+    else if (strcmp(name, "MCVISI_emitters") == 0)
+        schema = indexed_schema("emitters", "emitter", any_element(definitions, mcv_emitter_types, MCV_EMITTER_COUNT, mcv_emitter_table),
+                                definitions);
+    else if (strcmp(name, "MCVISI_materials") == 0)
+        schema =
+            json_pack("{s:s, s:o, s:o}", "type", "object", "oneOf",
+                      any_element(definitions, mcv_material_types, MCV_MATERIAL_COUNT, mcv_material_table), "definitions", definitions);
+    else
+        json_decref(definitions);
+    if (!schema) return mcv_fail(error, MCV_USAGE, "there is no schema of \"%s\"", name);
+    json_t *document = json_pack("{s:s, s:s}", "$schema", "http://json-schema.org/draft-04/schema", "title", name);
+    json_object_update_new(document, schema);
+    const bool written = json_dumpf(document, stream, JSON_INDENT(2)) == 0 && fputc('\n', stream) != EOF;
+    json_decref(document);
+    return written ? MCV_OK : mcv_fail(error, MCV_FAILED, "the schema of %s cannot be written", name);
+}
