@@ -89,6 +89,7 @@ static mcv_result open_renderer(renderer *r, const mcv_scene *scene, uint32_t se
     const double start = now();
     MCV_TRY(mcv_cl_open(r->options->device, &r->cl, r->error));
     memcpy(r->stats->device, r->cl.name, sizeof r->stats->device);
+    memcpy(r->stats->driver, r->cl.version, sizeof r->stats->driver);
     MCV_TRY(mcv_device_scene_open(&r->cl, scene, r->options->threads, &r->scene, r->error));
     const mcv_packed *packed = &r->scene.packed;
     mcv_feature_names(packed->features, r->stats->features, sizeof r->stats->features);

@@ -36,6 +36,7 @@ mcv_render_options mcv_render_defaults(void);
 
 typedef struct mcv_render_stats {
     char device[256];
+    char driver[256];   /* its version; empty for the reference */
     char features[256]; /* names, separated by spaces */
     uint64_t paths;     /* begun */
     uint64_t rays, shadow_rays;

@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* mcvisi check: what was understood of a scene, and what rendering it takes. */
+#include "cli/options.h"
+#include "cli/report.h"
+#include "cli/sensor.h"
+#include "render/pack.h"
+#include "render/render.h"
+#include "scene/emitters.h"
+#include "scene/mesh.h"
+#include "scene/params.h"
+#include "scene/sensors.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { DEFINES_SLICE = 256 }; /* of the tile schedule, as the renderer chooses it */
+
+/* --- scene ------------------------------------------------------------------------------------------------------ */
+
+static void report_size(mcv_report *report, const mcv_scene *scene) {
+    double lower[3] = {INFINITY, INFINITY, INFINITY};
+    double upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        const mcv_mesh *mesh = scene->meshes + scene->instances[i].mesh;
+        for (size_t v = 0; v < mesh->vertex_count; ++v) {
+            const float *p = mesh->positions + 3 * v;
+            double world[3];
+            mcv_transform_point(&scene->instances[i].to_world, (const double[3]){p[0], p[1], p[2]}, world);
+            for (int k = 0; k < 3; ++k) {
+                lower[k] = fmin(lower[k], world[k]);
+                upper[k] = fmax(upper[k], world[k]);
+            }
+        }
+    }
+    mcv_report_number(report, "triangles", "", scene->triangle_count);
+    if (scene->triangle_count == 0) return;
+    mcv_report_numbers(report, "size", "m", " x ", (const double[]){upper[0] - lower[0], upper[1] - lower[1], upper[2] - lower[2]}, 3);
+    mcv_report_numbers(report, "lower_corner", "m", ", ", lower, 3);
+    mcv_report_numbers(report, "upper_corner", "m", ", ", upper, 3);
+}
+
+/* --- elements --------------------------------------------------------------------------------------------------- */
+
+/* All parameters of an element, as they are after everything that follows from others has been derived. */
+static void report_parameters(mcv_report *report, mcv_param_table table, const void *params) {
+    for (size_t i = 0; i < table.count; ++i) {
+        const mcv_param *p = table.params + i;
+        const void *field = (const char *)params + p->offset;
+        if (mcv_param_unset(p, params)) continue;
+        switch (p->kind) {
+        case MCV_PARAM_length:
+            mcv_report_number(report, p->key, "m", *(const double *)field);
+            break;
+        case MCV_PARAM_angle:
+            mcv_report_number(report, p->key, "rad", *(const double *)field);
+            break;
+        case MCV_PARAM_number:
+            mcv_report_number(report, p->key, "", *(const double *)field);
+            break;
+        case MCV_PARAM_int2: {
+            const uint32_t *values = field;
+            mcv_report_numbers(report, p->key, "", " x ", (const double[]){values[0], values[1]}, 2);
+            break;
+        }
+        case MCV_PARAM_length2:
+            mcv_report_numbers(report, p->key, "m", " x ", field, 2);
+            break;
+        case MCV_PARAM_spectrum:
+            mcv_report_numbers(report, p->key, "", ", ", field, 3);
+            break;
+        case MCV_PARAM_choice:
+            mcv_report_text(report, p->key, mcv_param_options(p->key)[*(const int *)field]);
+            break;
+        }
+    }
+}
+
+static void report_place(mcv_report *report, const mcv_transform *to_world) {
+    const double *m = to_world->m;
+    mcv_report_numbers(report, "position", "m", ", ", m + 9, 3);
+    mcv_report_numbers(report, "looks_along", "", ", ", (const double[]){-m[2], -m[5], -m[8]}, 3);
+}
+
+static void report_sensor(mcv_report *report, const mcv_scene *scene, uint32_t index) {
+    const mcv_sensor *sensor = scene->sensors + index;
+    const mcv_optics optics = mcv_sensor_optics(sensor);
+    uint32_t width, height;
+    char label[128], title[256];
+    mcv_sensor_film_size(sensor, &width, &height);
+    mcv_sensor_label(scene, index, label, sizeof label);
+    snprintf(title, sizeof title, "%s: %s", label, mcv_sensor_types[sensor->type]);
+    mcv_report_open(report, NULL, title);
+    mcv_report_text(report, "name", sensor->name);
+    mcv_report_text(report, "type", mcv_sensor_types[sensor->type]);
+    report_place(report, &sensor->to_world);
+    mcv_report_numbers(report, "image", "", " x ", (const double[]){width, height}, 2);
+    report_parameters(report, mcv_sensor_table(sensor->type), &sensor->as);
+    mcv_report_open(report, "optics", "optics");
+    mcv_report_number(report, "magnification", "", optics.magnification);
+    mcv_report_number(report, "working_distance", "m", optics.focused_depth);
+    mcv_report_numbers(report, "depth_of_field", "m", " to ", optics.depth_of_field, 2);
+    mcv_report_numbers(report, "field_of_view", "m", " x ", optics.field, 2);
+    mcv_report_numbers(report, "angle_of_view", "rad", " x ", optics.field_angle, 2);
+    mcv_report_number(report, "f_number", "", optics.f_number);
+    mcv_report_number(report, "numerical_aperture", "", optics.numerical_aperture);
+    mcv_report_numbers(report, "macro_pixel_pitch", "m", " x ", optics.macro_pixel, 2);
+    mcv_report_close(report);
+    mcv_report_close(report);
+}
+
+static void report_spectrum(mcv_report *report, const char *key, const char *unit, const double spectrum[3], double factor) {
+    const bool grey = spectrum[0] == spectrum[1] && spectrum[1] == spectrum[2];
+    const double values[3] = {factor * spectrum[0], factor * spectrum[1], factor * spectrum[2]};
+    mcv_report_numbers(report, key, unit, ", ", values, grey ? 1 : 3);
+}
+
+static void report_emitter(mcv_report *report, const mcv_scene *scene, uint32_t index) {
+    const mcv_emitter *emitter = scene->emitters + index;
+    const char *type = mcv_emitter_types[emitter->type];
+    const double projected = mcv_emitter_projected_solid_angle(emitter);
+    char title[256];
+    snprintf(title, sizeof title, "%s: %s", emitter->name, type);
+    mcv_report_open(report, NULL, title);
+    mcv_report_text(report, "name", emitter->name);
+    mcv_report_text(report, "type", type);
+    if (emitter->instance != MCV_NONE) {
+        mcv_report_text(report, "node", scene->instances[emitter->instance].name);
+        report_place(report, &scene->instances[emitter->instance].to_world);
+    }
+    if (emitter->type == MCV_EMITTER_PARALLEL) mcv_report_number(report, "halfAngle", "rad", emitter->as.parallel.halfAngle);
+    mcv_report_number(report, "solid_angle", "sr", mcv_emitter_solid_angle(emitter));
+    report_spectrum(report, "radiance", "W/(m² sr)", emitter->radiance, 1);
+    report_spectrum(report, "exitance", "W/m²", emitter->radiance, projected);
+    if (emitter->instance != MCV_NONE) {
+        mcv_report_number(report, "area", "m²", emitter->area);
+        report_spectrum(report, "power", "W", emitter->radiance, projected * emitter->area);
+    }
+    if (emitter->texture != MCV_NONE) mcv_report_text(report, "texture", "an image lowers these values");
+    mcv_report_close(report);
+}
+
+static void report_material(mcv_report *report, const mcv_scene *scene, uint32_t index) {
+    const mcv_material *material = scene->materials + index;
+    const char *type = mcv_material_types[material->type];
+    double triangles = 0;
+    char title[256];
+    for (uint32_t i = 0; i < scene->instance_count; ++i)
+        if (scene->instances[i].material == index) triangles += scene->meshes[scene->instances[i].mesh].triangle_count;
+    snprintf(title, sizeof title, "%s: %s", material->name, type);
+    mcv_report_open(report, NULL, title);
+    mcv_report_text(report, "name", material->name);
+    mcv_report_text(report, "type", type);
+    mcv_report_number(report, "triangles", "", triangles);
+    report_parameters(report, mcv_material_table(material->type), &material->as);
+    if (material->texture != MCV_NONE) mcv_report_text(report, "texture", scene->textures[material->texture].name);
+    mcv_report_close(report);
+}
+
+/* --- what rendering takes --------------------------------------------------------------------------------------- */
+
+static void report_work(mcv_report *report, const mcv_packed *packed) {
+    static const char *const words[] = {
+#define MCV_X(NAME, word, why) word,
+        MCV_FEATURES(MCV_X)
+#undef MCV_X
+    };
+    static const char *const reasons[] = {
+#define MCV_X(NAME, word, why) why,
+        MCV_FEATURES(MCV_X)
+#undef MCV_X
+    };
+    mcv_report_open(report, "features", "features");
+    for (unsigned i = 0; i < MCV_FEATURE_COUNT; ++i)
+        if (packed->features >> i & 1) mcv_report_text(report, words[i], reasons[i]);
+    mcv_report_close(report);
+    mcv_report_open(report, "stages", "stages");
+#define MCV_WITH_NEXT_EVENT (packed->features >> MCV_FEATURE_NEXT_EVENT & 1)
+#define MCV_X(stage, runs) \
+    mcv_report_text(report, #stage, \
+                    !(runs)                     ? "left out: no diffuse surface looks for an emitter" \
+                    : strcmp(#runs, "1") == 0 ? "runs always" \
+                                              : "runs: diffuse surfaces look for emitters");
+    MCV_STAGES(MCV_X)
+#undef MCV_X
+#undef MCV_WITH_NEXT_EVENT
+    mcv_report_close(report);
+    mcv_report_number(report, "channels", "", packed->channels);
+    mcv_report_number(report, "bytes_per_path", "", 4.0 * mcv_path_words(packed->features, packed->channels));
+}
+
+static mcv_result print_report(const mcv_scene *scene, const mcv_packed *packed, const mcv_command *command, mcv_error *error) {
+    mcv_report report;
+    uint32_t only = MCV_NONE;
+    if (command->sensor) MCV_TRY(mcv_sensor_find(scene, command->sensor, &only, error));
+    mcv_report_begin(&report, command->json);
+    mcv_report_text(&report, "scene", scene->path);
+    report_size(&report, scene);
+    mcv_report_list(&report, "sensors");
+    for (uint32_t i = 0; i < scene->sensor_count; ++i)
+        if (only == MCV_NONE || only == i) report_sensor(&report, scene, i);
+    mcv_report_close(&report);
+    mcv_report_list(&report, "emitters");
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) report_emitter(&report, scene, i);
+    mcv_report_close(&report);
+    mcv_report_list(&report, "materials");
+    for (uint32_t i = 0; i < scene->material_count; ++i) report_material(&report, scene, i);
+    mcv_report_close(&report);
+    report_work(&report, packed);
+    mcv_report_list(&report, "warnings");
+    for (uint32_t i = 0; i < scene->warning_count; ++i) mcv_report_text(&report, "-", scene->warnings[i]);
+    mcv_report_close(&report);
+    return mcv_report_end(&report, error);
+}
+
+static void print_defines(uint32_t features, uint32_t channels, uint32_t sensor_type) {
+    char options[1024];
+    mcv_feature_options(features, channels, sensor_type, MCV_SAMPLER_SOBOL, DEFINES_SLICE, options, sizeof options);
+    puts(options);
+}
+
+static mcv_result check_scene(const mcv_command *command, const mcv_scene *scene, mcv_error *error) {
+    mcv_packed packed;
+    uint32_t sensor = 0;
+    if (scene->sensor_count == 0)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor: give a node a glTF camera or an MCVISI_sensors sensor",
+                        scene->path);
+    if (command->sensor) MCV_TRY(mcv_sensor_find(scene, command->sensor, &sensor, error));
+    MCV_TRY(mcv_pack(scene, &packed, error));
+    mcv_result result = MCV_OK;
+    if (command->defines)
+        print_defines(packed.features, packed.channels, scene->sensors[sensor].type);
+    else
+        result = print_report(scene, &packed, command, error);
+    mcv_packed_free(&packed);
+    return result;
+}
+
+mcv_result mcv_verb_check(const mcv_command *command, mcv_error *error) {
+    mcv_scene *scene;
+    if (!command->argument) {
+        if (!command->defines) return mcv_fail(error, MCV_USAGE, "SCENE is missing: `mcvisi check SCENE`");
+        print_defines((1u << MCV_FEATURE_COUNT) - 1, 3, MCV_SENSOR_LIGHT_FIELD);
+        return MCV_OK;
+    }
+    MCV_TRY(mcv_scene_load(command->argument, (mcv_overrides){command->set.items, command->set.count}, &scene, error));
+    const mcv_result result = check_scene(command, scene, error);
+    mcv_scene_free(scene);
+    return result;
+}

@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "cli/picture.h"
+
+#include "cli/sensor.h"
+#include "output/exr.h"
+#include "output/file.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* --- names ------------------------------------------------------------------------------------------------------ */
+
+/* The path without the ending of its file name. */
+static int stem_length(const char *path) {
+    const char *slash = strrchr(path, '/');
+    const char *dot = strrchr(slash ? slash + 1 : path, '.');
+    return (int)(dot && dot > (slash ? slash + 1 : path) ? (size_t)(dot - path) : strlen(path));
+}
+
+/* path with -SENSOR before its ending where there is a sensor, and another ending where one is given. */
+static mcv_result make_path(char *out, const char *path, const char *sensor, const char *ending, mcv_error *error) {
+    const int stem = stem_length(path);
+    const int length = snprintf(out, PATH_MAX, "%.*s%s%s%s", stem, path, sensor ? "-" : "", sensor ? sensor : "", ending ? ending : path + stem);
+    if (length < PATH_MAX) return MCV_OK;
+    return mcv_fail(error, MCV_BAD_INPUT, "%s: the path of the output is longer than %d bytes", path, PATH_MAX);
+}
+
+static bool same_file(const char *a, const char *b) {
+    struct stat x, y;
+    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
+mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, uint32_t sensor, bool several, mcv_picture *picture,
+                            mcv_error *error) {
+    uint32_t width, height;
+    char label[128];
+    const bool irradiance = mcv_sensor_measures_irradiance(scene->sensors + sensor);
+    picture->quantity = irradiance ? "irradiance" : "radiance";
+    picture->unit = irradiance ? "W/m^2" : "W/(m^2 sr)";
+
+    mcv_sensor_film_size(scene->sensors + sensor, &width, &height);
+    if (width > MCV_EXR_MAX_SIDE || height > MCV_EXR_MAX_SIDE)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: sensors/%s: its image of %u x %u pixels must have at most %d on a side", scene->path,
+                        scene->sensors[sensor].name, width, height, MCV_EXR_MAX_SIDE);
+
+    mcv_sensor_label(scene, sensor, label, sizeof label);
+    for (char *c = label; *c; ++c)
+        if (*c == '/') *c = '_';
+    const char *suffix = several ? label : NULL;
+    MCV_TRY(make_path(picture->exr, command->exr ? command->exr : scene->path, suffix, command->exr ? NULL : ".exr", error));
+    if (command->png)
+        MCV_TRY(make_path(picture->png, command->png, suffix, NULL, error));
+    else
+        MCV_TRY(make_path(picture->png, picture->exr, NULL, ".png", error));
+
+    const char *const paths[] = {picture->exr, picture->png};
+    for (int i = 0; i < 2; ++i) {
+        if (same_file(paths[i], scene->path)) return mcv_fail(error, MCV_USAGE, "%s is the scene: give the image another name", paths[i]);
+        MCV_TRY(mcv_output_check(paths[i], error));
+    }
+    if (strcmp(picture->exr, picture->png) == 0)
+        return mcv_fail(error, MCV_USAGE, "%s would be both the image and its preview: give the preview another name by --png", picture->exr);
+    return MCV_OK;
+}
+
+/* --- what is needed to repeat a render -------------------------------------------------------------------------- */
+
+/* FNV-1a, 64 bits, of a file's bytes. */
+static mcv_result hash_file(const char *path, uint64_t *hash, mcv_error *error) {
+    unsigned char bytes[65536];
+    FILE *file = fopen(path, "rb");
+    if (!file) return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", path, strerror(errno));
+    *hash = 0xcbf29ce484222325u;
+    for (size_t count; (count = fread(bytes, 1, sizeof bytes, file)) > 0;)
+        for (size_t i = 0; i < count; ++i) *hash = (*hash ^ bytes[i]) * 0x100000001b3u;
+    const bool failed = ferror(file);
+    fclose(file);
+    return failed ? mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read to its end", path) : MCV_OK;
+}
+
+/* All --set, one a line. The caller frees it. */
+static char *join_set(const mcv_command *command) {
+    size_t length = 1;
+    for (size_t i = 0; i < command->set.count; ++i) length += strlen(command->set.items[i]) + 1;
+    char *text = calloc(1, length);
+    for (size_t i = 0; text && i < command->set.count; ++i) {
+        if (i) strcat(text, "\n");
+        strcat(text, command->set.items[i]);
+    }
+    return text;
+}
+
+static mcv_attribute text_attribute(const char *name, const char *text) { return (mcv_attribute){.name = name, .text = text}; }
+
+static mcv_attribute number_attribute(const char *name, double number) {
+    return (mcv_attribute){.name = name, .numbers = {number}, .count = 1};
+}
+
+static mcv_result write_exr(const mcv_picture *picture, const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
+                            const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats, const mcv_image *mean,
+                            const mcv_image *deviation, mcv_error *error) {
+    const mcv_exr_part parts[] = {{.name = "image", .image = *mean}, {.name = "error", .image = *deviation}};
+    uint64_t hash;
+    char hash_text[32];
+    MCV_TRY(hash_file(scene->path, &hash, error));
+    snprintf(hash_text, sizeof hash_text, "%016" PRIx64, hash);
+    char *set = join_set(command);
+    if (!set) return mcv_fail(error, MCV_FAILED, "%s: no memory for its header", picture->exr);
+    const mcv_attribute attributes[] = {
+        text_attribute("mcvisi:version", mcv_version()),
+        text_attribute("mcvisi:quantity", picture->quantity),
+        text_attribute("mcvisi:unit", picture->unit),
+        text_attribute("mcvisi:scene", scene->path),
+        text_attribute("mcvisi:sceneFNV1a", hash_text),
+        text_attribute("mcvisi:set", set),
+        text_attribute("mcvisi:sensor", scene->sensors[sensor].name),
+        number_attribute("mcvisi:sensorIndex", sensor),
+        text_attribute("mcvisi:sampler", options->sampler == MCV_SAMPLER_RANDOM ? "random" : "sobol"),
+        number_attribute("mcvisi:seed", options->seed),
+        number_attribute("mcvisi:replicates", film->replicates),
+        number_attribute("mcvisi:firstSample", (double)options->first),
+        number_attribute("mcvisi:samplesPerReplicate", (double)film->samples),
+        number_attribute("mcvisi:errorFreedom", film->replicates - 1.0),
+        number_attribute("mcvisi:depth", options->depth),
+        text_attribute("mcvisi:device", stats->device),
+        text_attribute("mcvisi:driver", stats->driver),
+        text_attribute("mcvisi:features", stats->features),
+        number_attribute("mcvisi:lostEnergy", stats->lost_energy),
+        number_attribute("mcvisi:nonfinite", (double)stats->nonfinite),
+        number_attribute("mcvisi:seconds", stats->seconds_render),
+    };
+    /* One replicate has no spread, and so no known error. */
+    const mcv_result result = mcv_exr_write(picture->exr, parts, film->replicates > 1 ? 2 : 1, attributes,
+                                            sizeof attributes / sizeof attributes[0], error);
+    free(set);
+    return result;
+}
+
+mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
+                             const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats,
+                             mcv_preview *preview, mcv_error *error) {
+    mcv_image mean = {0}, deviation = {0};
+    mcv_result result = mcv_film_develop(film, &mean, &deviation, error);
+    if (result == MCV_OK) result = write_exr(picture, command, scene, sensor, options, film, stats, &mean, &deviation, error);
+    if (result == MCV_OK) result = mcv_png_write_preview(picture->png, &mean, picture->unit, preview, error);
+    mcv_image_free(&mean);
+    mcv_image_free(&deviation);
+    return result;
+}

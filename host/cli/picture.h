@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The files of one rendered sensor: the OpenEXR image with what is needed to repeat it, and the preview. */
+#ifndef MCVISI_HOST_CLI_PICTURE_H
+#define MCVISI_HOST_CLI_PICTURE_H
+
+#include "cli/options.h"
+#include "output/png.h"
+#include "render/render.h"
+
+#include <limits.h>
+
+typedef struct mcv_picture {
+    char exr[PATH_MAX], png[PATH_MAX];
+    const char *quantity, *unit; /* "radiance", "W/(m^2 sr)" */
+} mcv_picture;
+
+/*
+ * Where the files of a sensor go, which must be writable: SCENE.exr beside the scene or --output, with -SENSOR before the
+ * ending where `several` sensors are rendered to; and the same with .png, or --png.
+ */
+mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, uint32_t sensor, bool several, mcv_picture *picture,
+                            mcv_error *error);
+
+/* Writes both. The preview gets its white level. */
+mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
+                             const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats,
+                             mcv_preview *preview, mcv_error *error);
+
+#endif

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "cli/report.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { LABEL_WIDTH = 24 };
+
+void mcv_report_begin(mcv_report *report, bool json) { *report = (mcv_report){.open = {json ? json_object() : NULL}, .depth = 0, .json = json}; }
+
+mcv_result mcv_report_end(mcv_report *report, mcv_error *error) {
+    if (!report->json) return MCV_OK;
+    const int failed = json_dumpf(report->open[0], stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+    json_decref(report->open[0]);
+    putchar('\n');
+    return failed ? mcv_fail(error, MCV_FAILED, "the JSON could not be written to standard output") : MCV_OK;
+}
+
+/* Puts a value (owned) into the innermost object or list. */
+static void put(mcv_report *report, const char *key, json_t *value) {
+    json_t *into = report->open[report->depth];
+    if (json_is_array(into))
+        json_array_append_new(into, value);
+    else
+        json_object_set_new(into, key, value);
+}
+
+static void enter(mcv_report *report, const char *key, json_t *value) {
+    if (report->json) put(report, key, value);
+    report->open[++report->depth] = value;
+}
+
+void mcv_report_open(mcv_report *report, const char *key, const char *title) {
+    if (!report->json) printf("%*s%s\n", 2 * report->depth, "", title);
+    enter(report, key, report->json ? json_object() : NULL);
+}
+
+void mcv_report_list(mcv_report *report, const char *key) {
+    if (!report->json) printf("%*s%s\n", 2 * report->depth, "", key);
+    enter(report, key, report->json ? json_array() : NULL);
+}
+
+void mcv_report_close(mcv_report *report) { --report->depth; }
+
+static void print_label(const mcv_report *report, const char *key) {
+    int at = printf("%*s", 2 * report->depth, "");
+    for (const char *c = key; *c; ++c, ++at) putchar(*c == '_' ? ' ' : *c);
+    printf("%*s", at < LABEL_WIDTH ? LABEL_WIDTH - at : 1, "");
+}
+
+void mcv_report_text(mcv_report *report, const char *key, const char *text) {
+    if (report->json) {
+        json_t *value = json_string(text);
+        put(report, key, value ? value : json_null()); /* not UTF-8 */
+    } else {
+        print_label(report, key);
+        puts(text);
+    }
+}
+
+void mcv_report_words(mcv_report *report, const char *key, const char *words) {
+    if (!report->json) {
+        mcv_report_text(report, key, words);
+        return;
+    }
+    json_t *list = json_array();
+    for (size_t length; (length = strcspn(words, " ")) > 0; words += length, words += strspn(words, " "))
+        json_array_append_new(list, json_stringn(words, length));
+    put(report, key, list);
+}
+
+void mcv_report_flag(mcv_report *report, const char *key, bool value) {
+    if (report->json)
+        put(report, key, json_boolean(value));
+    else
+        mcv_report_text(report, key, value ? "yes" : "no");
+}
+
+/* Whole numbers stay whole in JSON, as far as a double holds them. */
+static json_t *number(double value) {
+    if (!isfinite(value)) return json_null();
+    return value == floor(value) && fabs(value) < 0x1p53 ? json_integer((json_int_t)value) : json_real(value);
+}
+
+/* The unit in which the largest of the values reads best. */
+static const char *handy_unit(const char *unit, const double *values, size_t count, double *factor) {
+    static const struct {
+        const char *name;
+        double factor;
+    } lengths[] = {{"m", 1}, {"mm", 1e3}, {"µm", 1e6}, {"nm", 1e9}};
+    double most = 0;
+    for (size_t i = 0; i < count; ++i)
+        if (isfinite(values[i])) most = fmax(most, fabs(values[i]));
+    *factor = 1;
+    if (strcmp(unit, "rad") == 0) {
+        *factor = 180 / M_PI;
+        return "°";
+    }
+    if (strcmp(unit, "m") != 0) return unit;
+    size_t i = most == 0 ? 1 : 0;
+    while (most > 0 && i < 3 && most * lengths[i].factor < 1) ++i;
+    *factor = lengths[i].factor;
+    return lengths[i].name;
+}
+
+void mcv_report_numbers(mcv_report *report, const char *key, const char *unit, const char *between, const double *values, size_t count) {
+    if (isnan(values[0])) return;
+    if (report->json) {
+        json_t *list = json_array();
+        for (size_t i = 0; i < count; ++i) json_array_append_new(list, number(values[i]));
+        put(report, key, list);
+        return;
+    }
+    double factor;
+    const char *name = handy_unit(unit, values, count, &factor);
+    print_label(report, key);
+    for (size_t i = 0; i < count; ++i) {
+        if (i) fputs(between, stdout);
+        if (isfinite(values[i]))
+            printf("%.6g", values[i] * factor);
+        else
+            fputs("infinite", stdout);
+    }
+    printf("%s%s\n", name[0] ? " " : "", name);
+}
+
+void mcv_report_number(mcv_report *report, const char *key, const char *unit, double value) {
+    if (isnan(value)) return;
+    if (report->json)
+        put(report, key, number(value));
+    else
+        mcv_report_numbers(report, key, unit, "", &value, 1);
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * One account of facts, printed for people or as JSON. Keys are JSON's; people read them with spaces for underscores. Numbers are
+ * SI in JSON (null: infinite) and in handy units for people; NaN means that there is no such thing, and is left out.
+ */
+#ifndef MCVISI_HOST_CLI_REPORT_H
+#define MCVISI_HOST_CLI_REPORT_H
+
+#include "mcvisi/mcvisi.h"
+
+#include <jansson.h>
+
+enum { MCV_REPORT_DEPTH = 8 };
+
+typedef struct mcv_report {
+    json_t *open[MCV_REPORT_DEPTH]; /* objects and arrays, the innermost last; NULL for people */
+    int depth;
+    bool json;
+} mcv_report;
+
+void mcv_report_begin(mcv_report *report, bool json);
+
+/* Prints the JSON. MCV_FAILED without memory. */
+mcv_result mcv_report_end(mcv_report *report, mcv_error *error);
+
+/* An object, a member of the one around it or (key NULL) the next of a list. People read the title. */
+void mcv_report_open(mcv_report *report, const char *key, const char *title);
+void mcv_report_list(mcv_report *report, const char *key);
+void mcv_report_close(mcv_report *report);
+
+void mcv_report_text(mcv_report *report, const char *key, const char *text);
+void mcv_report_words(mcv_report *report, const char *key, const char *words); /* separated by spaces: an array in JSON */
+void mcv_report_flag(mcv_report *report, const char *key, bool value);
+
+/* unit: "m" and "rad" get handy units for people, "" is none, others follow the number. */
+void mcv_report_number(mcv_report *report, const char *key, const char *unit, double value);
+
+/* Several, with e.g. " x " between them for people; left out if the first is NaN. */
+void mcv_report_numbers(mcv_report *report, const char *key, const char *unit, const char *between, const double *values, size_t count);
+
+#endif
