@@ -68,3 +68,10 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_identity id, ui
 #endif
     return 1;
 }
+
+/* What the path would still have carried, in units of 2^-11: a million paths fit the counter. */
+static uint mcv_lost_energy(mcv_slot slot) {
+    mcv_color throughput;
+    MCV_LOAD_COLOR(slot, throughput, throughput);
+    return (uint)(mcv_brightest(throughput) * 2048.0f + 0.5f);
+}

@@ -64,15 +64,11 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void render_tile(MCV_WOR
         alive = next;
     }
 
-    float lost = 0.0f;
     for (uint a = 0; a < alive; ++a) {
-        mcv_color throughput;
         slot.index = active[a];
-        MCV_LOAD_COLOR(slot, throughput, throughput);
-        lost += mcv_brightest(throughput);
+        counts[MCV_COUNTER_lost] += mcv_lost_energy(slot);
     }
     counts[MCV_COUNTER_depth_cut] = alive;
-    counts[MCV_COUNTER_lost] = as_uint(lost);
 
     const uint block = min((uint)MCV_BLOCK, 1u << world.frame->log2_samples);
     for (slot.index = 0; slot.index < count; slot.index += block) {

@@ -96,11 +96,89 @@ static void test_diffuse_furnace(void **state) {
     mcv_scene_free(scene);
 }
 
+/* Same bits */
+
+/* A scene that uses most elements: glass with absorption before a lit diffuse wall, two kinds of light, a mirror. */
+static mcv_scene *mixed_scene(void) {
+    mcv_scene *scene = mcv_scene_new("mixed");
+    const double box[3] = {0.2, 0.15, 0.1};
+    add_sphere(scene, 0.3, 16, add_glass(scene, 1.5, 2, 0), mcv_transform_identity());
+    add_sphere(scene, 0.1, 8, add_glass(scene, 1, 0, 1), mcv_transform_identity());
+    add_rectangle(scene, 2, 2, add_diffuse(scene, 0.6), looking_up_z(0, 0, -0.5));
+    add_box(scene, box, add_material(scene, MCV_MATERIAL_MIRROR, NULL), looking_down_z(0.5, 0.1, -0.2));
+    add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 0.3, 0.3, add_absorber(scene), looking_down_z(0.4, 0.4, 1)), 3, 0);
+    add_emitter(scene, MCV_EMITTER_PARALLEL, add_rectangle(scene, 0.5, 0.5, add_absorber(scene), looking_down_z(-0.3, 0, 1)), 100, 0.05);
+    add_environment(scene, 0.1);
+    add_pinhole(scene, 20, 0.9, looking_down_z(0.05, 0, 1.5));
+    return scene;
+}
+
+static mcv_film render_film(const mcv_scene *scene, uint32_t schedule, uint32_t slice, uint32_t sampler, uint64_t first, uint64_t last) {
+    mcv_render_options options = mcv_render_defaults();
+    mcv_film film;
+    mcv_error error = {""};
+    options.schedule = schedule;
+    options.slice = slice;
+    options.sampler = sampler;
+    options.first = first;
+    options.last = last;
+    if (mcv_render(scene, 0, &options, &film, &last_stats, &error) != MCV_OK) fail_msg("%s", error.text);
+    return film;
+}
+
+static void expect_equal_bits(const mcv_film *a, const mcv_film *b, const char *what) {
+    const size_t values = (size_t)a->width * a->height * a->channels * a->replicates;
+    assert_int_equal(a->samples, b->samples);
+    for (size_t i = 0; i < values; ++i) {
+        if (memcmp(&a->sums[i], &b->sums[i], sizeof(double)) != 0) {
+            fail_msg("%s: sum %zu is %.17g against %.17g", what, i, a->sums[i], b->sums[i]);
+        }
+    }
+}
+
+/* Both schedules, several slice sizes, and sample ranges merged give the same bits, with blocks of samples below and above MCV_BLOCK. */
+static void test_same_bits(void **state) {
+    mcv_scene *scene = mixed_scene();
+    (void)state;
+    for (uint32_t sampler = MCV_SAMPLER_SOBOL; sampler <= MCV_SAMPLER_RANDOM; ++sampler) {
+        for (uint32_t samples = 16; samples <= 256; samples *= 16) {
+            mcv_film tile = render_film(scene, MCV_SCHEDULE_TILE, 256, sampler, 0, samples);
+            const mcv_render_stats tile_stats = last_stats;
+            static const uint32_t slices[] = {64, 192, 1024};
+            for (size_t i = 0; i < sizeof slices / sizeof slices[0]; ++i) {
+                mcv_film other = render_film(scene, MCV_SCHEDULE_TILE, slices[i], sampler, 0, samples);
+                expect_equal_bits(&tile, &other, "slice size");
+                mcv_film_free(&other);
+            }
+            mcv_film stream = render_film(scene, MCV_SCHEDULE_STREAM, 0, sampler, 0, samples);
+            expect_equal_bits(&tile, &stream, "schedule");
+            assert_int_equal(last_stats.paths, tile_stats.paths);
+            assert_int_equal(last_stats.rays, tile_stats.rays);
+            assert_int_equal(last_stats.shadow_rays, tile_stats.shadow_rays);
+            assert_int_equal(last_stats.depth_cut, tile_stats.depth_cut);
+            assert_true(last_stats.lost_energy == tile_stats.lost_energy);
+            assert_int_equal(last_stats.unmatched, 0);
+            assert_int_equal(last_stats.nonfinite, 0);
+
+            mcv_film first = render_film(scene, MCV_SCHEDULE_TILE, 256, sampler, 0, samples / 2);
+            mcv_film second = render_film(scene, MCV_SCHEDULE_STREAM, 0, sampler, samples / 2, samples);
+            BUILD(mcv_film_merge(&first, &second, &builder_error));
+            expect_equal_bits(&tile, &first, "samples split in two and merged");
+            mcv_film_free(&first);
+            mcv_film_free(&second);
+            mcv_film_free(&stream);
+            mcv_film_free(&tile);
+        }
+    }
+    mcv_scene_free(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_environment_alone_is_exact),
         cmocka_unit_test(test_glass_furnace),
         cmocka_unit_test(test_diffuse_furnace),
+        cmocka_unit_test(test_same_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

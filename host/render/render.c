@@ -8,12 +8,9 @@
 #include <time.h>
 
 #include "film/film.h"
-#include "render/device_scene.h"
-#include "scene/sensors.h"
+#include "render/schedule.h"
 
 enum {
-    DEFAULT_SLICE = 256,
-    MAX_SLICES = 2048,     /* per launch: enough for both an even load and a bounded state */
     MAX_LOG2_SAMPLES = 16, /* per launch and set */
     MIN_SAMPLES = 4,       /* per replicate, before an error estimate may stop the render */
 };
@@ -25,10 +22,7 @@ mcv_render_options mcv_render_defaults(void) {
 typedef struct renderer {
     mcv_cl cl;
     mcv_device_scene scene;
-    cl_program program;
-    cl_kernel kernel;
-    cl_mem paths, sums, counters;
-    uint32_t slice, slices; /* paths per slice, slices per launch */
+    mcv_schedule schedule;
     const mcv_render_options *options;
     mcv_render_stats *stats;
     mcv_film *film;
@@ -85,7 +79,6 @@ static mcv_result check_options(const mcv_scene *scene, uint32_t sensor, const m
 }
 
 static mcv_result open_renderer(renderer *r, const mcv_scene *scene, uint32_t sensor) {
-    char options[1024];
     const double start = now();
     MCV_TRY(mcv_cl_open(r->options->device, &r->cl, r->error));
     memcpy(r->stats->device, r->cl.name, sizeof r->stats->device);
@@ -96,21 +89,8 @@ static mcv_result open_renderer(renderer *r, const mcv_scene *scene, uint32_t se
     r->stats->seconds_build = now() - start;
 
     const double compile = now();
-    r->slice = r->options->slice > 0 ? r->options->slice : DEFAULT_SLICE;
-    mcv_feature_options(packed->features, packed->channels, scene->sensors[sensor].type, r->options->sampler, r->slice, options,
-                        sizeof options);
-    MCV_TRY(mcv_cl_build(&r->cl, "tile", options, &r->program, r->error));
-    MCV_TRY(mcv_cl_kernel(r->program, "render_tile", &r->kernel, r->error));
+    MCV_TRY(mcv_schedule_open(&r->cl, &r->scene, scene->sensors[sensor].type, r->options, &r->schedule, r->error));
     r->stats->seconds_compile = now() - compile;
-
-    /* The state of a launch's paths, bounded by a quarter of what the device allows in one buffer. */
-    const size_t slice_bytes = 4 * (size_t)mcv_path_words(packed->features, packed->channels) * r->slice;
-    const size_t most = r->cl.largest_allocation / 4 / slice_bytes;
-    r->slices = (uint32_t)(most < MAX_SLICES ? most : MAX_SLICES);
-    if (r->slices < 1) return mcv_fail(r->error, MCV_DEVICE, "%s: too little memory for a slice of %u paths", r->cl.name, r->slice);
-    MCV_TRY(mcv_cl_buffer(&r->cl, "the paths of a launch", r->slices * slice_bytes, NULL, &r->paths, r->error));
-    MCV_TRY(mcv_cl_buffer(&r->cl, "the sums of a launch", 8 * (size_t)r->slices * r->slice * packed->channels, NULL, &r->sums, r->error));
-    MCV_TRY(mcv_cl_buffer(&r->cl, "the counters of a launch", 4 * (size_t)r->slices * MCV_COUNTER_COUNT, NULL, &r->counters, r->error));
 
     r->frame = (mcv_frame){.width = r->film->width,
                            .height = r->film->height,
@@ -121,32 +101,10 @@ static mcv_result open_renderer(renderer *r, const mcv_scene *scene, uint32_t se
 }
 
 static void close_renderer(renderer *r) {
-    mcv_cl_release(&r->paths);
-    mcv_cl_release(&r->sums);
-    mcv_cl_release(&r->counters);
-    if (r->kernel) clReleaseKernel(r->kernel);
-    if (r->program) clReleaseProgram(r->program);
+    mcv_schedule_close(&r->schedule);
     mcv_device_scene_close(&r->scene);
     mcv_cl_close(&r->cl);
     free(r->round);
-}
-
-static mcv_result add_counters(renderer *r, uint32_t slices) {
-    uint32_t *counters = malloc(4 * (size_t)slices * MCV_COUNTER_COUNT);
-    if (!counters) return mcv_fail(r->error, MCV_FAILED, "no memory for the counters of a launch");
-    const mcv_result result = mcv_cl_read(&r->cl, r->counters, 0, 4 * (size_t)slices * MCV_COUNTER_COUNT, counters, r->error);
-    for (uint32_t s = 0; result == MCV_OK && s < slices; ++s) {
-        const uint32_t *c = counters + (size_t)s * MCV_COUNTER_COUNT;
-        r->stats->paths += c[MCV_COUNTER_paths];
-        r->stats->rays += c[MCV_COUNTER_rays];
-        r->stats->shadow_rays += c[MCV_COUNTER_shadow_rays];
-        r->stats->depth_cut += c[MCV_COUNTER_depth_cut];
-        r->stats->lost_energy += (double)as_float(c[MCV_COUNTER_lost]);
-        r->stats->nonfinite += c[MCV_COUNTER_nonfinite];
-        r->stats->unmatched += c[MCV_COUNTER_unmatched];
-    }
-    free(counters);
-    return result;
 }
 
 /* One launch: 2^frame.log2_samples samples of `sets` sets. The block sums go to blocks[set][channel][first_block …]. */
@@ -155,17 +113,10 @@ static mcv_result launch(renderer *r, uint32_t sets, float *read, double *blocks
     const uint32_t samples = 1u << r->frame.log2_samples;
     const uint32_t block = samples < MCV_BLOCK ? samples : MCV_BLOCK;
     r->frame.path_count = sets * samples;
-    const uint32_t slices = (r->frame.path_count + r->slice - 1) / r->slice;
-    MCV_TRY(mcv_cl_write(&r->cl, r->scene.frame, 0, sizeof r->frame, &r->frame, r->error));
-    mcv_arg arguments[MCV_SCENE_ARGUMENTS + 3];
-    mcv_device_scene_arguments(&r->scene, arguments);
-    arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(r->paths);
-    arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(r->sums);
-    arguments[MCV_SCENE_ARGUMENTS + 2] = MCV_ARG(r->counters);
-    MCV_TRY(mcv_cl_launch(&r->cl, r->kernel, slices, 1, arguments, MCV_SCENE_ARGUMENTS + 3, r->error));
+    MCV_TRY(mcv_schedule_run(&r->schedule, &r->frame, r->stats, r->error));
 
     const uint32_t launched_blocks = samples / block;
-    MCV_TRY(mcv_cl_read(&r->cl, r->sums, 0, 8 * (size_t)sets * launched_blocks * channels, read, r->error));
+    MCV_TRY(mcv_cl_read(&r->cl, r->schedule.sums, 0, 8 * (size_t)sets * launched_blocks * channels, read, r->error));
     for (uint32_t set = 0; set < sets; ++set) {
         for (uint32_t b = 0; b < launched_blocks; ++b) {
             for (uint32_t c = 0; c < channels; ++c) {
@@ -175,7 +126,7 @@ static mcv_result launch(renderer *r, uint32_t sets, float *read, double *blocks
         }
     }
     if (r->stats->seconds_first_sample == 0) r->stats->seconds_first_sample = now() - r->begun;
-    return add_counters(r, slices);
+    return MCV_OK;
 }
 
 /* Where in the image a set's pixel lies; false if its 8 x 8 tile sticks out there. */
@@ -196,7 +147,7 @@ static mcv_result render_round(renderer *r, uint64_t first, uint64_t count, doub
     const mcv_film *film = r->film;
     const uint32_t channels = film->channels;
     const uint64_t set_count = (uint64_t)((film->width + 7) / 8) * ((film->height + 7) / 8) * 64 * film->replicates;
-    const uint32_t capacity = r->slices * r->slice;
+    const uint32_t capacity = r->schedule.capacity;
     uint32_t log2_samples = floor_log2(count);
     if (log2_samples > MAX_LOG2_SAMPLES) log2_samples = MAX_LOG2_SAMPLES;
     if (log2_samples > floor_log2(capacity)) log2_samples = floor_log2(capacity);

@@ -88,7 +88,7 @@ typedef struct mcv_device_texture {
 } mcv_device_texture;
 MCV_ASSERT_SIZE(mcv_device_texture, 32);
 
-/* What each slice of paths counts, for the host to add up. */
+/* What a launch counts, per slice or in all, for the host to add up; lost energy in units of 2^-11 paths. */
 #define MCV_COUNTERS(X) X(paths) X(rays) X(shadow_rays) X(depth_cut) X(lost) X(nonfinite) X(unmatched)
 enum {
 #define MCV_X(name) MCV_COUNTER_##name,

@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "render/schedule.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    DEFAULT_SLICE = 256,
+    MAX_SLICES = 2048, /* enough for both an even load and a bounded state */
+    MAX_STREAM_PATHS = 1 << 20,
+    STREAM_GROUP = 64, /* as in kernels/stream.cl */
+    STREAM_ARGUMENTS = MCV_SCENE_ARGUMENTS + 7,
+};
+
+/* The state of a launch's paths may take a quarter of what the device allows in one buffer. */
+static uint32_t fitting_paths(const mcv_cl *cl, size_t bytes_per_path, uint32_t most) {
+    const size_t fitting = cl->largest_allocation / 4 / bytes_per_path;
+    return fitting < most ? (uint32_t)fitting : most;
+}
+
+static mcv_result open_tile(mcv_schedule *s, const char *options, mcv_error *error) {
+    MCV_TRY(mcv_cl_build(s->cl, "tile", options, &s->program, error));
+    return mcv_cl_kernel(s->program, "render_tile", &s->kernels[0], error);
+}
+
+static mcv_result open_stream(mcv_schedule *s, const char *options, mcv_error *error) {
+    const uint32_t MCV_WITH_NEXT_EVENT = s->scene->packed.features >> MCV_FEATURE_NEXT_EVENT & 1;
+    MCV_TRY(mcv_cl_build(s->cl, "stream", options, &s->program, error));
+#define MCV_X(stage, runs) \
+    if (runs) MCV_TRY(mcv_cl_kernel(s->program, #stage, &s->kernels[MCV_KERNEL_##stage], error));
+    MCV_STREAM_KERNELS(MCV_X)
+#undef MCV_X
+    MCV_TRY(mcv_cl_buffer(s->cl, "the queues", 3 * sizeof(cl_uint) * s->capacity, NULL, &s->queues, error));
+    return mcv_cl_buffer(s->cl, "the lengths of the queues", 2 * sizeof(cl_uint) * (s->depth + 1), NULL, &s->lengths, error);
+}
+
+mcv_result mcv_schedule_open(mcv_cl *cl, const mcv_device_scene *scene, uint32_t sensor_type, const mcv_render_options *options,
+                             mcv_schedule *schedule, mcv_error *error) {
+    mcv_schedule *s = schedule;
+    char defines[1024];
+    const mcv_packed *packed = &scene->packed;
+    const size_t path_bytes = 4 * (size_t)mcv_path_words(packed->features, packed->channels);
+    memset(s, 0, sizeof *s);
+    s->cl = cl;
+    s->scene = scene;
+    s->depth = options->depth;
+    s->kind = options->schedule;
+    if (s->kind == MCV_SCHEDULE_AUTO) s->kind = cl->cpu ? MCV_SCHEDULE_TILE : MCV_SCHEDULE_STREAM;
+    s->slice = options->slice > 0 ? options->slice : DEFAULT_SLICE;
+    const uint32_t unit = s->kind == MCV_SCHEDULE_TILE ? s->slice : MCV_BLOCK;
+    s->capacity = fitting_paths(cl, path_bytes, s->kind == MCV_SCHEDULE_TILE ? MAX_SLICES * s->slice : MAX_STREAM_PATHS) / unit * unit;
+    if (s->capacity == 0) return mcv_fail(error, MCV_DEVICE, "%s: too little memory for a slice of %u paths", cl->name, unit);
+
+    mcv_feature_options(packed->features, packed->channels, sensor_type, options->sampler, s->slice, defines, sizeof defines);
+    MCV_TRY(s->kind == MCV_SCHEDULE_TILE ? open_tile(s, defines, error) : open_stream(s, defines, error));
+    const size_t counter_sets = s->kind == MCV_SCHEDULE_TILE ? s->capacity / s->slice : 1;
+    MCV_TRY(mcv_cl_buffer(cl, "the paths of a launch", path_bytes * s->capacity, NULL, &s->paths, error));
+    MCV_TRY(mcv_cl_buffer(cl, "the sums of a launch", 8 * (size_t)s->capacity * packed->channels, NULL, &s->sums, error));
+    return mcv_cl_buffer(cl, "the counters of a launch", sizeof(cl_uint) * counter_sets * MCV_COUNTER_COUNT, NULL, &s->counters, error);
+}
+
+void mcv_schedule_close(mcv_schedule *schedule) {
+    mcv_cl_release(&schedule->paths);
+    mcv_cl_release(&schedule->sums);
+    mcv_cl_release(&schedule->counters);
+    mcv_cl_release(&schedule->queues);
+    mcv_cl_release(&schedule->lengths);
+    for (size_t i = 0; i < MCV_STREAM_KERNEL_COUNT; ++i) {
+        if (schedule->kernels[i]) clReleaseKernel(schedule->kernels[i]);
+    }
+    if (schedule->program) clReleaseProgram(schedule->program);
+    memset(schedule, 0, sizeof *schedule);
+}
+
+static mcv_result add_counters(mcv_schedule *s, uint32_t sets, mcv_render_stats *stats, mcv_error *error) {
+    const size_t bytes = sizeof(cl_uint) * sets * MCV_COUNTER_COUNT;
+    cl_uint *counters = malloc(bytes);
+    if (!counters) return mcv_fail(error, MCV_FAILED, "no memory for the counters of a launch");
+    const mcv_result result = mcv_cl_read(s->cl, s->counters, 0, bytes, counters, error);
+    for (uint32_t i = 0; result == MCV_OK && i < sets; ++i) {
+        const cl_uint *c = counters + (size_t)i * MCV_COUNTER_COUNT;
+        stats->paths += c[MCV_COUNTER_paths];
+        stats->rays += c[MCV_COUNTER_rays];
+        stats->shadow_rays += c[MCV_COUNTER_shadow_rays];
+        stats->depth_cut += c[MCV_COUNTER_depth_cut];
+        stats->lost_energy += c[MCV_COUNTER_lost] * 0x1p-11;
+        stats->nonfinite += c[MCV_COUNTER_nonfinite];
+        stats->unmatched += c[MCV_COUNTER_unmatched];
+    }
+    free(counters);
+    return result;
+}
+
+static mcv_result run_tile(mcv_schedule *s, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
+    const uint32_t slices = (frame->path_count + s->slice - 1) / s->slice;
+    mcv_arg arguments[MCV_SCENE_ARGUMENTS + 3];
+    mcv_device_scene_arguments(s->scene, arguments);
+    arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->paths);
+    arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->sums);
+    arguments[MCV_SCENE_ARGUMENTS + 2] = MCV_ARG(s->counters);
+    MCV_TRY(mcv_cl_launch(s->cl, s->kernels[0], slices, 1, arguments, MCV_SCENE_ARGUMENTS + 3, error));
+    return add_counters(s, slices, stats, error);
+}
+
+static mcv_result zero(mcv_cl *cl, cl_mem buffer, size_t bytes, mcv_error *error) {
+    const cl_uint nothing = 0;
+    MCV_TRY_CL(clEnqueueFillBuffer(cl->queue, buffer, &nothing, sizeof nothing, 0, bytes, 0, NULL, NULL), error);
+    return MCV_OK;
+}
+
+/* All launches of a pass without waiting for any: a stage whose queue is empty ends at once. */
+static mcv_result run_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
+    cl_uint depth = 0;
+    const uint32_t block = frame->log2_samples < 6 ? 1u << frame->log2_samples : MCV_BLOCK;
+    mcv_arg arguments[STREAM_ARGUMENTS];
+    mcv_device_scene_arguments(s->scene, arguments);
+    arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->paths);
+    arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->sums);
+    arguments[MCV_SCENE_ARGUMENTS + 2] = MCV_ARG(s->counters);
+    arguments[MCV_SCENE_ARGUMENTS + 3] = MCV_ARG(s->queues);
+    arguments[MCV_SCENE_ARGUMENTS + 4] = MCV_ARG(s->lengths);
+    arguments[MCV_SCENE_ARGUMENTS + 5] = MCV_ARG(s->capacity);
+    arguments[MCV_SCENE_ARGUMENTS + 6] = MCV_ARG(depth);
+    MCV_TRY(zero(s->cl, s->lengths, 2 * sizeof(cl_uint) * (s->depth + 1), error));
+    MCV_TRY(zero(s->cl, s->counters, sizeof(cl_uint) * MCV_COUNTER_COUNT, error));
+#define MCV_RUN(stage, count) \
+    MCV_TRY(mcv_cl_launch(s->cl, s->kernels[MCV_KERNEL_##stage], (count), STREAM_GROUP, arguments, STREAM_ARGUMENTS, error))
+    MCV_RUN(generate_rays, frame->path_count);
+    for (depth = 0; depth < frame->depth; ++depth) {
+        MCV_RUN(intersect_closest, frame->path_count);
+        if (s->kernels[MCV_KERNEL_sample_emitters] && depth + 1 < frame->depth) {
+            MCV_RUN(sample_emitters, frame->path_count);
+            MCV_RUN(intersect_shadow, frame->path_count);
+        }
+        MCV_RUN(shade_surfaces, frame->path_count);
+    }
+    MCV_RUN(accumulate_film, frame->path_count / block);
+    MCV_RUN(count_rays, 1);
+#undef MCV_RUN
+    return add_counters(s, 1, stats, error);
+}
+
+mcv_result mcv_schedule_run(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
+    MCV_TRY(mcv_cl_write(schedule->cl, schedule->scene->frame, 0, sizeof *frame, frame, error));
+    return schedule->kind == MCV_SCHEDULE_TILE ? run_tile(schedule, frame, stats, error) : run_stream(schedule, frame, stats, error);
+}

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The two ways to drive the same stages: tile (one launch per pass, a slice of paths per work-item, for CPUs) and stream
+ * (one launch per stage, for GPUs). Both give the same bits.
+ */
+#ifndef MCVISI_HOST_RENDER_SCHEDULE_H
+#define MCVISI_HOST_RENDER_SCHEDULE_H
+
+#include "render/device_scene.h"
+#include "render/render.h"
+
+/* X(kernel of kernels/stream.cl): the stages in their order, then the count. */
+#define MCV_STREAM_KERNELS(X) MCV_STAGES(X) X(count_rays, 1)
+#define MCV_X(stage, runs) MCV_KERNEL_##stage,
+enum { MCV_STREAM_KERNELS(MCV_X) MCV_STREAM_KERNEL_COUNT };
+#undef MCV_X
+
+typedef struct mcv_schedule {
+    mcv_cl *cl;
+    const mcv_device_scene *scene;
+    uint32_t kind;     /* MCV_SCHEDULE_TILE or _STREAM */
+    uint32_t capacity; /* paths of a launch at most */
+    uint32_t slice;    /* paths per slice (tile) */
+    uint32_t depth;
+    cl_program program;
+    cl_kernel kernels[MCV_STREAM_KERNEL_COUNT]; /* tile: the first only; stream: NULL where the scene needs no such stage */
+    cl_mem paths, sums, counters;
+    cl_mem queues, lengths; /* stream */
+} mcv_schedule;
+
+/* Chooses by the device where options->schedule is auto, builds the program, allocates. Close it even after a failure. */
+mcv_result mcv_schedule_open(mcv_cl *cl, const mcv_device_scene *scene, uint32_t sensor_type, const mcv_render_options *options,
+                             mcv_schedule *schedule, mcv_error *error);
+void mcv_schedule_close(mcv_schedule *schedule);
+
+/* Renders the frame's paths; schedule->sums then holds two floats per channel and block of samples. */
+mcv_result mcv_schedule_run(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error);
+
+#endif

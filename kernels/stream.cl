@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The stream schedule, for GPUs: one launch per stage over all paths of a pass. Queues hold the slots of the paths that a
+ * stage has work for; their lengths stay on the device, the host launches blind and stages end early. Which order a queue gets
+ * its entries in does not matter: a path writes its own slot alone.
+ *
+ * Queue 0 and 1: active paths of even and odd depths; queue 2: shadow rays. lengths[d]: active paths at depth d; after the
+ * frame's depth + 1 of them, shadow rays at each depth.
+ */
+#include "world.h"
+#include "generate_rays.cl"
+#include "intersect_closest.cl"
+#if MCV_WITH_NEXT_EVENT
+#include "sample_emitters.cl"
+#include "intersect_shadow.cl"
+#endif
+#include "shade_surfaces.cl"
+#include "accumulate_film.cl"
+
+#define MCV_STREAM_GROUP 64
+#define MCV_STAGE_KERNEL(stage) \
+    __kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void stage( \
+        MCV_WORLD_PARAMETERS __global uint *paths, __global float *sums, __global uint *counters, __global uint *queues, \
+        __global uint *lengths, uint capacity, uint depth)
+#define MCV_ACTIVE(d) (queues + (size_t)((d)&1u) * capacity)
+#define MCV_SHADOWS (queues + (size_t)2 * capacity)
+#define MCV_SHADOW_LENGTH(d) lengths[world.frame->depth + 1u + (d)]
+
+MCV_FUNCTION mcv_slot mcv_stream_slot(__global uint *paths, uint capacity, uint index) {
+    mcv_slot slot;
+    slot.base = paths;
+    slot.capacity = capacity;
+    slot.index = index;
+    return slot;
+}
+
+MCV_STAGE_KERNEL(generate_rays) {
+    MCV_MAKE_WORLD(world)
+    const uint path = get_global_id(0);
+    (void)sums, (void)counters, (void)depth;
+    if (path >= world.frame->path_count) return;
+    if (mcv_generate_ray(world, mcv_stream_slot(paths, capacity, path), mcv_identify(world.frame, path))) {
+        MCV_ACTIVE(0)[atomic_inc(&lengths[0])] = path;
+    }
+}
+
+MCV_STAGE_KERNEL(intersect_closest) {
+    MCV_MAKE_WORLD(world)
+    const uint i = get_global_id(0);
+    (void)sums, (void)counters;
+    if (i < lengths[depth]) mcv_intersect_closest(world, mcv_stream_slot(paths, capacity, MCV_ACTIVE(depth)[i]));
+}
+
+#if MCV_WITH_NEXT_EVENT
+MCV_STAGE_KERNEL(sample_emitters) {
+    MCV_MAKE_WORLD(world)
+    const uint i = get_global_id(0);
+    (void)sums, (void)counters;
+    if (i >= lengths[depth]) return;
+    const uint path = MCV_ACTIVE(depth)[i];
+    if (mcv_sample_emitter(world, mcv_stream_slot(paths, capacity, path), mcv_identify(world.frame, path), depth)) {
+        MCV_SHADOWS[atomic_inc(&MCV_SHADOW_LENGTH(depth))] = path;
+    }
+}
+
+MCV_STAGE_KERNEL(intersect_shadow) {
+    MCV_MAKE_WORLD(world)
+    const uint i = get_global_id(0);
+    (void)sums, (void)counters;
+    if (i < MCV_SHADOW_LENGTH(depth)) mcv_intersect_shadow(world, mcv_stream_slot(paths, capacity, MCV_SHADOWS[i]));
+}
+#endif
+
+MCV_STAGE_KERNEL(shade_surfaces) {
+    MCV_MAKE_WORLD(world)
+    const uint i = get_global_id(0);
+    uint unmatched = 0;
+    (void)sums;
+    if (i >= lengths[depth]) return;
+    const uint path = MCV_ACTIVE(depth)[i];
+    const mcv_slot slot = mcv_stream_slot(paths, capacity, path);
+    if (mcv_shade_surface(world, slot, mcv_identify(world.frame, path), depth, &unmatched)) {
+        MCV_ACTIVE(depth + 1u)[atomic_inc(&lengths[depth + 1u])] = path;
+        /* What the depth limit cuts. */
+        if (depth + 1u == world.frame->depth) atomic_add(&counters[MCV_COUNTER_lost], mcv_lost_energy(slot));
+    }
+    if (unmatched > 0) atomic_add(&counters[MCV_COUNTER_unmatched], unmatched);
+}
+
+/* One work-item per block. */
+MCV_STAGE_KERNEL(accumulate_film) {
+    MCV_MAKE_WORLD(world)
+    const uint block = min((uint)MCV_BLOCK, 1u << world.frame->log2_samples);
+    const uint i = get_global_id(0);
+    uint nonfinite = 0;
+    (void)queues, (void)lengths, (void)depth;
+    if (i >= world.frame->path_count / block) return;
+    mcv_accumulate_block(world, mcv_stream_slot(paths, capacity, i * block), block, sums + (size_t)i * (2 * MCV_CHANNELS), &nonfinite);
+    if (nonfinite > 0) atomic_add(&counters[MCV_COUNTER_nonfinite], nonfinite);
+}
+
+/* The lengths of the queues are what was counted on the way: one work-item adds them up. */
+MCV_STAGE_KERNEL(count_rays) {
+    MCV_MAKE_WORLD(world)
+    (void)paths, (void)sums, (void)queues, (void)capacity, (void)depth;
+    if (get_global_id(0) > 0) return;
+    counters[MCV_COUNTER_paths] = lengths[0];
+    for (uint d = 0; d < world.frame->depth; ++d) {
+        counters[MCV_COUNTER_rays] += lengths[d];
+        counters[MCV_COUNTER_shadow_rays] += MCV_SHADOW_LENGTH(d);
+    }
+    counters[MCV_COUNTER_depth_cut] = lengths[world.frame->depth];
+}
