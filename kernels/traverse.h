@@ -29,15 +29,16 @@
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 
-/* One bit per lane with a negative (true) value. clang knows the builtin on any x86 but can only emit it with AVX. */
+/* clang knows the mask builtins on any x86, but can only emit them with AVX. */
 #if defined(__AVX__) && defined(__has_builtin)
 #if __has_builtin(__builtin_ia32_movmskps256) && __has_builtin(__builtin_ia32_movmskps)
-#define MCV_MOVMASK 1
+#define MCV_AVX_BUILTINS 1
 #endif
 #endif
 
+/* One bit per lane with a negative (true) value. */
 static inline uint mcv_mask8(int8 lanes) {
-#ifdef MCV_MOVMASK
+#ifdef MCV_AVX_BUILTINS
     return (uint)__builtin_ia32_movmskps256(as_float8(lanes));
 #else
     const int8 bits = lanes & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
@@ -48,7 +49,7 @@ static inline uint mcv_mask8(int8 lanes) {
 }
 
 static inline uint mcv_mask4(int4 lanes) {
-#ifdef MCV_MOVMASK
+#ifdef MCV_AVX_BUILTINS
     return (uint)__builtin_ia32_movmskps(as_float4(lanes));
 #else
     const int4 bits = lanes & (int4)(1, 2, 4, 8);
@@ -210,6 +211,20 @@ static inline int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_ra
     return found;
 }
 
+/* Begins to fetch a child that waits: by its turn it has come. Only where all memory is the host's; clang has no global form. */
+static inline void mcv_prefetch_child(__global const mcv_node *nodes, __global const mcv_leaf *leaves, uint child) {
+#ifdef MCV_AVX_BUILTINS
+    const int is_leaf = (child & MCV_CHILD_LEAF) != 0;
+    const char *line = (const char *)(is_leaf ? (size_t)(leaves + (child & ~MCV_CHILD_LEAF)) : (size_t)(nodes + child));
+    __builtin_prefetch(line);
+    __builtin_prefetch(line + 64);
+    __builtin_prefetch(line + 128);
+    if (!is_leaf) __builtin_prefetch(line + 192);
+#else
+    (void)nodes, (void)leaves, (void)child;
+#endif
+}
+
 /*
  * The closest hit with 0 < t < t_max; on equal t the triangle with the lowest number. The direction need not be unit; t counts
  * in its length. A zero or non-finite direction hits nothing.
@@ -230,21 +245,29 @@ static inline __attribute__((noinline)) mcv_hit mcv_intersect_closest_ray(__glob
             float8 entry;
             uint mask = mcv_intersect_boxes(node, &ray, hit.t, &entry);
             if (mask) {
+                uint lane = mcv_pop_bit(&mask);
+                if (!mask) {
+                    current = node->child[lane];
+                    continue;
+                }
+                /* Let the children wait with the nearest on top, and go on with that. */
                 float t[8];
                 vstore8(entry, 0, t);
-                uint nearest = mcv_pop_bit(&mask);
-                while (mask) {
-                    /* Keep the stack sorted, the nearest child on top, and go on with the nearest of all. */
-                    uint other = mcv_pop_bit(&mask);
-                    if (t[other] < t[nearest]) {
-                        const uint swap = other;
-                        other = nearest;
-                        nearest = swap;
+                const uint bottom = count;
+                for (;;) {
+                    const uint child = node->child[lane];
+                    uint place = count++;
+                    for (; place > bottom && waiting_t[place - 1] < t[lane]; --place) {
+                        waiting_t[place] = waiting_t[place - 1];
+                        waiting[place] = waiting[place - 1];
                     }
-                    waiting[count] = node->child[other];
-                    waiting_t[count++] = t[other];
+                    waiting_t[place] = t[lane];
+                    waiting[place] = child;
+                    mcv_prefetch_child(nodes, leaves, child);
+                    if (!mask) break;
+                    lane = mcv_pop_bit(&mask);
                 }
-                current = node->child[nearest];
+                current = waiting[--count];
                 continue;
             }
         }
@@ -271,7 +294,11 @@ static inline __attribute__((noinline)) int mcv_intersect_any_ray(__global const
             __global const mcv_node *node = nodes + current;
             float8 entry;
             uint mask = mcv_intersect_boxes(node, &ray, t_max, &entry);
-            while (mask) waiting[count++] = node->child[mcv_pop_bit(&mask)];
+            while (mask) {
+                const uint child = node->child[mcv_pop_bit(&mask)];
+                mcv_prefetch_child(nodes, leaves, child);
+                waiting[count++] = child;
+            }
         }
         if (count == 0) return 0;
         current = waiting[--count];

@@ -394,7 +394,7 @@ static void fill_leaves(worker *w) {
 static void order(builder *b) {
     struct {
         uint32_t draft, parent, slot;
-    } waiting[MCV_BVH_STACK + 1] = {{0, 0, 0}};
+    } waiting[MCV_BVH_STACK] = {{0, 0, 0}};
     uint32_t count = 1, nodes = 0, leaves = 0;
     while (count) {
         --count;

@@ -13,13 +13,13 @@
 #define MCV_LEAF_TRIANGLES 4
 
 /*
- * The builder makes at most this many levels of nodes, whatever the triangles. A traversal that goes on with one child
- * and stacks the others holds at most WIDTH - 1 entries per level: this bounds its stack.
+ * The builder makes at most this many levels of nodes, whatever the triangles. A traversal that stacks the children
+ * of a node and takes one off again leaves at most WIDTH - 1 per level, and has WIDTH of the last: this bounds its stack.
  */
 #ifndef MCV_BVH_LEVELS
 #define MCV_BVH_LEVELS 32
 #endif
-#define MCV_BVH_STACK (MCV_BVH_LEVELS * (MCV_BVH_WIDTH - 1))
+#define MCV_BVH_STACK (MCV_BVH_LEVELS * (MCV_BVH_WIDTH - 1) + 1)
 
 /* A child is the number of a node, or with this bit the number of a leaf. */
 #define MCV_CHILD_LEAF 0x80000000u
