@@ -7,8 +7,9 @@ typedef struct point {
 
 /* Uniform on the disk of the given radius. */
 static point on_disk(double radius, double u, double v) {
-    const double r = radius * sqrt(u);
-    return (point){r * cos(2 * M_PI * v), r * sin(2 * M_PI * v)};
+    const double r = radius * sqrt(u), angle = 2 * M_PI * v;
+    const point p = {r * cos(angle), r * sin(angle)};
+    return p;
 }
 
 /* The image point of the position (column, row) in pixels. The lens turns the image, the read-out turns it back. */
