@@ -140,5 +140,7 @@ mcv_result mcv_glb_split(mcv_bytes file, mcv_bytes *json, mcv_bytes *binary, con
         if (type == GLB_BINARY) *binary = (mcv_bytes){file.data + offset, size};
         offset += size;
     }
-    return json->data == file.data ? mcv_fail_at(place, error, "the GLB has no chunk") : MCV_OK;
+    if (json->data == file.data) return mcv_fail_at(place, error, "the GLB has no chunk");
+    if (!binary->data) *binary = (mcv_bytes){file.data + file.size, 0};
+    return MCV_OK;
 }

@@ -25,7 +25,7 @@ mcv_result mcv_file_resolve(const char *base, const char *uri, char **path, cons
 
 /*
  * The chunks of a GLB; both lie inside `file`. A file that does not begin like a GLB is JSON as a whole. `binary->data` is
- * NULL where there is no binary chunk.
+ * NULL where the file is no GLB; a GLB without a binary chunk has one of size 0.
  */
 mcv_result mcv_glb_split(mcv_bytes file, mcv_bytes *json, mcv_bytes *binary, const mcv_place *place, mcv_error *error);
 

@@ -255,7 +255,7 @@ static mcv_result parse(mcv_loader *loader, mcv_error *error) {
     json_error_t wrong;
     MCV_TRY(mcv_file_read(loader->scene->path, &loader->bytes, &loader->file, error));
     MCV_TRY(mcv_glb_split(loader->bytes, &json, &loader->binary, &loader->file, error));
-    loader->root = json_loadb((const char *)json.data, json.size, 0, &wrong);
+    loader->root = json_loadb((const char *)json.data, json.size, JSON_REJECT_DUPLICATES, &wrong);
     if (!loader->root) return mcv_fail_at(&loader->file, error, "line %d column %d is no JSON: %s", wrong.line, wrong.column, wrong.text);
     if (!loader->binary.data) { /* all of a .gltf is in the tree now */
         free(loader->bytes.data);

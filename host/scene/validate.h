@@ -12,7 +12,7 @@
 /* Nodes may lie this deep. */
 enum { MCV_NODE_DEPTH = 1000 };
 
-/* `binary` is the chunk of a GLB; data NULL where there is none. `file` is the place of the document. */
+/* `binary` as from mcv_glb_split. `file` is the place of the document. */
 mcv_result mcv_gltf_validate(const json_t *root, mcv_bytes binary, const mcv_place *file, mcv_error *error);
 
 /* Buffers, bufferViews, images (validate_buffers.c); accessors, meshes (validate_meshes.c). */

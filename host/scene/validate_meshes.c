@@ -36,6 +36,9 @@ static mcv_result check_attributes(const json_t *root, json_t *attributes, const
         const mcv_place here = mcv_place_key(place, key);
         MCV_TRY(mcv_accessor_get(root, attributes, key, &given, &accessor, place, error));
         MCV_TRY(check_attribute(key, &accessor, &here, error));
+        if (accessor.elements.view != MCV_NONE && (accessor.elements.offset % 4 != 0 || accessor.elements.stride % 4 != 0))
+            return mcv_fail_at(&here, error, "its elements must begin at multiples of 4 bytes, not at byte %llu and every %llu",
+                               (unsigned long long)accessor.elements.offset, (unsigned long long)accessor.elements.stride);
         if (count == 0) count = accessor.count;
         if (accessor.count != count)
             return mcv_fail_at(&here, error, "has %llu elements, but must have as many as the other attributes: %llu",
