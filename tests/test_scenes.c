@@ -77,7 +77,7 @@ static double closed_volume(const mcv_scene *scene, uint32_t instance) {
     }
     qsort(edges, edge_count, sizeof *edges, compare_edges);
     for (size_t i = 0; i < edge_count; ++i) {
-        edge opposite;
+        edge opposite = {{{0}}};
         memcpy(opposite.ends[0], edges[i].ends[1], sizeof opposite.ends[0]);
         memcpy(opposite.ends[1], edges[i].ends[0], sizeof opposite.ends[1]);
         if (i && compare_edges(&edges[i - 1], &edges[i]) == 0) fail_msg("%s: an edge runs twice in the same direction", scene->path);

@@ -83,9 +83,9 @@ static void test_same_hit_as_all_triangles(void **state) {
     (void)state;
     enum { COUNT = 220000 * RAY_FACTOR };
     mesh meshes[] = {mesh_sphere(5, 0.1), mesh_terrain(12, 0.3, 1), mesh_needles(250, 2), mesh_bipyramid(120), mesh_duplicates(256, 3)};
-    batch_ray *rays = malloc(COUNT * sizeof *rays);
-    mcv_hit *got = malloc(COUNT * sizeof *got), *wanted = malloc(COUNT * sizeof *wanted);
-    int *found = malloc(COUNT * sizeof *found);
+    batch_ray *rays = calloc(COUNT, sizeof *rays);
+    mcv_hit *got = calloc(COUNT, sizeof *got), *wanted = calloc(COUNT, sizeof *wanted);
+    int *found = calloc(COUNT, sizeof *found);
     uint32_t hits = 0, wrong = 0;
     for (uint32_t number = 0; number < sizeof meshes / sizeof meshes[0]; ++number) {
         mesh *m = meshes + number;
@@ -128,8 +128,8 @@ static void test_closed_meshes_have_even_crossings(void **state) {
     (void)state;
     enum { COUNT = 400000 * RAY_FACTOR };
     mesh meshes[] = {mesh_sphere(3, 0.0), mesh_sphere(4, 0.2), mesh_bipyramid(50)};
-    batch_ray *rays = malloc(COUNT * sizeof *rays);
-    int *crossings = malloc(COUNT * sizeof *crossings);
+    batch_ray *rays = calloc(COUNT, sizeof *rays);
+    int *crossings = calloc(COUNT, sizeof *crossings);
     uint32_t wrong = 0, crossed = 0;
     for (uint32_t number = 0; number < sizeof meshes / sizeof meshes[0]; ++number) {
         mesh *m = meshes + number;
@@ -177,9 +177,9 @@ static void test_nothing_leaves_a_closed_mesh(void **state) {
     (void)state;
     enum { COUNT = 1000000 * RAY_FACTOR };
     mesh m = mesh_sphere(60, 0.1);
-    batch_ray *rays = malloc(COUNT * sizeof *rays);
-    mcv_hit *hits = malloc(COUNT * sizeof *hits);
-    int *found = malloc(COUNT * sizeof *found);
+    batch_ray *rays = calloc(COUNT, sizeof *rays);
+    mcv_hit *hits = calloc(COUNT, sizeof *hits);
+    int *found = calloc(COUNT, sizeof *found);
     mcv_bvh bvh;
     load(&m, &bvh);
     uint64_t seed = 300;
@@ -239,10 +239,10 @@ static mesh random_tetrahedron(uint64_t *seed, double size, double distance, dou
 static void test_offset_origins_leave_their_surface(void **state) {
     (void)state;
     enum { BODIES = 100 * RAY_FACTOR, COUNT = 4000 };
-    batch_ray *rays = malloc(COUNT * sizeof *rays);
-    uint32_t *from = malloc(COUNT * sizeof *from);
-    mcv_hit *hits = malloc(COUNT * sizeof *hits);
-    int *found = malloc(COUNT * sizeof *found);
+    batch_ray *rays = calloc(COUNT, sizeof *rays);
+    uint32_t *from = calloc(COUNT, sizeof *from);
+    mcv_hit *hits = calloc(COUNT, sizeof *hits);
+    int *found = calloc(COUNT, sizeof *found);
     uint64_t seed = 400;
     uint32_t caught = 0, lost = 0;
     double largest = 0.0;
@@ -325,8 +325,8 @@ static void test_odd_rays_miss(void **state) {
             for (int i = 0; i < 15; ++i) m.indices[i] = i < 7 ? 0 : (uint32_t)i % 3;
         }
         mcv_bvh bvh;
-        mcv_hit hits[COUNT];
-        int found[COUNT];
+        mcv_hit hits[COUNT] = {{0}};
+        int found[COUNT] = {0};
         load(&m, &bvh);
         run(device.closest, odd, COUNT, hits);
         run(device.any, odd, COUNT, found);

@@ -178,7 +178,7 @@ static void report_work(mcv_report *report, const mcv_packed *packed) {
 #define MCV_WITH_NEXT_EVENT (packed->features >> MCV_FEATURE_NEXT_EVENT & 1)
 #define MCV_X(stage, runs) \
     mcv_report_text(report, #stage, \
-                    !(runs)                     ? "left out: no diffuse surface looks for an emitter" \
+                    !(runs)                   ? "left out: no diffuse surface looks for an emitter" \
                     : strcmp(#runs, "1") == 0 ? "runs always" \
                                               : "runs: diffuse surfaces look for emitters");
     MCV_STAGES(MCV_X)

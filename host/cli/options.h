@@ -36,7 +36,8 @@ enum {
  */
 #define MCV_OPTIONS(X) \
     X(text, exr, "output", 'o', "F.exr", MCV_IN_RENDER, NULL, 0, 0, \
-      "the OpenEXR image, with the standard error as its second part; by default the scene's name, and the sensor's where there are several") \
+      "the OpenEXR image, with the standard error as its second part; by default the scene's name, and the sensor's where there are " \
+      "several") \
     X(text, png, "png", 0, "F.png", MCV_IN_RENDER, NULL, 0, 0, "the preview; by default the name of the OpenEXR image with .png") \
     X(text, sensor, "sensor", 0, "NAME", MCV_IN_RENDER | MCV_IN_CHECK, NULL, 0, 0, "only this sensor, by name or number") \
     X(count, spp, "spp", 0, "N", MCV_IN_RENDER, NULL, 1, 1ull << 37, \

@@ -164,13 +164,14 @@ static void report_render(mcv_report *report, const rendered *r) {
 
 /* --- one sensor ------------------------------------------------------------------------------------------------- */
 
-static mcv_result render_sensor(const mcv_command *command, const mcv_scene *scene, uint32_t sensor, mcv_render_options *options,
+static mcv_result render_sensor(const mcv_command *command, const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options,
                                 rendered *r, mcv_error *error) {
+    mcv_render_options told = *options; /* the line below lives no longer than this call */
     const bool reference = command->device && strcmp(command->device, "reference") == 0;
     progress_line line = {.sensor = r->label, .target = options->error, .terminal = isatty(STDERR_FILENO) == 1};
-    options->progress = show_progress;
-    options->user = &line;
-    const mcv_result result = (reference ? mcv_reference_render : mcv_render)(scene, sensor, options, &r->film, &r->stats, error);
+    told.progress = show_progress;
+    told.user = &line;
+    const mcv_result result = (reference ? mcv_reference_render : mcv_render)(scene, sensor, &told, &r->film, &r->stats, error);
     if (line.last > 0) fputs("\r\033[K", stderr);
     MCV_TRY(result);
     const double begun = now();

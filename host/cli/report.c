@@ -7,7 +7,9 @@
 
 enum { LABEL_WIDTH = 24 };
 
-void mcv_report_begin(mcv_report *report, bool json) { *report = (mcv_report){.open = {json ? json_object() : NULL}, .depth = 0, .json = json}; }
+void mcv_report_begin(mcv_report *report, bool json) {
+    *report = (mcv_report){.open = {json ? json_object() : NULL}, .depth = 0, .json = json};
+}
 
 mcv_result mcv_report_end(mcv_report *report, mcv_error *error) {
     if (!report->json) return MCV_OK;

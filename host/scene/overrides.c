@@ -233,7 +233,7 @@ static mcv_result follow(setting *set, json_t *root) {
         if (strcmp(nearest, set->collection) != 0) return fail(set, "there is no \"%s\"; did you mean \"%s\"?", set->collection, nearest);
         return fail(set, "the file has no %s", set->collection);
     }
-    json_t *element;
+    json_t *element = NULL;
     MCV_TRY(find_element(set, array, &rest, &element));
     return set_member(set, element, rest);
 }

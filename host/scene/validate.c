@@ -45,6 +45,7 @@ static mcv_result check_collections(const json_t *root, const mcv_place *file, m
 /* "2.0" and nothing else; false where the text is no version. */
 static bool read_version(const char *text, unsigned *major, unsigned *minor) {
     int end = -1;
+    // NOLINTNEXTLINE(cert-err34-c): five digits always fit
     return sscanf(text, "%5u.%5u%n", major, minor, &end) == 2 && end == (int)strlen(text) && text[0] != '+' && text[0] != '-';
 }
 
@@ -170,7 +171,7 @@ static mcv_result check_nodes(const json_t *root, const mcv_place *file, mcv_err
     const json_t *nodes = json_object_get(root, "nodes");
     const mcv_place place = mcv_place_key(file, "nodes");
     const size_t count = json_array_size(nodes);
-    uint32_t *parents = malloc((2 * count + 1) * sizeof *parents);
+    uint32_t *parents = calloc(2 * count + 1, sizeof *parents);
     if (!parents) return mcv_fail_memory(file, error);
     mcv_result result = find_parents(nodes, parents, &place, error);
     if (result == MCV_OK) result = check_depths(parents, count, &place, error);
