@@ -36,7 +36,8 @@ enum {
  */
 #define MCV_OPTIONS(X) \
     X(text, exr, "output", 'o', "F.exr", MCV_IN_RENDER, NULL, 0, 0, \
-      "the OpenEXR image, with the standard error as its second part; by default the scene's name, and the sensor's where there are several") \
+      "the OpenEXR image, with the standard error as its second part; by default the scene's name, and the sensor's where there are " \
+      "several") \
     X(text, png, "png", 0, "F.png", MCV_IN_RENDER, NULL, 0, 0, "the preview; by default the name of the OpenEXR image with .png") \
     X(text, sensor, "sensor", 0, "NAME", MCV_IN_RENDER | MCV_IN_CHECK, NULL, 0, 0, "only this sensor, by name or number") \
     X(count, spp, "spp", 0, "N", MCV_IN_RENDER, NULL, 1, 1ull << 37, \
@@ -44,7 +45,8 @@ enum {
     X(number, error, "error", 0, "E", MCV_IN_RENDER, NULL, 0, 1e9, \
       "stop at this error: root of the mean squared standard error over the image's mean; without --spp, --error, --time and " \
       "--samples it is 0.01 or 60 s") \
-    X(number, time, "time", 0, "T", MCV_IN_RENDER, NULL, 0, 1e9, "stop before T seconds of rendering") \
+    X(number, time, "time", 0, "T", MCV_IN_RENDER, NULL, 0, 1e9, \
+      "stop before T seconds have passed, those of building the scene and the kernels included") \
     X(range, samples, "samples", 0, "A:B", MCV_IN_RENDER, NULL, 0, 1ull << 31, \
       "render just samples A to B - 1 of each replicate; B - A is a power of two and A a multiple of it") \
     X(count, replicates, "replicates", 0, "R", MCV_IN_RENDER, "4", 1, 64, \

@@ -24,7 +24,8 @@ static int stem_length(const char *path) {
 /* path with -SENSOR before its ending where there is a sensor, and another ending where one is given. */
 static mcv_result make_path(char *out, const char *path, const char *sensor, const char *ending, mcv_error *error) {
     const int stem = stem_length(path);
-    const int length = snprintf(out, PATH_MAX, "%.*s%s%s%s", stem, path, sensor ? "-" : "", sensor ? sensor : "", ending ? ending : path + stem);
+    const int length =
+        snprintf(out, PATH_MAX, "%.*s%s%s%s", stem, path, sensor ? "-" : "", sensor ? sensor : "", ending ? ending : path + stem);
     if (length < PATH_MAX) return MCV_OK;
     return mcv_fail(error, MCV_BAD_INPUT, "%s: the path of the output is longer than %d bytes", path, PATH_MAX);
 }
@@ -63,7 +64,8 @@ mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, 
         MCV_TRY(mcv_output_check(paths[i], error));
     }
     if (strcmp(picture->exr, picture->png) == 0)
-        return mcv_fail(error, MCV_USAGE, "%s would be both the image and its preview: give the preview another name by --png", picture->exr);
+        return mcv_fail(error, MCV_USAGE, "%s would be both the image and its preview: give the preview another name by --png",
+                        picture->exr);
     return MCV_OK;
 }
 
@@ -134,15 +136,15 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
         number_attribute("mcvisi:seconds", stats->seconds_render),
     };
     /* One replicate has no spread, and so no known error. */
-    const mcv_result result = mcv_exr_write(picture->exr, parts, film->replicates > 1 ? 2 : 1, attributes,
-                                            sizeof attributes / sizeof attributes[0], error);
+    const mcv_result result =
+        mcv_exr_write(picture->exr, parts, film->replicates > 1 ? 2 : 1, attributes, sizeof attributes / sizeof attributes[0], error);
     free(set);
     return result;
 }
 
 mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
-                             const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats,
-                             mcv_preview *preview, mcv_error *error) {
+                             const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats, mcv_preview *preview,
+                             mcv_error *error) {
     mcv_image mean = {0}, deviation = {0};
     mcv_result result = mcv_film_develop(film, &mean, &deviation, error);
     if (result == MCV_OK) result = write_exr(picture, command, scene, sensor, options, film, stats, &mean, &deviation, error);

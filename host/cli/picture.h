@@ -23,7 +23,7 @@ mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, 
 
 /* Writes both. The preview gets its white level. */
 mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
-                             const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats,
-                             mcv_preview *preview, mcv_error *error);
+                             const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats, mcv_preview *preview,
+                             mcv_error *error);
 
 #endif

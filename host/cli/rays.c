@@ -28,7 +28,8 @@ static mcv_result parse_ray(const char *line, mcv_trace_ray *ray, const char *pa
         char *end;
         const double value = strtod(line, &end);
         if (end == line)
-            return mcv_fail(error, MCV_BAD_INPUT, "%s:%zu: %s is missing or no number: a row must be x,y,z,dx,dy,dz", path, number, names[i]);
+            return mcv_fail(error, MCV_BAD_INPUT, "%s:%zu: %s is missing or no number: a row must be x,y,z,dx,dy,dz", path, number,
+                            names[i]);
         if (!isfinite(value)) return mcv_fail(error, MCV_BAD_INPUT, "%s:%zu: %s must be finite", path, number, names[i]);
         (i < 3 ? ray->origin : ray->direction)[i % 3] = value;
         end += strspn(end, " \t\r\n");

@@ -29,7 +29,8 @@ mcv_result mcv_sensor_find(const mcv_scene *scene, const char *name, uint32_t *s
         snprintf(labels + length, sizeof labels - length, "%s%s", length ? ", " : "", label);
     }
     const uint32_t count = count_named(scene, name);
-    if (count > 1) return mcv_fail(error, MCV_USAGE, "%s: %u sensors are called %s: give the number of one: %s", scene->path, count, name, labels);
+    if (count > 1)
+        return mcv_fail(error, MCV_USAGE, "%s: %u sensors are called %s: give the number of one: %s", scene->path, count, name, labels);
     return mcv_fail(error, MCV_USAGE, "%s: there is no sensor %s: there are %s", scene->path, name, labels);
 }
 
