@@ -67,7 +67,7 @@ static void report_parameters(mcv_report *report, mcv_param_table table, const v
             mcv_report_numbers(report, p->key, "m", " x ", field, 2);
             break;
         case MCV_PARAM_spectrum:
-            mcv_report_numbers(report, p->key, "", ", ", field, 3);
+            mcv_report_spectrum(report, p->key, "", field);
             break;
         case MCV_PARAM_choice:
             mcv_report_text(report, p->key, mcv_param_options(p->key)[*(const int *)field]);
@@ -79,24 +79,21 @@ static void report_parameters(mcv_report *report, mcv_param_table table, const v
 static void report_place(mcv_report *report, const mcv_transform *to_world) {
     const double *m = to_world->m;
     mcv_report_numbers(report, "position", "m", ", ", m + 9, 3);
-    mcv_report_numbers(report, "looks_along", "", ", ", (const double[]){-m[2], -m[5], -m[8]}, 3);
+    mcv_report_numbers(report, "faces", "", ", ", (const double[]){-m[2], -m[5], -m[8]}, 3);
 }
 
 static void report_sensor(mcv_report *report, const mcv_scene *scene, uint32_t index) {
     const mcv_sensor *sensor = scene->sensors + index;
     const mcv_optics optics = mcv_sensor_optics(sensor);
     uint32_t width, height;
-    char label[128], title[256];
+    char label[128];
     mcv_sensor_film_size(sensor, &width, &height);
     mcv_sensor_label(scene, index, label, sizeof label);
-    snprintf(title, sizeof title, "%s: %s", label, mcv_sensor_types[sensor->type]);
-    mcv_report_open(report, NULL, title);
-    mcv_report_text(report, "name", sensor->name);
-    mcv_report_text(report, "type", mcv_sensor_types[sensor->type]);
+    mcv_report_element(report, label, mcv_sensor_types[sensor->type]);
     report_place(report, &sensor->to_world);
     mcv_report_numbers(report, "image", "", " x ", (const double[]){width, height}, 2);
     report_parameters(report, mcv_sensor_table(sensor->type), &sensor->as);
-    mcv_report_open(report, "optics", "optics");
+    mcv_report_open(report, "optics");
     mcv_report_number(report, "magnification", "", optics.magnification);
     mcv_report_number(report, "working_distance", "m", optics.focused_depth);
     mcv_report_numbers(report, "depth_of_field", "m", " to ", optics.depth_of_field, 2);
@@ -109,32 +106,27 @@ static void report_sensor(mcv_report *report, const mcv_scene *scene, uint32_t i
     mcv_report_close(report);
 }
 
-static void report_spectrum(mcv_report *report, const char *key, const char *unit, const double spectrum[3], double factor) {
-    const bool grey = spectrum[0] == spectrum[1] && spectrum[1] == spectrum[2];
-    const double values[3] = {factor * spectrum[0], factor * spectrum[1], factor * spectrum[2]};
-    mcv_report_numbers(report, key, unit, ", ", values, grey ? 1 : 3);
+static void report_radiometry(mcv_report *report, const char *key, const char *unit, const mcv_emitter *emitter, double factor) {
+    const double *l = emitter->radiance;
+    mcv_report_spectrum(report, key, unit, (const double[]){factor * l[0], factor * l[1], factor * l[2]});
 }
 
 static void report_emitter(mcv_report *report, const mcv_scene *scene, uint32_t index) {
     const mcv_emitter *emitter = scene->emitters + index;
-    const char *type = mcv_emitter_types[emitter->type];
     const double projected = mcv_emitter_projected_solid_angle(emitter);
-    char title[256];
-    snprintf(title, sizeof title, "%s: %s", emitter->name, type);
-    mcv_report_open(report, NULL, title);
-    mcv_report_text(report, "name", emitter->name);
-    mcv_report_text(report, "type", type);
+    mcv_report_element(report, emitter->name, mcv_emitter_types[emitter->type]);
     if (emitter->instance != MCV_NONE) {
-        mcv_report_text(report, "node", scene->instances[emitter->instance].name);
-        report_place(report, &scene->instances[emitter->instance].to_world);
+        const mcv_instance *instance = scene->instances + emitter->instance;
+        mcv_report_text(report, "node", instance->name);
+        report_place(report, &instance->to_world);
     }
     if (emitter->type == MCV_EMITTER_PARALLEL) mcv_report_number(report, "halfAngle", "rad", emitter->as.parallel.halfAngle);
     mcv_report_number(report, "solid_angle", "sr", mcv_emitter_solid_angle(emitter));
-    report_spectrum(report, "radiance", "W/(m² sr)", emitter->radiance, 1);
-    report_spectrum(report, "exitance", "W/m²", emitter->radiance, projected);
+    report_radiometry(report, "radiance", "W/(m² sr)", emitter, 1);
+    report_radiometry(report, "exitance", "W/m²", emitter, projected);
     if (emitter->instance != MCV_NONE) {
         mcv_report_number(report, "area", "m²", emitter->area);
-        report_spectrum(report, "power", "W", emitter->radiance, projected * emitter->area);
+        report_radiometry(report, "power", "W", emitter, projected * emitter->area);
     }
     if (emitter->texture != MCV_NONE) mcv_report_text(report, "texture", "an image lowers these values");
     mcv_report_close(report);
@@ -142,15 +134,10 @@ static void report_emitter(mcv_report *report, const mcv_scene *scene, uint32_t 
 
 static void report_material(mcv_report *report, const mcv_scene *scene, uint32_t index) {
     const mcv_material *material = scene->materials + index;
-    const char *type = mcv_material_types[material->type];
     double triangles = 0;
-    char title[256];
     for (uint32_t i = 0; i < scene->instance_count; ++i)
         if (scene->instances[i].material == index) triangles += scene->meshes[scene->instances[i].mesh].triangle_count;
-    snprintf(title, sizeof title, "%s: %s", material->name, type);
-    mcv_report_open(report, NULL, title);
-    mcv_report_text(report, "name", material->name);
-    mcv_report_text(report, "type", type);
+    mcv_report_element(report, material->name, mcv_material_types[material->type]);
     mcv_report_number(report, "triangles", "", triangles);
     report_parameters(report, mcv_material_table(material->type), &material->as);
     if (material->texture != MCV_NONE) mcv_report_text(report, "texture", scene->textures[material->texture].name);
@@ -170,11 +157,11 @@ static void report_work(mcv_report *report, const mcv_packed *packed) {
         MCV_FEATURES(MCV_X)
 #undef MCV_X
     };
-    mcv_report_open(report, "features", "features");
+    mcv_report_open(report, "features");
     for (unsigned i = 0; i < MCV_FEATURE_COUNT; ++i)
         if (packed->features >> i & 1) mcv_report_text(report, words[i], reasons[i]);
     mcv_report_close(report);
-    mcv_report_open(report, "stages", "stages");
+    mcv_report_open(report, "stages");
 #define MCV_WITH_NEXT_EVENT (packed->features >> MCV_FEATURE_NEXT_EVENT & 1)
 #define MCV_X(stage, runs) \
     mcv_report_text(report, #stage, \
@@ -207,9 +194,8 @@ static mcv_result print_report(const mcv_scene *scene, const mcv_packed *packed,
     for (uint32_t i = 0; i < scene->material_count; ++i) report_material(&report, scene, i);
     mcv_report_close(&report);
     report_work(&report, packed);
-    mcv_report_list(&report, "warnings");
+    if (scene->warning_count > 0 || command->json) mcv_report_list(&report, "warnings");
     for (uint32_t i = 0; i < scene->warning_count; ++i) mcv_report_text(&report, "-", scene->warnings[i]);
-    mcv_report_close(&report);
     return mcv_report_end(&report, error);
 }
 

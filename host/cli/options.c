@@ -136,8 +136,13 @@ mcv_result mcv_verb_find(const char *name, unsigned *verb_index, mcv_error *erro
 static mcv_result fail_unknown(unsigned verb_index, const char *name, mcv_error *error) {
     const char *words[OPTION_COUNT];
     size_t count = 0;
-    for (size_t i = 0; i < OPTION_COUNT; ++i)
+    for (size_t i = 0; i < OPTION_COUNT; ++i) {
         if (options[i].verbs >> verb_index & 1) words[count++] = options[i].name;
+        for (unsigned v = 0; v < MCV_VERB_COUNT; ++v)
+            if (options[i].verbs >> v & 1 && strcmp(options[i].name, name) == 0)
+                return mcv_fail(error, MCV_USAGE, "--%s is an option of %s, not of %s: leave it out", name, verbs[v].name,
+                                verbs[verb_index].name);
+    }
     const char *nearest = mcv_nearest_word(name, words, count);
     if (nearest) return mcv_fail(error, MCV_USAGE, "unknown option --%s: did you mean --%s?", name, nearest);
     return mcv_fail(error, MCV_USAGE, "unknown option --%s: `mcvisi help %s` lists the options", name, verbs[verb_index].name);

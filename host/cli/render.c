@@ -8,6 +8,7 @@
 #include "film/film.h"
 #include "mcvisi/features.h"
 #include "reference/reference.h"
+#include "scene/params.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -86,6 +87,7 @@ static mcv_result render_options(const mcv_command *command, mcv_render_options 
 
 typedef struct rendered {
     char label[128];
+    const char *type; /* of the sensor */
     mcv_picture picture;
     mcv_film film;
     mcv_render_stats stats;
@@ -97,13 +99,12 @@ static void print_sentences(const rendered *r) {
     const mcv_film *f = &r->film;
     printf("%s: %u x %u pixels, %llu samples each, ", r->label, f->width, f->height, (unsigned long long)f->samples * f->replicates);
     if (f->replicates > 1) printf("error %.3g %%, ", 100 * mcv_film_relative_error(f));
-    printf("%.1f s; %s %.4g %s in the mean, %.2g %% of the pixels above the preview's white, %.4g\n", r->stats.seconds_render,
-           r->picture.quantity, mcv_film_mean(f), r->picture.unit, 100 * r->preview.saturated, r->preview.white);
-    if (r->stats.lost_energy > 0)
-        printf("%s: at most %.2g %% of the light is missing behind the depth limit\n", r->label, 100 * r->stats.lost_energy);
-    if (r->stats.nonfinite > 0)
-        printf("%s: %llu samples were not finite and count as black\n", r->label, (unsigned long long)r->stats.nonfinite);
-    printf("%s: %s, %s\n", r->label, r->picture.exr, r->picture.png);
+    printf("%.1f s\n", r->stats.seconds_render);
+    printf("  mean %s %.4g %s; the preview is white at %.4g, %.2g %% of its pixels are saturated\n", r->picture.quantity, mcv_film_mean(f),
+           r->picture.unit, r->preview.white, 100 * r->preview.saturated);
+    if (r->stats.lost_energy > 0) printf("  at most %.2g %% of the light is missing behind the depth limit\n", 100 * r->stats.lost_energy);
+    if (r->stats.nonfinite > 0) printf("  %llu samples were not finite and count as black\n", (unsigned long long)r->stats.nonfinite);
+    printf("  %s\n  %s\n", r->picture.exr, r->picture.png);
 }
 
 /* Whether the stage runs with these features, which stand as words in the statistics. */
@@ -117,8 +118,7 @@ static bool has_feature(const char *features, const char *word) {
 static void report_render(mcv_report *report, const rendered *r) {
     const mcv_film *f = &r->film;
     const mcv_render_stats *s = &r->stats;
-    mcv_report_open(report, NULL, r->label);
-    mcv_report_text(report, "sensor", r->label);
+    mcv_report_element(report, r->label, r->type);
     mcv_report_text(report, "image", r->picture.exr);
     mcv_report_text(report, "preview", r->picture.png);
     mcv_report_numbers(report, "size", "", " x ", (const double[]){f->width, f->height}, 2);
@@ -138,13 +138,13 @@ static void report_render(mcv_report *report, const rendered *r) {
     mcv_report_number(report, "nonfinite", "", (double)s->nonfinite);
     mcv_report_number(report, "unmatched", "", (double)s->unmatched);
     mcv_report_flag(report, "interrupted", s->interrupted);
-    mcv_report_open(report, "rays", "rays");
+    mcv_report_open(report, "rays");
     mcv_report_number(report, "paths", "", (double)s->paths);
     mcv_report_number(report, "closest", "", (double)s->rays);
     mcv_report_number(report, "shadow", "", (double)s->shadow_rays);
     mcv_report_number(report, "depth_cut", "", (double)s->depth_cut);
     mcv_report_close(report);
-    mcv_report_open(report, "seconds", "seconds");
+    mcv_report_open(report, "seconds");
     mcv_report_number(report, "load", "s", r->seconds_load);
     mcv_report_number(report, "build", "s", s->seconds_build);
     mcv_report_number(report, "compile", "s", s->seconds_compile);
@@ -152,7 +152,7 @@ static void report_render(mcv_report *report, const rendered *r) {
     mcv_report_number(report, "render", "s", s->seconds_render);
     mcv_report_number(report, "write", "s", r->seconds_write);
     mcv_report_close(report);
-    mcv_report_open(report, "stages", "stages");
+    mcv_report_open(report, "stages");
 #define MCV_WITH_NEXT_EVENT has_feature(s->features, "next-event")
 #define MCV_X(stage, runs) mcv_report_flag(report, #stage, runs);
     MCV_STAGES(MCV_X)
@@ -194,7 +194,7 @@ static mcv_result render_sensors(const mcv_command *command, mcv_scene *scene, u
         MCV_TRY(mcv_picture_plan(command, scene, i, count > 1, &planned, error));
     }
     for (uint32_t i = first; i < first + count; ++i) {
-        rendered r = {.seconds_load = seconds_load};
+        rendered r = {.type = mcv_sensor_types[scene->sensors[i].type], .seconds_load = seconds_load};
         mcv_sensor_label(scene, i, r.label, sizeof r.label);
         MCV_TRY(mcv_picture_plan(command, scene, i, count > 1, &r.picture, error));
         mcv_interrupt_watch(false);
@@ -209,41 +209,40 @@ static mcv_result render_sensors(const mcv_command *command, mcv_scene *scene, u
     return MCV_OK;
 }
 
+static mcv_result render_scene(const mcv_command *command, mcv_scene *scene, double seconds_load, mcv_error *error) {
+    mcv_report report;
+    uint32_t first = 0;
+    uint32_t count = scene->sensor_count;
+    if (count == 0)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor: give a node a glTF camera or an MCVISI_sensors sensor",
+                        scene->path);
+    if (command->sensor) {
+        MCV_TRY(mcv_sensor_find(scene, command->sensor, &first, error));
+        count = 1;
+    }
+    if (!command->json) return render_sensors(command, scene, first, count, seconds_load, NULL, error);
+
+    mcv_report_begin(&report, true);
+    mcv_report_text(&report, "version", mcv_version());
+    mcv_report_text(&report, "scene", scene->path);
+    mcv_report_list(&report, "renders");
+    const mcv_result result = render_sensors(command, scene, first, count, seconds_load, &report, error);
+    mcv_report_close(&report);
+    /* What is finished is reported even if the next sensor failed. */
+    mcv_error unreported = {""};
+    const mcv_result reported = mcv_report_end(&report, &unreported);
+    if (result != MCV_OK || reported == MCV_OK) return result;
+    *error = unreported;
+    return reported;
+}
+
 mcv_result mcv_verb_render(const mcv_command *command, mcv_error *error) {
     mcv_scene *scene;
-    mcv_report report;
     const double begun = now();
     MCV_TRY(mcv_scene_load(command->argument, (mcv_overrides){command->set.items, command->set.count}, &scene, error));
     const double seconds_load = now() - begun;
-    uint32_t first = 0;
-    uint32_t count = scene->sensor_count;
-    mcv_result result = MCV_OK;
     for (uint32_t i = 0; i < scene->warning_count; ++i) fprintf(stderr, "mcvisi: warning: %s\n", scene->warnings[i]);
-    if (count == 0)
-        result = mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor: give a node a glTF camera or an MCVISI_sensors sensor",
-                          scene->path);
-    if (result == MCV_OK && command->sensor) {
-        result = mcv_sensor_find(scene, command->sensor, &first, error);
-        count = 1;
-    }
-    if (result == MCV_OK && command->json) {
-        mcv_report_begin(&report, true);
-        mcv_report_text(&report, "version", mcv_version());
-        mcv_report_text(&report, "scene", scene->path);
-        mcv_report_list(&report, "renders");
-    }
-    if (result == MCV_OK) {
-        result = render_sensors(command, scene, first, count, seconds_load, &report, error);
-        if (command->json) {
-            mcv_report_close(&report);
-            const mcv_error kept = *error;
-            const mcv_result reported = mcv_report_end(&report, error);
-            if (result == MCV_OK)
-                result = reported;
-            else
-                *error = kept;
-        }
-    }
+    const mcv_result result = render_scene(command, scene, seconds_load, error);
     mcv_scene_free(scene);
     return result;
 }

@@ -33,14 +33,22 @@ static void enter(mcv_report *report, const char *key, json_t *value) {
     report->open[++report->depth] = value;
 }
 
-void mcv_report_open(mcv_report *report, const char *key, const char *title) {
-    if (!report->json) printf("%*s%s\n", 2 * report->depth, "", title);
+void mcv_report_open(mcv_report *report, const char *key) {
+    if (!report->json) printf("%*s%s\n", 2 * report->depth, "", key);
     enter(report, key, report->json ? json_object() : NULL);
 }
 
 void mcv_report_list(mcv_report *report, const char *key) {
     if (!report->json) printf("%*s%s\n", 2 * report->depth, "", key);
     enter(report, key, report->json ? json_array() : NULL);
+}
+
+void mcv_report_element(mcv_report *report, const char *name, const char *type) {
+    if (!report->json) printf("%*s%s%s%s\n", 2 * report->depth, "", name, name[0] ? ": " : "", type);
+    enter(report, NULL, report->json ? json_object() : NULL);
+    if (!report->json) return;
+    mcv_report_text(report, "name", name);
+    mcv_report_text(report, "type", type);
 }
 
 void mcv_report_close(mcv_report *report) { --report->depth; }
@@ -120,7 +128,7 @@ void mcv_report_numbers(mcv_report *report, const char *key, const char *unit, c
     for (size_t i = 0; i < count; ++i) {
         if (i) fputs(between, stdout);
         if (isfinite(values[i]))
-            printf("%.6g", values[i] * factor);
+            printf("%.6g", values[i] * factor + 0.0); /* + 0: no -0 */
         else
             fputs("infinite", stdout);
     }
@@ -133,4 +141,9 @@ void mcv_report_number(mcv_report *report, const char *key, const char *unit, do
         put(report, key, number(value));
     else
         mcv_report_numbers(report, key, unit, "", &value, 1);
+}
+
+void mcv_report_spectrum(mcv_report *report, const char *key, const char *unit, const double spectrum[3]) {
+    const bool grey = spectrum[0] == spectrum[1] && spectrum[1] == spectrum[2];
+    mcv_report_numbers(report, key, unit, ", ", spectrum, grey && !report->json ? 1 : 3);
 }

@@ -23,9 +23,14 @@ void mcv_report_begin(mcv_report *report, bool json);
 /* Prints the JSON. MCV_FAILED without memory. */
 mcv_result mcv_report_end(mcv_report *report, mcv_error *error);
 
-/* An object, a member of the one around it or (key NULL) the next of a list. People read the title. */
-void mcv_report_open(mcv_report *report, const char *key, const char *title);
+/* An object or a list that is a member of the object around it. */
+void mcv_report_open(mcv_report *report, const char *key);
 void mcv_report_list(mcv_report *report, const char *key);
+
+/* The next object of a list, with its name and type. */
+void mcv_report_element(mcv_report *report, const char *name, const char *type);
+
+/* Ends an object, a list or an element. */
 void mcv_report_close(mcv_report *report);
 
 void mcv_report_text(mcv_report *report, const char *key, const char *text);
@@ -34,6 +39,9 @@ void mcv_report_flag(mcv_report *report, const char *key, bool value);
 
 /* unit: "m" and "rad" get handy units for people, "" is none, others follow the number. */
 void mcv_report_number(mcv_report *report, const char *key, const char *unit, double value);
+
+/* Three channels; people read one number where they are equal. */
+void mcv_report_spectrum(mcv_report *report, const char *key, const char *unit, const double spectrum[3]);
 
 /* Several, with e.g. " x " between them for people; left out if the first is NaN. */
 void mcv_report_numbers(mcv_report *report, const char *key, const char *unit, const char *between, const double *values, size_t count);

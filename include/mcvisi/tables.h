@@ -6,8 +6,10 @@
 #define MCVISI_TABLES_H
 
 #include "mcvisi/dialect.h"
-#include "mcvisi/emitters/parallel.h"
 #include "mcvisi/events.h"
+#if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
+#include "mcvisi/emitters/parallel.h"
+#endif
 
 /* Media that can be told apart along one path. Medium 0 is the surrounding vacuum, bit i of a path's set is medium i + 1. */
 #define MCV_MAX_MEDIA 32
@@ -76,7 +78,11 @@ typedef struct mcv_device_emitter {
     float probability; /* that next-event estimation chooses it */
     float radiance[3];
     uint padding[3];
+#if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
     mcv_parallel parallel;
+#else
+    uint no_parallel[8]; /* the size stays */
+#endif
 } mcv_device_emitter;
 MCV_ASSERT_SIZE(mcv_device_emitter, 80);
 

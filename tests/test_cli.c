@@ -1,0 +1,571 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The program as its users meet it: what it writes, what it says of bad input, and that it leaves nothing half-written. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <math.h>
+#include <png.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <jansson.h>
+
+#include "output/exr.h"
+
+#define PROGRAM MCV_BINARY_DIR "/mcvisi"
+
+enum { MAX_ARGUMENTS = 24, MAX_TEXT = 65536 };
+
+static char folder[64]; /* the working folder of the program, emptied before each test */
+static char out[MAX_TEXT], err[MAX_TEXT];
+
+/* --- scenes ----------------------------------------------------------------------------------------------------- */
+
+/* Looks along -z from the origin; an emitter stands 1 m before it and faces it. */
+static const char scene_format[] =
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"
+    "\"extensionsUsed\":[\"MCVISI_sensors\",\"MCVISI_emitters\"],\"extensions\":{"
+    "\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"cam\",%s}]},"
+    "\"MCVISI_emitters\":{\"emitters\":[{\"name\":\"panel\",%s}]}},"
+    "\"nodes\":[{\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},"
+    "{\"translation\":[0,0,-1],\"rotation\":[0,1,0,0],\"extensions\":{\"MCVISI_emitters\":{\"emitter\":0}}}]}";
+
+/* 24 x 16 pixels that see 0.96 m x 0.64 m at a distance of 1 m: 40 mm each. */
+static const char pinhole[] = "\"type\":\"pinhole\",\"imageDistance\":0.01,\"resolution\":[24,16],\"pixelSize\":0.0004";
+static const char panel[] = "\"type\":\"area\",\"size\":[0.48,0.32],\"radiance\":2.5";           /* ends between pixels */
+static const char panel_noisy[] = "\"type\":\"area\",\"size\":[0.4931,0.3317],\"radiance\":2.5"; /* ends inside pixels */
+
+static void write_text(const char *path, const char *text) {
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    assert_true(fputs(text, file) >= 0);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void write_scene(const char *path, const char *sensor, const char *emitter) {
+    char text[2048];
+    assert_true(snprintf(text, sizeof text, scene_format, sensor, emitter) < (int)sizeof text);
+    write_text(path, text);
+}
+
+/* --- running the program ---------------------------------------------------------------------------------------- */
+
+static int fresh_folder(void **state) {
+    (void)state;
+    char command[256];
+    if (!folder[0]) {
+        strcpy(folder, "test_cli.XXXXXX");
+        if (!mkdtemp(folder)) return -1;
+        return chdir(folder);
+    }
+    snprintf(command, sizeof command, "rm -rf ../%s/* ../%s/.[!.]*", folder, folder);
+    return system(command);
+}
+
+static int remove_folder(void **state) {
+    (void)state;
+    char command[256];
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return chdir("..") || system(command);
+}
+
+/* Files in the working folder, hidden ones too. */
+static int count_files(void) {
+    int count = 0;
+    DIR *directory = opendir(".");
+    assert_non_null(directory);
+    for (struct dirent *entry; (entry = readdir(directory));) count += strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
+    closedir(directory);
+    return count;
+}
+
+extern char **environ;
+
+/* Starts the program with the words of a line as arguments. Its output goes to files beside the working folder. */
+static pid_t start(const char *line) {
+    char words[1024];
+    char *arguments[MAX_ARGUMENTS] = {(char *)PROGRAM};
+    pid_t pid;
+    posix_spawn_file_actions_t actions;
+    assert_true(snprintf(words, sizeof words, "%s", line) < (int)sizeof words);
+    int count = 1;
+    for (char *rest = NULL, *word = strtok_r(words, " ", &rest); word; word = strtok_r(NULL, " ", &rest)) {
+        assert_true(count + 1 < MAX_ARGUMENTS);
+        arguments[count++] = word;
+    }
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, 1, "../test_cli.out", O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    posix_spawn_file_actions_addopen(&actions, 2, "../test_cli.err", O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    assert_int_equal(posix_spawn(&pid, PROGRAM, &actions, NULL, arguments, environ), 0);
+    posix_spawn_file_actions_destroy(&actions);
+    return pid;
+}
+
+static void read_text(const char *path, char text[MAX_TEXT]) {
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    text[fread(text, 1, MAX_TEXT - 1, file)] = '\0';
+    fclose(file);
+}
+
+static int finish(pid_t pid) {
+    int status;
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    read_text("../test_cli.out", out);
+    read_text("../test_cli.err", err);
+    if (WIFSIGNALED(status)) return -WTERMSIG(status);
+    return WEXITSTATUS(status);
+}
+
+static int run(const char *line) { return finish(start(line)); }
+
+static void run_well(const char *line) {
+    const int code = run(line);
+    if (code != 0) fail_msg("mcvisi %s: exit code %d: %s", line, code, err);
+}
+
+/* Exit code, and one line on standard error that holds each of the parts; and no file more or less than before. */
+static void expect_failure(const char *line, int code, const char *const parts[]) {
+    const int files = count_files();
+    const int got = run(line);
+    if (got != code) fail_msg("mcvisi %s: exit code %d instead of %d: %s", line, got, code, err);
+    const char *end = strchr(err, '\n');
+    if (!end || end[1] != '\0') fail_msg("mcvisi %s: not one line on standard error: %s", line, err);
+    for (; *parts; ++parts)
+        if (!strstr(err, *parts)) fail_msg("mcvisi %s: \"%s\" is missing in: %s", line, *parts, err);
+    if (out[0] != '\0') fail_msg("mcvisi %s: printed a result: %s", line, out);
+    if (count_files() != files) fail_msg("mcvisi %s: there were %d files and now there are %d", line, files, count_files());
+}
+#define EXPECT_FAILURE(line, code, ...) expect_failure(line, code, (const char *const[]){__VA_ARGS__, NULL})
+
+/* --- usage ------------------------------------------------------------------------------------------------------ */
+
+static void test_wrong_usage(void **state) {
+    (void)state;
+    write_scene("s.gltf", pinhole, panel);
+    EXPECT_FAILURE("", 2, "mcvisi help");
+    EXPECT_FAILURE("rendr s.gltf", 2, "rendr", "did you mean render?");
+    EXPECT_FAILURE("render", 2, "SCENE");
+    EXPECT_FAILURE("render s.gltf t.gltf", 2, "t.gltf");
+    EXPECT_FAILURE("render s.gltf --sp 4", 2, "unknown option --sp: did you mean --spp?");
+    EXPECT_FAILURE("render s.gltf --wavelength=4", 2, "unknown option --wavelength", "mcvisi help render");
+    EXPECT_FAILURE("render s.gltf -x", 2, "-x", "mcvisi help render");
+    EXPECT_FAILURE("check s.gltf --spp 4", 2, "--spp is an option of render, not of check");
+    EXPECT_FAILURE("render s.gltf --spp", 2, "--spp needs a value");
+    EXPECT_FAILURE("render s.gltf --spp --json", 2, "--spp needs a value");
+    EXPECT_FAILURE("render s.gltf --json=1", 2, "--json takes no value");
+    EXPECT_FAILURE("render s.gltf --spp 0", 2, "--spp 0", "from 1");
+    EXPECT_FAILURE("render s.gltf --spp 4x", 2, "--spp 4x");
+    EXPECT_FAILURE("render s.gltf --spp -4", 2, "--spp -4");
+    EXPECT_FAILURE("render s.gltf --error nan", 2, "--error nan");
+    EXPECT_FAILURE("render s.gltf --time 0", 2, "--time 0", "above 0");
+    EXPECT_FAILURE("render s.gltf --resolution 640", 2, "--resolution 640", "640x480");
+    EXPECT_FAILURE("render s.gltf --resolution 0x4", 2, "--resolution 0x4");
+    EXPECT_FAILURE("render s.gltf --samples 4:4", 2, "--samples 4:4", "A < B");
+    EXPECT_FAILURE("render s.gltf --samples 3:5", 2, "3:5", "power of two");
+    EXPECT_FAILURE("render s.gltf --samples 0:4 --spp 16", 2, "--spp", "--samples");
+    EXPECT_FAILURE("render s.gltf --sampler sobo", 2, "--sampler sobo", "sobol|random");
+    EXPECT_FAILURE("render s.gltf --replicates 1 --error 0.1", 2, "--error", "--replicates");
+    EXPECT_FAILURE("render s.gltf --sensor left", 2, "s.gltf", "left", "cam");
+    EXPECT_FAILURE("trace s.gltf", 2, "--rays");
+    EXPECT_FAILURE("devices s.gltf", 2, "s.gltf");
+    EXPECT_FAILURE("check", 2, "SCENE");
+    EXPECT_FAILURE("help rendr", 2, "did you mean render?");
+    EXPECT_FAILURE("render s.gltf -o s.gltf", 2, "s.gltf", "the scene");
+    EXPECT_FAILURE("render s.gltf -o a.png", 2, "a.png", "--png");
+}
+
+static void test_help(void **state) {
+    (void)state;
+    run_well("--version");
+    assert_string_equal(out, "mcvisi " MCV_VERSION "\n");
+    run_well("help");
+    assert_non_null(strstr(out, "mcvisi render SCENE"));
+    run_well("help render");
+    assert_non_null(strstr(out, "--replicates R"));
+    assert_null(strstr(out, "--rays"));
+    run_well("trace --help");
+    assert_non_null(strstr(out, "--rays rays.csv"));
+}
+
+/* --- bad input -------------------------------------------------------------------------------------------------- */
+
+static void test_bad_files(void **state) {
+    (void)state;
+    write_scene("s.gltf", pinhole, panel);
+    EXPECT_FAILURE("render missing.gltf", 3, "missing.gltf");
+    EXPECT_FAILURE("check missing.gltf", 3, "missing.gltf");
+    assert_int_equal(mkdir("folder.gltf", 0777), 0);
+    EXPECT_FAILURE("render folder.gltf", 3, "folder.gltf", "directory");
+    EXPECT_FAILURE("render s.gltf -o absent/x.exr", 3, "absent/x.exr");
+    EXPECT_FAILURE("render s.gltf -o folder.gltf", 3, "folder.gltf");
+    EXPECT_FAILURE("render s.gltf --png absent/x.png", 3, "absent/x.png");
+    EXPECT_FAILURE("render s.gltf --resolution 40000x1", 3, "s.gltf", "sensors/cam", "40000", "32768");
+
+    /* A GLB that promises more than there is: cut in its header, its JSON and its buffer. */
+    char command[256];
+    const int cuts[] = {3, 15, 400, -1};
+    for (size_t i = 0; i < sizeof cuts / sizeof cuts[0]; ++i) {
+        snprintf(command, sizeof command, "head -c %d '%s/scenes/furnace.glb' > cut.glb", cuts[i], MCV_SOURCE_DIR);
+        assert_int_equal(system(command), 0);
+        EXPECT_FAILURE("render cut.glb", 3, "cut.glb");
+    }
+}
+
+static void test_bad_scenes(void **state) {
+    (void)state;
+    write_text("blind.gltf", "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"name\":\"n\"}]}");
+    EXPECT_FAILURE("render blind.gltf", 3, "blind.gltf", "sensor");
+    write_scene("cone.gltf", pinhole, "\"type\":\"parallel\",\"size\":1,\"radiance\":1,\"halfAngle\":0");
+    EXPECT_FAILURE("render cone.gltf", 3, "cone.gltf", "panel/halfAngle", "collimated beam");
+    write_scene("near.gltf",
+                "\"type\":\"telecentric\",\"focalLength\":0.02,\"imageDistance\":0.02,\"stopDiameter\":0.001,\"lensDiameter\":0.01,"
+                "\"resolution\":[8,8],\"pixelSize\":\"5um\"",
+                panel);
+    EXPECT_FAILURE("render near.gltf", 3, "near.gltf", "cam/imageDistance", "must exceed focalLength");
+    write_scene("key.gltf", "\"type\":\"pinhole\",\"imagedistance\":0.01,\"resolution\":[24,16],\"pixelSize\":0.0004", panel);
+    EXPECT_FAILURE("render key.gltf", 3, "key.gltf", "cam", "imagedistance", "did you mean \"imageDistance\"?");
+    write_scene("s.gltf", pinhole, panel);
+    EXPECT_FAILURE("render s.gltf --set sensors/cam/imageDistance=0", 3, "s.gltf", "cam/imageDistance", "above 0");
+    EXPECT_FAILURE("render s.gltf --set sensors/cma/imageDistance=1", 3, "s.gltf", "cma");
+    EXPECT_FAILURE("render s.gltf --set sensors/cam/imageDistance", 2, "sensors/cam/imageDistance", "PATH=VALUE");
+}
+
+static void test_no_device(void **state) {
+    (void)state;
+    write_scene("s.gltf", pinhole, panel);
+    assert_int_equal(mkdir("vendors", 0777), 0);
+    assert_int_equal(setenv("OCL_ICD_VENDORS", "vendors/", 1), 0);
+    EXPECT_FAILURE("render s.gltf", 4, "no OpenCL device", "pocl-opencl-icd");
+    EXPECT_FAILURE("devices", 4, "no OpenCL device", "pocl-opencl-icd");
+    assert_int_equal(unsetenv("OCL_ICD_VENDORS"), 0);
+    EXPECT_FAILURE("render s.gltf --device 99", 4, "99", "mcvisi devices");
+}
+
+/* --- render ----------------------------------------------------------------------------------------------------- */
+
+static const mcv_attribute *attribute(const mcv_exr *exr, const char *name) {
+    for (uint32_t i = 0; i < exr->attribute_count; ++i)
+        if (strcmp(exr->attributes[i].name, name) == 0) return exr->attributes + i;
+    fail_msg("attribute %s is missing", name);
+    return NULL;
+}
+
+static mcv_exr read_exr(const char *path) {
+    mcv_exr exr;
+    mcv_error error = {""};
+    if (mcv_exr_read(path, &exr, &error) != MCV_OK) fail_msg("%s", error.text);
+    return exr;
+}
+
+static void expect_png(const char *path, uint32_t width, uint32_t height) {
+    png_image image = {.version = PNG_IMAGE_VERSION};
+    if (!png_image_begin_read_from_file(&image, path)) fail_msg("%s: %s", path, image.message);
+    assert_int_equal(image.width, width);
+    assert_int_equal(image.height, height);
+    png_image_free(&image);
+}
+
+/*
+ * The panel fills the middle half of the image in both directions. Pixels that do not touch its edge are the radiance, exactly,
+ * or black; at the edge a sample may fall on either side by the rounding of its direction.
+ */
+static void expect_panel(const char *path, uint32_t width, uint32_t height) {
+    mcv_exr exr = read_exr(path);
+    const mcv_image *image = &exr.parts[0].image;
+    assert_int_equal(exr.part_count, 2);
+    assert_string_equal(exr.parts[1].name, "error");
+    assert_string_equal(exr.parts[0].channel_names[0], "Y");
+    assert_int_equal(image->width, width);
+    assert_int_equal(image->height, height);
+    for (uint32_t row = 0; row < height; ++row) {
+        for (uint32_t column = 0; column < width; ++column) {
+            const bool inside = column > width / 4 && column < 3 * width / 4 - 1 && row > height / 4 && row < 3 * height / 4 - 1;
+            const bool outside = column < width / 4 - 1 || column > 3 * width / 4 || row < height / 4 - 1 || row > 3 * height / 4;
+            const float value = image->pixels[row * width + column];
+            const float error = exr.parts[1].image.pixels[row * width + column];
+            if ((inside && value != 2.5f) || (outside && value != 0) || ((inside || outside) && error != 0))
+                fail_msg("%s: pixel (%u, %u) is %g ± %g", path, column, row, (double)value, (double)error);
+        }
+    }
+    mcv_exr_free(&exr);
+}
+
+static void test_render_writes_pictures(void **state) {
+    (void)state;
+    write_scene("s.gltf", pinhole, panel);
+    run_well("render s.gltf --spp 5 --seed 7 --set emitters/panel/radiance=2.5");
+    assert_non_null(strstr(out, "cam: 24 x 16 pixels, 8 samples each")); /* 4 replicates of ceil(5/4) = 2 */
+    assert_string_equal(err, "");
+    expect_png("s.png", 24, 16);
+    expect_panel("s.exr", 24, 16);
+    assert_int_equal(count_files(), 3);
+
+    mcv_exr exr = read_exr("s.exr");
+    assert_string_equal(attribute(&exr, "mcvisi:version")->text, MCV_VERSION);
+    assert_string_equal(attribute(&exr, "mcvisi:scene")->text, "s.gltf");
+    assert_string_equal(attribute(&exr, "mcvisi:set")->text, "emitters/panel/radiance=2.5");
+    assert_string_equal(attribute(&exr, "mcvisi:sensor")->text, "cam");
+    assert_string_equal(attribute(&exr, "mcvisi:unit")->text, "W/(m^2 sr)");
+    assert_int_equal(strlen(attribute(&exr, "mcvisi:sceneFNV1a")->text), 16);
+    assert_true(attribute(&exr, "mcvisi:seed")->numbers[0] == 7);
+    assert_true(attribute(&exr, "mcvisi:replicates")->numbers[0] == 4);
+    assert_true(attribute(&exr, "mcvisi:samplesPerReplicate")->numbers[0] == 2);
+    mcv_exr_free(&exr);
+
+    /* More pixels, the same field of view. */
+    run_well("render s.gltf --spp 4 --resolution 48x32 -o big.exr --png small.png");
+    expect_panel("big.exr", 48, 32);
+    expect_png("small.png", 48, 32);
+
+    /* One replicate has no error. */
+    run_well("render s.gltf --spp 4 --replicates 1 -o one.exr");
+    exr = read_exr("one.exr");
+    assert_int_equal(exr.part_count, 1);
+    mcv_exr_free(&exr);
+}
+
+static void test_reference_device(void **state) {
+    (void)state;
+    write_scene("s.gltf", pinhole, panel);
+    run_well("render s.gltf --spp 8 --device reference");
+    expect_panel("s.exr", 24, 16);
+}
+
+/* The field of view of a light field camera is M macro pixels wide: with other macro pixels it must see the panel alike. */
+static void test_light_field_resolution(void **state) {
+    (void)state;
+    write_scene("s.gltf",
+                "\"type\":\"lightField\",\"focalLength\":\"9.900990099009901mm\",\"imageDistance\":0.01,\"lensDiameter\":\"1mm\","
+                "\"spatialResolution\":[24,16],\"angularResolution\":[2,2],\"pixelSize\":0.0002",
+                panel);
+    run_well("render s.gltf --spp 4 --resolution 12x8");
+    /* Focused on the panel: all 2 x 2 pixels of a macro pixel see its centre, so none sees the edge. */
+    expect_panel("s.exr", 24, 16);
+}
+
+static void test_several_sensors(void **state) {
+    (void)state;
+    char text[2048];
+    snprintf(text, sizeof text,
+             "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2]}],"
+             "\"extensionsUsed\":[\"MCVISI_sensors\",\"MCVISI_emitters\"],\"extensions\":{"
+             "\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"left\",%s},{\"name\":\"a/b\",%s}]},"
+             "\"MCVISI_emitters\":{\"emitters\":[{\"type\":\"environment\",\"radiance\":1}]}},"
+             "\"nodes\":[{\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},{\"extensions\":{\"MCVISI_sensors\":{\"sensor\":1}}},"
+             "{\"extensions\":{\"MCVISI_emitters\":{\"emitter\":0}}}]}",
+             pinhole, pinhole);
+    write_text("two.gltf", text);
+    run_well("render two.gltf --spp 4");
+    expect_png("two-left.png", 24, 16);
+    expect_png("two-a_b.png", 24, 16);
+    assert_int_equal(count_files(), 5);
+    run_well("render two.gltf --spp 4 --sensor a/b -o only.exr");
+    expect_png("only.png", 24, 16);
+    assert_int_equal(count_files(), 7);
+}
+
+static void test_json(void **state) {
+    (void)state;
+    json_error_t failure;
+    write_scene("s.gltf", pinhole, panel);
+    run_well("render s.gltf --spp 16 --json");
+    json_t *root = json_loads(out, 0, &failure);
+    if (!root) fail_msg("line %d: %s", failure.line, failure.text);
+    const json_t *render = json_array_get(json_object_get(root, "renders"), 0);
+    assert_int_equal(json_integer_value(json_object_get(render, "samples")), 16);
+    assert_int_equal(json_integer_value(json_object_get(json_object_get(render, "rays"), "paths")), 16 * 24 * 16);
+    assert_int_equal(json_integer_value(json_array_get(json_object_get(render, "size"), 0)), 24);
+    assert_string_equal(json_string_value(json_array_get(json_object_get(render, "features"), 0)), "area");
+    assert_true(json_is_true(json_object_get(json_object_get(render, "stages"), "generate_rays")));
+    assert_true(json_is_false(json_object_get(json_object_get(render, "stages"), "intersect_shadow")));
+    assert_true(json_number_value(json_object_get(json_object_get(render, "seconds"), "first_sample")) > 0);
+    json_decref(root);
+
+    run_well("check s.gltf --json");
+    root = json_loads(out, 0, &failure);
+    if (!root) fail_msg("line %d: %s", failure.line, failure.text);
+    const json_t *emitter = json_array_get(json_object_get(root, "emitters"), 0);
+    /* Lambert: power = π L A, exitance π L. json_real keeps doubles whole, so that only the products' rounding is left. */
+    const double power = json_number_value(json_array_get(json_object_get(emitter, "power"), 0));
+    const double expected = M_PI * 2.5 * 0.48 * 0.32;
+    /* The size is rounded to float32 in the mesh, twice. */
+    if (!(fabs(power - expected) <= 2 * 0x1p-24 * expected + 1e-15)) fail_msg("power %.17g instead of %.17g", power, expected);
+    json_decref(root);
+    run_well("devices --json");
+    root = json_loads(out, 0, &failure);
+    if (!root) fail_msg("line %d: %s", failure.line, failure.text);
+    assert_true(json_array_size(json_object_get(root, "devices")) > 0);
+    json_decref(root);
+}
+
+/* Two halves of the samples make the whole: each pixel is their mean but for the rounding of three values to float32. */
+static void test_sample_ranges(void **state) {
+    (void)state;
+    write_scene("s.gltf", pinhole, panel_noisy);
+    run_well("render s.gltf --samples 0:8 -o all.exr");
+    run_well("render s.gltf --samples 0:4 -o first.exr");
+    run_well("render s.gltf --samples 4:8 -o second.exr");
+    mcv_exr all = read_exr("all.exr"), first = read_exr("first.exr"), second = read_exr("second.exr");
+    int different = 0;
+    for (int i = 0; i < 24 * 16; ++i) {
+        const double a = (double)first.parts[0].image.pixels[i], b = (double)second.parts[0].image.pixels[i];
+        const double mean = (double)all.parts[0].image.pixels[i];
+        different += a != b;
+        /* Half an ulp of each, at most 2^-24 of 2.5 in the whole and half of that from each half. */
+        if (fabs(mean - (a + b) / 2) > 2 * 0x1p-24 * 2.5) fail_msg("pixel %d: %.9g and %.9g do not make %.9g", i, a, b, mean);
+    }
+    assert_true(different > 0); /* the panel's edge is noisy */
+    assert_true(attribute(&second, "mcvisi:firstSample")->numbers[0] == 4);
+    mcv_exr_free(&all);
+    mcv_exr_free(&first);
+    mcv_exr_free(&second);
+}
+
+/* --- check and trace -------------------------------------------------------------------------------------------- */
+
+static void test_check(void **state) {
+    (void)state;
+    write_scene("s.gltf",
+                "\"type\":\"telecentric\",\"magnification\":0.25,\"workingDistance\":\"110mm\",\"fNumber\":8,"
+                "\"resolution\":[2448,2048],\"pixelSize\":\"3.45um\"",
+                panel);
+    run_well("check s.gltf");
+    /* f = W m/(1 + m), b = f (1 + m), D_t = (b - f)/N, NA = m/(2N). */
+    assert_non_null(strstr(out, "focalLength         22 mm"));
+    assert_non_null(strstr(out, "imageDistance       27.5 mm"));
+    assert_non_null(strstr(out, "stopDiameter        687.5 µm"));
+    assert_non_null(strstr(out, "numericalAperture   0.015625"));
+    assert_non_null(strstr(out, "magnification       0.25"));
+    run_well("check s.gltf --defines");
+    assert_non_null(strstr(out, "-DMCV_SENSOR=telecentric"));
+    assert_non_null(strstr(out, "-DMCV_WITH_AREA=1"));
+    assert_non_null(strstr(out, "-DMCV_WITH_DIELECTRIC=0"));
+    run_well("check --defines");
+    assert_non_null(strstr(out, "-DMCV_CHANNELS=3"));
+    assert_non_null(strstr(out, "-DMCV_SENSOR=light_field"));
+    assert_null(strstr(out, "WITH_AREA=0"));
+}
+
+static void expect_trace(const char *line) {
+    run_well(line);
+    read_text("paths.csv", out);
+    int rows = 0;
+    for (const char *c = out; *c; ++c) rows += *c == '\n';
+    assert_int_equal(rows, 1 + 2 + 2);
+    assert_non_null(strstr(out, "ray,vertex,event,x [m],y [m],z [m]"));
+    /* The first ray meets the panel at z = -1 in 1 m; the second looks away. */
+    const char *end = strstr(out, "\n0,1,end,0,0,-1,");
+    if (!end) fail_msg("mcvisi %s: ray 0 does not end on the panel: %s", line, out);
+    assert_non_null(strstr(out, "\n1,1,miss,"));
+}
+
+static void test_trace(void **state) {
+    (void)state;
+    write_scene("s.gltf", pinhole, panel);
+    write_text("rays.csv", "# two rays\nx, y, z, dx, dy, dz\n0,0,0,0,0,-2\n\n 0.1, 0, 0, 0, 0, 1 \r\n");
+    expect_trace("trace s.gltf --rays rays.csv -o paths.csv");
+    expect_trace("trace s.gltf --rays rays.csv -o paths.csv --device reference");
+    run_well("trace s.gltf --rays rays.csv --device reference");
+    assert_true(strncmp(out, "ray,vertex,", 11) == 0);
+
+    EXPECT_FAILURE("trace s.gltf --rays missing.csv", 3, "missing.csv", "x,y,z,dx,dy,dz");
+    EXPECT_FAILURE("trace s.gltf --rays rays.csv -o absent/p.csv", 3, "absent/p.csv");
+    write_text("bad.csv", "0,0,0,0,0,1\n0,0,0,0,0\n");
+    EXPECT_FAILURE("trace s.gltf --rays bad.csv", 3, "bad.csv:2", "dy", "x,y,z,dx,dy,dz");
+    write_text("bad.csv", "0,0,0,0,0,1,3\n");
+    EXPECT_FAILURE("trace s.gltf --rays bad.csv", 3, "bad.csv:1", "x,y,z,dx,dy,dz");
+    write_text("bad.csv", "0,0,0,0,0,0\n");
+    EXPECT_FAILURE("trace s.gltf --rays bad.csv", 3, "bad.csv:1", "direction");
+    write_text("bad.csv", "a,b,c\n");
+    EXPECT_FAILURE("trace s.gltf --rays bad.csv", 3, "bad.csv:1", "x,y,z,dx,dy,dz");
+    write_text("bad.csv", "0,0,inf,0,0,1\n");
+    EXPECT_FAILURE("trace s.gltf --rays bad.csv", 3, "bad.csv:1", "finite");
+    write_text("bad.csv", "# nothing\n");
+    EXPECT_FAILURE("trace s.gltf --rays bad.csv", 3, "bad.csv", "no ray");
+    EXPECT_FAILURE("trace s.gltf --rays .", 3, ".", "directory");
+}
+
+/* --- signals ---------------------------------------------------------------------------------------------------- */
+
+/* Waits until the program handles (or no longer handles) a signal, as the kernel tells. False after 30 s or at its end. */
+static bool wait_for_handler(pid_t pid, int signal, bool handled) {
+    char path[64], line[256];
+    snprintf(path, sizeof path, "/proc/%d/status", (int)pid);
+    for (int i = 0; i < 30000; ++i) {
+        unsigned long long caught = 0;
+        FILE *file = fopen(path, "r");
+        while (file && fgets(line, sizeof line, file))
+            if (sscanf(line, "SigCgt: %llx", &caught) == 1) break;
+        if (file) fclose(file);
+        if (((caught >> (signal - 1) & 1) != 0) == handled) return true;
+        nanosleep(&(struct timespec){0, 1000000}, NULL);
+    }
+    return false;
+}
+
+static void test_first_signal_saves(void **state) {
+    (void)state;
+    static const int signals[] = {SIGINT, SIGTERM};
+    for (int i = 0; i < 2; ++i) {
+        write_scene("s.gltf", pinhole, panel);
+        const pid_t pid = start("render s.gltf --time 100");
+        assert_true(wait_for_handler(pid, signals[i], true));
+        kill(pid, signals[i]);
+        const int code = finish(pid);
+        if (code != 128 + signals[i]) fail_msg("exit code %d instead of %d: %s", code, 128 + signals[i], err);
+        assert_non_null(strstr(err, "s.exr"));
+        expect_panel("s.exr", 24, 16);
+        expect_png("s.png", 24, 16);
+        assert_int_equal(count_files(), 3);
+    }
+}
+
+static void test_second_signal_ends_at_once(void **state) {
+    (void)state;
+    write_scene("s.gltf", pinhole, panel_noisy);
+    /* The first round alone takes the reference minutes, so that what ends it early is the signal. */
+    const pid_t pid = start("render s.gltf --time 1000 --resolution 3000x2000 --device reference --threads 1");
+    assert_true(wait_for_handler(pid, SIGINT, true));
+    kill(pid, SIGINT);
+    assert_true(wait_for_handler(pid, SIGINT, false));
+    kill(pid, SIGINT);
+    assert_int_equal(finish(pid), -SIGINT);
+    assert_int_equal(count_files(), 1);
+}
+
+int main(void) {
+#define TEST(name) cmocka_unit_test_setup(name, fresh_folder)
+    const struct CMUnitTest tests[] = {
+        TEST(test_wrong_usage),
+        TEST(test_help),
+        TEST(test_bad_files),
+        TEST(test_bad_scenes),
+        TEST(test_no_device),
+        TEST(test_render_writes_pictures),
+        TEST(test_reference_device),
+        TEST(test_light_field_resolution),
+        TEST(test_several_sensors),
+        TEST(test_json),
+        TEST(test_sample_ranges),
+        TEST(test_check),
+        TEST(test_trace),
+        TEST(test_first_signal_saves),
+        TEST(test_second_signal_ends_at_once),
+    };
+#undef TEST
+    return cmocka_run_group_tests(tests, NULL, remove_folder);
+}
