@@ -135,7 +135,7 @@ static void render_rounds(pass *r, mcv_film *film, pthread_t *threads, double st
             break;
         }
         if (options->error > 0 && film->samples >= FEWEST_SAMPLES && error <= options->error) break;
-        /* The next round takes twice as long where the first two (1 sample each) are done; one that cannot end in time is not begun. */
+        /* A round that would not end in time is not begun: it takes as long per sample as this one did. */
         const double next = (end - begun) * (double)next_count(film) / (double)r->count;
         if (options->seconds > 0 && end - start + next > options->seconds) break;
     }

@@ -3,6 +3,10 @@
  * The reference renderer: double precision, plain C, simple and slow, written from the report's formulas. It shares nothing
  * of the kernels' mathematics, samplers or acceleration structure; it reads the scene before re-centring and packing.
  * Same contracts as mcv_render and mcv_trace (host/render/render.h).
+ *
+ * Samples are independent and random, whatever options->sampler says; schedule, slice and device have no meaning here. Rounds hold 1, 1, 2,
+ * 4 … samples per replicate; an error is believed from 16 samples on; a round that would not end within options->seconds is not begun.
+ * Bodies that touch in one and the same surface are not resolved: let them overlap, the priority decides.
  */
 #ifndef MCVISI_HOST_REFERENCE_REFERENCE_H
 #define MCVISI_HOST_REFERENCE_REFERENCE_H
