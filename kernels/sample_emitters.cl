@@ -6,7 +6,7 @@
  */
 #include "identity.h"
 #include "path.h"
-#include "surface.h"
+#include "scatter.h"
 
 /* The i with cdf[i] <= bits < cdf[i + 1], and where between them bits lies, in [0, 1). */
 MCV_FUNCTION uint mcv_search_cdf(__global const uint *cdf, uint count, float xi, float *rest) {
@@ -33,11 +33,11 @@ typedef struct mcv_shadow {
 } mcv_shadow;
 
 #if MCV_WITH_PARALLEL
-static mcv_shadow mcv_sample_cone_of(mcv_surface at, mcv_vec3 face, __global const mcv_device_emitter *e, mcv_pair pair) {
+static mcv_shadow mcv_sample_cone_of(mcv_meeting at, __global const mcv_device_emitter *e, mcv_pair pair) {
     mcv_shadow shadow;
     const mcv_vec3 axis = mcv_vec(e->parallel.axis[0], e->parallel.axis[1], e->parallel.axis[2]);
     shadow.direction = mcv_scale(mcv_from_frame(mcv_sample_cone(e->parallel.sin_half, pair.x, pair.y), axis), -1.0f);
-    shadow.origin = mcv_offset_origin(at.point, at.error, face, shadow.direction);
+    shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, shadow.direction);
     shadow.target = e->instance;
     shadow.density = e->probability / e->parallel.solid_angle;
     MCV_EACH_CHANNEL(i) shadow.light.c[i] = e->radiance[i] / shadow.density;
@@ -45,7 +45,7 @@ static mcv_shadow mcv_sample_cone_of(mcv_surface at, mcv_vec3 face, __global con
 }
 #endif
 
-static mcv_shadow mcv_sample_area_of(mcv_world world, mcv_surface at, mcv_vec3 face, uint emitter, mcv_pair pair) {
+static mcv_shadow mcv_sample_area_of(mcv_world world, mcv_meeting at, uint emitter, mcv_pair pair) {
     mcv_shadow shadow;
     __global const mcv_device_emitter *e = world.emitters + emitter;
     float xi;
@@ -54,10 +54,10 @@ static mcv_shadow mcv_sample_area_of(mcv_world world, mcv_surface at, mcv_vec3 f
     /* The unit square to a triangle by area. */
     const float root = mcv_sqrt(xi);
     const mcv_surface there = mcv_surface_at(world, triangle, root * (1.0f - pair.y), root * pair.y);
-    const mcv_vec3 towards = mcv_sub(there.point, at.point);
+    const mcv_vec3 towards = mcv_sub(there.point, at.surface.point);
     const float distance = mcv_sqrt(mcv_dot(towards, towards));
     const mcv_vec3 direction = mcv_normalize(towards);
-    shadow.origin = mcv_offset_origin(at.point, at.error, face, direction);
+    shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, direction);
     shadow.direction = mcv_sub(mcv_offset_origin(there.point, there.error, there.face, mcv_scale(direction, -1.0f)), shadow.origin);
     shadow.target = MCV_NONE;
     shadow.density = mcv_emitter_density(world, there, emitter, direction, distance);
@@ -76,11 +76,7 @@ static int mcv_sample_emitter(mcv_world world, mcv_slot slot, mcv_identity id, u
     const uint material = world.instances[world.triangles[triangle].w].material;
     if (world.materials[material].type != MCV_MATERIAL_DIFFUSE) return 0;
 
-    /* The surface, on the side the ray comes from. */
-    const mcv_surface at = mcv_surface_at(world, triangle, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
-    const float side = mcv_dot(MCV_LOAD_3(slot, direction), at.face) < 0.0f ? 1.0f : -1.0f;
-    const mcv_vec3 face = mcv_scale(at.face, side);
-    const mcv_vec3 normal = mcv_scale(at.normal, side);
+    const mcv_meeting meeting = mcv_meet(world, MCV_LOAD_3(slot, direction), triangle, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
 
     /* Choose an emitter and a direction. */
     const mcv_pair choice = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_CHOICE));
@@ -91,19 +87,19 @@ static int mcv_sample_emitter(mcv_world world, mcv_slot slot, mcv_identity id, u
 #if MCV_WITH_PARALLEL
     __global const mcv_device_emitter *e = world.emitters + emitter;
     if (e->type == MCV_EMITTER_PARALLEL && e->parallel.from_receiver)
-        shadow = mcv_sample_cone_of(at, face, e, pair);
+        shadow = mcv_sample_cone_of(meeting, e, pair);
     else
 #endif
-        shadow = mcv_sample_area_of(world, at, face, emitter, pair);
+        shadow = mcv_sample_area_of(world, meeting, emitter, pair);
 
     /* What the surface makes of it: reflectance/π cosθ, and the balance heuristic against the density cosθ/π. */
     const mcv_vec3 direction = mcv_normalize(shadow.direction);
-    const float cosine = mcv_dot(direction, normal);
-    if (!(cosine > 0.0f) || !(mcv_dot(direction, face) > 0.0f) || !(mcv_brightest(shadow.light) > 0.0f)) return 0;
+    const float cosine = mcv_dot(direction, meeting.normal);
+    if (!(cosine > 0.0f) || !(mcv_dot(direction, meeting.face) > 0.0f) || !(mcv_brightest(shadow.light) > 0.0f)) return 0;
     const float own = cosine * (1.0f / MCV_PI);
     mcv_color light;
     MCV_LOAD_COLOR(slot, throughput, light);
-    light = mcv_tint(mcv_tint(light, mcv_material_value(world, at, material)), shadow.light);
+    light = mcv_tint(mcv_tint(light, mcv_material_value(world, meeting.surface, material)), shadow.light);
     light = mcv_dim(light, own * shadow.density / (shadow.density + own));
 #if MCV_WITH_DIELECTRIC
     light = mcv_dim(light, world.media[mcv_filling_medium(MCV_WORD(slot, media, 0))].inverse_index_squared);

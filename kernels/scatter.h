@@ -89,11 +89,22 @@ static mcv_scattering mcv_scatter_dielectric(mcv_world world, mcv_meeting meetin
 
 #if MCV_WITH_SHEET
 /* Both interfaces at once, all their reflections summed: R' = 2 R/(1 + R). */
-static mcv_scattering mcv_scatter_sheet(mcv_meeting meeting, mcv_device_material material, mcv_color transmittance, uint media, float xi) {
+static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_meeting meeting, mcv_device_material material, mcv_color transmittance,
+                                        uint media, float xi) {
     mcv_scattering scattering;
     mcv_device_interface into;
     into.eta = material.eta;
     into.delta = material.delta;
+#if MCV_WITH_DIELECTRIC
+    /* The table holds it in vacuum. */
+    if (media != 0) {
+        const float squared = material.eta * material.eta / world.media[mcv_filling_medium(media)].inverse_index_squared;
+        into.eta = mcv_sqrt(squared);
+        into.delta = 1.0f - squared;
+    }
+#else
+    (void)world;
+#endif
     const float c1 = -mcv_dot(meeting.direction, meeting.normal);
     const float cosine = c1 < 1.0f ? c1 : 1.0f;
     const float once = mcv_fresnel(into, cosine, mcv_refracted_cosine(into, cosine));
@@ -171,7 +182,7 @@ static mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, uint med
 #endif
 #if MCV_WITH_SHEET
     if (material.type == MCV_MATERIAL_SHEET) {
-        return mcv_scatter_sheet(meeting, material, mcv_material_value(world, meeting.surface, instance.material), media, pair.x);
+        return mcv_scatter_sheet(world, meeting, material, mcv_material_value(world, meeting.surface, instance.material), media, pair.x);
     }
 #endif
 #if MCV_WITH_MIRROR

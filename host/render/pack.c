@@ -204,29 +204,29 @@ static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, mcv_e
     return MCV_OK;
 }
 
-/* Does a ray from the point along a fixed oblique direction cross the instance's surface an odd number of times? */
+/*
+ * Does the closed surface go round the point? The solid angles that its triangles subtend there (van Oosterom and Strackee 1983) add up
+ * to ±4π or to 0, with no ray that could meet an edge; an open surface has less than half and surrounds nothing.
+ */
 static bool surrounds(const mcv_scene *scene, uint32_t instance, const double point[3]) {
-    static const double d[3] = {0.5773, 0.2113, 0.7887};
     const uint32_t triangles = scene->meshes[scene->instances[instance].mesh].triangle_count;
-    bool inside = false;
+    double half_angle = 0;
     for (uint32_t t = 0; t < triangles; ++t) {
-        double c[3][3], e1[3], e2[3], s[3];
+        double c[3][3];
+        double length[3];
         mcv_scene_corners(scene, instance, t, c);
-        for (int k = 0; k < 3; ++k) {
-            e1[k] = c[1][k] - c[0][k];
-            e2[k] = c[2][k] - c[0][k];
-            s[k] = point[k] - c[0][k];
+        for (int v = 0; v < 3; ++v) {
+            for (int k = 0; k < 3; ++k) c[v][k] -= point[k];
+            length[v] = sqrt(c[v][0] * c[v][0] + c[v][1] * c[v][1] + c[v][2] * c[v][2]);
         }
-        const double p[3] = {d[1] * e2[2] - d[2] * e2[1], d[2] * e2[0] - d[0] * e2[2], d[0] * e2[1] - d[1] * e2[0]};
-        const double q[3] = {s[1] * e1[2] - s[2] * e1[1], s[2] * e1[0] - s[0] * e1[2], s[0] * e1[1] - s[1] * e1[0]};
-        const double det = e1[0] * p[0] + e1[1] * p[1] + e1[2] * p[2];
-        if (det == 0) continue;
-        const double u = (s[0] * p[0] + s[1] * p[1] + s[2] * p[2]) / det;
-        const double v = (d[0] * q[0] + d[1] * q[1] + d[2] * q[2]) / det;
-        const double along = (e2[0] * q[0] + e2[1] * q[1] + e2[2] * q[2]) / det;
-        if (u >= 0 && v >= 0 && u + v <= 1 && along > 0) inside = !inside;
+        const double ab = c[0][0] * c[1][0] + c[0][1] * c[1][1] + c[0][2] * c[1][2];
+        const double bc = c[1][0] * c[2][0] + c[1][1] * c[2][1] + c[1][2] * c[2][2];
+        const double ca = c[2][0] * c[0][0] + c[2][1] * c[0][1] + c[2][2] * c[0][2];
+        const double volume = c[0][0] * (c[1][1] * c[2][2] - c[1][2] * c[2][1]) + c[0][1] * (c[1][2] * c[2][0] - c[1][0] * c[2][2]) +
+                              c[0][2] * (c[1][0] * c[2][1] - c[1][1] * c[2][0]);
+        half_angle += atan2(volume, length[0] * length[1] * length[2] + ab * length[2] + bc * length[0] + ca * length[1]);
     }
-    return inside;
+    return fabs(half_angle) > pi;
 }
 
 uint32_t mcv_media_around(const mcv_scene *scene, const mcv_packed *packed, const double point[3]) {
