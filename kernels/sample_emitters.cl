@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Stage: next-event estimation. A diffuse surface chooses an emitter by power, then a direction to it: uniform in the cone
- * of a narrow parallel emitter (which must then be the closest hit), else towards a point uniform by area. Weighed against the
+ * of a parallel emitter that is smaller than the emitter seen from there (which must then be the closest hit), else towards a point uniform
+ * by area. Weighed against the
  * surface's own choice of directions by the balance heuristic. reads ray, hit -> writes shadow ray
  */
 #include "identity.h"
@@ -60,7 +61,7 @@ static mcv_shadow mcv_sample_area_of(mcv_world world, mcv_meeting at, uint emitt
     shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, direction);
     shadow.direction = mcv_sub(mcv_offset_origin(there.point, there.error, there.face, mcv_scale(direction, -1.0f)), shadow.origin);
     shadow.target = MCV_NONE;
-    shadow.density = mcv_emitter_density(world, there, emitter, direction, distance);
+    shadow.density = mcv_emitter_density(world, at.surface.point, there, emitter, direction, distance);
     shadow.light = mcv_grey(0.0f);
     /* Only a face seen exactly edge-on has no finite density. */
     if (shadow.density > 0.0f && shadow.density < INFINITY) {

@@ -145,7 +145,8 @@ MCV_FUNCTION mcv_color mcv_emission_met(mcv_world world, mcv_meeting meeting, ui
 #endif
 #if MCV_WITH_NEXT_EVENT
     if (density > 0.0f && mcv_brightest(radiance) > 0.0f) {
-        const float other = mcv_emitter_density(world, meeting.surface, emitter, meeting.direction, distance);
+        const mcv_vec3 receiver = mcv_along(meeting.surface.point, -distance, meeting.direction);
+        const float other = mcv_emitter_density(world, receiver, meeting.surface, emitter, meeting.direction, distance);
         radiance = mcv_dim(radiance, density / (density + other));
     }
 #else

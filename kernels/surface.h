@@ -104,11 +104,27 @@ MCV_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint em
 #endif
 
 #if MCV_WITH_NEXT_EVENT
-/* The density [1/sr] with which next-event estimation chooses the direction to a place on an emitter at the given distance. */
-MCV_FUNCTION float mcv_emitter_density(mcv_world world, mcv_surface surface, uint emitter, mcv_vec3 direction, float distance) {
+#if MCV_WITH_PARALLEL
+/*
+ * Whether next-event estimation at a receiver samples the emitter's cone of directions, or its area: whichever is the smaller
+ * solid angle. The receiver is known up to rounding here and there, so the answer may differ where both are equal to 1e-6: there both
+ * are as good, and too few to matter.
+ */
+MCV_FUNCTION int mcv_samples_cone(__global const mcv_device_emitter *e, mcv_vec3 receiver) {
+    const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
+    return e->type == MCV_EMITTER_PARALLEL && e->parallel.from_receiver && e->area > e->parallel.solid_angle * mcv_dot(way, way);
+}
+#endif
+
+/* The density [1/sr] with which next-event estimation at a receiver chooses the direction to a place on an emitter at the given distance.
+ */
+MCV_FUNCTION float mcv_emitter_density(mcv_world world, mcv_vec3 receiver, mcv_surface surface, uint emitter, mcv_vec3 direction,
+                                       float distance) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
 #if MCV_WITH_PARALLEL
-    if (e->type == MCV_EMITTER_PARALLEL && e->parallel.from_receiver) return e->probability / e->parallel.solid_angle;
+    if (mcv_samples_cone(e, receiver)) return e->probability / e->parallel.solid_angle;
+#else
+    (void)receiver;
 #endif
     __global const uint *cdf = world.emitter_cdf + e->cdf + (surface.triangle - world.instances[e->instance].first_triangle);
     const float share = (float)(cdf[1] - cdf[0]) * 4.656612873077393e-10f; /* 2^-31 */

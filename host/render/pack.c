@@ -5,10 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
+#include "scene/emitters.h"
 
-/* A cone is narrow, and sampled from the receiver, below this half-angle [rad]: a panel then mostly subtends more than the cone. */
-static const double narrow_cone = 0.1;
+static const double pi = 3.14159265358979323846;
 
 static void *allocate(size_t count, size_t size, bool *failed) {
     void *memory = calloc(count > 0 ? count : 1, size);
@@ -316,27 +315,16 @@ static double triangle_area(const mcv_scene *scene, uint32_t instance, uint32_t 
     return 0.5 * sqrt(x * x + y * y + z * z);
 }
 
-/* All normals of a flat panel point the same way, but for rounding. */
-static bool common_normal(const mcv_scene *scene, uint32_t instance, double axis[3]) {
-    const uint32_t triangles = scene->meshes[scene->instances[instance].mesh].triangle_count;
-    for (uint32_t t = 0; t < triangles; ++t) {
-        double n[3][3];
-        mcv_scene_vertex_normals(scene, instance, t, n);
-        if (t == 0) memcpy(axis, n[0], 3 * sizeof(double));
-        for (int v = 0; v < 3; ++v) {
-            const double dx = n[v][0] - axis[0], dy = n[v][1] - axis[1], dz = n[v][2] - axis[2];
-            if (dx * dx + dy * dy + dz * dz > 0x1p-44)
-                return false; /* two roundings of unit vectors in float32 differ by less than 2^-22 */
-        }
-    }
-    return triangles > 0;
+/* Over all channels. */
+static double emitter_power(const mcv_emitter *emitter) {
+    return (emitter->radiance[0] + emitter->radiance[1] + emitter->radiance[2]) * emitter->area *
+           mcv_emitter_projected_solid_angle(emitter);
 }
 
-static double emitter_power(const mcv_emitter *emitter) {
-    const double brightness = (emitter->radiance[0] + emitter->radiance[1] + emitter->radiance[2]) / 3;
-    double share = 1;
-    if (emitter->type == MCV_EMITTER_PARALLEL) share = pow(sin(emitter->as.parallel.halfAngle), 2);
-    return pi * brightness * emitter->area * share;
+/* The middle of the instance's box, re-centred. */
+static void find_middle(const mcv_packed *packed, uint32_t instance, float middle[3]) {
+    const mcv_box *box = &packed->boxes[instance];
+    for (int k = 0; k < 3; ++k) middle[k] = (float)(0.5 * (box->lower[k] + box->upper[k]) - packed->centre[k]);
 }
 
 static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
@@ -357,16 +345,8 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
         for (uint32_t t = 0; t < triangles; ++t) areas[t] = triangle_area(scene, from->instance, t);
         write_cdf(cdf + next, triangles, areas);
         next += triangles + 1;
-        if (from->type == MCV_EMITTER_PARALLEL) {
-            const double beta = from->as.parallel.halfAngle;
-            const double sin_half = sin(beta / 2);
-            double axis[3] = {0, 0, 0};
-            to->parallel.tangent_squared = (float)pow(tan(beta), 2);
-            to->parallel.sin_half = (float)sin_half;
-            to->parallel.solid_angle = (float)(4 * pi * sin_half * sin_half);
-            to->parallel.from_receiver = beta <= narrow_cone && common_normal(scene, from->instance, axis);
-            for (int k = 0; k < 3; ++k) to->parallel.axis[k] = (float)axis[k];
-        }
+        if (from->type == MCV_EMITTER_PARALLEL) mcv_parallel_prepare(scene, i, &to->parallel);
+        find_middle(packed, from->instance, to->middle);
         packed->instances[from->instance].emitter = count;
         powers[count++] = emitter_power(from);
     }

@@ -77,6 +77,8 @@ typedef struct mcv_device_emitter {
     uint triangle_count;
     float probability; /* that next-event estimation chooses it */
     float radiance[3];
+    float middle[3]; /* of its box [m] */
+    float area;      /* [m²] */
     uint padding[3];
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
     mcv_parallel parallel;
@@ -84,7 +86,7 @@ typedef struct mcv_device_emitter {
     uint no_parallel[8]; /* the size stays */
 #endif
 } mcv_device_emitter;
-MCV_ASSERT_SIZE(mcv_device_emitter, 80);
+MCV_ASSERT_SIZE(mcv_device_emitter, 96);
 
 typedef struct mcv_device_texture {
     uint width, height;

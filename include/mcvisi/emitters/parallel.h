@@ -20,7 +20,7 @@ typedef struct mcv_parallel {
     float tangent_squared; /* tan²β */
     float sin_half;        /* sin(β/2) */
     float solid_angle;     /* 4π sin²(β/2) [sr] */
-    uint from_receiver;    /* 1: one common normal and a narrow cone, sampled as a cone from the receiver */
+    uint from_receiver;    /* 1: one common normal: directions from a receiver may be chosen in the cone */
     float axis[3];         /* that normal */
     uint padding;
 } mcv_parallel;
