@@ -249,7 +249,8 @@ static mcv_result bench_mesh(bench *b, const mesh *m, mcv_error *error) {
     const double theirs = now() - start;
     scenes[FAST] = embree_scene(b->embree, m, RTC_SCENE_FLAG_NONE);
     const double bytes = (double)bvh.node_count * sizeof *bvh.nodes + (double)bvh.leaf_count * sizeof *bvh.leaves;
-    printf("%s triangles: built in %.2f s of processor time (Embree %.2f s), %.1f bytes per triangle\n", name, ours, theirs, bytes / m->triangle_count);
+    printf("%s triangles: built in %.2f s of processor time (Embree %.2f s), %.1f bytes per triangle\n", name, ours, theirs,
+           bytes / m->triangle_count);
     MCV_TRY(tracer_load(&b->tracer, &bvh, error));
     mcv_bvh_free(&bvh);
 

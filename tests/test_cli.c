@@ -91,8 +91,6 @@ static int count_files(void) {
     return count;
 }
 
-extern char **environ;
-
 /* Starts the program with the words of a line as arguments. Its output goes to files beside the working folder. */
 static pid_t start(const char *line) {
     char words[1024];
@@ -509,6 +507,7 @@ static bool wait_for_handler(pid_t pid, int signal, bool handled) {
         unsigned long long caught = 0;
         FILE *file = fopen(path, "r");
         while (file && fgets(line, sizeof line, file))
+            // NOLINTNEXTLINE(cert-err34-c): the kernel writes 16 digits
             if (sscanf(line, "SigCgt: %llx", &caught) == 1) break;
         if (file) fclose(file);
         if (((caught >> (signal - 1) & 1) != 0) == handled) return true;
