@@ -91,8 +91,6 @@ static int count_files(void) {
     return count;
 }
 
-extern char **environ;
-
 /* Starts the program with the words of a line as arguments. Its output goes to files beside the working folder. */
 static pid_t start(const char *line) {
     char words[1024];
@@ -507,7 +505,7 @@ static bool wait_for_handler(pid_t pid, int signal, bool handled) {
         unsigned long long caught = 0;
         FILE *file = fopen(path, "r");
         while (file && fgets(line, sizeof line, file))
-            if (sscanf(line, "SigCgt: %llx", &caught) == 1) break;
+            if (strncmp(line, "SigCgt:", 7) == 0) caught = strtoull(line + 7, NULL, 16);
         if (file) fclose(file);
         if (((caught >> (signal - 1) & 1) != 0) == handled) return true;
         nanosleep(&(struct timespec){0, 1000000}, NULL);

@@ -106,7 +106,7 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
                             const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats, const mcv_image *mean,
                             const mcv_image *deviation, mcv_error *error) {
     const mcv_exr_part parts[] = {{.name = "image", .image = *mean}, {.name = "error", .image = *deviation}};
-    uint64_t hash;
+    uint64_t hash = 0;
     char hash_text[32];
     MCV_TRY(hash_file(scene->path, &hash, error));
     snprintf(hash_text, sizeof hash_text, "%016" PRIx64, hash);

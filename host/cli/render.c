@@ -57,18 +57,18 @@ static mcv_result render_options(const mcv_command *command, mcv_render_options 
 
 /* --- one sensor ------------------------------------------------------------------------------------------------- */
 
-static mcv_result render_sensor(const mcv_command *command, const mcv_scene *scene, mcv_render_options *options, uint32_t sensor,
+static mcv_result render_sensor(const mcv_command *command, const mcv_scene *scene, mcv_render_options options, uint32_t sensor,
                                 const mcv_picture *picture, mcv_film *film, mcv_summary *summary, mcv_error *error) {
     const bool reference = command->device && strcmp(command->device, "reference") == 0;
     mcv_progress_line line = mcv_progress_stderr(summary->sensor, &mcv_interrupt);
-    options->progress = mcv_progress_report;
-    options->user = &line;
-    const mcv_result result = (reference ? mcv_reference_render : mcv_render)(scene, sensor, options, film, &summary->stats, error);
+    options.progress = mcv_progress_report;
+    options.user = &line;
+    const mcv_result result = (reference ? mcv_reference_render : mcv_render)(scene, sensor, &options, film, &summary->stats, error);
     mcv_progress_end(&line);
     MCV_TRY(result);
     const double begun = now();
     mcv_interrupt_watch(true);
-    MCV_TRY(mcv_picture_write(picture, command, scene, sensor, options, film, &summary->stats, &summary->preview, error));
+    MCV_TRY(mcv_picture_write(picture, command, scene, sensor, &options, film, &summary->stats, &summary->preview, error));
     summary->seconds_write = now() - begun;
     summary->width = film->width;
     summary->height = film->height;
@@ -81,14 +81,14 @@ static mcv_result render_sensor(const mcv_command *command, const mcv_scene *sce
 }
 
 static mcv_result print_summary(const mcv_command *command, const mcv_summary *summary, mcv_error *error) {
-    char *text;
-    MCV_TRY((command->json ? mcv_summary_json : mcv_summary_text)(summary, &text, error));
+    char *text = NULL;
+    MCV_TRY(command->json ? mcv_summary_json(summary, &text, error) : mcv_summary_text(summary, &text, error));
     printf("%s%s", text, command->json ? "\n" : "");
     free(text);
     return MCV_OK;
 }
 
-static mcv_result render_and_print(const mcv_command *command, const mcv_scene *scene, mcv_render_options *options, uint32_t sensor,
+static mcv_result render_and_print(const mcv_command *command, const mcv_scene *scene, const mcv_render_options *options, uint32_t sensor,
                                    bool several, double seconds_load, mcv_error *error) {
     char label[128];
     mcv_picture picture;
@@ -102,7 +102,7 @@ static mcv_result render_and_print(const mcv_command *command, const mcv_scene *
                            .unit = picture.unit,
                            .seconds_load = seconds_load};
     mcv_interrupt_watch(false);
-    mcv_result result = render_sensor(command, scene, options, sensor, &picture, &film, &summary, error);
+    mcv_result result = render_sensor(command, scene, *options, sensor, &picture, &film, &summary, error);
     if (result == MCV_OK) result = print_summary(command, &summary, error);
     mcv_film_free(&film);
     if (result != MCV_OK || mcv_interrupt_result() == MCV_OK) return result;
@@ -111,7 +111,7 @@ static mcv_result render_and_print(const mcv_command *command, const mcv_scene *
 
 /* --- all sensors ------------------------------------------------------------------------------------------------ */
 
-static mcv_result render_scene(const mcv_command *command, mcv_scene *scene, mcv_render_options *options, double seconds_load,
+static mcv_result render_scene(const mcv_command *command, mcv_scene *scene, const mcv_render_options *options, double seconds_load,
                                mcv_error *error) {
     uint32_t first = 0;
     uint32_t count = scene->sensor_count;
