@@ -383,14 +383,12 @@ static void test_json(void **state) {
     run_well("render s.gltf --spp 16 --json");
     json_t *root = json_loads(out, 0, &failure);
     if (!root) fail_msg("line %d: %s", failure.line, failure.text);
-    const json_t *render = json_array_get(json_object_get(root, "renders"), 0);
-    assert_int_equal(json_integer_value(json_object_get(render, "samples")), 16);
-    assert_int_equal(json_integer_value(json_object_get(json_object_get(render, "rays"), "paths")), 16 * 24 * 16);
-    assert_int_equal(json_integer_value(json_array_get(json_object_get(render, "size"), 0)), 24);
-    assert_string_equal(json_string_value(json_array_get(json_object_get(render, "features"), 0)), "area");
-    assert_true(json_is_true(json_object_get(json_object_get(render, "stages"), "generate_rays")));
-    assert_true(json_is_false(json_object_get(json_object_get(render, "stages"), "intersect_shadow")));
-    assert_true(json_number_value(json_object_get(json_object_get(render, "seconds"), "first_sample")) > 0);
+    assert_int_equal(json_integer_value(json_object_get(root, "samples")), 16);
+    assert_int_equal(json_integer_value(json_object_get(json_object_get(root, "rays"), "paths")), 16 * 24 * 16);
+    assert_int_equal(json_integer_value(json_object_get(root, "width")), 24);
+    assert_string_equal(json_string_value(json_array_get(json_object_get(root, "features"), 0)), "area");
+    assert_true(json_number_value(json_object_get(json_object_get(root, "seconds"), "first_sample")) > 0);
+    assert_true(json_is_false(json_object_get(root, "interrupted")));
     json_decref(root);
 
     run_well("check s.gltf --json");
@@ -507,8 +505,7 @@ static bool wait_for_handler(pid_t pid, int signal, bool handled) {
         unsigned long long caught = 0;
         FILE *file = fopen(path, "r");
         while (file && fgets(line, sizeof line, file))
-            // NOLINTNEXTLINE(cert-err34-c): the kernel writes 16 digits
-            if (sscanf(line, "SigCgt: %llx", &caught) == 1) break;
+            if (strncmp(line, "SigCgt:", 7) == 0) caught = strtoull(line + 7, NULL, 16);
         if (file) fclose(file);
         if (((caught >> (signal - 1) & 1) != 0) == handled) return true;
         nanosleep(&(struct timespec){0, 1000000}, NULL);

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/interrupt.h"
 
-#include <signal.h>
+volatile sig_atomic_t mcv_interrupt;
 
-static volatile sig_atomic_t received;
-
-static void receive(int signal) { received = signal; }
+static void receive(int signal) { mcv_interrupt = signal; }
 
 void mcv_interrupt_watch(bool saving) {
     /* SA_RESETHAND: the handler serves once; the second signal finds the system's own, which ends the program. */
@@ -15,4 +13,7 @@ void mcv_interrupt_watch(bool saving) {
     sigaction(SIGTERM, &action, NULL);
 }
 
-mcv_result mcv_interrupt_received(void) { return received == 0 ? MCV_OK : received == SIGTERM ? MCV_TERMINATED : MCV_INTERRUPTED; }
+mcv_result mcv_interrupt_result(void) {
+    const int signal = mcv_interrupt;
+    return signal == 0 ? MCV_OK : signal == SIGTERM ? MCV_TERMINATED : MCV_INTERRUPTED;
+}

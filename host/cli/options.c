@@ -20,20 +20,17 @@ typedef enum option_kind {
 } option_kind;
 
 typedef struct option {
-    option_kind kind;
-    const char *name;
-    char letter; /* or 0 */
-    const char *argument;
-    unsigned verbs;
-    const char *preset;
+    const char *name, *argument, *preset, *doc;
     double min, max;
     size_t offset; /* in mcv_command */
-    const char *doc;
+    option_kind kind;
+    unsigned verbs;
+    char letter; /* or 0 */
 } option;
 
 static const option options[] = {
 #define MCV_X(kind, field, name, letter, argument, verbs, preset, min, max, doc) \
-    {KIND_##kind, name, letter, argument, verbs, preset, (double)(min), (double)(max), offsetof(mcv_command, field), doc},
+    {name, argument, preset, doc, (double)(min), (double)(max), offsetof(mcv_command, field), KIND_##kind, verbs, letter},
     MCV_OPTIONS(MCV_X)
 #undef MCV_X
 };

@@ -56,7 +56,8 @@ enum {
     X(count, depth, "depth", 0, "N", MCV_IN_RENDER | MCV_IN_TRACE, "32", 1, 1000000, "surfaces that a path may meet") \
     X(size, resolution, "resolution", 0, "WxH", MCV_IN_RENDER, NULL, 1, 65536, \
       "other pixels on the same field of view; the macro pixels of a light field camera") \
-    X(choice, schedule, "schedule", 0, "auto|tile", MCV_IN_RENDER, "auto", 0, 0, "how the stages are launched") \
+    X(choice, schedule, "schedule", 0, "auto|tile|stream", MCV_IN_RENDER, "auto", 0, 0, \
+      "how the stages are launched: a slice of the image at a time (CPUs), or one launch a stage (GPUs); the same bits") \
     X(text, device, "device", 0, "D", MCV_IN_RENDER | MCV_IN_TRACE, NULL, 0, 0, \
       "a number from `mcvisi devices`, PLATFORM:TYPE:NAME, or `reference`: the independent renderer in double precision, slow") \
     X(count, threads, "threads", 0, "N", MCV_IN_RENDER | MCV_IN_TRACE, NULL, 1, 1024, \
@@ -67,7 +68,8 @@ enum {
       "change the scene, as in --set sensors/cam/fNumber=8 or --set emitters/back/halfAngle=0.2deg; may be repeated") \
     X(flag, defines, "defines", 0, NULL, MCV_IN_CHECK, NULL, 0, 0, \
       "print the -D options that specialise the scene's OpenCL programs; without a scene, those with all features") \
-    X(flag, json, "json", 0, NULL, MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_DEVICES, NULL, 0, 0, "print JSON, in SI units")
+    X(flag, json, "json", 0, NULL, MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_DEVICES, NULL, 0, 0, \
+      "print JSON in SI units; render prints one object, on one line, per sensor")
 
 #define MCV_OPTION_FIELD_flag(field) bool field;
 #define MCV_OPTION_FIELD_text(field) const char *field;

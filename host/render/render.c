@@ -190,6 +190,9 @@ static mcv_result render_round(renderer *r, uint64_t first, uint64_t count, doub
             const double seconds = now() - r->begun;
             double fraction = o->last > 0 ? samples / (double)(o->last - o->first) : 0;
             if (o->seconds > 0 && seconds / o->seconds > fraction) fraction = seconds / o->seconds;
+            /* The error falls at least as fast as the root of the samples grows. */
+            if (o->error > 0 && done_before > 0 && isfinite(done_before))
+                fraction = fmax(fraction, fmin(1, pow(o->error / done_before, 2) * samples / (double)film->samples));
             const bool go_on = o->progress(o->user, fraction, seconds, done_before);
             /* The first round is always finished: a stopped render has an image. */
             if (!go_on && film->samples > 0) *stop = true;
