@@ -173,6 +173,9 @@ static void test_bad_data(void **state) {
 #define CAM "{\"name\":\"cam\",\"type\":\"pinhole\",\"imageDistance\":1,\"resolution\":1,\"pixelSize\":1}"
 #define LAMP "{\"name\":\"lamp\",\"type\":\"area\",\"size\":1,\"radiance\":1}"
 
+#define POSED(pose) ASSET "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"name\":\"n\",\"extensions\":{\"MCVISI_pose\":{" pose "}}}]}"
+#define PLACED(asset) ASSET "\"extensions\":{\"MCVISI_assets\":{\"assets\":[" asset "]}}}"
+
 static void test_bad_elements(void **state) {
     (void)state;
     static const struct {
@@ -213,6 +216,21 @@ static void test_bad_elements(void **state) {
         {ASSET "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[2,0,0,1]}}]}",
          "materials/0/pbrMetallicRoughness/baseColorFactor/0: 2 must lie from 0 to 1"},
         {ASSET "\"materials\":[{\"extensions\":{\"KHR_materials_ior\":{\"ior\":0.5}}}]}", "KHR_materials_ior: ior 0.5 must be 1 or more"},
+        {POSED("\"distance\":1"), "nodes/n/target: is missing"},
+        {POSED("\"target\":\"m\",\"distance\":1"), "nodes/n/target: there is no node \"m\""},
+        {POSED("\"target\":7,\"distance\":1"), "nodes/n/target: index 7 points to nothing"},
+        {POSED("\"target\":[1,2],\"distance\":1"), "nodes/n/target: a point must have 3 coordinates"},
+        {POSED("\"target\":[1,2,\"3deg\"],\"distance\":1"), "nodes/n/target: coordinate 2 must be a length"},
+        {POSED("\"target\":\"n\",\"distance\":1"), "nodes/n: its pose has itself as the target"},
+        {POSED("\"target\":[0,0,0]"), "nodes/n/distance: is missing"},
+        {POSED("\"target\":[0,0,0],\"distance\":0"), "nodes/n/distance: 0 must be above 0"},
+        {POSED("\"target\":[0,0,0],\"distance\":1,\"azimut\":1"), "nodes/n: unknown key \"azimut\": did you mean \"azimuth\"?"},
+        {PLACED("{}"), "assets/0/uri: is missing"},
+        {PLACED("{\"uri\":\"part.stl\"}"), "assets/0/uri: \"part.stl\" must be a .gltf or .glb file"},
+        {PLACED("{\"uri\":\"../part.glb\"}"), "assets/0/uri: \"../part.glb\" leads out of the scene's directory"},
+        {PLACED("{\"uri\":\"missing.glb\"}"), "assets/0/uri: \"" MCV_BINARY_DIR "/tests/missing.glb\" cannot be opened"},
+        {PLACED("{\"uri\":\"missing.glb\",\"unit\":\"inch\"}"), "assets/0/unit: \"inch\" must be one of"},
+        {PLACED("{\"name\":\"me\",\"uri\":\"" FILE_NAME "\"}"), "assets/me: an asset may not place assets itself"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) must_refuse(cases[i].text, cases[i].says);
 }

@@ -228,6 +228,46 @@ static void test_mirrored(void **state) {
     }
 }
 
+/*
+ * A scene made by hand. A vertex normal n goes through a scale s as n/s: for n = (0.6, 0, 0.8) and s = (-2, 3, 1) along
+ * (-0.3, 0, 0.8), also where the scale mirrors. What a file may not hold is refused here too.
+ */
+static void test_made_by_hand(void **state) {
+    (void)state;
+    float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, normals[9] = {0.6f, 0, 0.8f, 0.6f, 0, 0.8f, 0.6f, 0, 0.8f};
+    uint32_t indices[3] = {0, 1, 2}, outside[3] = {0, 1, 3};
+    static const double scales[][3] = {{1, 1, 1}, {-2, 3, 1}, {1, 1, -1}, {-2, -3, -1}};
+    mcv_error error = {""};
+    mcv_scene *scene = mcv_scene_new("by hand");
+    assert_non_null(scene);
+    mcv_material material = {.name = "m", .type = MCV_MATERIAL_MIRROR, .texture = MCV_NONE};
+    mcv_params_set_defaults(mcv_material_table(material.type), &material.as);
+    mcv_mesh mesh = {.vertex_count = 3, .triangle_count = 1, .positions = positions, .normals = normals, .indices = indices};
+    assert_int_equal(mcv_scene_add_material(scene, &material, &error), MCV_OK);
+    assert_int_equal(mcv_scene_add_mesh(scene, &mesh, &error), MCV_OK);
+    for (uint32_t k = 0; k < 4; ++k) {
+        const double *s = scales[k];
+        const mcv_instance instance = {.to_world = {{s[0], 0, 0, 0, s[1], 0, 0, 0, s[2], 5, 6, 7}}};
+        assert_int_equal(mcv_scene_add_instance(scene, &instance, &error), MCV_OK);
+        assert_int_equal(mcv_scene_instance_of(scene, k), k);
+        double n[3][3], truth[3] = {0.6 / s[0], 0, 0.8 / s[2]};
+        const double length = sqrt(truth[0] * truth[0] + truth[2] * truth[2]);
+        mcv_scene_vertex_normals(scene, k, 0, n);
+        for (int i = 0; i < 3; ++i) /* the normal is stored as float: off by FLT_EPSILON / 2, stretched by at most 3 */
+            if (!(fabs(n[1][i] - truth[i] / length) <= 2 * (double)FLT_EPSILON))
+                fail_msg("scale %g %g %g: normal[%d] is %g, must be %g", s[0], s[1], s[2], i, n[1][i], truth[i] / length);
+    }
+    mesh.indices = outside;
+    assert_int_equal(mcv_scene_add_mesh(scene, &mesh, &error), MCV_BAD_INPUT);
+    assert_non_null(strstr(error.text, "by hand: meshes/1/indices: index 3 of triangle 0 points to nothing"));
+    assert_int_equal(mcv_scene_add_instance(scene, &(mcv_instance){.mesh = 1}, &error), MCV_BAD_INPUT);
+    material.as.mirror.reflectance[1] = 1.5;
+    assert_int_equal(mcv_scene_add_material(scene, &material, &error), MCV_BAD_INPUT);
+    assert_non_null(strstr(error.text, "by hand: materials/m/reflectance: 1.5 must lie from 0 to 1"));
+    assert_int_equal(scene->mesh_count + scene->material_count, 2);
+    mcv_scene_free(scene);
+}
+
 /* --- materials and textures ------------------------------------------------------------------------------------- */
 
 static void test_materials(void **state) {
@@ -538,6 +578,80 @@ static void test_ambiguous_name(void **state) {
     mcv_scene_free(must_load(text, "nodes/2/translation/x=1"));
 }
 
+/* --- poses and assets ------------------------------------------------------------------------------------------- */
+
+/* The camera of this node's MCVISI_pose, with nodes "part" at (1, 2, 3) below a turned parent and "other" posed itself. */
+static mcv_scene *load_pose(const char *pose, const char *set) {
+    char *text =
+        text_of(HEAD ELEMENTS("{\"type\":\"environment\"}",
+                              PINHOLE) "\"nodes\":[{\"rotation\":[0,1,0,0],\"scale\":[2,2,2],\"children\":[1,2,3]},{\"name\":\"part\","
+                                       "\"translation\":[-0.5,1,-1.5]},"
+                                       "{\"name\":\"cam\",\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0},\"MCVISI_pose\":{%s}}},"
+                                       "{\"name\":\"other\",\"extensions\":{\"MCVISI_pose\":{\"target\":\"part\",\"distance\":\"10cm\","
+                                       "\"azimuth\":\"90deg\"}}}]}",
+                pose);
+    mcv_scene *scene = must_load(text, set);
+    free(text);
+    return scene;
+}
+
+/* Position, x axis (right) and direction of view by hand. cos 90° and the like are off by a rounding. */
+static void test_pose(void **state) {
+    (void)state;
+    static const struct {
+        const char *pose, *set;
+        double position[3], right[3], view[3];
+    } cases[] = {
+        {"\"target\":\"part\",\"distance\":\"50cm\"", NULL, {1, 2, 3.5}, {1, 0, 0}, {0, 0, -1}},
+        {"\"target\":1,\"distance\":0.5,\"azimuth\":\"90deg\"", NULL, {1.5, 2, 3}, {0, 0, -1}, {-1, 0, 0}},
+        {"\"target\":\"part\",\"distance\":0.5,\"elevation\":\"90deg\"", NULL, {1, 2.5, 3}, {1, 0, 0}, {0, -1, 0}},
+        {"\"target\":\"part\",\"distance\":0.5,\"elevation\":\"-90deg\",\"azimuth\":\"90deg\"", NULL, {1, 1.5, 3}, {0, 0, -1}, {0, 1, 0}},
+        {"\"target\":[0,\"1m\",0],\"distance\":1,\"roll\":\"90deg\"", NULL, {0, 1, 1}, {0, 1, 0}, {0, 0, -1}},
+        {"\"target\":\"other\",\"distance\":1", NULL, {1.1, 2, 4}, {1, 0, 0}, {0, 0, -1}},
+        {"\"target\":\"part\",\"distance\":0.5", "nodes/cam/azimuth=90deg", {1.5, 2, 3}, {0, 0, -1}, {-1, 0, 0}},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; ++k) {
+        mcv_scene *scene = load_pose(cases[k].pose, cases[k].set);
+        assert_int_equal(scene->sensor_count, 1);
+        const double *m = scene->sensors[0].to_world.m;
+        for (int i = 0; i < 3; ++i) {
+            assert_close(m[9 + i], cases[k].position[i], 8, 8, cases[k].pose);
+            assert_close(m[3 * i], cases[k].right[i], 1, 8, cases[k].pose);
+            assert_close(-m[3 * i + 2], cases[k].view[i], 1, 8, cases[k].pose);
+        }
+        mcv_scene_free(scene);
+    }
+}
+
+/* A file in millimetres placed twice: its meshes come once, its camera not at all, its lamp glows. */
+static void test_assets(void **state) {
+    (void)state;
+    char *part = square_scene(",\"material\":0", "\"materials\":[{\"name\":\"glow\",\"emissiveFactor\":[0.5,0.5,0.5]}],"
+                                                 "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.5,\"znear\":0.1}}],"
+                                                 "\"nodes\":[{\"name\":\"plate\",\"mesh\":0,\"camera\":0,\"translation\":[1,0,0]}]");
+    free(write_bytes("scene_load_part.gltf", part, strlen(part)));
+    mcv_scene *scene = must_load(
+        HEAD "\"extensions\":{\"MCVISI_assets\":{\"assets\":[{\"uri\":\"scene_load_part.gltf\",\"unit\":\"mm\"}]}},"
+             "\"materials\":[{\"name\":\"first\"}],\"nodes\":[{\"children\":[1],\"extensions\":{\"MCVISI_assets\":{\"asset\":0}}},"
+             "{\"scale\":[2,2,2],\"translation\":[0,0,7],\"extensions\":{\"MCVISI_assets\":{\"asset\":0}}}]}",
+        NULL);
+    assert_int_equal(scene->mesh_count, 1);
+    assert_int_equal(scene->instance_count, 2);
+    assert_int_equal(scene->sensor_count, 0);
+    assert_int_equal(scene->emitter_count, 2);
+    assert_string_equal(scene->materials[scene->instances[1].material].name, "glow");
+    static const double x[2] = {2e-3, 4e-3}, z[2] = {0, 7};
+    for (uint32_t i = 0; i < 2; ++i) {
+        double corners[3][3];
+        mcv_scene_corners(scene, i, 0, corners);
+        assert_close(corners[1][0], x[i], 1e-2, 8, "corner of the part");
+        assert_close(corners[1][2], z[i], 7, 2, "corner of the part");
+        assert_close(scene->emitters[i].area, x[i] * x[i] / 4, 1e-4, 16, "area of the part");
+    }
+    mcv_scene_free(scene);
+    free(part);
+}
+
 /* Extras other than a note are counted, nothing else about them is said. */
 static void test_extras(void **state) {
     (void)state;
@@ -550,12 +664,12 @@ static void test_extras(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_primitives),      cmocka_unit_test(test_accessors),
-                                       cmocka_unit_test(test_normals),         cmocka_unit_test(test_hierarchy),
-                                       cmocka_unit_test(test_mirrored),        cmocka_unit_test(test_materials),
-                                       cmocka_unit_test(test_textures),        cmocka_unit_test(test_glb),
-                                       cmocka_unit_test(test_cameras),         cmocka_unit_test(test_rectangle),
-                                       cmocka_unit_test(test_power_of_meshes), cmocka_unit_test(test_overrides),
-                                       cmocka_unit_test(test_ambiguous_name),  cmocka_unit_test(test_extras)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_primitives), cmocka_unit_test(test_accessors),      cmocka_unit_test(test_normals),
+        cmocka_unit_test(test_hierarchy),  cmocka_unit_test(test_mirrored),       cmocka_unit_test(test_made_by_hand),
+        cmocka_unit_test(test_materials),  cmocka_unit_test(test_textures),       cmocka_unit_test(test_glb),
+        cmocka_unit_test(test_cameras),    cmocka_unit_test(test_rectangle),      cmocka_unit_test(test_power_of_meshes),
+        cmocka_unit_test(test_overrides),  cmocka_unit_test(test_ambiguous_name), cmocka_unit_test(test_extras),
+        cmocka_unit_test(test_pose),       cmocka_unit_test(test_assets)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,17 +9,10 @@
 #include <stdlib.h>
 
 /* Extensions that are read; a file may require no other. */
-static const char *const known_extensions[] = {"MCVISI_sensors",
-                                               "MCVISI_emitters",
-                                               "MCVISI_materials",
-                                               "KHR_materials_transmission",
-                                               "KHR_materials_volume",
-                                               "KHR_materials_ior",
-                                               "KHR_materials_emissive_strength",
+static const char *const known_extensions[] = {"MCVISI_sensors",       "MCVISI_emitters",   "MCVISI_materials",
+                                               "MCVISI_assets",        "MCVISI_pose",       "KHR_materials_transmission",
+                                               "KHR_materials_volume", "KHR_materials_ior", "KHR_materials_emissive_strength",
                                                "KHR_mesh_quantization"};
-/* Refused wherever they stand, because a scene without them would be another scene. */
-static const char *const planned_extensions[] = {"MCVISI_assets", "MCVISI_pose"};
-
 static bool is_known(const char *name) {
     for (size_t i = 0; i < sizeof known_extensions / sizeof known_extensions[0]; ++i)
         if (strcmp(known_extensions[i], name) == 0) return true;
@@ -28,15 +21,7 @@ static bool is_known(const char *name) {
 
 static mcv_result check_extensions(const json_t *root, const mcv_place *file, mcv_error *error) {
     const size_t known = sizeof known_extensions / sizeof known_extensions[0];
-    const json_t *required = json_object_get(root, "extensionsRequired"), *used = json_object_get(root, "extensionsUsed");
-    for (size_t i = 0; i < json_array_size(used); ++i)
-        for (size_t k = 0; k < sizeof planned_extensions / sizeof planned_extensions[0]; ++k)
-            if (strcmp(json_string_value(json_array_get(used, i)), planned_extensions[k]) == 0) {
-                const mcv_place place = mcv_place_key(file, "extensionsUsed"), here = mcv_place_index(&place, i);
-                return mcv_fail_at(&here, error,
-                                   "this version does not read %s: place nodes by translation and rotation, and meshes in the file itself",
-                                   planned_extensions[k]);
-            }
+    const json_t *required = json_object_get(root, "extensionsRequired");
     for (size_t i = 0; i < json_array_size(required); ++i) {
         const char *name = json_string_value(json_array_get(required, i));
         if (is_known(name)) continue;
@@ -100,30 +85,25 @@ static mcv_result warn_unused(mcv_loader *loader, mcv_error *error) {
 
 /* --- nodes ------------------------------------------------------------------------------------------------------ */
 
-static mcv_result node_transform(const json_t *node, mcv_transform *transform, const mcv_place *place, mcv_error *error) {
-    double translation[3] = {0}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1}, matrix[16];
-    if (json_object_get(node, "matrix")) { /* by columns */
-        MCV_TRY(mcv_json_numbers(node, "matrix", 16, -INFINITY, INFINITY, matrix, place, error));
-        for (int column = 0; column < 4; ++column)
-            for (int row = 0; row < 3; ++row) transform->m[column < 3 ? 3 * row + column : 9 + row] = matrix[4 * column + row];
-        return MCV_OK;
-    }
-    MCV_TRY(mcv_json_numbers(node, "translation", 3, -INFINITY, INFINITY, translation, place, error));
-    MCV_TRY(mcv_json_numbers(node, "rotation", 4, -INFINITY, INFINITY, rotation, place, error));
-    MCV_TRY(mcv_json_numbers(node, "scale", 3, -INFINITY, INFINITY, scale, place, error));
-    /* Files round quaternions; a length other than 1 would scale. */
-    const double length = hypot(hypot(rotation[0], rotation[1]), hypot(rotation[2], rotation[3]));
-    for (int i = 0; i < 4; ++i) rotation[i] /= length;
-    *transform = mcv_transform_from_trs(translation, rotation, scale);
-    return MCV_OK;
+static mcv_result load_nodes(mcv_loader *loader, const mcv_transform *document, mcv_error *error);
+
+/* The document of an asset below the node that places it. */
+static mcv_result place_asset(mcv_loader *asset, const mcv_transform *to_world, mcv_error *error) {
+    mcv_transform scaled = *to_world;
+    for (int i = 0; i < 9; ++i) scaled.m[i] *= asset->unit;
+    return load_nodes(asset, &scaled, error);
 }
 
-static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transform *parent, mcv_error *error) {
+/* `document`: the frame of the document's root in the world. */
+static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transform *document, const mcv_transform *parent,
+                            mcv_error *error) {
     const json_t *nodes = json_object_get(loader->root, "nodes"), *node = json_array_get(nodes, index);
     const mcv_place place = mcv_place_key(&loader->file, "nodes"), here = mcv_place_element(&place, mcv_json_name(node), index);
     mcv_transform local;
-    MCV_TRY(node_transform(node, &local, &here, error));
-    const mcv_transform to_world = mcv_transform_compose(parent, &local);
+    bool posed;
+    MCV_TRY(mcv_load_pose(loader, node, 0, &posed, &local, &here, error));
+    if (!posed) MCV_TRY(mcv_load_local(node, &local, &here, error));
+    const mcv_transform to_world = mcv_transform_compose(posed ? document : parent, &local);
     const uint32_t first = loader->scene->instance_count;
     uint32_t mesh;
     MCV_TRY(mcv_json_index(node, "mesh", json_array_size(json_object_get(loader->root, "meshes")), "meshes", &mesh, &here, error));
@@ -138,18 +118,20 @@ static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transf
     }
     MCV_TRY(mcv_load_emitter(loader, node, &to_world, first, loader->scene->instance_count, &here, error));
     MCV_TRY(mcv_load_sensors(loader, node, &to_world, &here, error));
+    mcv_loader *asset;
+    MCV_TRY(mcv_load_asset_of(loader, node, &asset, &here, error));
+    if (asset) MCV_TRY(place_asset(asset, &to_world, error));
     const json_t *children = json_object_get(node, "children");
     for (size_t i = 0; i < json_array_size(children); ++i)
-        MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(children, i)), &to_world, error));
+        MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(children, i)), document, &to_world, error));
     return MCV_OK;
 }
 
-static mcv_result load_nodes(mcv_loader *loader, mcv_error *error) {
+static mcv_result load_nodes(mcv_loader *loader, const mcv_transform *document, mcv_error *error) {
     const json_t *scenes = json_object_get(loader->root, "scenes"), *scene = json_object_get(loader->root, "scene");
     const json_t *nodes = json_object_get(json_array_get(scenes, (size_t)json_number_value(scene)), "nodes");
-    const mcv_transform world = mcv_transform_identity();
     for (size_t i = 0; i < json_array_size(nodes); ++i)
-        MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(nodes, i)), &world, error));
+        MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(nodes, i)), document, document, error));
     return MCV_OK;
 }
 
@@ -173,7 +155,7 @@ static mcv_result read_external(void *user, const char *name, mcv_bytes *bytes, 
     }
     if (uri) {
         char *path;
-        MCV_TRY(mcv_file_resolve(loader->scene->path, uri, &path, &place, error));
+        MCV_TRY(mcv_file_resolve(loader->file.key, uri, &path, &place, error));
         const mcv_result result = mcv_file_read(path, bytes, &place, error);
         free(path);
         MCV_TRY(result);
@@ -253,7 +235,6 @@ static mcv_result open_data(mcv_loader *loader, mcv_error *error) {
 static mcv_result parse(mcv_loader *loader, mcv_error *error) {
     mcv_bytes json;
     json_error_t wrong;
-    MCV_TRY(mcv_file_read(loader->scene->path, &loader->bytes, &loader->file, error));
     MCV_TRY(mcv_glb_split(loader->bytes, &json, &loader->binary, &loader->file, error));
     loader->root = json_loadb((const char *)json.data, json.size, JSON_REJECT_DUPLICATES, &wrong);
     if (!loader->root) return mcv_fail_at(&loader->file, error, "line %d column %d is no JSON: %s", wrong.line, wrong.column, wrong.text);
@@ -264,7 +245,7 @@ static mcv_result parse(mcv_loader *loader, mcv_error *error) {
     return MCV_OK;
 }
 
-static mcv_result load(mcv_loader *loader, mcv_overrides overrides, mcv_error *error) {
+mcv_result mcv_load_open(mcv_loader *loader, mcv_overrides overrides, mcv_error *error) {
     MCV_TRY(parse(loader, error));
     MCV_TRY(mcv_overrides_apply(overrides, loader->root, &loader->file, error));
     MCV_TRY(mcv_gltf_validate(loader->root, loader->binary, &loader->file, error));
@@ -279,15 +260,20 @@ static mcv_result load(mcv_loader *loader, mcv_overrides overrides, mcv_error *e
     loader->meshes = calloc(meshes + 1, sizeof *loader->meshes);
     if (!loader->images || !loader->textures || !loader->emission || !loader->meshes) return mcv_fail_memory(&loader->file, error);
     for (size_t i = 0; i < textures; ++i) loader->textures[i] = MCV_NONE;
-    MCV_TRY(mcv_load_definitions(loader, error));
+    if (!loader->is_asset) MCV_TRY(mcv_load_definitions(loader, error));
     MCV_TRY(open_data(loader, error));
     MCV_TRY(mcv_load_materials(loader, error));
-    MCV_TRY(load_nodes(loader, error));
-    MCV_TRY(warn_unused(loader, error));
+    MCV_TRY(mcv_load_assets(loader, error));
     return warn_ignored(loader, error);
 }
 
-static void finish(mcv_loader *loader) {
+void mcv_load_finish(mcv_loader *loader) {
+    for (size_t i = 0; loader->assets && i < loader->asset_count; ++i) {
+        mcv_load_finish(loader->assets + i);
+        free(loader->asset_paths[i]);
+    }
+    free(loader->assets);
+    free(loader->asset_paths);
     for (size_t i = 0; loader->meshes && i < json_array_size(json_object_get(loader->root, "meshes")); ++i)
         free(loader->meshes[i].materials);
     free(loader->meshes);
@@ -307,8 +293,12 @@ mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene *
     mcv_loader loader = {.file = mcv_place_file(path), .plain = MCV_NONE, .absorber = MCV_NONE};
     *scene = loader.scene = mcv_scene_new(path);
     if (!loader.scene) return mcv_fail_memory(&loader.file, error);
-    const mcv_result result = load(&loader, overrides, error);
-    finish(&loader);
+    const mcv_transform world = mcv_transform_identity();
+    mcv_result result = mcv_file_read(path, &loader.bytes, &loader.file, error);
+    if (result == MCV_OK) result = mcv_load_open(&loader, overrides, error);
+    if (result == MCV_OK) result = load_nodes(&loader, &world, error);
+    if (result == MCV_OK) result = warn_unused(&loader, error);
+    mcv_load_finish(&loader);
     if (result == MCV_OK) return MCV_OK;
     mcv_scene_free(*scene);
     *scene = NULL;

@@ -5,8 +5,9 @@
 
 #include "scene/accessor.h"
 #include "scene/scene.h"
+#include "mcvisi/pose.h"
 
-/* A glTF mesh: its primitives are the scene's meshes first … first + count - 1 with these glTF materials. */
+/* A glTF mesh: its primitives are the scene's meshes first … first + count - 1 with these materials. */
 typedef struct mcv_loaded_mesh {
     bool loaded;
     uint32_t first, count;
@@ -22,18 +23,24 @@ typedef struct mcv_emission {
 typedef struct mcv_loader {
     mcv_scene *scene;
     mcv_place file;
+    bool is_asset; /* placed by another document: its cameras, sensors and emitters but for emissive materials do not count */
+    double unit;   /* of an asset's lengths [m] */
     json_t *root;
     mcv_bytes bytes, binary; /* the file; the binary chunk inside of it */
     mcv_gltf *gltf;
-    uint32_t *images;       /* number in gltf of images[i], or MCV_NONE where no material needs it */
-    uint32_t *textures;     /* the scene's number of textures[i], or MCV_NONE as long as no material has asked for it */
-    mcv_emission *emission; /* of the scene's materials, which begin with all of the glTF */
+    uint32_t *images;        /* number in gltf of images[i], or MCV_NONE where no material needs it */
+    uint32_t *textures;      /* the scene's number of textures[i], or MCV_NONE as long as no material has asked for it */
+    uint32_t first_material; /* the scene's number of materials[0] */
+    mcv_emission *emission;  /* of materials[i] */
     mcv_loaded_mesh *meshes;
     uint32_t plain, absorber; /* the scene's number of the material where none is given, of rectangles; or MCV_NONE */
     mcv_sensor *sensors;      /* the definitions in MCVISI_sensors and MCVISI_emitters */
     mcv_emitter *emitters;
     uint32_t *sensor_uses, *emitter_uses; /* nodes that refer to them */
     size_t sensor_count, emitter_count;
+    struct mcv_loader *assets; /* MCVISI_assets */
+    char **asset_paths;
+    size_t asset_count;
 } mcv_loader;
 
 /* load_materials.c: which images textures need; then materials with their textures. */
@@ -53,5 +60,29 @@ mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_tr
                             const mcv_place *place, mcv_error *error);
 mcv_result mcv_load_sensors(mcv_loader *loader, const json_t *node, const mcv_transform *to_world, const mcv_place *place,
                             mcv_error *error);
+
+/*
+ * load_pose.c: a node's transform below its parent; by its MCVISI_pose, if it has one, in the document's frame; or, by way of
+ * all parents, in the document's frame. depth counts targets and parents followed so far.
+ */
+mcv_result mcv_load_local(const json_t *node, mcv_transform *transform, const mcv_place *place, mcv_error *error);
+mcv_result mcv_load_pose(const mcv_loader *loader, const json_t *node, int depth, bool *posed, mcv_transform *transform,
+                         const mcv_place *place, mcv_error *error);
+mcv_result mcv_load_transform(const mcv_loader *loader, uint32_t index, int depth, mcv_transform *transform, mcv_error *error);
+
+/*
+ * load_assets.c: opens the documents of MCVISI_assets; the one that a node places (its extension object's "asset"), or NULL.
+ * mcv_load_open (load.c) parses loader->bytes up to the materials; mcv_load_finish frees what a loader holds.
+ */
+mcv_result mcv_load_assets(mcv_loader *loader, mcv_error *error);
+mcv_result mcv_load_asset_of(const mcv_loader *loader, const json_t *node, struct mcv_loader **asset, const mcv_place *place,
+                             mcv_error *error);
+mcv_result mcv_load_open(mcv_loader *loader, mcv_overrides overrides, mcv_error *error);
+void mcv_load_finish(mcv_loader *loader);
+
+/* load_elements.c: the array extensions/EXTENSION/KEY of the document, and a node's index {"KEY": i} into it. */
+mcv_result mcv_load_array(const mcv_loader *loader, const char *extension, const char *key, json_t **array, mcv_error *error);
+mcv_result mcv_load_reference(const json_t *node, const char *extension, const char *key, size_t count, const char *of, uint32_t *index,
+                              const mcv_place *place, mcv_error *error);
 
 #endif

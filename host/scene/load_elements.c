@@ -15,7 +15,7 @@ static const char *const element_keys[] = {"name", "type", "extras", "extensions
 /* --- definitions ------------------------------------------------------------------------------------------------ */
 
 /* extensions/EXTENSION/KEY of the document, an array of objects; NULL where absent. */
-static mcv_result definitions(const mcv_loader *loader, const char *extension, const char *key, json_t **array, mcv_error *error) {
+mcv_result mcv_load_array(const mcv_loader *loader, const char *extension, const char *key, json_t **array, mcv_error *error) {
     const char *const others[] = {key, "extras", "extensions", NULL};
     const mcv_place extensions = mcv_place_key(&loader->file, "extensions"), place = mcv_place_key(&extensions, extension);
     const json_t *all = json_object_get(loader->root, "extensions");
@@ -30,7 +30,7 @@ static mcv_result definitions(const mcv_loader *loader, const char *extension, c
     for (size_t i = 0; i < json_array_size(*array); ++i) {
         const mcv_place element = mcv_place_index(&here, i);
         const char *name;
-        if (!json_is_object(json_array_get(*array, i))) return mcv_fail_at(&element, error, "must be an object {\"type\": ...}");
+        if (!json_is_object(json_array_get(*array, i))) return mcv_fail_at(&element, error, "must be an object");
         MCV_TRY(mcv_json_string(json_array_get(*array, i), "name", &name, &element, error));
     }
     return MCV_OK;
@@ -59,8 +59,8 @@ static mcv_result define_emitter(const json_t *object, mcv_emitter *emitter, con
 
 mcv_result mcv_load_definitions(mcv_loader *loader, mcv_error *error) {
     json_t *sensors, *emitters;
-    MCV_TRY(definitions(loader, "MCVISI_sensors", "sensors", &sensors, error));
-    MCV_TRY(definitions(loader, "MCVISI_emitters", "emitters", &emitters, error));
+    MCV_TRY(mcv_load_array(loader, "MCVISI_sensors", "sensors", &sensors, error));
+    MCV_TRY(mcv_load_array(loader, "MCVISI_emitters", "emitters", &emitters, error));
     loader->sensor_count = json_array_size(sensors);
     loader->emitter_count = json_array_size(emitters);
     loader->sensors = calloc(loader->sensor_count + 1, sizeof *loader->sensors);
@@ -84,8 +84,8 @@ mcv_result mcv_load_definitions(mcv_loader *loader, mcv_error *error) {
 }
 
 /* The node's extensions/EXTENSION {"KEY": index}; MCV_NONE where absent. */
-static mcv_result reference(const json_t *node, const char *extension, const char *key, size_t count, const char *of, uint32_t *index,
-                            const mcv_place *place, mcv_error *error) {
+mcv_result mcv_load_reference(const json_t *node, const char *extension, const char *key, size_t count, const char *of, uint32_t *index,
+                              const mcv_place *place, mcv_error *error) {
     const char *const others[] = {key, "extras", "extensions", NULL};
     const mcv_place extensions = mcv_place_key(place, "extensions"), here = mcv_place_key(&extensions, extension);
     json_t *all, *object;
@@ -134,7 +134,7 @@ static mcv_result add_emitters(mcv_loader *loader, const mcv_emitter *emitter, u
 static mcv_result add_emissive(mcv_loader *loader, uint32_t first, uint32_t last, mcv_error *error) {
     const size_t materials = json_array_size(json_object_get(loader->root, "materials"));
     for (uint32_t i = first; i < last; ++i) {
-        const uint32_t material = loader->scene->instances[i].material;
+        const uint32_t material = loader->scene->instances[i].material - loader->first_material; /* wraps below the first */
         if (material >= materials) continue;
         const mcv_emission *emission = loader->emission + material;
         if (!(emission->radiance[0] + emission->radiance[1] + emission->radiance[2] > 0)) continue;
@@ -150,7 +150,8 @@ static mcv_result add_emissive(mcv_loader *loader, uint32_t first, uint32_t last
 mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_transform *to_world, uint32_t first, uint32_t last,
                             const mcv_place *place, mcv_error *error) {
     uint32_t index;
-    MCV_TRY(reference(node, "MCVISI_emitters", "emitter", loader->emitter_count, "emitters", &index, place, error));
+    if (loader->is_asset) return add_emissive(loader, first, last, error);
+    MCV_TRY(mcv_load_reference(node, "MCVISI_emitters", "emitter", loader->emitter_count, "emitters", &index, place, error));
     if (index == MCV_NONE) return add_emissive(loader, first, last, error);
     mcv_emitter emitter = loader->emitters[index];
     ++loader->emitter_uses[index];
@@ -241,7 +242,8 @@ mcv_result mcv_load_sensors(mcv_loader *loader, const json_t *node, const mcv_tr
                             mcv_error *error) {
     uint32_t index, camera_index;
     const json_t *cameras = json_object_get(loader->root, "cameras");
-    MCV_TRY(reference(node, "MCVISI_sensors", "sensor", loader->sensor_count, "sensors", &index, place, error));
+    if (loader->is_asset) return MCV_OK;
+    MCV_TRY(mcv_load_reference(node, "MCVISI_sensors", "sensor", loader->sensor_count, "sensors", &index, place, error));
     if (index != MCV_NONE) {
         mcv_sensor sensor = loader->sensors[index];
         ++loader->sensor_uses[index];

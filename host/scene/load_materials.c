@@ -232,6 +232,7 @@ mcv_result mcv_load_materials(mcv_loader *loader, mcv_error *error) {
     const json_t *materials = json_object_get(loader->root, "materials");
     const mcv_place place = mcv_place_key(&loader->file, "materials");
     json_t *diffuse = json_object(), *cut_out = json_object();
+    loader->first_material = loader->scene->material_count;
     mcv_result result = MCV_OK;
     for (size_t i = 0; result == MCV_OK && i < json_array_size(materials); ++i) {
         const json_t *object = json_array_get(materials, i);

@@ -17,6 +17,11 @@ static const struct {
     {"nodes", "", "scale", "[1,1,1]"},
     {"nodes", "", "mesh", NULL},
     {"nodes", "", "camera", NULL},
+    {"nodes", "extensions/MCVISI_pose", "target", NULL},
+    {"nodes", "extensions/MCVISI_pose", "distance", NULL},
+    {"nodes", "extensions/MCVISI_pose", "azimuth", NULL},
+    {"nodes", "extensions/MCVISI_pose", "elevation", NULL},
+    {"nodes", "extensions/MCVISI_pose", "roll", NULL},
     {"materials", "pbrMetallicRoughness", "baseColorFactor", "[1,1,1,1]"},
     {"materials", "pbrMetallicRoughness", "metallicFactor", NULL},
     {"materials", "pbrMetallicRoughness", "roughnessFactor", NULL},
@@ -219,12 +224,14 @@ static mcv_result find_element(const setting *set, const json_t *array, char **r
 }
 
 static mcv_result follow(setting *set, json_t *root) {
-    static const char *const collections[] = {"sensors", "emitters", "materials", "nodes", "cameras", "meshes", "textures", "images"};
+    static const char *const collections[] = {"sensors", "emitters", "assets",   "materials", "nodes",
+                                              "cameras", "meshes",   "textures", "images"};
     char *rest = set->path;
     set->collection = cut(&rest);
     char extension[64];
     snprintf(extension, sizeof extension, "MCVISI_%.32s", set->collection);
-    set->own = strcmp(set->collection, "sensors") == 0 || strcmp(set->collection, "emitters") == 0;
+    set->own =
+        strcmp(set->collection, "sensors") == 0 || strcmp(set->collection, "emitters") == 0 || strcmp(set->collection, "assets") == 0;
     json_t *array = json_object_get(set->own ? mcv_json_extension(root, extension) : root, set->collection);
     if (!json_is_array(array) || json_array_size(array) == 0) {
         const size_t n = sizeof collections / sizeof collections[0];

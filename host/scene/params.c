@@ -4,14 +4,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define MCV_ROW(kind, key, default_value, min, max, doc) \
-    {MCV_PARAM_##kind, #key, offsetof(element_params, key), default_value, min, max, doc},
-
 /* A table ends in an empty row, so that an element may be without parameters. */
 #define MCV_TABLE(name, key, NAME) \
     static mcv_param_table name##_table(void) { \
         typedef mcv_##name##_params element_params; \
-        static const mcv_param rows[] = {MCV_##NAME##_PARAMS(MCV_ROW){0}}; \
+        static const mcv_param rows[] = {MCV_##NAME##_PARAMS(MCV_PARAM_ROW){0}}; \
         return (mcv_param_table){rows, sizeof rows / sizeof rows[0] - 1, sizeof(element_params)}; \
     }
 MCV_SENSORS(MCV_TABLE)

@@ -6,6 +6,13 @@
 #include "scene/json.h"
 #include "scene/scene.h"
 
+/* A row of a table: expanded where `element_params` is the parameter struct. */
+#define MCV_PARAM_ROW(kind, key, default_value, min, max, doc) \
+    {MCV_PARAM_##kind, #key, offsetof(element_params, key), default_value, min, max, doc},
+
+/* MCVISI_pose (mcvisi/pose.h). */
+mcv_param_table mcv_pose_table(void);
+
 /*
  * A number with a unit, "3.45um" or "0.5 deg", in SI. `kind` says which units fit: lengths take nm um mm cm m, angles
  * deg mrad rad, numbers none; MCV_PARAM_choice takes any of these. False where the text is not such a quantity.

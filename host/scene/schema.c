@@ -3,7 +3,7 @@
 
 #include "scene/params.h"
 
-const char *const mcv_schema_names[] = {"MCVISI_sensors", "MCVISI_emitters", "MCVISI_materials", NULL};
+const char *const mcv_schema_names[] = {"MCVISI_sensors", "MCVISI_emitters", "MCVISI_materials", "MCVISI_assets", "MCVISI_pose", NULL};
 
 /* What one number of a parameter may be. */
 static json_t *scalar_schema(const mcv_param *param) {
@@ -46,14 +46,32 @@ static json_t *param_schema(const mcv_param *param) {
     return schema;
 }
 
-static json_t *element_schema(const char *type, mcv_param_table table) {
-    json_t *properties = json_pack("{s:{s:[s]}, s:{s:s}}", "type", "enum", type, "name", "type", "string");
-    json_t *required = json_pack("[s]", "type");
+/* An object with these properties and required keys, and those of the table besides. */
+static json_t *object_schema(json_t *properties, json_t *required, mcv_param_table table) {
     for (size_t i = 0; i < table.count; ++i) {
         json_object_set_new(properties, table.params[i].key, param_schema(table.params + i));
         if (table.params[i].default_value == MCV_REQUIRED) json_array_append_new(required, json_string(table.params[i].key));
     }
     return json_pack("{s:s, s:o, s:o}", "type", "object", "properties", properties, "required", required);
+}
+
+static json_t *element_schema(const char *type, mcv_param_table table) {
+    return object_schema(json_pack("{s:{s:[s]}, s:{s:s}}", "type", "enum", type, "name", "type", "string"), json_pack("[s]", "type"),
+                         table);
+}
+
+static json_t *asset_schema(void) {
+    json_t *properties =
+        json_pack("{s:{s:s, s:s}, s:{s:s, s:[s,s,s,s,s], s:s}, s:{s:s}}", "uri", "description", "a .gltf or .glb file beside the scene",
+                  "type", "string", "unit", "description", "unit of the file's lengths", "enum", "nm", "um", "mm", "cm", "m", "default",
+                  "m", "name", "type", "string");
+    return object_schema(properties, json_pack("[s]", "uri"), (mcv_param_table){0});
+}
+
+static json_t *pose_schema(void) {
+    json_t *properties = json_pack("{s:{s:s, s:[s,s,s]}}", "target", "description", "a node (name or index) or a point [x, y, z] [m]",
+                                   "type", "string", "integer", "array");
+    return object_schema(properties, json_pack("[s]", "target"), mcv_pose_table());
 }
 
 /* Adds definitions/TYPE for each type, and gives the choice of them. */
@@ -87,8 +105,11 @@ mcv_result mcv_schema_write(FILE *stream, const char *name, mcv_error *error) {
         schema =
             json_pack("{s:s, s:o, s:o}", "type", "object", "oneOf",
                       any_element(definitions, mcv_material_types, MCV_MATERIAL_COUNT, mcv_material_table), "definitions", definitions);
-    else
-        json_decref(definitions);
+    else if (strcmp(name, "MCVISI_assets") == 0)
+        schema = indexed_schema("assets", "asset", json_pack("[o]", asset_schema()), definitions);
+    else if (strcmp(name, "MCVISI_pose") == 0)
+        schema = pose_schema();
+    if (!json_object_get(schema, "definitions")) json_decref(definitions);
     if (!schema) return mcv_fail(error, MCV_USAGE, "there is no schema of \"%s\"", name);
     json_t *document = json_pack("{s:s, s:s}", "$schema", "http://json-schema.org/draft-04/schema", "title", name);
     json_object_update_new(document, schema);
