@@ -146,10 +146,11 @@ static inline int4 mcv_edge_rises(float4 px, float4 py, float4 qx, float4 qy) { 
  * lower number. Returns whether there was one.
  *
  * t > 0 is certain if the triangle lies ahead of the origin as a whole: t is then a mean of positive numbers. Otherwise t
- * must exceed its error bound (as in Physically Based Rendering). With X, Y, Z the largest |coordinates| of the sheared
- * vertices and Z of the unscaled depth, a sheared x is off by δx = γ(4)(X + Z), an edge function by
- * δe = 2 (X δy + Y δx) + 4 u X Y, and the depth, a mean weighted by edge functions, by 6 δe Z / |det| + 8 u Z; the first term is
- * doubled, because the true determinant may be half of ours.
+ * must exceed its error bound (the idea of Physically Based Rendering, the bound for this code). X, Y, Z are the largest
+ * |coordinates| of the sheared vertices, z being the unscaled depth, s the shear. A sheared x rounds by
+ * δx = γ(3) (X + |s| Z), an edge function by δe = 2 (X δy + Y δx) + 4 u X Y. The depth is a mean of the z weighted by edge functions:
+ * three errors δe move it by 3 δe (max z - min z) / (|det| - 3 δe) at most, the rest of its computation by 8 u Z. Where 3 δe
+ * exceeds |det|, the triangle is seen edge-on and nothing is known.
  */
 static inline int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_ray_frame *ray, mcv_hit *hit) {
     float4 x[3], y[3], z[3];
@@ -179,14 +180,18 @@ static inline int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_ra
     const float4 depth = fma(a, z[0], fma(b, z[1], c * z[2])) / det;
     const float4 t = depth * ray->scale_z;
     const float4 sign = (float4)(ray->scale_z < 0.0f ? -1.0f : 1.0f);
-    const int4 ahead = min(z[0] * sign, min(z[1] * sign, z[2] * sign)) > 0.0f;
+    const float4 front = min(z[0] * sign, min(z[1] * sign, z[2] * sign)), back = max(z[0] * sign, max(z[1] * sign, z[2] * sign));
     const float4 big_x = max(fabs(x[0]), max(fabs(x[1]), fabs(x[2])));
     const float4 big_y = max(fabs(y[0]), max(fabs(y[1]), fabs(y[2])));
-    const float4 big_z = max(fabs(z[0]), max(fabs(z[1]), fabs(z[2])));
-    const float4 error_x = MCV_GAMMA(4) * (big_x + big_z), error_y = MCV_GAMMA(4) * (big_y + big_z);
-    const float4 error_edge = 2.0f * (big_x * error_y + big_y * error_x) + 4.0f * MCV_UNIT_ROUNDOFF * big_x * big_y;
-    const float4 error_depth = 12.0f * error_edge * big_z / fabs(det) + 8.0f * MCV_UNIT_ROUNDOFF * big_z;
-    inside &= (det != 0.0f) & (t > 0.0f) & (t <= hit->t) & (ahead | (depth * sign > error_depth));
+    const float4 big_z = max(fabs(front), fabs(back));
+    const float4 error_x = MCV_GAMMA(3) * (big_x + fabs(ray->shear_x) * big_z);
+    const float4 error_y = MCV_GAMMA(3) * (big_y + fabs(ray->shear_y) * big_z);
+    const float4 error_det = 3.0f * (2.0f * (big_x * error_y + big_y * error_x) + 4.0f * MCV_UNIT_ROUNDOFF * big_x * big_y);
+    const float4 sure_det = fabs(det) - error_det;
+    const float4 rounding = 8.0f * MCV_UNIT_ROUNDOFF * big_z;
+    const float4 error_depth = error_det * (back - front + rounding) / sure_det + rounding;
+    const int4 ahead = (front > 0.0f) | ((sure_det > 0.0f) & (depth * sign > error_depth));
+    inside &= (det != 0.0f) & (t > 0.0f) & (t <= hit->t) & ahead;
 
     uint mask = mcv_mask4(inside);
     if (!mask) return 0;
