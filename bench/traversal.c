@@ -115,21 +115,31 @@ static void make_primary(batch_ray *rays) {
 static void make_diffuse(const mesh *m, const batch_ray *primary, const mcv_hit *hits, batch_ray *rays) {
     uint64_t seed = 1;
     for (uint32_t i = 0; i < RAYS; ++i) {
-        const uint32_t triangle = hits[i].triangle != MCV_NONE ? hits[i].triangle : (uint32_t)(random_bits(&seed) % m->triangle_count);
-        mcv_vec3 p[3];
-        for (int k = 0; k < 3; ++k) {
-            const float *q = m->positions + 3 * (size_t)m->indices[3 * (size_t)triangle + k];
-            p[k] = mcv_vec(q[0], q[1], q[2]);
+        mcv_hit hit = hits[i];
+        mcv_vec3 p[3], normal;
+        /* A primary ray that misses is replaced by a point of any triangle that has an area. */
+        for (;;) {
+            if (hit.triangle == MCV_NONE) {
+                hit.triangle = (uint32_t)(random_bits(&seed) % m->triangle_count);
+                hit.u = 0.5f * (float)random_unit(&seed);
+                hit.v = 0.5f * (float)random_unit(&seed);
+            }
+            for (int k = 0; k < 3; ++k) {
+                const float *q = m->positions + 3 * (size_t)m->indices[3 * (size_t)hit.triangle + k];
+                p[k] = mcv_vec(q[0], q[1], q[2]);
+            }
+            normal = mcv_normalize(mcv_cross(mcv_sub(p[1], p[0]), mcv_sub(p[2], p[0])));
+            if (mcv_dot(normal, normal) > 0.5f) break;
+            hit.triangle = MCV_NONE;
         }
-        mcv_vec3 normal = mcv_normalize(mcv_cross(mcv_sub(p[1], p[0]), mcv_sub(p[2], p[0])));
         const mcv_vec3 incoming = mcv_vec(primary[i].direction[0], primary[i].direction[1], primary[i].direction[2]);
         if (mcv_dot(normal, incoming) > 0.0f) normal = mcv_scale(normal, -1.0f);
         /* Half of them towards the inside, as into glass: outside a sphere most bounces would leave the scene. */
         if (i % 2) normal = mcv_scale(normal, -1.0f);
         const mcv_vec3 d = mcv_from_frame(mcv_sample_cosine((float)random_unit(&seed), (float)random_unit(&seed)), normal);
         /* Far enough from the surface that Embree, which has no error bounds, does not hit it again. */
-        mcv_vec3 o = mcv_scale(p[0], 1.0f - hits[i].u - hits[i].v);
-        o = mcv_along(mcv_along(o, hits[i].u, p[1]), hits[i].v, p[2]);
+        mcv_vec3 o = mcv_scale(p[0], 1.0f - hit.u - hit.v);
+        o = mcv_along(mcv_along(o, hit.u, p[1]), hit.v, p[2]);
         o = mcv_along(o, 1e-4f, normal);
         rays[i] = (batch_ray){{o.x, o.y, o.z}, INFINITY, {d.x, d.y, d.z}, 0};
     }

@@ -147,10 +147,12 @@ static inline int4 mcv_edge_rises(float4 px, float4 py, float4 qx, float4 qy) { 
  *
  * t > 0 is certain if the triangle lies ahead of the origin as a whole: t is then a mean of positive numbers. Otherwise t
  * must exceed its error bound (the idea of Physically Based Rendering, the bound for this code). X, Y, Z are the largest
- * |coordinates| of the sheared vertices, z being the unscaled depth, s the shear. A sheared x rounds by
- * δx = γ(3) (X + |s| Z), an edge function by δe = 2 (X δy + Y δx) + 4 u X Y. The depth is a mean of the z weighted by edge functions:
- * three errors δe move it by 3 δe (max z - min z) / (|det| - 3 δe) at most, the rest of its computation by 8 u Z. Where 3 δe
- * exceeds |det|, the triangle is seen edge-on and nothing is known.
+ * |coordinates| of the sheared vertices, z being the unscaled depth with range r over the vertices, s the shear. A sheared x rounds by
+ * δx = γ(3) (X + |s| Z), and the edge functions are those of the rounded vertices: the computed depth is that of the triangle's
+ * plane not on the ray but at most (δx, δy) beside it, so off by |∂z/∂x| δx + |∂z/∂y| δy. The plane's slope is (n_x, n_y) / det from
+ * the computed vertices, whose differences are off by 2 δ: n_x by 4 r δy, and with its rounding by less than 10 r δy. det, three edge
+ * functions, is off by 3 (2 (X δy + Y δx) + 4 u X Y); where that exceeds |det|, the triangle is seen edge-on and nothing is known. The rest
+ * rounds by 12 u Z: 7 for the mean and 4 for the edge functions as weights.
  */
 static inline int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_ray_frame *ray, mcv_hit *hit) {
     float4 x[3], y[3], z[3];
@@ -188,8 +190,11 @@ static inline int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_ra
     const float4 error_y = MCV_GAMMA(3) * (big_y + fabs(ray->shear_y) * big_z);
     const float4 error_det = 3.0f * (2.0f * (big_x * error_y + big_y * error_x) + 4.0f * MCV_UNIT_ROUNDOFF * big_x * big_y);
     const float4 sure_det = fabs(det) - error_det;
-    const float4 rounding = 8.0f * MCV_UNIT_ROUNDOFF * big_z;
-    const float4 error_depth = error_det * (back - front + rounding) / sure_det + rounding;
+    const float4 range = back - front;
+    const float4 x1 = x[1] - x[0], y1 = y[1] - y[0], z1 = z[1] - z[0], x2 = x[2] - x[0], y2 = y[2] - y[0], z2 = z[2] - z[0];
+    const float4 slope_x = fabs(y1 * z2 - z1 * y2) + 10.0f * range * error_y;
+    const float4 slope_y = fabs(z1 * x2 - x1 * z2) + 10.0f * range * error_x;
+    const float4 error_depth = (slope_x * error_x + slope_y * error_y) / sure_det + 12.0f * MCV_UNIT_ROUNDOFF * big_z;
     const int4 ahead = (front > 0.0f) | ((sure_det > 0.0f) & (depth * sign > error_depth));
     inside &= (det != 0.0f) & (t > 0.0f) & (t <= hit->t) & ahead;
 

@@ -227,7 +227,13 @@ static double exact_depth(const mesh *m, uint32_t triangle, const batch_ray *ray
     const double error_x = gamma * (x + fabs(shear[0]) * z), error_y = gamma * (y + fabs(shear[1]) * z);
     const double error_det = 3.0 * (2.0 * (x * error_y + y * error_x) + 4.0 * u * x * y), sure_det = fabs(a + b + c) - error_det;
     const double range = fmax(p[0][2], fmax(p[1][2], p[2][2])) - fmin(p[0][2], fmin(p[1][2], p[2][2]));
-    *bound = sure_det > 0.0 ? error_det * (range + 8.0 * u * z) / sure_det + 8.0 * u * z : INFINITY;
+    double e[2][3];
+    for (int i = 0; i < 2; ++i) {
+        for (int k = 0; k < 3; ++k) e[i][k] = p[i + 1][k] - p[0][k];
+    }
+    const double slope_x = fabs(e[0][1] * e[1][2] - e[0][2] * e[1][1]) + 10.0 * range * error_y;
+    const double slope_y = fabs(e[0][2] * e[1][0] - e[0][0] * e[1][2]) + 10.0 * range * error_x;
+    *bound = sure_det > 0.0 ? (slope_x * error_x + slope_y * error_y) / sure_det + 12.0 * u * z : INFINITY;
     return (a * p[0][2] + b * p[1][2] + c * p[2][2]) / (a + b + c) * (ray->direction[main_axis] < 0.0f ? -1.0 : 1.0);
 }
 
