@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Rays per second against Embree 3 (rtcIntersect1 and rtcOccluded1, robust and fast scenes of high build quality), one core:
+ * bench_traversal [OUTPUT.json], by default beside the program.
  *
- *     POCL_MAX_PTHREAD_COUNT=1 build/release/bench/bench_traversal [OUTPUT.json]
- *
- * Primary rays come from a camera outside a bumpy sphere; diffuse rays leave the points they hit in cosine-distributed
- * directions; random rays connect points of the bounding cube. Repetitions of all sides take turns; a row gives medians, and as spread the
- * largest deviation of any repetition of ours or the peer's from its median. The summary is the worst ratio of each
- * kind against robust Embree, whose answers are comparable to ours.
+ * The meshes are bumpy spheres of four sizes and the CAD assembly that ships with the scenes. Primary rays come from a camera outside;
+ * diffuse rays leave the points they hit in cosine-distributed directions; random rays connect points of the bounding cube. Repetitions of
+ * all sides take turns; a row gives medians, and as spread the largest deviation of any repetition of ours or the peer's from its median.
+ * The summary is the worst ratio of each kind against robust Embree, whose answers are comparable to ours.
  */
 #include <embree3/rtcore.h>
 #include <stdlib.h>
@@ -15,6 +14,7 @@
 #include <time.h>
 
 #include "mesh.h"
+#include "scene/scene.h"
 #include "mcvisi/sampling.h"
 #include "rays.h"
 
@@ -115,21 +115,31 @@ static void make_primary(batch_ray *rays) {
 static void make_diffuse(const mesh *m, const batch_ray *primary, const mcv_hit *hits, batch_ray *rays) {
     uint64_t seed = 1;
     for (uint32_t i = 0; i < RAYS; ++i) {
-        const uint32_t triangle = hits[i].triangle != MCV_NONE ? hits[i].triangle : (uint32_t)(random_bits(&seed) % m->triangle_count);
-        mcv_vec3 p[3];
-        for (int k = 0; k < 3; ++k) {
-            const float *q = m->positions + 3 * (size_t)m->indices[3 * (size_t)triangle + k];
-            p[k] = mcv_vec(q[0], q[1], q[2]);
+        mcv_hit hit = hits[i];
+        mcv_vec3 p[3], normal;
+        /* A primary ray that misses is replaced by a point of any triangle that has an area. */
+        for (;;) {
+            if (hit.triangle == MCV_NONE) {
+                hit.triangle = (uint32_t)(random_bits(&seed) % m->triangle_count);
+                hit.u = 0.5f * (float)random_unit(&seed);
+                hit.v = 0.5f * (float)random_unit(&seed);
+            }
+            for (int k = 0; k < 3; ++k) {
+                const float *q = m->positions + 3 * (size_t)m->indices[3 * (size_t)hit.triangle + k];
+                p[k] = mcv_vec(q[0], q[1], q[2]);
+            }
+            normal = mcv_normalize(mcv_cross(mcv_sub(p[1], p[0]), mcv_sub(p[2], p[0])));
+            if (mcv_dot(normal, normal) > 0.5f) break;
+            hit.triangle = MCV_NONE;
         }
-        mcv_vec3 normal = mcv_normalize(mcv_cross(mcv_sub(p[1], p[0]), mcv_sub(p[2], p[0])));
         const mcv_vec3 incoming = mcv_vec(primary[i].direction[0], primary[i].direction[1], primary[i].direction[2]);
         if (mcv_dot(normal, incoming) > 0.0f) normal = mcv_scale(normal, -1.0f);
         /* Half of them towards the inside, as into glass: outside a sphere most bounces would leave the scene. */
         if (i % 2) normal = mcv_scale(normal, -1.0f);
         const mcv_vec3 d = mcv_from_frame(mcv_sample_cosine((float)random_unit(&seed), (float)random_unit(&seed)), normal);
         /* Far enough from the surface that Embree, which has no error bounds, does not hit it again. */
-        mcv_vec3 o = mcv_scale(p[0], 1.0f - hits[i].u - hits[i].v);
-        o = mcv_along(mcv_along(o, hits[i].u, p[1]), hits[i].v, p[2]);
+        mcv_vec3 o = mcv_scale(p[0], 1.0f - hit.u - hit.v);
+        o = mcv_along(mcv_along(o, hit.u, p[1]), hit.v, p[2]);
         o = mcv_along(o, 1e-4f, normal);
         rays[i] = (batch_ray){{o.x, o.y, o.z}, INFINITY, {d.x, d.y, d.z}, 0};
     }
@@ -231,7 +241,32 @@ static mcv_result bench_rays(bench *b, const char *mesh_name, int kind, RTCScene
     return MCV_OK;
 }
 
-static mcv_result bench_mesh(bench *b, const mesh *m, mcv_error *error) {
+/* The CAD assembly, moved and scaled into the cube [-1, 1]³. */
+static mcv_result load_assembly(mesh *m, mcv_error *error) {
+    mcv_scene *scene;
+    MCV_TRY(mcv_scene_load(MCV_SOURCE_DIR "/scenes/2CylinderEngine.glb", (mcv_overrides){0}, &scene, error));
+    *m = mesh_new(3 * scene->triangle_count, scene->triangle_count);
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY}, half = 0.0;
+    for (int pass = 0; pass < 2; ++pass) {
+        for (uint32_t i = 0; i < m->triangle_count; ++i) {
+            const uint32_t instance = mcv_scene_instance_of(scene, i);
+            double corners[3][3];
+            mcv_scene_corners(scene, instance, i - scene->instances[instance].first_triangle, corners);
+            for (uint32_t k = 0; k < 9; ++k) {
+                const double x = corners[k / 3][k % 3];
+                lower[k % 3] = fmin(lower[k % 3], x);
+                upper[k % 3] = fmax(upper[k % 3], x);
+                if (pass) m->positions[9 * (size_t)i + k] = (float)((x - 0.5 * (lower[k % 3] + upper[k % 3])) / half);
+            }
+        }
+        for (int k = 0; k < 3; ++k) half = fmax(half, 0.5 * (upper[k] - lower[k]));
+    }
+    for (uint32_t i = 0; i < m->vertex_count; ++i) m->indices[i] = i;
+    mcv_scene_free(scene);
+    return MCV_OK;
+}
+
+static mcv_result bench_mesh(bench *b, const char *kind_of_mesh, const mesh *m, mcv_error *error) {
     batch_ray *rays[KINDS];
     mcv_hit *hits = malloc(RAYS * sizeof *hits);
     RTCScene scenes[SYSTEMS] = {NULL};
@@ -239,7 +274,7 @@ static mcv_result bench_mesh(bench *b, const mesh *m, mcv_error *error) {
     mcv_bvh bvh;
     for (int kind = 0; kind < KINDS; ++kind) rays[kind] = malloc(RAYS * sizeof *rays[kind]);
     if (!hits || !rays[PRIMARY] || !rays[DIFFUSE] || !rays[RANDOM]) return mcv_fail(error, MCV_FAILED, "no memory for %d rays", RAYS);
-    snprintf(name, sizeof name, "%uk", (m->triangle_count + 500) / 1000);
+    snprintf(name, sizeof name, "%s %uk", kind_of_mesh, (m->triangle_count + 500) / 1000);
 
     double start = now();
     MCV_TRY(mcv_bvh_build(m->positions, m->indices, m->triangle_count, 0, &bvh, error));
@@ -273,21 +308,22 @@ static mcv_result run_all(bench *b, mcv_error *error) {
     printf("%s; Mrays/s, one thread\n%-28s %-14s %8s %8s %7s %6s\n", b->tracer.cl.name, "case", "peer", "ours", "peer", "ratio", "spread");
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
         mesh m = mesh_sphere(sizes[i], 0.1);
-        MCV_TRY(bench_mesh(b, &m, error));
+        MCV_TRY(bench_mesh(b, "sphere", &m, error));
         mesh_free(&m);
     }
+    mesh assembly;
+    MCV_TRY(load_assembly(&assembly, error));
+    MCV_TRY(bench_mesh(b, "CAD", &assembly, error));
+    mesh_free(&assembly);
     return MCV_OK;
 }
 
 int main(int argc, char **argv) {
     bench b = {.separator = "", .worst = {INFINITY, INFINITY, INFINITY}};
     mcv_error error = {""};
-    const char *path = argc > 1 ? argv[1] : "traversal.json";
-    const char *threads = getenv("POCL_MAX_PTHREAD_COUNT");
-    if (!threads || strcmp(threads, "1") != 0) {
-        fputs("bench_traversal: Embree runs on one thread here; set POCL_MAX_PTHREAD_COUNT=1\n", stderr);
-        return MCV_USAGE;
-    }
+    char path[1024];
+    snprintf(path, sizeof path, "%s%s", argc > 1 ? argv[1] : argv[0], argc > 1 ? "" : ".json");
+    setenv("POCL_MAX_PTHREAD_COUNT", "1", 1);
     b.json = fopen(path, "w");
     if (!b.json) {
         fprintf(stderr, "bench_traversal: %s cannot be written\n", path);

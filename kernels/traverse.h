@@ -146,10 +146,13 @@ static inline int4 mcv_edge_rises(float4 px, float4 py, float4 qx, float4 qy) { 
  * lower number. Returns whether there was one.
  *
  * t > 0 is certain if the triangle lies ahead of the origin as a whole: t is then a mean of positive numbers. Otherwise t
- * must exceed its error bound (as in Physically Based Rendering). With X, Y, Z the largest |coordinates| of the sheared
- * vertices and Z of the unscaled depth, a sheared x is off by δx = γ(4)(X + Z), an edge function by
- * δe = 2 (X δy + Y δx) + 4 u X Y, and the depth, a mean weighted by edge functions, by 6 δe Z / |det| + 8 u Z; the first term is
- * doubled, because the true determinant may be half of ours.
+ * must exceed its error bound (the idea of Physically Based Rendering, the bound for this code). X, Y, Z are the largest
+ * |coordinates| of the sheared vertices, z being the unscaled depth with range r over the vertices, s the shear. A sheared x rounds by
+ * δx = γ(3) (X + |s| Z), and the edge functions are those of the rounded vertices: the computed depth is that of the triangle's
+ * plane not on the ray but at most (δx, δy) beside it, so off by |∂z/∂x| δx + |∂z/∂y| δy. The plane's slope is (n_x, n_y) / det from
+ * the computed vertices, whose differences are off by 2 δ: n_x by 4 r δy, and with its rounding by less than 10 r δy. det, three edge
+ * functions, is off by 3 (2 (X δy + Y δx) + 4 u X Y); where that exceeds |det|, the triangle is seen edge-on and nothing is known. The rest
+ * rounds by 12 u Z: 7 for the mean and 4 for the edge functions as weights.
  */
 static inline int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_ray_frame *ray, mcv_hit *hit) {
     float4 x[3], y[3], z[3];
@@ -179,14 +182,21 @@ static inline int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_ra
     const float4 depth = fma(a, z[0], fma(b, z[1], c * z[2])) / det;
     const float4 t = depth * ray->scale_z;
     const float4 sign = (float4)(ray->scale_z < 0.0f ? -1.0f : 1.0f);
-    const int4 ahead = min(z[0] * sign, min(z[1] * sign, z[2] * sign)) > 0.0f;
+    const float4 front = min(z[0] * sign, min(z[1] * sign, z[2] * sign)), back = max(z[0] * sign, max(z[1] * sign, z[2] * sign));
     const float4 big_x = max(fabs(x[0]), max(fabs(x[1]), fabs(x[2])));
     const float4 big_y = max(fabs(y[0]), max(fabs(y[1]), fabs(y[2])));
-    const float4 big_z = max(fabs(z[0]), max(fabs(z[1]), fabs(z[2])));
-    const float4 error_x = MCV_GAMMA(4) * (big_x + big_z), error_y = MCV_GAMMA(4) * (big_y + big_z);
-    const float4 error_edge = 2.0f * (big_x * error_y + big_y * error_x) + 4.0f * MCV_UNIT_ROUNDOFF * big_x * big_y;
-    const float4 error_depth = 12.0f * error_edge * big_z / fabs(det) + 8.0f * MCV_UNIT_ROUNDOFF * big_z;
-    inside &= (det != 0.0f) & (t > 0.0f) & (t <= hit->t) & (ahead | (depth * sign > error_depth));
+    const float4 big_z = max(fabs(front), fabs(back));
+    const float4 error_x = MCV_GAMMA(3) * (big_x + fabs(ray->shear_x) * big_z);
+    const float4 error_y = MCV_GAMMA(3) * (big_y + fabs(ray->shear_y) * big_z);
+    const float4 error_det = 3.0f * (2.0f * (big_x * error_y + big_y * error_x) + 4.0f * MCV_UNIT_ROUNDOFF * big_x * big_y);
+    const float4 sure_det = fabs(det) - error_det;
+    const float4 range = back - front;
+    const float4 x1 = x[1] - x[0], y1 = y[1] - y[0], z1 = z[1] - z[0], x2 = x[2] - x[0], y2 = y[2] - y[0], z2 = z[2] - z[0];
+    const float4 slope_x = fabs(y1 * z2 - z1 * y2) + 10.0f * range * error_y;
+    const float4 slope_y = fabs(z1 * x2 - x1 * z2) + 10.0f * range * error_x;
+    const float4 error_depth = (slope_x * error_x + slope_y * error_y) / sure_det + 12.0f * MCV_UNIT_ROUNDOFF * big_z;
+    const int4 ahead = (front > 0.0f) | ((sure_det > 0.0f) & (depth * sign > error_depth));
+    inside &= (det != 0.0f) & (t > 0.0f) & (t <= hit->t) & ahead;
 
     uint mask = mcv_mask4(inside);
     if (!mask) return 0;
