@@ -63,7 +63,10 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
             on.direction = normal;
             on.event = MCV_EVENT_MISS;
             distance = INFINITY;
-            radiance = 0.0f;
+            radiance = world.frame->environment[0];
+#if MCV_WITH_DIELECTRIC
+            radiance *= world.media[mcv_filling_medium(on.media)].inverse_index_squared;
+#endif
             continue;
         }
 

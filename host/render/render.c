@@ -167,8 +167,11 @@ static mcv_result render_round(renderer *r, uint64_t first, uint64_t count, doub
     if (!read || !blocks) result = mcv_fail(r->error, MCV_FAILED, "no memory for the sums of a launch");
 
     r->frame.log2_samples = log2_samples;
-    for (uint64_t set = 0; result == MCV_OK && !*stop && set < set_count; set += sets_per_launch) {
-        const uint32_t sets = (uint32_t)(set_count - set < sets_per_launch ? set_count - set : sets_per_launch);
+    uint32_t sets = 0;
+    for (uint64_t set = 0; result == MCV_OK && !*stop && set < set_count; set += sets) {
+        /* A short first launch: the user sees soon that something comes. */
+        const uint32_t most = r->stats->seconds_first_sample > 0 ? sets_per_launch : (sets_per_launch + 15) / 16;
+        sets = (uint32_t)(set_count - set < most ? set_count - set : most);
         r->frame.first_set = (uint32_t)set;
         for (uint64_t s = 0; result == MCV_OK && s < count; s += launch_samples) {
             r->frame.first_sample = (uint32_t)(first + s);
