@@ -107,8 +107,8 @@ static void make_primary(batch_ray *rays) {
             x |= (i >> 2 * bit & 1) << bit;
             y |= (i >> (2 * bit + 1) & 1) << bit;
         }
-        rays[i] =
-            (batch_ray){{0.3f, 0.4f, 3.0f}, INFINITY, {1.1f * ((x + 0.5f) / SIDE - 0.5f), 1.1f * ((y + 0.5f) / SIDE - 0.5f), -1.0f}, 0};
+        rays[i] = (batch_ray){
+            {0.3f, 0.4f, 3.0f}, INFINITY, {1.1f * (((float)x + 0.5f) / SIDE - 0.5f), 1.1f * (((float)y + 0.5f) / SIDE - 0.5f), -1.0f}, 0};
     }
 }
 
@@ -199,14 +199,18 @@ static void report(bench *b, const char *what, double times[SYSTEMS][REPETITIONS
 
 static mcv_result bench_rays(bench *b, const char *mesh_name, int kind, RTCScene scenes[SYSTEMS], const batch_ray *rays, mcv_hit *hits,
                              mcv_error *error) {
-    mcv_hit *theirs = malloc(RAYS * sizeof *theirs);
-    int *found = malloc(2 * RAYS * sizeof *found);
+    static mcv_hit theirs[RAYS];
+    static int found[RAYS];
     double closest[SYSTEMS][REPETITIONS], any[SYSTEMS][REPETITIONS];
     char what[64];
     cl_mem in, out;
-    if (!theirs || !found) return mcv_fail(error, MCV_FAILED, "no memory for %d hits", RAYS);
     MCV_TRY(tracer_run(&b->tracer, b->tracer.closest, rays, RAYS, hits, error));
     MCV_TRY(tracer_run(&b->tracer, b->tracer.any, rays, RAYS, found, error));
+    for (uint32_t i = 0; i < RAYS; ++i) {
+        if (found[i] != (hits[i].triangle != MCV_NONE)) {
+            return mcv_fail(error, MCV_FAILED, "%s, %s: any and closest disagree about ray %u", mesh_name, kind_names[kind], i);
+        }
+    }
     for (int peer = ROBUST; peer < SYSTEMS; ++peer) {
         embree_closest(scenes[peer], rays, theirs);
         const double different = share_that_differs(hits, theirs);
@@ -224,7 +228,7 @@ static mcv_result bench_rays(bench *b, const char *mesh_name, int kind, RTCScene
             const double start = now();
             embree_closest(scenes[peer], rays, theirs);
             const double middle = now();
-            embree_any(scenes[peer], rays, found + RAYS);
+            embree_any(scenes[peer], rays, found);
             closest[peer][i] = middle - start;
             any[peer][i] = now() - middle;
         }
@@ -236,8 +240,6 @@ static mcv_result bench_rays(bench *b, const char *mesh_name, int kind, RTCScene
     snprintf(what, sizeof what, "any %s %s", kind_names[kind], mesh_name);
     report(b, what, any);
     b->worst[kind] = fmin(b->worst[kind], median(closest[ROBUST]) / median(closest[OURS]));
-    free(theirs);
-    free(found);
     return MCV_OK;
 }
 
@@ -267,13 +269,11 @@ static mcv_result load_assembly(mesh *m, mcv_error *error) {
 }
 
 static mcv_result bench_mesh(bench *b, const char *kind_of_mesh, const mesh *m, mcv_error *error) {
-    batch_ray *rays[KINDS];
-    mcv_hit *hits = malloc(RAYS * sizeof *hits);
+    static batch_ray rays[KINDS][RAYS];
+    static mcv_hit hits[RAYS];
     RTCScene scenes[SYSTEMS] = {NULL};
     char name[32];
     mcv_bvh bvh;
-    for (int kind = 0; kind < KINDS; ++kind) rays[kind] = malloc(RAYS * sizeof *rays[kind]);
-    if (!hits || !rays[PRIMARY] || !rays[DIFFUSE] || !rays[RANDOM]) return mcv_fail(error, MCV_FAILED, "no memory for %d rays", RAYS);
     snprintf(name, sizeof name, "%s %uk", kind_of_mesh, (m->triangle_count + 500) / 1000);
 
     double start = now();
@@ -295,8 +295,6 @@ static mcv_result bench_mesh(bench *b, const char *kind_of_mesh, const mesh *m, 
     make_diffuse(m, rays[PRIMARY], hits, rays[DIFFUSE]);
     MCV_TRY(bench_rays(b, name, DIFFUSE, scenes, rays[DIFFUSE], hits, error));
     MCV_TRY(bench_rays(b, name, RANDOM, scenes, rays[RANDOM], hits, error));
-    for (int kind = 0; kind < KINDS; ++kind) free(rays[kind]);
-    free(hits);
     rtcReleaseScene(scenes[ROBUST]);
     rtcReleaseScene(scenes[FAST]);
     return MCV_OK;

@@ -514,7 +514,7 @@ mcv_result mcv_bvh_build(const float *positions, const uint32_t *indices, uint32
     if (built) return MCV_OK;
     mcv_bvh_free(bvh);
     return mcv_fail(error, MCV_FAILED, "no memory for the acceleration structure of %u triangles: it needs about %.0f MB", triangle_count,
-                    160e-6 * triangle_count);
+                    110e-6 * triangle_count);
 }
 
 void mcv_bvh_free(mcv_bvh *bvh) {
