@@ -159,7 +159,7 @@ static void test_wrong_usage(void **state) {
     EXPECT_FAILURE("render", 2, "SCENE");
     EXPECT_FAILURE("render s.gltf t.gltf", 2, "t.gltf");
     EXPECT_FAILURE("render s.gltf --sp 4", 2, "unknown option --sp: did you mean --spp?");
-    EXPECT_FAILURE("render s.gltf --wavelength=4", 2, "unknown option --wavelength", "mcvisi help render");
+    EXPECT_FAILURE("render s.gltf --temperature=4", 2, "unknown option --temperature", "mcvisi help render");
     EXPECT_FAILURE("render s.gltf -x", 2, "-x", "mcvisi help render");
     EXPECT_FAILURE("check s.gltf --spp 4", 2, "--spp is an option of render, not of check");
     EXPECT_FAILURE("render s.gltf --spp", 2, "--spp needs a value");

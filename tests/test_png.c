@@ -117,20 +117,31 @@ static void test_white_level_is_the_quantile(void **state) {
 
 static void test_grey_values_stay_as_they_are(void **state) {
     (void)state;
-    const uint16_t values[] = {0, 1, 255, 256, 4095, 65535};
+    float values[] = {0, 1, 255, 256, 4095, 65535};
+    mcv_image image = {.width = 3, .height = 2, .channels = 1, .pixels = values};
     const uint8_t wide[] = {0, 0, 0, 1, 0, 255, 1, 0, 15, 255, 255, 255};
     const uint8_t narrow[] = {0, 1, 255};
+    const uint8_t colour[] = {0, 0, 0, 255, 255, 255, 0, 1, 1, 0, 255, 255, 0, 255, 15, 255, 255, 255};
     mcv_error error = {""};
-    assert_int_equal(mcv_png_write_grey(PATH, values, 3, 2, 16, &error), MCV_OK);
+    assert_int_equal(mcv_png_write_values(PATH, &image, 16, &error), MCV_OK);
     decoded d = decode();
     assert_int_equal(d.bits, 16);
     assert_false(d.srgb);
     assert_memory_equal(d.bytes, wide, sizeof wide);
-    assert_int_equal(mcv_png_write_grey(PATH, values, 3, 1, 8, &error), MCV_OK);
+    image.height = 1;
+    assert_int_equal(mcv_png_write_values(PATH, &image, 8, &error), MCV_OK);
     d = decode();
     assert_int_equal(d.bits, 8);
     assert_memory_equal(d.bytes, narrow, sizeof narrow);
-    assert_int_equal(mcv_png_write_grey(PATH, values, 3, 1, 12, &error), MCV_USAGE);
+    assert_int_equal(mcv_png_write_values(PATH, &image, 12, &error), MCV_USAGE);
+
+    float planes[] = {0, 1, 255, /* R */ 255, 256, 4095, /* G */ 65535, 65535.4F, 70000 /* B */};
+    image.channels = 3;
+    image.pixels = planes;
+    assert_int_equal(mcv_png_write_values(PATH, &image, 16, &error), MCV_OK);
+    d = decode();
+    assert_int_equal(d.colour, PNG_COLOR_TYPE_RGB);
+    assert_memory_equal(d.bytes, colour, sizeof colour);
 }
 
 static void test_failures_leave_no_file(void **state) {

@@ -202,6 +202,7 @@ mcv_result mcv_command_parse(int argc, char **argv, mcv_command *command, mcv_er
         if (options[i].preset) MCV_TRY(set_value(options + i, options[i].preset, command, error));
 
     const verb *v = verbs + command->verb;
+    const bool takes_two = strchr(v->argument, ' ');
     bool only_arguments = false;
     for (int i = 2; i < argc; ++i) {
         if (!only_arguments && strcmp(argv[i], "--") == 0) {
@@ -212,13 +213,16 @@ mcv_result mcv_command_parse(int argc, char **argv, mcv_command *command, mcv_er
             MCV_TRY(parse_option(argv, argc, &i, command, error));
         } else if (v->argument[0] == '\0') {
             return mcv_fail(error, MCV_USAGE, "%s takes no argument: leave out %s", v->name, argv[i]);
-        } else if (command->argument) {
-            return mcv_fail(error, MCV_USAGE, "%s takes one %s: leave out %s", v->name, v->argument, argv[i]);
-        } else {
+        } else if (!command->argument) {
             command->argument = argv[i];
+        } else if (takes_two && !command->second) {
+            command->second = argv[i];
+        } else {
+            return mcv_fail(error, MCV_USAGE, "%s takes %s%s: leave out %s", v->name, takes_two ? "" : "one ", v->argument, argv[i]);
         }
     }
-    if (!command->argument && !command->help && v->argument[0] != '\0' && v->argument[0] != '[')
+    const bool whole = takes_two ? command->second : command->argument;
+    if (!whole && !command->help && v->argument[0] != '\0' && v->argument[0] != '[')
         return mcv_fail(error, MCV_USAGE, "%s is missing: `mcvisi %s %s`", v->argument, v->name, v->argument);
     return MCV_OK;
 }

@@ -5,11 +5,14 @@
 
 #include "scene/scene.h"
 
-/* X(verb, VERB, "its argument", "what it does"); [] around an argument that may be left out. */
+/* X(verb, VERB, "its arguments", "what it does"): none, one or two words; [] around an argument that may be left out. */
 #define MCV_VERBS(X) \
     X(render, RENDER, "SCENE", "render every sensor of a scene into OpenEXR and PNG images") \
     X(check, CHECK, "[SCENE]", "print what was understood of a scene: optics, emitters, materials, features and stages, and why") \
     X(trace, TRACE, "SCENE", "print every vertex of the given rays' paths through a scene's smooth surfaces") \
+    X(compare, COMPARE, "A.exr B.exr", \
+      "tell whether two renders of the same picture differ by more than their noise; exit code 1 if they do") \
+    X(camera, CAMERA, "IMAGE.exr", "turn irradiance or radiance into the grey values of a camera, with its noise (EMVA 1288)") \
     X(devices, DEVICES, "", "list the OpenCL devices and their numbers") \
     X(help, HELP, "[VERB]", "explain a verb and its options")
 
@@ -39,6 +42,9 @@ enum {
       "the OpenEXR image, with the standard error as its second part; by default the scene's name, and the sensor's where there are " \
       "several") \
     X(text, png, "png", 0, "F.png", MCV_IN_RENDER, NULL, 0, 0, "the preview; by default the name of the OpenEXR image with .png") \
+    X(choice, parts, "parts", 0, "error|replicates", MCV_IN_RENDER, "error", 0, 0, \
+      "parts of the OpenEXR file beside the image: its standard error; or that and the means of all replicates, with which `mcvisi " \
+      "compare` can use rank tests") \
     X(text, sensor, "sensor", 0, "NAME", MCV_IN_RENDER | MCV_IN_CHECK, NULL, 0, 0, "only this sensor, by name or number") \
     X(count, spp, "spp", 0, "N", MCV_IN_RENDER, NULL, 1, 1ull << 37, \
       "stop at N samples per pixel over all replicates; N / replicates is rounded up to a power of two") \
@@ -52,7 +58,8 @@ enum {
     X(count, replicates, "replicates", 0, "R", MCV_IN_RENDER, "4", 1, 64, \
       "independent scrambles of the sample points, from whose spread the standard error comes") \
     X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_RENDER, "sobol", 0, 0, "Owen-scrambled Sobol' points, or independent ones") \
-    X(count, seed, "seed", 0, "S", MCV_IN_RENDER, "0", 0, UINT32_MAX, "another seed, another noise; the same seed, the same bits") \
+    X(count, seed, "seed", 0, "S", MCV_IN_RENDER | MCV_IN_CAMERA, "0", 0, UINT32_MAX, \
+      "another seed, another noise; the same seed, the same bits") \
     X(count, depth, "depth", 0, "N", MCV_IN_RENDER | MCV_IN_TRACE, "32", 1, 1000000, "surfaces that a path may meet") \
     X(size, resolution, "resolution", 0, "WxH", MCV_IN_RENDER, NULL, 1, 65536, \
       "other pixels on the same field of view; the macro pixels of a light field camera") \
@@ -64,11 +71,32 @@ enum {
       "threads of the host (building the scene, the reference renderer); by default one per core") \
     X(text, rays, "rays", 0, "rays.csv", MCV_IN_TRACE, NULL, 0, 0, "the rays: rows x,y,z,dx,dy,dz in metres, in the world") \
     X(text, paths, "output", 'o', "paths.csv", MCV_IN_TRACE, NULL, 0, 0, "where to write the vertices; by default standard output") \
+    X(text, difference, "output", 'o', "DIFF.png", MCV_IN_COMPARE, NULL, 0, 0, \
+      "a PNG of the differences A - B in units of their standard error") \
+    X(text, grey, "output", 'o', "F.png|F.exr", MCV_IN_CAMERA, NULL, 0, 0, \
+      "the grey values [DN]: PNG of 8 bits for --bits 8 or fewer, else of 16, the values as they are; OpenEXR with all of the " \
+      "image's header") \
+    X(number, exposure_time, "exposure-time", 0, "T", MCV_IN_CAMERA, NULL, 0, 1e9, \
+      "EMVA's t_exp [s]: with eta, lambda and the pixel size in the image's header it says how many electrons an irradiance makes; or " \
+      "give --electrons-per-unit or --expose-to") \
+    X(number, quantum_efficiency, "quantum-efficiency", 0, "ETA", MCV_IN_CAMERA, "0.6", 0, 1, "eta: electrons per photon") \
+    X(number, wavelength, "wavelength", 0, "L", MCV_IN_CAMERA, "550e-9", 0, 1e-3, "lambda [m]: the photons' energy is h c / lambda") \
+    X(number, electrons_per_unit, "electrons-per-unit", 0, "N", MCV_IN_CAMERA, NULL, 0, 1e30, \
+      "mean electrons mu_e for 1 W/m^2 of irradiance or 1 W/(m^2 sr) of radiance") \
+    X(number, expose_to, "expose-to", 0, "F", MCV_IN_CAMERA, NULL, 0, 1000, \
+      "the exposure at which the brightest value has F times the full well on average") \
+    X(number, full_well, "full-well", 0, "N", MCV_IN_CAMERA, "10000", 0, 1e12, "saturation capacity u_e.sat [e-]") \
+    X(number, gain, "gain", 0, "K", MCV_IN_CAMERA, NULL, 0, 1e12, \
+      "system gain K [DN/e-]; by default the full well is the largest grey value") \
+    X(number, read_noise, "read-noise", 0, "N", MCV_IN_CAMERA, NULL, 0, 1e9, "sigma_d, the temporal dark noise [e-]; by default none") \
+    X(flag, noise_free, "noise-free", 0, NULL, MCV_IN_CAMERA, NULL, 0, 0, "mean grey values, only rounded: no shot and no read noise") \
+    X(count, bits, "bits", 0, "B", MCV_IN_CAMERA, "12", 1, 16, "of a grey value, 0 to 2^B - 1 DN") \
+    X(count, black_level, "black-level", 0, "DN", MCV_IN_CAMERA, "0", 0, 65534, "mu_y.dark, the mean grey value without light") \
     X(list, set, "set", 0, "PATH=VALUE", MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_TRACE, NULL, 0, 0, \
       "change the scene, as in --set sensors/cam/fNumber=8 or --set emitters/back/halfAngle=0.2deg; may be repeated") \
     X(flag, defines, "defines", 0, NULL, MCV_IN_CHECK, NULL, 0, 0, \
       "print the -D options that specialise the scene's OpenCL programs; without a scene, those with all features") \
-    X(flag, json, "json", 0, NULL, MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_DEVICES, NULL, 0, 0, \
+    X(flag, json, "json", 0, NULL, MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | MCV_IN_DEVICES, NULL, 0, 0, \
       "print JSON in SI units; render prints one object, on one line, per sensor")
 
 #define MCV_OPTION_FIELD_flag(field) bool field;
@@ -86,7 +114,8 @@ enum {
 
 typedef struct mcv_command {
     unsigned verb;
-    const char *argument; /* the scene, or help's verb; NULL where left out */
+    const char *argument; /* the scene, the image, or help's verb; NULL where left out */
+    const char *second;   /* the second argument of verbs that have one */
     bool help;            /* --help after the verb */
 #define MCV_X(kind, field, ...) MCV_OPTION_FIELD_##kind(field)
     MCV_OPTIONS(MCV_X)

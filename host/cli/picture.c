@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* --- names ------------------------------------------------------------------------------------------------------ */
 
@@ -28,11 +27,6 @@ static mcv_result make_path(char *out, const char *path, const char *sensor, con
         snprintf(out, PATH_MAX, "%.*s%s%s%s", stem, path, sensor ? "-" : "", sensor ? sensor : "", ending ? ending : path + stem);
     if (length < PATH_MAX) return MCV_OK;
     return mcv_fail(error, MCV_BAD_INPUT, "%s: the path of the output is longer than %d bytes", path, PATH_MAX);
-}
-
-static bool same_file(const char *a, const char *b) {
-    struct stat x, y;
-    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
 }
 
 mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, uint32_t sensor, bool several, mcv_picture *picture,
@@ -60,7 +54,8 @@ mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, 
 
     const char *const paths[] = {picture->exr, picture->png};
     for (int i = 0; i < 2; ++i) {
-        if (same_file(paths[i], scene->path)) return mcv_fail(error, MCV_USAGE, "%s is the scene: give the image another name", paths[i]);
+        if (mcv_same_file(paths[i], scene->path))
+            return mcv_fail(error, MCV_USAGE, "%s is the scene: give the image another name", paths[i]);
         MCV_TRY(mcv_output_check(paths[i], error));
     }
     if (strcmp(picture->exr, picture->png) == 0)
@@ -102,14 +97,26 @@ static mcv_attribute number_attribute(const char *name, double number) {
     return (mcv_attribute){.name = name, .numbers = {number}, .count = 1};
 }
 
+/* The means of one replicate, named "replicate 0" …; the caller frees name and image. */
+static mcv_result make_replicate(const mcv_film *film, uint32_t replicate, mcv_exr_part *part, mcv_error *error) {
+    char name[32];
+    snprintf(name, sizeof name, MCV_PICTURE_REPLICATE, replicate);
+    part->name = strdup(name);
+    if (!part->name) return mcv_fail(error, MCV_FAILED, "no memory for the replicates");
+    MCV_TRY(mcv_image_new(&part->image, film->width, film->height, film->channels, error));
+    const size_t count = (size_t)film->width * film->height * film->channels;
+    for (size_t i = 0; i < count; ++i) part->image.pixels[i] = (float)(film->sums[replicate * count + i] / (double)film->samples);
+    return MCV_OK;
+}
+
 static mcv_result write_exr(const mcv_picture *picture, const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
-                            const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats, const mcv_image *mean,
-                            const mcv_image *deviation, mcv_error *error) {
-    const mcv_exr_part parts[] = {{.name = "image", .image = *mean}, {.name = "error", .image = *deviation}};
+                            const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats,
+                            const mcv_exr_part *parts, uint32_t part_count, mcv_error *error) {
     uint64_t hash = 0;
     char hash_text[32];
     MCV_TRY(hash_file(scene->path, &hash, error));
     snprintf(hash_text, sizeof hash_text, "%016" PRIx64, hash);
+    const double *pixel_size = mcv_sensor_pixel_size(scene->sensors + sensor);
     char *set = join_set(command);
     if (!set) return mcv_fail(error, MCV_FAILED, "%s: no memory for its header", picture->exr);
     const mcv_attribute attributes[] = {
@@ -121,6 +128,7 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
         text_attribute("mcvisi:set", set),
         text_attribute("mcvisi:sensor", scene->sensors[sensor].name),
         number_attribute("mcvisi:sensorIndex", sensor),
+        {.name = "mcvisi:pixelSize", .numbers = {pixel_size[0], pixel_size[1]}, .count = 2},
         text_attribute("mcvisi:sampler", options->sampler == MCV_SAMPLER_RANDOM ? "random" : "sobol"),
         number_attribute("mcvisi:seed", options->seed),
         number_attribute("mcvisi:replicates", film->replicates),
@@ -135,9 +143,7 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
         number_attribute("mcvisi:nonfinite", (double)stats->nonfinite),
         number_attribute("mcvisi:seconds", stats->seconds_render),
     };
-    /* One replicate has no spread, and so no known error. */
-    const mcv_result result =
-        mcv_exr_write(picture->exr, parts, film->replicates > 1 ? 2 : 1, attributes, sizeof attributes / sizeof attributes[0], error);
+    const mcv_result result = mcv_exr_write(picture->exr, parts, part_count, attributes, sizeof attributes / sizeof attributes[0], error);
     free(set);
     return result;
 }
@@ -145,11 +151,17 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
 mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
                              const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats, mcv_preview *preview,
                              mcv_error *error) {
-    mcv_image mean = {0}, deviation = {0};
-    mcv_result result = mcv_film_develop(film, &mean, &deviation, error);
-    if (result == MCV_OK) result = write_exr(picture, command, scene, sensor, options, film, stats, &mean, &deviation, error);
-    if (result == MCV_OK) result = mcv_png_write_preview(picture->png, &mean, picture->unit, preview, error);
-    mcv_image_free(&mean);
-    mcv_image_free(&deviation);
+    mcv_exr_part parts[MCV_MAX_REPLICATES + 2] = {{.name = "image"}, {.name = "error"}};
+    mcv_result result = mcv_film_develop(film, &parts[0].image, &parts[1].image, error);
+    /* One replicate has no spread, and so no known error. */
+    uint32_t count = film->replicates > 1 ? 2 : 1;
+    const uint32_t replicates = command->parts && film->replicates > 1 ? film->replicates : 0;
+    for (uint32_t r = 0; r < replicates && result == MCV_OK; ++r) result = make_replicate(film, r, &parts[count++], error);
+    if (result == MCV_OK) result = write_exr(picture, command, scene, sensor, options, film, stats, parts, count, error);
+    if (result == MCV_OK) result = mcv_png_write_preview(picture->png, &parts[0].image, picture->unit, preview, error);
+    for (uint32_t p = 0; p < MCV_MAX_REPLICATES + 2; ++p) {
+        mcv_image_free(&parts[p].image);
+        if (p > 1) free((void *)parts[p].name);
+    }
     return result;
 }

@@ -9,6 +9,9 @@
 
 #include <limits.h>
 
+/* Name of the part with a replicate's means. */
+#define MCV_PICTURE_REPLICATE "replicate %u"
+
 typedef struct mcv_picture {
     char exr[PATH_MAX], png[PATH_MAX];
     const char *quantity, *unit; /* "radiance", "W/(m^2 sr)" */

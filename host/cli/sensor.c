@@ -35,7 +35,7 @@ mcv_result mcv_sensor_find(const mcv_scene *scene, const char *name, uint32_t *s
 }
 
 /* The value of a parameter, or NULL where this type of sensor has none of that name. */
-static void *parameter(mcv_sensor *sensor, const char *key) {
+static void *parameter(const mcv_sensor *sensor, const char *key) {
     const mcv_param_table table = mcv_sensor_table(sensor->type);
     for (size_t i = 0; i < table.count; ++i)
         if (strcmp(table.params[i].key, key) == 0) return (char *)&sensor->as + table.params[i].offset;
@@ -56,8 +56,9 @@ mcv_result mcv_sensor_resize(mcv_sensor *sensor, uint64_t width, uint64_t height
     return MCV_OK;
 }
 
+const double *mcv_sensor_pixel_size(const mcv_sensor *sensor) { return parameter(sensor, "pixelSize"); }
+
 bool mcv_sensor_measures_irradiance(const mcv_sensor *sensor) {
-    mcv_sensor copy = *sensor;
-    const int *radiometry = parameter(&copy, "radiometry");
+    const int *radiometry = parameter(sensor, "radiometry");
     return radiometry && *radiometry == MCV_RADIOMETRY_IRRADIANCE;
 }

@@ -368,6 +368,13 @@ mcv_result mcv_exr_read(const char *path, mcv_exr *exr, mcv_error *error) {
     return result;
 }
 
+const mcv_attribute *mcv_exr_attribute(const mcv_exr *exr, const char *name) {
+    for (uint32_t i = 0; i < exr->attribute_count; ++i) {
+        if (strcmp(exr->attributes[i].name, name) == 0) return &exr->attributes[i];
+    }
+    return NULL;
+}
+
 void mcv_exr_free(mcv_exr *exr) {
     for (uint32_t p = 0; p < exr->part_count; ++p) {
         mcv_exr_part *part = &exr->parts[p];

@@ -10,7 +10,7 @@
 
 /* Names of attributes, channels and parts have at most 255 bytes; files with attribute names above 31 bytes cannot be read by
  * programs older than OpenEXR 1.7, so such names are refused on writing. */
-enum { MCV_EXR_NAME = 256, MCV_EXR_ATTRIBUTE_NAME = 32, MCV_EXR_MAX_CHANNELS = 64, MCV_EXR_MAX_PARTS = 64, MCV_EXR_MAX_SIDE = 32768 };
+enum { MCV_EXR_NAME = 256, MCV_EXR_ATTRIBUTE_NAME = 32, MCV_EXR_MAX_CHANNELS = 64, MCV_EXR_MAX_PARTS = 128, MCV_EXR_MAX_SIDE = 32768 };
 
 /* At most so many bytes of pixels, as float, are read from one file. */
 #define MCV_EXR_MAX_BYTES ((uint64_t)1 << 32)
@@ -29,7 +29,8 @@ typedef struct mcv_exr_part {
     const char **channel_names; /* one per channel of the image; NULL on writing: "Y" for one, "R" "G" "B" for three */
 } mcv_exr_part;
 
-/* What was read. The attributes are part 0's; those whose type is neither text, number, pair nor 4 x 4 matrix are left out. */
+/* What was read. The attributes are part 0's, without those that OpenEXR writes by itself (name, type, pixelAspectRatio …) and those
+ * whose type is neither text, number, pair nor 4 x 4 matrix: they can be written again as they are. */
 typedef struct mcv_exr {
     mcv_exr_part *parts;
     uint32_t part_count;
@@ -51,5 +52,8 @@ mcv_result mcv_exr_write(const char *path, const mcv_exr_part *parts, uint32_t p
  */
 mcv_result mcv_exr_read(const char *path, mcv_exr *exr, mcv_error *error);
 void mcv_exr_free(mcv_exr *exr);
+
+/* The attribute of this name, or NULL. */
+const mcv_attribute *mcv_exr_attribute(const mcv_exr *exr, const char *name);
 
 #endif

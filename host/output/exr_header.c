@@ -162,6 +162,16 @@ static double number_at(const uint8_t *value, char scalar) {
     return scalar == 'd' ? number64 : scalar == 'f' ? (double)number32 : (double)i32(value);
 }
 
+/* What OpenEXR itself writes into each part. It is no news to the caller, and must not be written again. */
+static bool is_structure(const raw_attribute *a) {
+    static const char *const names[] = {
+        "name", "type", "chunkCount", "version", "pixelAspectRatio", "screenWindowWidth", "screenWindowCenter"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        if (is(a, names[i])) return true;
+    }
+    return false;
+}
+
 /* Keeps an attribute of part 0 for the caller, where its type is one that mcv_attribute can hold. */
 static mcv_result keep_attribute(const reader *r, const raw_attribute *a, mcv_exr_header *header) {
     static const struct {
@@ -212,7 +222,7 @@ static mcv_result read_part(reader *r, mcv_exr_header *header) {
         }
         names[count] = a.name;
         MCV_TRY(read_essential(r, &a, part, &seen));
-        if (first) MCV_TRY(keep_attribute(r, &a, header));
+        if (first && !is_structure(&a)) MCV_TRY(keep_attribute(r, &a, header));
     }
     const uint32_t needed = SEEN_CHANNELS | SEEN_COMPRESSION | SEEN_WINDOW | (r->multi_part ? SEEN_TYPE | SEEN_NAME | SEEN_CHUNKS : 0);
     if ((seen & needed) != needed) {
@@ -241,7 +251,7 @@ static mcv_result read_parts(reader *r, mcv_exr_header *header) {
 
     uint64_t bytes = 0;
     do {
-        if (header->part_count == MCV_EXR_MAX_PARTS) return refused(r, "more than 64 parts");
+        if (header->part_count == MCV_EXR_MAX_PARTS) return refused(r, "more than 128 parts");
         MCV_TRY(read_part(r, header));
         const mcv_exr_part_header *part = &header->parts[header->part_count - 1];
         bytes += (uint64_t)part->width * part->height * part->channel_count * sizeof(float);

@@ -62,6 +62,11 @@ mcv_result mcv_output_open(mcv_output *output, const char *path, mcv_error *erro
                     strerror(reason));
 }
 
+bool mcv_same_file(const char *a, const char *b) {
+    struct stat x, y;
+    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
 mcv_result mcv_output_check(const char *path, mcv_error *error) {
     mcv_output output;
     MCV_TRY(mcv_output_open(&output, path, error));

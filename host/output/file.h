@@ -17,6 +17,9 @@ typedef struct mcv_output {
 /* Whether a file can be written at path, by making the temporary file and removing it: to be asked before hours of rendering. */
 mcv_result mcv_output_check(const char *path, mcv_error *error);
 
+/* Whether both names lead to one existing file: what is read must not be overwritten. */
+bool mcv_same_file(const char *a, const char *b);
+
 /* After success exactly one of commit and discard must follow. MCV_BAD_INPUT with the path and the reason where it cannot be written. */
 mcv_result mcv_output_open(mcv_output *output, const char *path, mcv_error *error);
 

@@ -155,16 +155,27 @@ mcv_result mcv_png_write_preview(const char *path, const mcv_image *image, const
     return result;
 }
 
-mcv_result mcv_png_write_grey(const char *path, const uint16_t *values, uint32_t width, uint32_t height, int bits, mcv_error *error) {
-    if (bits != 8 && bits != 16) return mcv_fail(error, MCV_USAGE, "%s: a grey PNG has 8 or 16 bits, not %d", path, bits);
-    const size_t count = (size_t)width * height, size = (size_t)bits / 8;
-    uint8_t *bytes = count > 0 ? malloc(count * size) : NULL;
-    if (!bytes) return mcv_fail(error, MCV_FAILED, "%s: %u x %u grey values: nothing to write, or no memory for it", path, width, height);
-    for (size_t i = 0; i < count; ++i) {
-        if (bits == 16) bytes[2 * i] = (uint8_t)(values[i] >> 8);
-        bytes[i * size + size - 1] = (uint8_t)values[i];
+mcv_result mcv_png_write_values(const char *path, const mcv_image *image, int bits, mcv_error *error) {
+    if (bits != 8 && bits != 16) return mcv_fail(error, MCV_USAGE, "%s: a PNG of grey values has 8 or 16 bits, not %d", path, bits);
+    if (image->channels != 1 && image->channels != 3) {
+        return mcv_fail(error, MCV_FAILED, "%s: an image of %u channels is no PNG; 1 or 3 can be written", path, image->channels);
     }
-    const mcv_result result = write_file(path, bytes, width, height, 1, bits, NULL, error);
+    const size_t plane = (size_t)image->width * image->height, size = (size_t)bits / 8;
+    uint8_t *bytes = plane > 0 ? malloc(plane * image->channels * size) : NULL;
+    if (!bytes) {
+        return mcv_fail(error, MCV_FAILED, "%s: %u x %u grey values: nothing to write, or no memory for it", path, image->width,
+                        image->height);
+    }
+    const float largest = bits == 8 ? 255 : 65535;
+    uint8_t *next = bytes;
+    for (size_t i = 0; i < plane; ++i) {
+        for (uint32_t c = 0; c < image->channels; ++c) {
+            const unsigned value = (unsigned)fminf(fmaxf(image->pixels[c * plane + i] + 0.5F, 0), largest);
+            if (bits == 16) *next++ = (uint8_t)(value >> 8);
+            *next++ = (uint8_t)value;
+        }
+    }
+    const mcv_result result = write_file(path, bytes, image->width, image->height, (int)image->channels, bits, NULL, error);
     free(bytes);
     return result;
 }

@@ -23,7 +23,10 @@ double mcv_preview_white(const mcv_image *image);
  */
 mcv_result mcv_png_write_preview(const char *path, const mcv_image *image, const char *unit, mcv_preview *preview, mcv_error *error);
 
-/* Writes width x height grey values as they are, in `bits` = 8 (each at most 255) or 16. */
-mcv_result mcv_png_write_grey(const char *path, const uint16_t *values, uint32_t width, uint32_t height, int bits, mcv_error *error);
+/*
+ * Writes grey values as they are, linear, in `bits` = 8 or 16: an image of 1 or 3 channels (grey or RGB) of whole numbers from 0 to
+ * 2^bits - 1; others are rounded and clipped.
+ */
+mcv_result mcv_png_write_values(const char *path, const mcv_image *image, int bits, mcv_error *error);
 
 #endif
