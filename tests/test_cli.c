@@ -495,6 +495,152 @@ static void test_trace(void **state) {
     EXPECT_FAILURE("trace s.gltf --rays .", 3, ".", "directory");
 }
 
+/* --- camera and compare ----------------------------------------------------------------------------------------- */
+
+/* Looks at the middle of the panel: irradiance π L D²/(4 b²) cos⁴. */
+static const char lens[] =
+    "\"type\":\"thinLens\",\"focalLength\":0.0198,\"imageDistance\":0.02,\"lensDiameter\":0.01,\"resolution\":[24,16],"
+    "\"pixelSize\":[\"4um\",\"5um\"],\"radiometry\":\"irradiance\"";
+
+static void test_camera(void **state) {
+    (void)state;
+    write_scene("s.gltf", lens, panel);
+    run_well("render s.gltf --spp 64");
+    run_well("camera s.exr -o grey.exr --exposure-time 2e-4 --quantum-efficiency 0.5 --wavelength 600e-9 --read-noise 3 --bits 10 "
+             "--black-level 20 --json");
+    json_t *report = json_loads(out, 0, NULL);
+    assert_non_null(report);
+    /* eta A t lambda/(h c) by hand: 0.5 * 20e-12 * 2e-4 * 600e-9 / (6.62607015e-34 * 299792458). */
+    const double per_unit = json_real_value(json_object_get(report, "electrons_per_unit"));
+    if (fabs(per_unit / 6040.93988 - 1) > 1e-8) fail_msg("%.9g electrons per W/m^2", per_unit);
+
+    /* The header of the image is kept, but for what the values are. */
+    mcv_exr image = read_exr("s.exr"), grey = read_exr("grey.exr");
+    assert_string_equal(attribute(&grey, "mcvisi:quantity")->text, "grey value");
+    assert_string_equal(attribute(&grey, "mcvisi:unit")->text, "DN");
+    assert_true(attribute(&grey, "mcvisi:blackLevel")->numbers[0] == 20);
+    for (uint32_t i = 0; i < image.attribute_count; ++i) {
+        const mcv_attribute *a = image.attributes + i;
+        if (strcmp(a->name, "mcvisi:quantity") == 0 || strcmp(a->name, "mcvisi:unit") == 0) continue;
+        const mcv_attribute *kept = attribute(&grey, a->name);
+        assert_int_equal(kept->count, a->count);
+        if (a->text) assert_string_equal(kept->text, a->text);
+        assert_memory_equal(kept->numbers, a->numbers, sizeof a->numbers);
+    }
+    /* By default the full well, 10 000 electrons, is the largest grey value: K = (1023 - 20)/10000. */
+    double electrons = 0, values = 0;
+    for (size_t i = 0; i < 24 * 16; ++i) {
+        electrons += per_unit * (double)image.parts[0].image.pixels[i] / (24 * 16);
+        values += (double)grey.parts[0].image.pixels[i] / (24 * 16);
+    }
+    /* Five standard errors of the mean of 384 pixels, read noise and rounding (1/12 DN²) included. */
+    const double gain = 0.1003, expected = 20 + gain * electrons;
+    const double allowed = 5 * sqrt((gain * gain * (electrons + 9) + 1.0 / 12) / (24 * 16));
+    assert_true(electrons > 1000);
+    if (fabs(values - expected) > allowed) fail_msg("mean grey value %g instead of %g +- %g", values, expected, allowed);
+    json_decref(report);
+    mcv_exr_free(&image);
+    mcv_exr_free(&grey);
+
+    run_well("camera s.exr -o grey.png --expose-to 0.8 --bits 8");
+    assert_string_equal(err, "");
+    expect_png("grey.png", 24, 16);
+    run_well("camera s.exr -o grey.png --expose-to 1.5");
+    assert_non_null(strstr(err, "384 of 384 values (1e+02 %) are saturated"));
+}
+
+static void test_camera_bad_input(void **state) {
+    (void)state;
+    write_scene("s.gltf", pinhole, panel);
+    run_well("render s.gltf --spp 4");
+    run_well("camera s.exr -o grey.exr --expose-to 0.8");
+    run_well("render s.gltf --spp 4 -o dark.exr --set emitters/panel/radiance=0");
+    float pixels[] = {1, NAN};
+    const mcv_exr_part part = {.name = "image", .image = {.width = 2, .height = 1, .channels = 1, .pixels = pixels}};
+    const mcv_attribute radiance = {.name = "mcvisi:quantity", .text = "radiance"};
+    const mcv_attribute irradiance = {.name = "mcvisi:quantity", .text = "irradiance"};
+    mcv_error error = {""};
+    assert_int_equal(mcv_exr_write("nan.exr", &part, 1, &radiance, 1, &error), MCV_OK);
+    assert_int_equal(mcv_exr_write("bare.exr", &part, 1, NULL, 0, &error), MCV_OK);
+    assert_int_equal(mcv_exr_write("sizeless.exr", &part, 1, &irradiance, 1, &error), MCV_OK);
+    EXPECT_FAILURE("camera", 2, "IMAGE.exr");
+    EXPECT_FAILURE("camera s.exr", 2, "--output is missing");
+    EXPECT_FAILURE("camera s.exr -o x.tif --expose-to 1", 2, "x.tif", ".png or .exr");
+    EXPECT_FAILURE("camera s.exr -o s.exr --expose-to 1", 2, "s.exr is the image");
+    EXPECT_FAILURE("camera s.exr -o x.png", 2, "--exposure-time, --electrons-per-unit or --expose-to");
+    EXPECT_FAILURE("camera s.exr -o x.png --expose-to 1 --electrons-per-unit 4", 2, "once");
+    EXPECT_FAILURE("camera s.exr -o x.png --expose-to 1 --bits 8 --black-level 256", 2, "--black-level 256", "below 256");
+    EXPECT_FAILURE("camera s.exr -o x.png --expose-to 1 --bits 17", 2, "--bits 17");
+    EXPECT_FAILURE("camera s.exr -o x.png --expose-to 1 --red-noise 1", 2, "did you mean --read-noise?");
+    EXPECT_FAILURE("camera s.exr -o x.png --exposure-time 1", 3, "s.exr", "is radiance", "irradiance");
+    EXPECT_FAILURE("camera grey.exr -o x.png --expose-to 1", 3, "grey.exr", "mcvisi:quantity", "is grey value");
+    EXPECT_FAILURE("camera bare.exr -o x.png --expose-to 1", 3, "bare.exr", "mcvisi:quantity", "is missing");
+    EXPECT_FAILURE("camera nan.exr -o x.png --expose-to 1", 3, "nan.exr", "column 1, row 0", "nan");
+    EXPECT_FAILURE("camera sizeless.exr -o x.png --exposure-time 1", 3, "sizeless.exr", "mcvisi:pixelSize");
+    EXPECT_FAILURE("camera dark.exr -o x.png --expose-to 1", 3, "dark.exr", "dark everywhere");
+    EXPECT_FAILURE("camera missing.exr -o x.png --expose-to 1", 3, "missing.exr");
+    EXPECT_FAILURE("camera s.exr -o absent/x.png --expose-to 1", 3, "absent/x.png");
+}
+
+/* The verdict in JSON; the exit code must say the same. */
+static bool compare_says_different(const char *line, const char *pixel_test) {
+    const int code = run(line);
+    if (code != 0 && code != 1) fail_msg("mcvisi %s: exit code %d: %s", line, code, err);
+    json_t *report = json_loads(out, 0, NULL);
+    assert_non_null(report);
+    const bool different = json_is_true(json_object_get(report, "different"));
+    assert_int_equal(different, code);
+    assert_string_equal(json_string_value(json_object_get(report, "pixel_test")), pixel_test);
+    json_decref(report);
+    return different;
+}
+
+/* 5 % more radiance is far beyond the noise: only the pixels at the edge of the panel have any. */
+static void test_compare(void **state) {
+    (void)state;
+    write_scene("s.gltf", pinhole, panel_noisy);
+    run_well("render s.gltf --spp 1024 --replicates 16 -o a.exr --parts replicates");
+    run_well("render s.gltf --spp 1024 --replicates 16 -o b.exr --parts replicates --seed 1");
+    run_well("render s.gltf --spp 1024 --replicates 16 -o c.exr --parts replicates --seed 2 --set emitters/panel/radiance=2.625");
+    run_well("render s.gltf --spp 1024 --replicates 16 -o plain.exr --seed 3");
+    mcv_exr exr = read_exr("a.exr");
+    assert_int_equal(exr.part_count, 18);
+    assert_string_equal(exr.parts[17].name, "replicate 15");
+    /* The image is the mean of its replicates, each rounded to float. */
+    for (size_t i = 0; i < 24 * 16; ++i) {
+        double mean = 0;
+        for (int r = 0; r < 16; ++r) mean += (double)exr.parts[2 + r].image.pixels[i] / 16;
+        const double value = exr.parts[0].image.pixels[i];
+        if (fabs(mean - value) > 0x1p-23 * value) fail_msg("pixel %zu: %g, the mean of its replicates %g", i, value, mean);
+    }
+    mcv_exr_free(&exr);
+    assert_false(compare_says_different("compare a.exr b.exr --json", "Mann-Whitney and Welch"));
+    assert_true(compare_says_different("compare a.exr c.exr --json", "Mann-Whitney and Welch"));
+    assert_true(compare_says_different("compare c.exr plain.exr --json", "Welch"));
+    assert_string_equal(err, "");
+    assert_int_equal(run("compare a.exr a.exr"), 0);
+    assert_non_null(strstr(out, "no difference"));
+    assert_non_null(strstr(err, "both images are of seed 0"));
+}
+
+static void test_compare_bad_input(void **state) {
+    (void)state;
+    write_scene("s.gltf", pinhole, panel_noisy);
+    run_well("render s.gltf --spp 16");
+    run_well("render s.gltf --spp 16 -o small.exr --resolution 12x8");
+    run_well("render s.gltf --spp 16 -o single.exr --replicates 1");
+    write_scene("t.gltf", lens, panel);
+    run_well("render t.gltf --spp 16");
+    EXPECT_FAILURE("compare", 2, "A.exr B.exr");
+    EXPECT_FAILURE("compare s.exr", 2, "A.exr B.exr");
+    EXPECT_FAILURE("compare s.exr t.exr s.exr", 2, "A.exr B.exr", "leave out s.exr");
+    EXPECT_FAILURE("compare s.exr missing.exr", 3, "missing.exr");
+    EXPECT_FAILURE("compare s.exr small.exr", 3, "24 x 16", "12 x 8");
+    EXPECT_FAILURE("compare s.exr single.exr", 3, "single.exr", "error", "--replicates");
+    EXPECT_FAILURE("compare s.exr t.exr", 3, "s.exr is radiance", "t.exr is irradiance");
+    EXPECT_FAILURE("compare s.exr s.exr -o absent/x.png", 3, "absent/x.png");
+}
+
 /* --- signals ---------------------------------------------------------------------------------------------------- */
 
 /* Waits until the program handles (or no longer handles) a signal, as the kernel tells. False after 30 s or at its end. */
@@ -559,6 +705,10 @@ int main(void) {
         TEST(test_sample_ranges),
         TEST(test_check),
         TEST(test_trace),
+        TEST(test_camera),
+        TEST(test_camera_bad_input),
+        TEST(test_compare),
+        TEST(test_compare_bad_input),
         TEST(test_first_signal_saves),
         TEST(test_second_signal_ends_at_once),
     };
