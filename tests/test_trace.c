@@ -64,7 +64,6 @@ static outcome compare(const mcv_scene *scene, const mcv_trace_ray *rays, size_t
             while (r < reference_count && (reference[r].ray < ray || (reference[r].ray == ray && reference[r].index < device[d].index)))
                 ++r;
             if (r == reference_count || reference[r].ray != ray || reference[r].index != device[d].index) {
-                same = false;
                 break;
             }
             const mcv_vertex *x = &device[d];
