@@ -34,10 +34,10 @@ typedef struct outputs {
 
 static mcv_result plan(const mcv_command *command, outputs *out, mcv_error *error) {
     const char *path = command->processed;
-    if (!path) return mcv_fail(error, MCV_USAGE, "-o is missing: give F.png for a picture or F.exr for the values");
+    if (!path) return mcv_fail(error, MCV_USAGE, "--output is missing: give F.png for a picture or F.exr for the values");
     *out = (outputs){.exr = ends_in(path, ".exr") ? path : NULL, .png = ends_in(path, ".png") ? path : command->picture};
-    if (!ends_in(path, ".exr") && !ends_in(path, ".png")) return mcv_fail(error, MCV_USAGE, "-o %s: must end in .png or .exr", path);
-    if (command->picture && !out->exr) return mcv_fail(error, MCV_USAGE, "--png goes with -o F.exr: %s is a picture already", path);
+    if (!ends_in(path, ".exr") && !ends_in(path, ".png")) return mcv_fail(error, MCV_USAGE, "--output %s: must end in .png or .exr", path);
+    if (command->picture && !out->exr) return mcv_fail(error, MCV_USAGE, "--png goes with --output F.exr: %s is a picture already", path);
     const char *const paths[] = {out->exr, out->png};
     for (int i = 0; i < 2; ++i) {
         if (!paths[i]) continue;
@@ -108,53 +108,72 @@ static mcv_result write_views(const mcv_light_field_file *file, const outputs *o
 
 /* --- gradient ---------------------------------------------------------------------------------------------------- */
 
-static mcv_result write_gradient(const mcv_command *command, const mcv_light_field_file *file, const outputs *out, mcv_report *report,
+/* What is told of a gradient. */
+typedef struct account {
+    mcv_spread spread;
+    double seconds;
+} account;
+
+static const char *const forms[] = {"normalized", "mass"};
+
+static mcv_result write_gradient(const mcv_command *command, const mcv_light_field_file *file, const outputs *out, account *told,
                                  mcv_error *error) {
-    static const char *const forms[] = {"normalized", "mass"};
-    static const char *const labels[] = {"fraction of the pupil", "fraction of the pupil x median mass"};
-    const mcv_emd_form form = command->form ? MCV_EMD_MASS : MCV_EMD_NORMALIZED;
+    static const char *const units[] = {"fraction of the pupil", "fraction of the pupil x median mass"};
+    const char *unit = units[command->form];
     const mcv_attribute own[] = {{.name = "mcvisi:quantity", .text = "Earth Mover's gradient"},
-                                 {.name = "mcvisi:unit", .text = labels[form]},
-                                 {.name = "mcvisi:form", .text = forms[form]}};
+                                 {.name = "mcvisi:unit", .text = unit},
+                                 {.name = "mcvisi:form", .text = forms[command->form]}};
     mcv_image gradient;
     char title[256];
     const double begun = now();
-    MCV_TRY(mcv_light_field_gradient(&file->image, file->angular, form, (uint32_t)command->threads, &gradient, error));
-    const double seconds = now() - begun;
-    const mcv_spread spread = mcv_image_spread(&gradient, NULL);
+    MCV_TRY(mcv_light_field_gradient(&file->image, file->angular, command->form ? MCV_EMD_MASS : MCV_EMD_NORMALIZED,
+                                     (uint32_t)command->threads, &gradient, error));
+    told->seconds = now() - begun;
+    told->spread = mcv_image_spread(&gradient, NULL);
     const mcv_color_scale scale = {.map = MCV_COLORMAP_VIRIDIS,
                                    .high = command->scale_end > 0 ? command->scale_end : mcv_preview_white(&gradient)};
-    mcv_report_text(report, "form", forms[form]);
-    mcv_report_number(report, "mean", "", spread.mean);
-    mcv_report_number(report, "deviation", "", spread.deviation);
-    mcv_report_number(report, "largest", "", spread.largest);
-    mcv_report_number(report, "seconds", "", seconds);
-    snprintf(title, sizeof title, "Earth Mover's gradient (%s) of %s", forms[form], command->second);
+    snprintf(title, sizeof title, "Earth Mover's gradient (%s) of %s", forms[command->form], command->second);
     mcv_result result = MCV_OK;
     if (out->exr) result = write_exr(out->exr, &file->exr, &gradient, own, sizeof own / sizeof own[0], error);
-    if (out->png && result == MCV_OK) result = mcv_figure_write(out->png, &gradient, title, labels[form], &scale, error);
+    if (out->png && result == MCV_OK) result = mcv_figure_write(out->png, &gradient, title, unit, &scale, error);
     mcv_image_free(&gradient);
     return result;
+}
+
+/* --- the verb ---------------------------------------------------------------------------------------------------- */
+
+static mcv_result report(const mcv_command *command, const mcv_light_field_file *file, const outputs *out, const account *told,
+                         mcv_error *error) {
+    const uint32_t *angular = file->angular;
+    const double macro_pixels[] = {file->image.width / angular[0], file->image.height / angular[1]};
+    mcv_report r;
+    mcv_report_begin(&r, command->json);
+    mcv_report_text(&r, "image", command->second);
+    mcv_report_numbers(&r, "macro_pixels", "", " x ", macro_pixels, 2);
+    mcv_report_numbers(&r, "angular", "", " x ", (const double[]){angular[0], angular[1]}, 2);
+    if (told) {
+        mcv_report_text(&r, "form", forms[command->form]);
+        mcv_report_number(&r, "mean", "", told->spread.mean);
+        mcv_report_number(&r, "deviation", "", told->spread.deviation);
+        mcv_report_number(&r, "largest", "", told->spread.largest);
+        mcv_report_number(&r, "seconds", "s", told->seconds);
+    }
+    if (out->exr) mcv_report_text(&r, "values", out->exr);
+    if (out->png) mcv_report_text(&r, "picture", out->png);
+    return mcv_report_end(&r, error);
 }
 
 mcv_result mcv_verb_lightfield(const mcv_command *command, mcv_error *error) {
     const bool views = strcmp(command->argument, "views") == 0;
     outputs out = {0};
+    account told;
     mcv_light_field_file file;
-    mcv_report report;
     if (!views && strcmp(command->argument, "emd-gradient") != 0)
         return mcv_fail(error, MCV_USAGE, "lightfield %s: must be `lightfield views` or `lightfield emd-gradient`", command->argument);
     MCV_TRY(plan(command, &out, error));
     MCV_TRY(mcv_light_field_read(command->second, command->angular, &file, error));
-    const double macro_pixels[] = {file.image.width / file.angular[0], file.image.height / file.angular[1]};
-    mcv_report_begin(&report, command->json);
-    mcv_report_text(&report, "image", command->second);
-    mcv_report_numbers(&report, "macro_pixels", "", " x ", macro_pixels, 2);
-    mcv_report_numbers(&report, "angular", "", " x ", (const double[]){file.angular[0], file.angular[1]}, 2);
-    const mcv_result result = views ? write_views(&file, &out, error) : write_gradient(command, &file, &out, &report, error);
-    if (out.exr) mcv_report_text(&report, "values", out.exr);
-    if (out.png) mcv_report_text(&report, "picture", out.png);
+    mcv_result result = views ? write_views(&file, &out, error) : write_gradient(command, &file, &out, &told, error);
+    if (result == MCV_OK) result = report(command, &file, &out, views ? NULL : &told, error);
     mcv_light_field_free(&file);
-    if (result == MCV_OK) return mcv_report_end(&report, error);
     return result;
 }
