@@ -641,6 +641,86 @@ static void test_compare_bad_input(void **state) {
     EXPECT_FAILURE("compare s.exr s.exr -o absent/x.png", 3, "absent/x.png");
 }
 
+/* --- lightfield ------------------------------------------------------------------------------------------------- */
+
+/* 12 x 8 macro pixels of 2 x 2; the middle half of them, which is in focus on the panel, is lit evenly, exactly, and the rest is black. */
+static void render_light_field(void) {
+    write_scene("s.gltf",
+                "\"type\":\"lightField\",\"focalLength\":\"9.900990099009901mm\",\"imageDistance\":0.01,\"lensDiameter\":\"1mm\","
+                "\"spatialResolution\":[12,8],\"angularResolution\":[2,2],\"pixelSize\":0.0004",
+                panel);
+    run_well("render s.gltf --spp 4");
+}
+
+static void test_light_field_views(void **state) {
+    (void)state;
+    render_light_field();
+    run_well("lightfield views s.exr -o v.exr --png v.png");
+    expect_png("v.png", 24 + 2, 16 + 2);
+    mcv_exr exr = read_exr("v.exr");
+    for (uint32_t row = 0; row < 16; ++row) {
+        for (uint32_t column = 0; column < 24; ++column) {
+            const uint32_t m = column % 12, n = row % 8;
+            const float known = m >= 3 && m < 9 && n >= 2 && n < 6 ? 2.5f : 0, value = exr.parts[0].image.pixels[row * 24 + column];
+            if (value != known) fail_msg("views: pixel (%u, %u) is %g instead of %g", column, row, (double)value, (double)known);
+        }
+    }
+    mcv_exr_free(&exr);
+}
+
+static void test_light_field_gradient(void **state) {
+    (void)state;
+    render_light_field();
+    run_well("lightfield emd-gradient s.exr -o g.exr --png g.png --threads 2 --json");
+    json_t *told = json_loads(out, 0, NULL);
+    assert_non_null(told);
+    assert_string_equal(json_string_value(json_object_get(told, "form")), "normalized");
+    json_decref(told);
+    mcv_exr exr = read_exr("g.exr");
+    assert_int_equal(exr.parts[0].image.width, 12);
+    assert_int_equal(exr.parts[0].image.height, 8);
+    assert_string_equal(attribute(&exr, "mcvisi:quantity")->text, "Earth Mover's gradient");
+    assert_string_equal(attribute(&exr, "mcvisi:sensor")->text, "cam");
+    for (uint32_t n = 0; n < 8; ++n) {
+        for (uint32_t m = 0; m < 12; ++m) {
+            /* Where one of two neighbours is lit and the other dark, they are max(c) = √½ apart. */
+            const bool row = n >= 2 && n < 6, column = m >= 3 && m < 9;
+            const double across = row && (m == 2 || m == 3 || m == 8 || m == 9) ? sqrt(0.5) : 0;
+            const double down = column && (n == 1 || n == 2 || n == 5 || n == 6) ? sqrt(0.5) : 0;
+            const double known = 0.5 * hypot(across, down), value = exr.parts[0].image.pixels[n * 12 + m];
+            if (m == 0 || m == 11 || n == 0 || n == 7) {
+                if (!isnan(value)) fail_msg("the gradient's border (%u, %u) is %g instead of NaN", m, n, value);
+            } else if (!(fabs(value - known) <= 0x1p-24 * known)) { /* rounded to float */
+                fail_msg("the gradient at (%u, %u) is %.9g instead of %.9g", m, n, value, known);
+            }
+        }
+    }
+    mcv_exr_free(&exr);
+    run_well("lightfield emd-gradient s.exr -o g.png --form mass");
+}
+
+static void test_light_field_bad_input(void **state) {
+    (void)state;
+    render_light_field();
+    write_scene("p.gltf", pinhole, panel);
+    run_well("render p.gltf --spp 4");
+    run_well("lightfield emd-gradient s.exr -o g.exr");
+    EXPECT_FAILURE("lightfield views", 2, "views|emd-gradient IMAGE.exr");
+    EXPECT_FAILURE("lightfield view s.exr -o x.png", 2, "lightfield view:", "`lightfield views`");
+    EXPECT_FAILURE("lightfield views s.exr", 2, "--output is missing");
+    EXPECT_FAILURE("lightfield views s.exr -o x.tif", 2, "x.tif", ".png or .exr");
+    EXPECT_FAILURE("lightfield views s.exr -o s.exr", 2, "s.exr is the light field image itself");
+    EXPECT_FAILURE("lightfield views s.exr -o x.png --png y.png", 2, "--png", "x.png");
+    EXPECT_FAILURE("lightfield emd-gradient s.exr -o x.png --form both", 2, "normalized|mass");
+    EXPECT_FAILURE("lightfield emd-gradient s.exr -o absent/x.png", 3, "absent/x.png");
+    EXPECT_FAILURE("lightfield emd-gradient s.gltf -o x.png", 3, "s.gltf");
+    EXPECT_FAILURE("lightfield emd-gradient p.exr -o x.png", 3, "p.exr", "no image of a light field camera", "--angular");
+    EXPECT_FAILURE("lightfield views g.exr -o x.png", 3, "g.exr", "no image of a light field camera");
+    EXPECT_FAILURE("lightfield emd-gradient p.exr -o x.png --angular 5x4", 3, "p.exr", "24 x 16", "5 x 4");
+    EXPECT_FAILURE("lightfield emd-gradient g.exr -o x.png --angular 2x2", 3, "g.exr", "(0, 0)", "NaN");
+    run_well("lightfield emd-gradient p.exr -o x.png --angular 3x4");
+}
+
 /* --- signals ---------------------------------------------------------------------------------------------------- */
 
 /* Waits until the program handles (or no longer handles) a signal, as the kernel tells. False after 30 s or at its end. */
@@ -709,6 +789,9 @@ int main(void) {
         TEST(test_camera_bad_input),
         TEST(test_compare),
         TEST(test_compare_bad_input),
+        TEST(test_light_field_views),
+        TEST(test_light_field_gradient),
+        TEST(test_light_field_bad_input),
         TEST(test_first_signal_saves),
         TEST(test_second_signal_ends_at_once),
     };

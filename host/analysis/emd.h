@@ -37,7 +37,7 @@ double mcv_emd_max_cost(const mcv_emd *emd);
  *
  * potential (J K values, or NULL) gets a proof that no plan is cheaper (Kantorovich's dual): it changes by at most c between any
  * two bins, and Σ f (Q - P) - (ΣQ - ΣP) (max f where ΣQ > ΣP, else min f) is the cost of moving. No such f can give more than
- * the least cost, this one gives the cost of the plan that was found, up to rounding: 1e-9 of it at most, asserted in debug builds.
+ * the least cost, this one gives the cost of the plan that was found, up to rounding: 1e-9 of the distance, asserted in debug builds.
  */
 double mcv_emd_distance(mcv_emd *emd, const double *p, const double *q, mcv_emd_form form, double *potential);
 

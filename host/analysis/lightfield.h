@@ -30,7 +30,8 @@ mcv_result mcv_light_field_plain(const mcv_image *image, const uint32_t angular[
  * sums over channels (what noise made negative counts as 0), divided by the median mass of the macro pixels that are not empty: one
  * number for the image, which only the form `mass` feels. Any number of threads (0: one per core) gives the same bits.
  *
- * J. Meyer, T. Längle, J. Beyerer: the gradient of images whose pixels are angular distributions; see the design for the two forms.
+ * After J. Meyer, T. Längle, J. Beyerer, About the acquisition and processing of ray deflection histograms for transparent object
+ * inspection, Irish Machine Vision and Image Processing Conference 2016, and section 5 of the report.
  */
 mcv_result mcv_light_field_gradient(const mcv_image *image, const uint32_t angular[2], mcv_emd_form form, uint32_t threads,
                                     mcv_image *gradient, mcv_error *error);

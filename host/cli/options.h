@@ -13,6 +13,8 @@
     X(compare, COMPARE, "A.exr B.exr", \
       "tell whether two renders of the same picture differ by more than their noise; exit code 1 if they do") \
     X(camera, CAMERA, "IMAGE.exr", "turn irradiance or radiance into the grey values of a camera, with its noise (EMVA 1288)") \
+    X(lightfield, LIGHTFIELD, "views|emd-gradient IMAGE.exr", \
+      "show a light field image as its sub-aperture views, or by its Earth Mover's gradient, in which defects stand out") \
     X(devices, DEVICES, "", "list the OpenCL devices and their numbers") \
     X(help, HELP, "[VERB]", "explain a verb and its options")
 
@@ -67,8 +69,8 @@ enum {
       "how the stages are launched: a slice of the image at a time (CPUs), or one launch a stage (GPUs); the same bits") \
     X(text, device, "device", 0, "D", MCV_IN_RENDER | MCV_IN_TRACE, NULL, 0, 0, \
       "a number from `mcvisi devices`, PLATFORM:TYPE:NAME, or `reference`: the independent renderer in double precision, slow") \
-    X(count, threads, "threads", 0, "N", MCV_IN_RENDER | MCV_IN_TRACE, NULL, 1, 1024, \
-      "threads of the host (building the scene, the reference renderer); by default one per core") \
+    X(count, threads, "threads", 0, "N", MCV_IN_RENDER | MCV_IN_TRACE | MCV_IN_LIGHTFIELD, NULL, 1, 1024, \
+      "threads of the host (building the scene, the reference renderer, the gradient); by default one per core") \
     X(text, rays, "rays", 0, "rays.csv", MCV_IN_TRACE, NULL, 0, 0, "the rays: rows x,y,z,dx,dy,dz in metres, in the world") \
     X(text, paths, "output", 'o', "paths.csv", MCV_IN_TRACE, NULL, 0, 0, "where to write the vertices; by default standard output") \
     X(text, difference, "output", 'o', "DIFF.png", MCV_IN_COMPARE, NULL, 0, 0, \
@@ -92,12 +94,21 @@ enum {
     X(flag, noise_free, "noise-free", 0, NULL, MCV_IN_CAMERA, NULL, 0, 0, "mean grey values, only rounded: no shot and no read noise") \
     X(count, bits, "bits", 0, "B", MCV_IN_CAMERA, "12", 1, 16, "of a grey value, 0 to 2^B - 1 DN") \
     X(count, black_level, "black-level", 0, "DN", MCV_IN_CAMERA, "0", 0, 65534, "mu_y.dark, the mean grey value without light") \
+    X(text, processed, "output", 'o', "F.png|F.exr", MCV_IN_LIGHTFIELD, NULL, 0, 0, \
+      "where to write: a picture, or the values as OpenEXR; the views keep their colours, the gradient is shown in pseudo-colours") \
+    X(text, picture, "png", 0, "F.png", MCV_IN_LIGHTFIELD, NULL, 0, 0, "the picture beside an OpenEXR output") \
+    X(choice, form, "form", 0, "normalized|mass", MCV_IN_LIGHTFIELD, "normalized", 0, 0, \
+      "of the emd-gradient: macro pixels of mass 1 (sees deflection only), or as bright as they are (sees absorption too)") \
+    X(number, scale_end, "scale-end", 0, "V", MCV_IN_LIGHTFIELD, NULL, 0, 1e30, \
+      "of the emd-gradient: the value shown in the last colour, to compare pictures; by default 99.5 % of the macro pixels lie below it") \
+    X(size, angular, "angular", 0, "JxK", MCV_IN_LIGHTFIELD, NULL, 1, 256, \
+      "pixels of a macro pixel, for images whose header does not tell") \
     X(list, set, "set", 0, "PATH=VALUE", MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_TRACE, NULL, 0, 0, \
       "change the scene, as in --set sensors/cam/fNumber=8 or --set emitters/back/halfAngle=0.2deg; may be repeated") \
     X(flag, defines, "defines", 0, NULL, MCV_IN_CHECK, NULL, 0, 0, \
       "print the -D options that specialise the scene's OpenCL programs; without a scene, those with all features") \
-    X(flag, json, "json", 0, NULL, MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | MCV_IN_DEVICES, NULL, 0, 0, \
-      "print JSON in SI units; render prints one object, on one line, per sensor")
+    X(flag, json, "json", 0, NULL, MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | MCV_IN_LIGHTFIELD | MCV_IN_DEVICES, \
+      NULL, 0, 0, "print JSON in SI units; render prints one object, on one line, per sensor")
 
 #define MCV_OPTION_FIELD_flag(field) bool field;
 #define MCV_OPTION_FIELD_text(field) const char *field;

@@ -7,6 +7,7 @@
 
 #include <errno.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -109,6 +110,39 @@ static mcv_result make_replicate(const mcv_film *film, uint32_t replicate, mcv_e
     return MCV_OK;
 }
 
+enum { MAX_PARAMETERS = 16 };
+
+/*
+ * The sensor's numbers as mcvisi:focalLength, mcvisi:angularResolution …, from its parameter table. Returns how many; names holds
+ * the attributes' names.
+ */
+static uint32_t sensor_attributes(const mcv_sensor *sensor, mcv_attribute *attributes, char (*names)[MCV_EXR_ATTRIBUTE_NAME]) {
+    const mcv_param_table table = mcv_sensor_table(sensor->type);
+    uint32_t count = 0;
+    for (size_t i = 0; i < table.count && count < MAX_PARAMETERS; ++i) {
+        const mcv_param *param = table.params + i;
+        const void *field = (const char *)&sensor->as + param->offset;
+        const uint32_t *integers = field;
+        const double *numbers = field;
+        mcv_attribute a = {.name = names[count], .count = 2};
+        snprintf(names[count], sizeof names[count], "mcvisi:%s", param->key);
+        if (param->kind == MCV_PARAM_int2) {
+            a.numbers[0] = integers[0];
+            a.numbers[1] = integers[1];
+        } else if (param->kind == MCV_PARAM_length2) {
+            a.numbers[0] = numbers[0];
+            a.numbers[1] = numbers[1];
+        } else if (param->kind == MCV_PARAM_length || param->kind == MCV_PARAM_angle || param->kind == MCV_PARAM_number) {
+            a.numbers[0] = numbers[0];
+            a.count = 1;
+        } else {
+            continue; /* a choice is in the scene */
+        }
+        if (isfinite(a.numbers[0])) attributes[count++] = a;
+    }
+    return count;
+}
+
 static mcv_result write_exr(const mcv_picture *picture, const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
                             const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats,
                             const mcv_exr_part *parts, uint32_t part_count, mcv_error *error) {
@@ -116,10 +150,9 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
     char hash_text[32];
     MCV_TRY(hash_file(scene->path, &hash, error));
     snprintf(hash_text, sizeof hash_text, "%016" PRIx64, hash);
-    const double *pixel_size = mcv_sensor_pixel_size(scene->sensors + sensor);
     char *set = join_set(command);
     if (!set) return mcv_fail(error, MCV_FAILED, "%s: no memory for its header", picture->exr);
-    const mcv_attribute attributes[] = {
+    const mcv_attribute general[] = {
         text_attribute("mcvisi:version", mcv_version()),
         text_attribute("mcvisi:quantity", picture->quantity),
         text_attribute("mcvisi:unit", picture->unit),
@@ -128,7 +161,6 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
         text_attribute("mcvisi:set", set),
         text_attribute("mcvisi:sensor", scene->sensors[sensor].name),
         number_attribute("mcvisi:sensorIndex", sensor),
-        {.name = "mcvisi:pixelSize", .numbers = {pixel_size[0], pixel_size[1]}, .count = 2},
         text_attribute("mcvisi:sampler", options->sampler == MCV_SAMPLER_RANDOM ? "random" : "sobol"),
         number_attribute("mcvisi:seed", options->seed),
         number_attribute("mcvisi:replicates", film->replicates),
@@ -143,7 +175,12 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
         number_attribute("mcvisi:nonfinite", (double)stats->nonfinite),
         number_attribute("mcvisi:seconds", stats->seconds_render),
     };
-    const mcv_result result = mcv_exr_write(picture->exr, parts, part_count, attributes, sizeof attributes / sizeof attributes[0], error);
+    enum { GENERAL = sizeof general / sizeof general[0] };
+    char names[MAX_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME];
+    mcv_attribute attributes[GENERAL + MAX_PARAMETERS];
+    memcpy(attributes, general, sizeof general);
+    const uint32_t count = GENERAL + sensor_attributes(scene->sensors + sensor, attributes + GENERAL, names);
+    const mcv_result result = mcv_exr_write(picture->exr, parts, part_count, attributes, count, error);
     free(set);
     return result;
 }

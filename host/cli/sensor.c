@@ -56,8 +56,6 @@ mcv_result mcv_sensor_resize(mcv_sensor *sensor, uint64_t width, uint64_t height
     return MCV_OK;
 }
 
-const double *mcv_sensor_pixel_size(const mcv_sensor *sensor) { return parameter(sensor, "pixelSize"); }
-
 bool mcv_sensor_measures_irradiance(const mcv_sensor *sensor) {
     const int *radiometry = parameter(sensor, "radiometry");
     return radiometry && *radiometry == MCV_RADIOMETRY_IRRADIANCE;

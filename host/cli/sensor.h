@@ -14,9 +14,6 @@ void mcv_sensor_label(const mcv_scene *scene, uint32_t sensor, char *label, size
 /* Gives it width x height pixels (macro pixels) and such a size that the film, and so what it sees, stays. */
 mcv_result mcv_sensor_resize(mcv_sensor *sensor, uint64_t width, uint64_t height, const mcv_scene *scene, mcv_error *error);
 
-/* Width and height of a pixel [m]; points into the sensor. */
-const double *mcv_sensor_pixel_size(const mcv_sensor *sensor);
-
 /* Does a pixel measure irradiance [W/m²] instead of mean radiance [W/(m² sr)]? */
 bool mcv_sensor_measures_irradiance(const mcv_sensor *sensor);
 

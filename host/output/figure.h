@@ -27,7 +27,7 @@ void mcv_page_text(cairo_t *page, double x, double y, double align, const char *
 void mcv_page_image(cairo_t *page, int x, int y, const mcv_image *image, uint32_t zoom, const mcv_color_scale *scale);
 
 /* A bar `height` pixels high with ticks at round values, and the label along it. It is MCV_COLOR_BAR_WIDTH pixels wide in all. */
-enum { MCV_COLOR_BAR_WIDTH = 100 };
+enum { MCV_COLOR_BAR_WIDTH = 120 };
 void mcv_page_color_bar(cairo_t *page, int x, int y, int height, const char *label, const mcv_color_scale *scale);
 
 /* The image under a title, beside its colour bar; enlarged to some 640 pixels. */

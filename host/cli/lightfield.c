@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* mcvisi lightfield: sub-aperture views and the Earth Mover's gradient of a light field image. */
+#include "analysis/contrast.h"
+#include "analysis/lightfield_file.h"
+#include "cli/options.h"
+#include "cli/report.h"
+#include "output/figure.h"
+#include "output/file.h"
+#include "output/png.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* --- where to ---------------------------------------------------------------------------------------------------- */
+
+static bool ends_in(const char *path, const char *ending) {
+    const size_t length = strlen(path), tail = strlen(ending);
+    return length > tail && strcmp(path + length - tail, ending) == 0;
+}
+
+/* Both may be NULL, not both are. */
+typedef struct outputs {
+    const char *exr, *png;
+} outputs;
+
+static mcv_result plan(const mcv_command *command, outputs *out, mcv_error *error) {
+    const char *path = command->processed;
+    if (!path) return mcv_fail(error, MCV_USAGE, "--output is missing: give F.png for a picture or F.exr for the values");
+    *out = (outputs){.exr = ends_in(path, ".exr") ? path : NULL, .png = ends_in(path, ".png") ? path : command->picture};
+    if (!ends_in(path, ".exr") && !ends_in(path, ".png")) return mcv_fail(error, MCV_USAGE, "--output %s: must end in .png or .exr", path);
+    if (command->picture && !out->exr) return mcv_fail(error, MCV_USAGE, "--png goes with --output F.exr: %s is a picture already", path);
+    const char *const paths[] = {out->exr, out->png};
+    for (int i = 0; i < 2; ++i) {
+        if (!paths[i]) continue;
+        if (mcv_same_file(paths[i], command->second))
+            return mcv_fail(error, MCV_USAGE, "%s is the light field image itself: give the output another name", paths[i]);
+        MCV_TRY(mcv_output_check(paths[i], error));
+    }
+    return MCV_OK;
+}
+
+/* What no longer holds: the result has no macro pixels, and stands above the black level. */
+static bool is_past(const char *attribute) {
+    return strcmp(attribute, "mcvisi:angularResolution") == 0 || strcmp(attribute, "mcvisi:blackLevel") == 0;
+}
+
+/* Writes the image with its own attributes, and those of what it was made from that still hold. */
+static mcv_result write_exr(const char *path, const mcv_exr *source, const mcv_image *image, const mcv_attribute *own, uint32_t own_count,
+                            mcv_error *error) {
+    const mcv_exr_part part = {.name = "image", .image = *image};
+    mcv_attribute *attributes = malloc((own_count + source->attribute_count) * sizeof *attributes);
+    uint32_t count = own_count;
+    if (!attributes) return mcv_fail(error, MCV_FAILED, "%s: no memory for its header", path);
+    memcpy(attributes, own, own_count * sizeof *own);
+    for (uint32_t i = 0; i < source->attribute_count; ++i) {
+        bool replaced = is_past(source->attributes[i].name);
+        for (uint32_t k = 0; k < own_count; ++k) replaced = replaced || strcmp(own[k].name, source->attributes[i].name) == 0;
+        if (!replaced) attributes[count++] = source->attributes[i];
+    }
+    const mcv_result result = mcv_exr_write(path, &part, 1, attributes, count, error);
+    free(attributes);
+    return result;
+}
+
+/* --- views ------------------------------------------------------------------------------------------------------- */
+
+/* The views with lines of middle grey between them. */
+static mcv_result write_views_png(const char *path, const mcv_image *views, const uint32_t angular[2], mcv_error *error) {
+    enum { LINE = 2 };
+    mcv_image page;
+    mcv_preview preview = {.white = mcv_preview_white(views)};
+    const uint32_t width = views->width / angular[0], height = views->height / angular[1];
+    MCV_TRY(mcv_image_new(&page, views->width + LINE * (angular[0] - 1), views->height + LINE * (angular[1] - 1), views->channels, error));
+    float *to = page.pixels;
+    for (uint32_t row = 0; row < page.height * page.channels; ++row) {
+        const uint32_t c = row / page.height, y = row % page.height;
+        const uint32_t k = y / (height + LINE), n = y % (height + LINE);
+        const float *from = views->pixels + ((size_t)c * views->height + (size_t)k * height + n) * views->width;
+        for (uint32_t x = 0; x < page.width; ++x) {
+            const uint32_t j = x / (width + LINE), m = x % (width + LINE);
+            *to++ = m < width && n < height ? from[(size_t)j * width + m] : (float)(0.2 * preview.white);
+        }
+    }
+    const mcv_result result = mcv_png_write_preview(path, &page, "", &preview, error);
+    mcv_image_free(&page);
+    return result;
+}
+
+static mcv_result write_views(const mcv_light_field_file *file, const outputs *out, mcv_error *error) {
+    const mcv_attribute own[] = {{.name = "mcvisi:layout", .text = "sub-aperture views"}};
+    mcv_image views;
+    MCV_TRY(mcv_light_field_views(&file->image, file->angular, &views, error));
+    mcv_result result = MCV_OK;
+    if (out->exr) result = write_exr(out->exr, &file->exr, &views, own, 1, error);
+    if (out->png && result == MCV_OK) result = write_views_png(out->png, &views, file->angular, error);
+    mcv_image_free(&views);
+    return result;
+}
+
+/* --- gradient ---------------------------------------------------------------------------------------------------- */
+
+/* What is told of a gradient. */
+typedef struct account {
+    mcv_spread spread;
+    double seconds;
+} account;
+
+static const char *const forms[] = {"normalized", "mass"};
+
+static mcv_result write_gradient(const mcv_command *command, const mcv_light_field_file *file, const outputs *out, account *told,
+                                 mcv_error *error) {
+    static const char *const units[] = {"fraction of the pupil", "fraction of the pupil x median mass"};
+    const char *unit = units[command->form];
+    const mcv_attribute own[] = {{.name = "mcvisi:quantity", .text = "Earth Mover's gradient"},
+                                 {.name = "mcvisi:unit", .text = unit},
+                                 {.name = "mcvisi:form", .text = forms[command->form]}};
+    mcv_image gradient;
+    char title[256];
+    const double begun = now();
+    MCV_TRY(mcv_light_field_gradient(&file->image, file->angular, command->form ? MCV_EMD_MASS : MCV_EMD_NORMALIZED,
+                                     (uint32_t)command->threads, &gradient, error));
+    told->seconds = now() - begun;
+    told->spread = mcv_image_spread(&gradient, NULL);
+    const mcv_color_scale scale = {.map = MCV_COLORMAP_VIRIDIS,
+                                   .high = command->scale_end > 0 ? command->scale_end : mcv_preview_white(&gradient)};
+    snprintf(title, sizeof title, "Earth Mover's gradient (%s) of %s", forms[command->form], command->second);
+    mcv_result result = MCV_OK;
+    if (out->exr) result = write_exr(out->exr, &file->exr, &gradient, own, sizeof own / sizeof own[0], error);
+    if (out->png && result == MCV_OK) result = mcv_figure_write(out->png, &gradient, title, unit, &scale, error);
+    mcv_image_free(&gradient);
+    return result;
+}
+
+/* --- the verb ---------------------------------------------------------------------------------------------------- */
+
+static mcv_result report(const mcv_command *command, const mcv_light_field_file *file, const outputs *out, const account *told,
+                         mcv_error *error) {
+    const uint32_t *angular = file->angular;
+    const double macro_pixels[] = {file->image.width / angular[0], file->image.height / angular[1]};
+    mcv_report r;
+    mcv_report_begin(&r, command->json);
+    mcv_report_text(&r, "image", command->second);
+    mcv_report_numbers(&r, "macro_pixels", "", " x ", macro_pixels, 2);
+    mcv_report_numbers(&r, "angular", "", " x ", (const double[]){angular[0], angular[1]}, 2);
+    if (told) {
+        mcv_report_text(&r, "form", forms[command->form]);
+        mcv_report_number(&r, "mean", "", told->spread.mean);
+        mcv_report_number(&r, "deviation", "", told->spread.deviation);
+        mcv_report_number(&r, "largest", "", told->spread.largest);
+        mcv_report_number(&r, "seconds", "s", told->seconds);
+    }
+    if (out->exr) mcv_report_text(&r, "values", out->exr);
+    if (out->png) mcv_report_text(&r, "picture", out->png);
+    return mcv_report_end(&r, error);
+}
+
+mcv_result mcv_verb_lightfield(const mcv_command *command, mcv_error *error) {
+    const bool views = strcmp(command->argument, "views") == 0;
+    outputs out = {0};
+    account told;
+    mcv_light_field_file file;
+    if (!views && strcmp(command->argument, "emd-gradient") != 0)
+        return mcv_fail(error, MCV_USAGE, "lightfield %s: must be `lightfield views` or `lightfield emd-gradient`", command->argument);
+    MCV_TRY(plan(command, &out, error));
+    MCV_TRY(mcv_light_field_read(command->second, command->angular, &file, error));
+    mcv_result result = views ? write_views(&file, &out, error) : write_gradient(command, &file, &out, &told, error);
+    if (result == MCV_OK) result = report(command, &file, &out, views ? NULL : &told, error);
+    mcv_light_field_free(&file);
+    return result;
+}
