@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Error against time: bench_error [OUTPUT.json], by default beside the program; the plot stands beside it as .svg.
+ *
+ * Two scenes at few pixels, rendered by the device with random and with Owen-scrambled Sobol' points, and by the reference, which has
+ * random points only; 1 to 16384 samples a pixel.
+ * The truth is the device's image of 16 times the most samples with another seed. Seconds are those of rendering alone, kernels
+ * compiled; one image a point. The summary holds the slopes of RMSE over samples: -1/2 for random numbers.
+ */
+#include "convergence.h"
+
+#include <cairo-svg.h>
+#include <jansson.h>
+#include <stdio.h>
+
+enum { SCENES = 2, SERIES = 3 };
+
+static const char *const scene_files[SCENES] = {"report-clean.glb", "part-backlight.gltf"};
+
+static const struct {
+    const char *renderer, *sampler;
+    bool reference;
+    uint32_t sampler_id;
+    double red, green, blue;
+} series[SERIES] = {{"device", "random", false, MCV_SAMPLER_RANDOM, 0.84, 0.37, 0},
+                    {"device", "sobol", false, MCV_SAMPLER_SOBOL, 0, 0.45, 0.7},
+                    {"reference", "random", true, MCV_SAMPLER_RANDOM, 0.9, 0.62, 0}};
+
+typedef struct results {
+    double mean[SCENES];
+    convergence_point points[SCENES][SERIES][CONVERGENCE_STEPS];
+} results;
+
+/* --- plot ------------------------------------------------------------------------------------------------------- */
+
+typedef struct axes {
+    double x, y, width, height; /* of the frame */
+    double low[2], high[2];     /* decades */
+} axes;
+
+static double place_x(const axes *a, double value) { return a->x + a->width * (log10(value) - a->low[0]) / (a->high[0] - a->low[0]); }
+static double place_y(const axes *a, double value) {
+    return a->y + a->height * (1 - (log10(value) - a->low[1]) / (a->high[1] - a->low[1]));
+}
+
+static void put_text(cairo_t *page, double x, double y, double align, const char *text) {
+    cairo_text_extents_t extents;
+    cairo_text_extents(page, text, &extents);
+    cairo_move_to(page, x - align * extents.x_advance, y);
+    cairo_show_text(page, text);
+    cairo_new_path(page);
+}
+
+static void draw_axes(cairo_t *page, const axes *a, const char *title, const char *x_label) {
+    char text[32];
+    cairo_set_line_width(page, 0.5);
+    for (int k = 0; k < 2; ++k) {
+        for (double decade = a->low[k]; decade <= a->high[k]; ++decade) {
+            const double at = k == 0 ? place_x(a, pow(10, decade)) : place_y(a, pow(10, decade));
+            cairo_set_source_rgb(page, 0.8, 0.8, 0.8);
+            cairo_move_to(page, k == 0 ? at : a->x, k == 0 ? a->y : at);
+            cairo_line_to(page, k == 0 ? at : a->x + a->width, k == 0 ? a->y + a->height : at);
+            cairo_stroke(page);
+            cairo_set_source_rgb(page, 0, 0, 0);
+            snprintf(text, sizeof text, "1e%.0f", decade);
+            put_text(page, k == 0 ? at : a->x - 6, k == 0 ? a->y + a->height + 16 : at + 4, k == 0 ? 0.5 : 1, text);
+        }
+    }
+    cairo_rectangle(page, a->x, a->y, a->width, a->height);
+    cairo_stroke(page);
+    put_text(page, a->x, a->y - 8, 0, title);
+    put_text(page, a->x + a->width / 2, a->y + a->height + 34, 0.5, x_label);
+}
+
+static double abscissa(const convergence_point *p, bool over_time) { return over_time ? p->seconds : (double)p->samples; }
+
+/* RMSE over samples or seconds of one scene. */
+static void draw_scene(cairo_t *page, const results *r, int scene, bool over_time, double x, double y) {
+    axes a = {x, y, 330, 250, {INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
+    char title[128];
+    for (int s = 0; s < SERIES; ++s) {
+        for (int i = 0; i < CONVERGENCE_STEPS; ++i) {
+            const convergence_point *p = &r->points[scene][s][i];
+            const double decades[2] = {log10(abscissa(p, over_time)), log10(p->errors.rmse / r->mean[scene])};
+            for (int k = 0; k < 2; ++k) {
+                a.low[k] = fmin(a.low[k], floor(decades[k]));
+                a.high[k] = fmax(a.high[k], ceil(decades[k]));
+            }
+        }
+    }
+    snprintf(title, sizeof title, "%s: RMSE / mean", scene_files[scene]);
+    draw_axes(page, &a, title, over_time ? "seconds" : "samples per pixel");
+    for (int s = 0; s < SERIES; ++s) {
+        cairo_set_source_rgb(page, series[s].red, series[s].green, series[s].blue);
+        cairo_set_line_width(page, 2);
+        for (int i = 0; i < CONVERGENCE_STEPS; ++i) {
+            const convergence_point *p = &r->points[scene][s][i];
+            cairo_line_to(page, place_x(&a, abscissa(p, over_time)), place_y(&a, p->errors.rmse / r->mean[scene]));
+        }
+        cairo_stroke(page);
+        if (over_time) continue;
+        snprintf(title, sizeof title, "%s, %s: slope %.2f", series[s].renderer, series[s].sampler, slope_of_rmse(r->points[scene][s]));
+        put_text(page, a.x + 8, a.y + a.height - 8 - 16 * (SERIES - 1 - s), 0, title);
+    }
+    cairo_set_source_rgb(page, 0, 0, 0);
+}
+
+static mcv_result draw(const results *r, const char *path, mcv_error *error) {
+    cairo_surface_t *surface = cairo_svg_surface_create(path, 820, 700);
+    cairo_t *page = cairo_create(surface);
+    cairo_set_source_rgb(page, 1, 1, 1);
+    cairo_paint(page);
+    cairo_set_source_rgb(page, 0, 0, 0);
+    cairo_select_font_face(page, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(page, 12);
+    for (int scene = 0; scene < SCENES; ++scene) {
+        for (int over_time = 0; over_time < 2; ++over_time) draw_scene(page, r, scene, over_time, 60 + 400 * over_time, 40 + 340 * scene);
+    }
+    cairo_destroy(page);
+    cairo_surface_finish(surface);
+    const cairo_status_t status = cairo_surface_status(surface);
+    cairo_surface_destroy(surface);
+    if (status == CAIRO_STATUS_SUCCESS) return MCV_OK;
+    return mcv_fail(error, MCV_FAILED, "%s: cairo: %s", path, cairo_status_to_string(status));
+}
+
+/* --- measurement ------------------------------------------------------------------------------------------------ */
+
+static void note_series(json_t *rows, json_t *slopes, int scene, int s, const convergence_point points[CONVERGENCE_STEPS]) {
+    for (int i = 0; i < CONVERGENCE_STEPS; ++i) {
+        json_array_append_new(rows,
+                              json_pack("{s:s, s:s, s:s, s:I, s:f, s:f, s:f}", "scene", scene_files[scene], "renderer", series[s].renderer,
+                                        "sampler", series[s].sampler, "samples", (json_int_t)points[i].samples, "seconds",
+                                        points[i].seconds, "rmse", points[i].errors.rmse, "relative_mse", points[i].errors.relative_mse));
+    }
+    const convergence_point *last = &points[CONVERGENCE_STEPS - 1];
+    printf("%-20s %-10s %-7s slope %6.3f, RMSE %.3g after %llu samples, %.3g s\n", scene_files[scene], series[s].renderer,
+           series[s].sampler, slope_of_rmse(points), last->errors.rmse, (unsigned long long)last->samples, last->seconds);
+    fflush(stdout);
+    json_array_append_new(slopes, json_pack("{s:s, s:s, s:s, s:f}", "scene", scene_files[scene], "renderer", series[s].renderer, "sampler",
+                                            series[s].sampler, "slope", slope_of_rmse(points)));
+}
+
+static mcv_result measure_scene(results *r, int scene, json_t *rows, json_t *slopes, json_t *truths, mcv_error *error) {
+    mcv_scene *loaded;
+    mcv_film truth;
+    mcv_render_stats stats;
+    MCV_TRY(load_small(scene_files[scene], &loaded, error));
+    /* The truth's render also compiles what the first measurement would have to wait for; the random sampler is a program of its own. */
+    mcv_result result = render_truth(loaded, &truth, &stats, error);
+    if (result == MCV_OK) {
+        r->mean[scene] = mcv_film_mean(&truth);
+        json_array_append_new(truths, json_pack("{s:s, s:I, s:I, s:I, s:f, s:f, s:f, s:s, s:s}", "scene", scene_files[scene], "width",
+                                                (json_int_t)truth.width, "height", (json_int_t)truth.height, "samples",
+                                                (json_int_t)(truth.samples * truth.replicates), "mean", r->mean[scene], "standard_error",
+                                                mcv_film_relative_error(&truth) * r->mean[scene], "seconds", stats.seconds_render, "device",
+                                                stats.device, "driver", stats.driver));
+        printf("%-20s truth: %u x %u pixels, %llu samples, mean %.4g, standard error %.2g, %.1f s, %s\n", scene_files[scene], truth.width,
+               truth.height, (unsigned long long)truth.samples * truth.replicates, r->mean[scene],
+               mcv_film_relative_error(&truth) * r->mean[scene], stats.seconds_render, stats.device);
+    }
+    for (int s = 0; s < SERIES && result == MCV_OK; ++s) {
+        convergence_point *points = r->points[scene][s];
+        if (!series[s].reference) {
+            mcv_render_options warm = mcv_render_defaults();
+            mcv_film film;
+            warm.sampler = series[s].sampler_id;
+            warm.last = 1;
+            result = mcv_render(loaded, 0, &warm, &film, &stats, error);
+            mcv_film_free(&film);
+        }
+        if (result == MCV_OK) result = converge(loaded, series[s].reference, series[s].sampler_id, &truth, points, error);
+        if (result == MCV_OK) note_series(rows, slopes, scene, s, points);
+    }
+    mcv_film_free(&truth);
+    mcv_scene_free(loaded);
+    return result;
+}
+
+static mcv_result write_report(const char *path, json_t *report, mcv_error *error) {
+    if (json_dump_file(report, path, JSON_INDENT(1) | JSON_REAL_PRECISION(6)) == 0) return MCV_OK;
+    return mcv_fail(error, MCV_FAILED, "%s: cannot be written", path);
+}
+
+int main(int argc, char **argv) {
+    static results r;
+    mcv_error error = {""};
+    char path[1024], plot[1024];
+    const char *name = argc > 1 ? argv[1] : argv[0];
+    const size_t length = strlen(name);
+    const int stem = (int)(length > 5 && strcmp(name + length - 5, ".json") == 0 ? length - 5 : length);
+    snprintf(path, sizeof path, "%.*s.json", stem, name);
+    snprintf(plot, sizeof plot, "%.*s.svg", stem, name);
+    json_t *rows = json_array(), *slopes = json_array(), *truths = json_array();
+    mcv_result result = MCV_OK;
+    for (int scene = 0; scene < SCENES && result == MCV_OK; ++scene) result = measure_scene(&r, scene, rows, slopes, truths, &error);
+    json_t *report = json_pack("{s:o, s:{s:o, s:o}}", "rows", rows, "summary", "slopes", slopes, "truths", truths);
+    if (result == MCV_OK) result = write_report(path, report, &error);
+    if (result == MCV_OK) result = draw(&r, plot, &error);
+    json_decref(report);
+    if (result != MCV_OK) fprintf(stderr, "bench_error: %s\n", error.text);
+    return result;
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* ctest: label slow */
+/* How the error of an image falls with its samples: as their inverse root with random points, faster with Sobol' points. */
+#include "scene_builder.h"
+
+#include "convergence.h"
+
+/*
+ * The slope of ln RMSE over ln samples. The RMSE of P pixels with noise of their own is uncertain by 1/√(2P) in its logarithm. At most half
+ * of the 192 pixels are on no edge and have little: P = 96 gives 0.07. Eight points at multiples of ln 4 have a sum of squares of 42 ln²4
+ * about their mean, so that the slope is uncertain by 0.07/√(42 ln²4) = 0.008: the 0.05 that is asked for are six standard errors.
+ */
+static void test_slopes(void **state) {
+    mcv_scene *scene;
+    mcv_film truth;
+    mcv_render_stats stats;
+    convergence_point random[CONVERGENCE_STEPS], sobol[CONVERGENCE_STEPS];
+    (void)state;
+    BUILD(load_small("part-backlight.gltf", &scene, &builder_error));
+    BUILD(render_truth(scene, &truth, &stats, &builder_error));
+    BUILD(converge(scene, false, MCV_SAMPLER_RANDOM, &truth, random, &builder_error));
+    BUILD(converge(scene, false, MCV_SAMPLER_SOBOL, &truth, sobol, &builder_error));
+    const double slope = slope_of_rmse(random), steeper = slope_of_rmse(sobol);
+    print_message("slope %.3f random, %.3f Sobol'; RMSE %.3g and %.3g after %llu samples\n", slope, steeper,
+                  random[CONVERGENCE_STEPS - 1].errors.rmse, sobol[CONVERGENCE_STEPS - 1].errors.rmse,
+                  (unsigned long long)random[CONVERGENCE_STEPS - 1].samples);
+    if (fabs(slope + 0.5) > 0.05) fail_msg("the slope with random points is %.3f instead of -0.50 +- 0.05", slope);
+    if (!(steeper < slope - 0.05))
+        fail_msg("the slope with Sobol' points, %.3f, is not steeper than that with random ones, %.3f", steeper, slope);
+    mcv_film_free(&truth);
+    mcv_scene_free(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_slopes)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
