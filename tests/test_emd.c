@@ -34,7 +34,8 @@ static mcv_emd *new_emd(uint32_t columns, uint32_t rows) {
 
 /* Written out again, not the library's: column and row of bins a and b. */
 static double cost(uint32_t columns, uint32_t rows, uint32_t a, uint32_t b) {
-    const double x = ((double)(a % columns) - (double)(b % columns)) / columns, y = ((double)(a / columns) - (double)(b / columns)) / rows;
+    const int across = (int)(a % columns) - (int)(b % columns), down = (int)(a / columns) - (int)(b / columns);
+    const double x = (double)across / columns, y = (double)down / rows;
     return sqrt(x * x + y * y);
 }
 
@@ -198,8 +199,9 @@ static void test_metric(void **state) {
         const double sums[2] = {sum_of(h[0], BINS), sum_of(h[1], BINS)};
         for (uint32_t i = 0; i < BINS; ++i) {
             const double d = h[1][i] / sums[1] - h[0][i] / sums[0];
-            shift[0] += d * (i % COLUMNS) / COLUMNS;
-            shift[1] += d * (double)(i / COLUMNS) / ROWS;
+            const uint32_t column = i % COLUMNS, row = i / COLUMNS;
+            shift[0] += d * column / COLUMNS;
+            shift[1] += d * row / ROWS;
         }
         const double moved = mcv_emd_distance(emd, h[0], h[1], MCV_EMD_NORMALIZED, NULL);
         if (moved < hypot(shift[0], shift[1]) - tolerance(emd, BINS, 1))
@@ -227,7 +229,7 @@ static void test_all_assignments(void **state) {
     enum { COLUMNS = 5, ROWS = 6, BINS = COLUMNS * ROWS };
     mcv_emd *emd = new_emd(COLUMNS, ROWS);
     for (int n = 0; n < 600; ++n) {
-        double p[BINS] = {0}, q[BINS] = {0}, costs[MOST][MOST];
+        double p[BINS] = {0}, q[BINS] = {0}, costs[MOST][MOST] = {{0}};
         uint32_t from[MOST], to[MOST];
         const int many = 1 + (int)random_below(MOST), few = 1 + (int)random_below((uint32_t)many);
         for (int i = 0; i < few; ++i) p[from[i] = random_below(BINS)] += 1;

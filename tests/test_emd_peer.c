@@ -54,10 +54,10 @@ static void test_against_pot(void **state) {
     mcv_error error = {""};
     assert_int_equal(mcv_emd_new(&emd, SIDE, SIDE, &error), MCV_OK);
     for (int i = 0; i < PAIRS; ++i) {
-        double normalized, mass;
-        if (fscanf(peer, "%lf %lf", &normalized, &mass) != 2) fail_msg("POT gave no distance of pair %d", i);
-        expect_near(i, "normalized", mcv_emd_distance(emd, histograms[i][0], histograms[i][1], MCV_EMD_NORMALIZED, NULL), normalized);
-        expect_near(i, "mass", mcv_emd_distance(emd, histograms[i][0], histograms[i][1], MCV_EMD_MASS, NULL), mass);
+        double theirs[2];
+        if (fread(theirs, sizeof theirs, 1, peer) != 1) fail_msg("POT gave no distance of pair %d", i);
+        expect_near(i, "normalized", mcv_emd_distance(emd, histograms[i][0], histograms[i][1], MCV_EMD_NORMALIZED, NULL), theirs[0]);
+        expect_near(i, "mass", mcv_emd_distance(emd, histograms[i][0], histograms[i][1], MCV_EMD_MASS, NULL), theirs[1]);
     }
     mcv_emd_free(emd);
     assert_int_equal(pclose(peer), 0);

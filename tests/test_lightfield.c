@@ -276,7 +276,7 @@ static void test_contrast(void **state) {
     for (uint32_t y = 0; y < 30; ++y) {
         for (uint32_t x = 0; x < 40; ++x) {
             const double r = hypot(0.5 * (x - 19.5), y - 14.5);
-            *pixel(&image, 0, x, y) = r > 2 && r < 4 ? 1000 : (x + y) % 2 ? 3 : 5;
+            *pixel(&image, 0, x, y) = r > 2 && r < 4 ? 1000.0F : (x + y) % 2 ? 3.0F : 5.0F;
             inside += r >= 4 && r <= 8;
         }
     }

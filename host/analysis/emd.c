@@ -56,8 +56,9 @@ mcv_result mcv_emd_new(mcv_emd **emd, uint32_t columns, uint32_t rows, mcv_error
     }
     for (size_t a = 0; a < bins; ++a) {
         for (size_t b = 0; b < bins; ++b) {
-            const double across = (double)(a % columns) - (double)(b % columns), down = (double)(a / columns) - (double)(b / columns);
-            e->costs[a * bins + b] = hypot(across / columns, down / rows);
+            const int64_t across = (int64_t)(a % columns) - (int64_t)(b % columns);
+            const int64_t down = (int64_t)(a / columns) - (int64_t)(b / columns);
+            e->costs[a * bins + b] = hypot((double)across / columns, (double)down / rows);
         }
     }
     e->max_cost = e->costs[bins - 1];

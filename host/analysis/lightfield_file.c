@@ -16,7 +16,7 @@ mcv_result mcv_light_field_attribute(const char *path, const mcv_exr *exr, const
 
 static mcv_result find_angular(const char *path, const mcv_exr *exr, uint32_t angular[2], mcv_error *error) {
     static const char name[] = "mcvisi:angularResolution";
-    double numbers[2];
+    double numbers[2] = {0};
     if (!mcv_exr_attribute(exr, name))
         return mcv_fail(
             error, MCV_BAD_INPUT,
@@ -57,7 +57,8 @@ static mcv_result understand(const char *path, const uint64_t angular[2], mcv_li
     } else {
         MCV_TRY(find_angular(path, &file->exr, file->angular, error));
     }
-    if (mcv_exr_attribute(&file->exr, "mcvisi:blackLevel")) MCV_TRY(mcv_light_field_attribute(path, &file->exr, "mcvisi:blackLevel", &black, 1, error));
+    if (mcv_exr_attribute(&file->exr, "mcvisi:blackLevel"))
+        MCV_TRY(mcv_light_field_attribute(path, &file->exr, "mcvisi:blackLevel", &black, 1, error));
     const size_t count = (size_t)file->image.width * file->image.height * file->image.channels;
     for (size_t i = 0; i < count; ++i) file->image.pixels[i] -= (float)black;
     return mcv_light_field_check(path, &file->image, file->angular, error);

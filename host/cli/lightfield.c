@@ -145,11 +145,11 @@ static mcv_result write_gradient(const mcv_command *command, const mcv_light_fie
 static mcv_result report(const mcv_command *command, const mcv_light_field_file *file, const outputs *out, const account *told,
                          mcv_error *error) {
     const uint32_t *angular = file->angular;
-    const double macro_pixels[] = {file->image.width / angular[0], file->image.height / angular[1]};
+    const uint32_t columns = file->image.width / angular[0], rows = file->image.height / angular[1];
     mcv_report r;
     mcv_report_begin(&r, command->json);
     mcv_report_text(&r, "image", command->second);
-    mcv_report_numbers(&r, "macro_pixels", "", " x ", macro_pixels, 2);
+    mcv_report_numbers(&r, "macro_pixels", "", " x ", (const double[]){columns, rows}, 2);
     mcv_report_numbers(&r, "angular", "", " x ", (const double[]){angular[0], angular[1]}, 2);
     if (told) {
         mcv_report_text(&r, "form", forms[command->form]);
