@@ -166,16 +166,13 @@ mcv_result mcv_light_field_gradient(const mcv_image *image, const uint32_t angul
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
     if (threads == 0) threads = cores > 0 ? (uint32_t)cores : 1;
     if (threads > MAX_THREADS) threads = MAX_THREADS;
-    if (threads > gradient->height) threads = gradient->height;
-    worker *workers = calloc(threads, sizeof *workers);
+    worker workers[MAX_THREADS] = {{0}};
     gradient_job job = {.image = image, .angular = angular, .form = form, .gradient = gradient};
-    const mcv_result result =
-        workers ? run_workers(&job, workers, threads, error) : mcv_fail(error, MCV_FAILED, "no memory for %u threads", threads);
-    for (uint32_t i = 0; workers && i < threads; ++i) {
+    const mcv_result result = run_workers(&job, workers, threads, error);
+    for (uint32_t i = 0; i < threads; ++i) {
         mcv_emd_free(workers[i].emd);
         free(workers[i].p);
     }
-    free(workers);
     if (result != MCV_OK) mcv_image_free(gradient);
     return result;
 }
