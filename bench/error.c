@@ -132,11 +132,11 @@ static mcv_result measure_scene(results *r, int scene, json_t *rows, json_t *slo
     mcv_result result = render_truth(loaded, &truth, &stats, error);
     if (result == MCV_OK) {
         r->mean[scene] = mcv_film_mean(&truth);
-        json_array_append_new(truths, json_pack("{s:s, s:I, s:I, s:I, s:f, s:f, s:f, s:s, s:s}", "scene", scene_files[scene], "width",
-                                                (json_int_t)truth.width, "height", (json_int_t)truth.height, "samples",
-                                                (json_int_t)(truth.samples * truth.replicates), "mean", r->mean[scene], "standard_error",
-                                                mcv_film_relative_error(&truth) * r->mean[scene], "seconds", stats.seconds_render, "device",
-                                                stats.device, "driver", stats.driver));
+        json_array_append_new(truths,
+                              json_pack("{s:s, s:I, s:I, s:I, s:f, s:f, s:f, s:s, s:s}", "scene", scene_files[scene], "width",
+                                        (json_int_t)truth.width, "height", (json_int_t)truth.height, "samples", (json_int_t)TRUTH_SAMPLES,
+                                        "mean", r->mean[scene], "standard_error", mcv_film_relative_error(&truth) * r->mean[scene],
+                                        "seconds", stats.seconds_render, "device", stats.device, "driver", stats.driver));
         printf("%-20s truth: %u x %u pixels, %llu samples, mean %.4g, standard error %.2g, %.1f s, %s\n", scene_files[scene], truth.width,
                truth.height, (unsigned long long)truth.samples * truth.replicates, r->mean[scene],
                mcv_film_relative_error(&truth) * r->mean[scene], stats.seconds_render, stats.device);
