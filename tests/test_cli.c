@@ -23,6 +23,7 @@
 #include <jansson.h>
 
 #include "output/exr.h"
+#include "output/figure.h"
 
 #define PROGRAM MCV_BINARY_DIR "/mcvisi"
 
@@ -615,9 +616,9 @@ static void test_compare(void **state) {
     }
     mcv_exr_free(&exr);
     assert_false(compare_says_different("compare a.exr b.exr --json -o difference.png", "Mann-Whitney and Welch"));
-    /* 24 pixels are enlarged 26 times (640/24), beside a bar of 100, with three margins of 16; 16 rows under a title of 36 and above a
+    /* 24 pixels are enlarged 26 times (640/24), beside a bar, with three margins of 16; 16 rows under a title of 36 and above a
      * margin. */
-    expect_png("difference.png", 24 * 26 + 3 * 16 + 100, 16 * 26 + 36 + 16);
+    expect_png("difference.png", 24 * 26 + 3 * 16 + MCV_COLOR_BAR_WIDTH, 16 * 26 + 36 + 16);
     assert_true(compare_says_different("compare a.exr c.exr --json", "Mann-Whitney and Welch"));
     assert_true(compare_says_different("compare c.exr plain.exr --json", "Welch"));
     assert_string_equal(err, "");
