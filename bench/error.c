@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Error against time: bench_error [OUTPUT.json], by default beside the program; the plot stands beside it as .svg.
+ * Error against time: bench_error [OUTPUT.json], by default beside the program; the plot stands beside it as .png.
  *
  * Two scenes at few pixels, rendered by the device with random and with Owen-scrambled Sobol' points, and by the reference, which has
  * random points only; 1 to 16384 samples a pixel.
@@ -8,8 +8,8 @@
  * compiled; one image a point. The summary holds the slopes of RMSE over samples: -1/2 for random numbers.
  */
 #include "convergence.h"
+#include "output/figure.h"
 
-#include <cairo-svg.h>
 #include <jansson.h>
 #include <stdio.h>
 
@@ -43,14 +43,6 @@ static double place_y(const axes *a, double value) {
     return a->y + a->height * (1 - (log10(value) - a->low[1]) / (a->high[1] - a->low[1]));
 }
 
-static void put_text(cairo_t *page, double x, double y, double align, const char *text) {
-    cairo_text_extents_t extents;
-    cairo_text_extents(page, text, &extents);
-    cairo_move_to(page, x - align * extents.x_advance, y);
-    cairo_show_text(page, text);
-    cairo_new_path(page);
-}
-
 static void draw_axes(cairo_t *page, const axes *a, const char *title, const char *x_label) {
     char text[32];
     cairo_set_line_width(page, 0.5);
@@ -63,13 +55,13 @@ static void draw_axes(cairo_t *page, const axes *a, const char *title, const cha
             cairo_stroke(page);
             cairo_set_source_rgb(page, 0, 0, 0);
             snprintf(text, sizeof text, "1e%.0f", decade);
-            put_text(page, k == 0 ? at : a->x - 6, k == 0 ? a->y + a->height + 16 : at + 4, k == 0 ? 0.5 : 1, text);
+            mcv_page_text(page, k == 0 ? at : a->x - 6, k == 0 ? a->y + a->height + 16 : at + 4, k == 0 ? 0.5 : 1, text);
         }
     }
     cairo_rectangle(page, a->x, a->y, a->width, a->height);
     cairo_stroke(page);
-    put_text(page, a->x, a->y - 8, 0, title);
-    put_text(page, a->x + a->width / 2, a->y + a->height + 34, 0.5, x_label);
+    mcv_page_text(page, a->x, a->y - 8, 0, title);
+    mcv_page_text(page, a->x + a->width / 2, a->y + a->height + 34, 0.5, x_label);
 }
 
 static double abscissa(const convergence_point *p, bool over_time) { return over_time ? p->seconds : (double)p->samples; }
@@ -100,28 +92,18 @@ static void draw_scene(cairo_t *page, const results *r, int scene, bool over_tim
         cairo_stroke(page);
         if (over_time) continue;
         snprintf(title, sizeof title, "%s, %s: slope %.2f", series[s].renderer, series[s].sampler, slope_of_rmse(r->points[scene][s]));
-        put_text(page, a.x + 8, a.y + a.height - 8 - 16 * (SERIES - 1 - s), 0, title);
+        mcv_page_text(page, a.x + 8, a.y + a.height - 8 - 16 * (SERIES - 1 - s), 0, title);
     }
     cairo_set_source_rgb(page, 0, 0, 0);
 }
 
 static mcv_result draw(const results *r, const char *path, mcv_error *error) {
-    cairo_surface_t *surface = cairo_svg_surface_create(path, 820, 700);
-    cairo_t *page = cairo_create(surface);
-    cairo_set_source_rgb(page, 1, 1, 1);
-    cairo_paint(page);
-    cairo_set_source_rgb(page, 0, 0, 0);
-    cairo_select_font_face(page, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(page, 12);
+    cairo_t *page;
+    MCV_TRY(mcv_page_new(&page, 820, 700, 12, error));
     for (int scene = 0; scene < SCENES; ++scene) {
         for (int over_time = 0; over_time < 2; ++over_time) draw_scene(page, r, scene, over_time, 60 + 400 * over_time, 40 + 340 * scene);
     }
-    cairo_destroy(page);
-    cairo_surface_finish(surface);
-    const cairo_status_t status = cairo_surface_status(surface);
-    cairo_surface_destroy(surface);
-    if (status == CAIRO_STATUS_SUCCESS) return MCV_OK;
-    return mcv_fail(error, MCV_FAILED, "%s: cairo: %s", path, cairo_status_to_string(status));
+    return mcv_page_write(page, path, error);
 }
 
 /* --- measurement ------------------------------------------------------------------------------------------------ */
@@ -150,11 +132,11 @@ static mcv_result measure_scene(results *r, int scene, json_t *rows, json_t *slo
     mcv_result result = render_truth(loaded, &truth, &stats, error);
     if (result == MCV_OK) {
         r->mean[scene] = mcv_film_mean(&truth);
-        json_array_append_new(truths, json_pack("{s:s, s:I, s:I, s:I, s:f, s:f, s:f, s:s, s:s}", "scene", scene_files[scene], "width",
-                                                (json_int_t)truth.width, "height", (json_int_t)truth.height, "samples",
-                                                (json_int_t)(truth.samples * truth.replicates), "mean", r->mean[scene], "standard_error",
-                                                mcv_film_relative_error(&truth) * r->mean[scene], "seconds", stats.seconds_render, "device",
-                                                stats.device, "driver", stats.driver));
+        json_array_append_new(truths,
+                              json_pack("{s:s, s:I, s:I, s:I, s:f, s:f, s:f, s:s, s:s}", "scene", scene_files[scene], "width",
+                                        (json_int_t)truth.width, "height", (json_int_t)truth.height, "samples", (json_int_t)TRUTH_SAMPLES,
+                                        "mean", r->mean[scene], "standard_error", mcv_film_relative_error(&truth) * r->mean[scene],
+                                        "seconds", stats.seconds_render, "device", stats.device, "driver", stats.driver));
         printf("%-20s truth: %u x %u pixels, %llu samples, mean %.4g, standard error %.2g, %.1f s, %s\n", scene_files[scene], truth.width,
                truth.height, (unsigned long long)truth.samples * truth.replicates, r->mean[scene],
                mcv_film_relative_error(&truth) * r->mean[scene], stats.seconds_render, stats.device);
@@ -190,7 +172,7 @@ int main(int argc, char **argv) {
     const size_t length = strlen(name);
     const int stem = (int)(length > 5 && strcmp(name + length - 5, ".json") == 0 ? length - 5 : length);
     snprintf(path, sizeof path, "%.*s.json", stem, name);
-    snprintf(plot, sizeof plot, "%.*s.svg", stem, name);
+    snprintf(plot, sizeof plot, "%.*s.png", stem, name);
     json_t *rows = json_array(), *slopes = json_array(), *truths = json_array();
     mcv_result result = MCV_OK;
     for (int scene = 0; scene < SCENES && result == MCV_OK; ++scene) result = measure_scene(&r, scene, rows, slopes, truths, &error);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Stage: next-event estimation. A diffuse surface chooses an emitter by power, then a direction to it: uniform in the cone
- * of a parallel emitter that is smaller than the emitter seen from there (which must then be the closest hit), else towards a point uniform
- * by area. Weighed against the
- * surface's own choice of directions by the balance heuristic. reads ray, hit -> writes shadow ray
+ * of a parallel emitter that is smaller than the emitter seen from there (which must then be the closest hit), else towards a
+ * point uniform by area. Weighed against the surface's own choice of directions by the balance heuristic.
+ * reads ray, hit -> writes shadow ray
  */
 #include "identity.h"
 #include "path.h"
@@ -87,7 +87,7 @@ static int mcv_sample_emitter(mcv_world world, mcv_slot slot, mcv_identity id, u
     mcv_shadow shadow;
 #if MCV_WITH_PARALLEL
     __global const mcv_device_emitter *e = world.emitters + emitter;
-    if (e->type == MCV_EMITTER_PARALLEL && e->parallel.from_receiver)
+    if (mcv_samples_cone(e, meeting.surface.point))
         shadow = mcv_sample_cone_of(meeting, e, pair);
     else
 #endif

@@ -100,8 +100,8 @@ static inline mcv_result converge(const mcv_scene *scene, bool reference, uint32
                                   convergence_point points[CONVERGENCE_STEPS], mcv_error *error) {
     for (int i = 0; i < CONVERGENCE_STEPS; ++i) {
         mcv_render_options options = mcv_render_defaults();
-        mcv_render_stats stats;
-        mcv_film film;
+        mcv_render_stats stats = {0};
+        mcv_film film = {0};
         options.replicates = 1;
         options.sampler = sampler;
         options.last = (uint64_t)1 << 2 * i;

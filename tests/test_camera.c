@@ -372,7 +372,7 @@ static void test_png_round_trip(void **state) {
     fclose(file);
     unlink(path);
     for (size_t i = 0; i < 64 * 64; ++i)
-        if (read[i] != exposure.grey.pixels[i]) fail_msg("pixel %zu: %u was written as %g", i, read[i], exposure.grey.pixels[i]);
+        if ((float)read[i] != exposure.grey.pixels[i]) fail_msg("pixel %zu: %u was written as %g", i, read[i], exposure.grey.pixels[i]);
     mcv_image_free(&exposure.grey);
     mcv_image_free(&light);
 }

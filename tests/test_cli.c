@@ -23,6 +23,7 @@
 #include <jansson.h>
 
 #include "output/exr.h"
+#include "output/figure.h"
 
 #define PROGRAM MCV_BINARY_DIR "/mcvisi"
 
@@ -614,7 +615,10 @@ static void test_compare(void **state) {
         if (fabs(mean - value) > 0x1p-23 * value) fail_msg("pixel %zu: %g, the mean of its replicates %g", i, value, mean);
     }
     mcv_exr_free(&exr);
-    assert_false(compare_says_different("compare a.exr b.exr --json", "Mann-Whitney and Welch"));
+    assert_false(compare_says_different("compare a.exr b.exr --json -o difference.png", "Mann-Whitney and Welch"));
+    /* 24 pixels are enlarged 26 times (640/24), beside a bar, with three margins of 16; 16 rows under a title of 36 and above a
+     * margin. */
+    expect_png("difference.png", 24 * 26 + 3 * 16 + MCV_COLOR_BAR_WIDTH, 16 * 26 + 36 + 16);
     assert_true(compare_says_different("compare a.exr c.exr --json", "Mann-Whitney and Welch"));
     assert_true(compare_says_different("compare c.exr plain.exr --json", "Welch"));
     assert_string_equal(err, "");

@@ -12,6 +12,7 @@
 
 #include "analysis/compare.h"
 #include "analysis/statistics.h"
+#include "output/colormap.h"
 
 static void expect_near(double value, double expected, double relative, const char *what) {
     if (!(fabs(value - expected) <= relative * fabs(expected))) {
@@ -297,6 +298,33 @@ static void test_what_cannot_be_compared(void **state) {
     mcv_film_free(&one);
 }
 
+/* By hand: (4 - 1)/√(0.3² + 0.4²) = 6, of two channels (2 + 1)/√(0.6² + 0.8²) = 3; what has no error is infinite, what is no number NaN. */
+static void test_difference_in_standard_errors(void **state) {
+    (void)state;
+    mcv_error error = {""};
+    mcv_image difference;
+    float x[] = {4, 1, 2, NAN}, ex[] = {0.3F, 0.3F, 0, 0}, y[] = {1, 1, 3, 1}, ey[] = {0.4F, 0, 0, 0};
+    mcv_image images[] = {{4, 1, 1, x}, {4, 1, 1, ex}, {4, 1, 1, y}, {4, 1, 1, ey}};
+    const mcv_measured mx = {&images[0], &images[1], 4}, my = {&images[2], &images[3], 4};
+    assert_int_equal(mcv_compare_difference(&mx, &my, &difference, &error), MCV_OK);
+    expect_near(difference.pixels[0], 6, 0x1p-22, "the difference"); /* four roundings to float */
+    assert_true(difference.pixels[1] == 0 && difference.pixels[2] == -INFINITY && isnan(difference.pixels[3]));
+    mcv_image_free(&difference);
+
+    float x2[] = {3, 5}, ex2[] = {0.3F, 0.3F}, y2[] = {1, 4}, ey2[] = {0.4F, 0.4F};
+    mcv_image two[] = {{1, 1, 2, x2}, {1, 1, 2, ex2}, {1, 1, 2, y2}, {1, 1, 2, ey2}};
+    const mcv_measured mx2 = {&two[0], &two[1], 4}, my2 = {&two[2], &two[3], 4};
+    assert_int_equal(mcv_compare_difference(&mx2, &my2, &difference, &error), MCV_OK);
+    expect_near(difference.pixels[0], 3, 0x1p-22, "the difference of two channels");
+    mcv_image_free(&difference);
+    assert_int_equal(mcv_compare_difference(&mx, &my2, &difference, &error), MCV_BAD_INPUT);
+
+    /* Its colours: blue and red ends, white in the middle. */
+    assert_int_equal(mcv_colormap_rgb(MCV_COLORMAP_DIVERGING, 0.5), 0xffffff);
+    assert_int_equal(mcv_colormap_rgb(MCV_COLORMAP_DIVERGING, -1), 0x1e4ba5);
+    assert_int_equal(mcv_colormap_rgb(MCV_COLORMAP_DIVERGING, 2), 0xaf1928);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_incomplete_beta),
@@ -307,6 +335,7 @@ int main(void) {
         cmocka_unit_test(test_pictures_without_noise),
         cmocka_unit_test(test_images_with_errors),
         cmocka_unit_test(test_what_cannot_be_compared),
+        cmocka_unit_test(test_difference_in_standard_errors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,10 +11,10 @@
  * about their mean, so that the slope is uncertain by 0.07/√(42 ln²4) = 0.008: the 0.05 that is asked for are six standard errors.
  */
 static void test_slopes(void **state) {
-    mcv_scene *scene;
-    mcv_film truth;
+    mcv_scene *scene = NULL;
+    mcv_film truth = {0};
     mcv_render_stats stats;
-    convergence_point random[CONVERGENCE_STEPS], sobol[CONVERGENCE_STEPS];
+    convergence_point random[CONVERGENCE_STEPS] = {{0}}, sobol[CONVERGENCE_STEPS] = {{0}};
     (void)state;
     BUILD(load_small("part-backlight.gltf", &scene, &builder_error));
     BUILD(render_truth(scene, &truth, &stats, &builder_error));

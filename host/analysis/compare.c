@@ -318,15 +318,36 @@ static bool differ_in_finiteness(const mcv_image *x, const mcv_image *y, mcv_com
     return false;
 }
 
-mcv_result mcv_compare_images(const mcv_measured *x, const mcv_measured *y, mcv_comparison *comparison, mcv_error *error) {
-    *comparison = (mcv_comparison){0};
+static mcv_result check_sizes(const mcv_measured *x, const mcv_measured *y, mcv_error *error) {
     const mcv_image *const others[] = {x->error, y->mean, y->error};
     for (int i = 0; i < 3; ++i) {
         if (same_size(x->mean, others[i])) continue;
         return sizes_differ(x->mean->width, x->mean->height, x->mean->channels, others[i]->width, others[i]->height, others[i]->channels,
                             error);
     }
+    return MCV_OK;
+}
+
+mcv_result mcv_compare_images(const mcv_measured *x, const mcv_measured *y, mcv_comparison *comparison, mcv_error *error) {
+    *comparison = (mcv_comparison){0};
+    MCV_TRY(check_sizes(x, y, error));
     if (differ_in_finiteness(x->mean, y->mean, comparison)) return MCV_OK;
     side sx = {.measured = x, .replicates = x->replicates}, sy = {.measured = y, .replicates = y->replicates};
     return compare(&sx, &sy, x->mean->width, x->mean->height, x->mean->channels, comparison, error);
+}
+
+mcv_result mcv_compare_difference(const mcv_measured *x, const mcv_measured *y, mcv_image *difference, mcv_error *error) {
+    MCV_TRY(check_sizes(x, y, error));
+    MCV_TRY(mcv_image_new(difference, x->mean->width, x->mean->height, 1, error));
+    const size_t plane = (size_t)difference->width * difference->height;
+    for (size_t i = 0; i < plane; ++i) {
+        double value = 0, error_x = 0, error_y = 0;
+        for (size_t at = i; at < plane * x->mean->channels; at += plane) {
+            value += (double)x->mean->pixels[at] - (double)y->mean->pixels[at];
+            error_x += x->error->pixels[at];
+            error_y += y->error->pixels[at];
+        }
+        difference->pixels[i] = value == 0 ? 0 : (float)(value / hypot(error_x, error_y));
+    }
+    return MCV_OK;
 }

@@ -58,4 +58,10 @@ typedef struct mcv_measured {
  */
 mcv_result mcv_compare_images(const mcv_measured *x, const mcv_measured *y, mcv_comparison *comparison, mcv_error *error);
 
+/*
+ * The difference x - y of each pixel in units of its standard error, channels summed up; one plane, made here. Infinite where a difference
+ * has no error, 0 where neither is, NaN where a value is none. For looking at: with few replicates large values are not rare.
+ */
+mcv_result mcv_compare_difference(const mcv_measured *x, const mcv_measured *y, mcv_image *difference, mcv_error *error);
+
 #endif

@@ -5,6 +5,7 @@
 #include "cli/picture.h"
 #include "cli/report.h"
 #include "output/exr.h"
+#include "output/figure.h"
 #include "output/file.h"
 
 #include <math.h>
@@ -125,6 +126,24 @@ static mcv_result report_comparison(const mcv_command *command, const render *a,
     return mcv_report_end(&report, error);
 }
 
+static const char *file_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+/* Beyond 5 standard errors all differences look alike. */
+static mcv_result draw_difference(const char *path, const render *a, const render *b, bool different, mcv_error *error) {
+    const mcv_color_scale scale = {.map = MCV_COLORMAP_DIVERGING, .low = -5, .high = 5};
+    mcv_image difference;
+    char title[256];
+    MCV_TRY(mcv_compare_difference(&a->measured, &b->measured, &difference, error));
+    snprintf(title, sizeof title, "%.100s - %.100s: %s", file_name(a->path), file_name(b->path),
+             different ? "different" : "no difference beyond the noise");
+    const mcv_result result = mcv_figure_write(path, &difference, title, "difference in standard errors", &scale, error);
+    mcv_image_free(&difference);
+    return result;
+}
+
 static mcv_result compare(const mcv_command *command, const render *a, const render *b, mcv_error *error) {
     const char *quantities[] = {text_attribute(&a->exr, "mcvisi:quantity"), text_attribute(&b->exr, "mcvisi:quantity")};
     if (strcmp(quantities[0], quantities[1]) != 0)
@@ -134,6 +153,7 @@ static mcv_result compare(const mcv_command *command, const render *a, const ren
     const bool ranks = a->film.samples > 0 && b->film.samples > 0;
     MCV_TRY(ranks ? mcv_compare_films(&a->film, &b->film, &comparison, error)
                   : mcv_compare_images(&a->measured, &b->measured, &comparison, error));
+    if (command->difference) MCV_TRY(draw_difference(command->difference, a, b, comparison.different, error));
     warn_of_seeds(a, b);
     MCV_TRY(report_comparison(command, a, b, ranks, &comparison, error));
     return comparison.different ? MCV_FAILED : MCV_OK;

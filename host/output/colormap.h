@@ -5,8 +5,11 @@
 
 #include <stdint.h>
 
-/* Grey from black to white, and viridis (S. van der Walt, N. Smith, 2015, CC0), as bright as the value is large. */
-typedef enum mcv_colormap { MCV_COLORMAP_GREY, MCV_COLORMAP_VIRIDIS } mcv_colormap;
+/*
+ * Grey from black to white, and viridis (S. van der Walt, N. Smith, 2015, CC0), as bright as the value is large. Diverging: blue, white in
+ * the middle, red; for signed values.
+ */
+typedef enum mcv_colormap { MCV_COLORMAP_GREY, MCV_COLORMAP_VIRIDIS, MCV_COLORMAP_DIVERGING } mcv_colormap;
 
 /*
  * The sRGB colour of a position from 0 to 1, clipped to them, as 0xRRGGBB. Linear in the encoded values between control colours:

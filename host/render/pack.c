@@ -339,8 +339,12 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
         if (from->type == MCV_EMITTER_ENVIRONMENT) continue;
         const uint32_t triangles = scene->meshes[scene->instances[from->instance].mesh].triangle_count;
         mcv_device_emitter *to = &packed->emitters[count];
-        *to = (mcv_device_emitter){
-            .type = from->type, .instance = from->instance, .texture = from->texture, .cdf = (uint32_t)next, .triangle_count = triangles};
+        *to = (mcv_device_emitter){.type = from->type,
+                                   .instance = from->instance,
+                                   .texture = from->texture,
+                                   .cdf = (uint32_t)next,
+                                   .triangle_count = triangles,
+                                   .area = (float)from->area};
         for (int k = 0; k < 3; ++k) to->radiance[k] = (float)from->radiance[k];
         for (uint32_t t = 0; t < triangles; ++t) areas[t] = triangle_area(scene, from->instance, t);
         write_cdf(cdf + next, triangles, areas);
