@@ -68,6 +68,22 @@ static void test_glass_furnace(void **state) {
     mcv_scene_free(scene);
 }
 
+/* A sensor inside glass sees n² L: all of a uniform surrounding, whichever way a path takes out of the body. */
+static void test_sensor_in_glass(void **state) {
+    mcv_scene *scene = mcv_scene_new("sensor in glass");
+    (void)state;
+    add_environment(scene, 1);
+    add_sphere(scene, 0.5, 24, add_glass(scene, 1.5, 0, 0), mcv_transform_identity());
+    add_sphere(scene, 0.2, 16, add_glass(scene, 2, 0, 1), mcv_transform_identity());
+    add_pinhole(scene, 16, 1.5, looking_down_z(0.05, 0.02, 0.03));
+    const mean_value m = render_mean(scene, 4, 64, 1000);
+    print_message("sensor in glass: mean - 4 = %.3g, lost %.3g\n", m.mean - 4, last_stats.lost_energy);
+    /* As above, times n² = 4 of the inner body. */
+    assert_true(fabs(m.mean / 4 + last_stats.lost_energy - 1) <= 1e-6);
+    assert_int_equal(last_stats.unmatched, 0);
+    mcv_scene_free(scene);
+}
+
 /* T19: a closed diffuse box that emits: L = Le/(1 - ρ). */
 static void test_diffuse_furnace(void **state) {
     mcv_scene *scene = mcv_scene_new("closed box");
@@ -177,6 +193,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_environment_alone_is_exact),
         cmocka_unit_test(test_glass_furnace),
+        cmocka_unit_test(test_sensor_in_glass),
         cmocka_unit_test(test_diffuse_furnace),
         cmocka_unit_test(test_same_bits),
     };
