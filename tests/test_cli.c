@@ -375,6 +375,14 @@ static void test_several_sensors(void **state) {
     run_well("render two.gltf --spp 4 --sensor a/b -o only.exr");
     expect_png("only.png", 24, 16);
     assert_int_equal(count_files(), 7);
+
+    /* Both names make one file's: one picture would replace the other. */
+    char *name = strstr(text, "left");
+    assert_non_null(name);
+    memcpy(name, "a_b\",", 5);
+    memmove(name + 5, name + 6, strlen(name + 6) + 1);
+    write_text("same.gltf", text);
+    EXPECT_FAILURE("render same.gltf --spp 4", 3, "same-a_b.exr", "a_b", "a/b", "--sensor");
 }
 
 static void test_json(void **state) {

@@ -68,6 +68,22 @@ static void test_glass_furnace(void **state) {
     mcv_scene_free(scene);
 }
 
+/* A sensor inside glass sees n² L: all of a uniform surrounding, whichever way a path takes out of the body. */
+static void test_sensor_in_glass(void **state) {
+    mcv_scene *scene = mcv_scene_new("sensor in glass");
+    (void)state;
+    add_environment(scene, 1);
+    add_sphere(scene, 0.5, 24, add_glass(scene, 1.5, 0, 0), mcv_transform_identity());
+    add_sphere(scene, 0.2, 16, add_glass(scene, 2, 0, 1), mcv_transform_identity());
+    add_pinhole(scene, 16, 1.5, looking_down_z(0.05, 0.02, 0.03));
+    const mean_value m = render_mean(scene, 4, 64, 1000);
+    print_message("sensor in glass: mean - 4 = %.3g, lost %.3g\n", m.mean - 4, last_stats.lost_energy);
+    /* As above, times n² = 4 of the inner body. */
+    assert_true(fabs(m.mean / 4 + last_stats.lost_energy - 1) <= 1e-6);
+    assert_int_equal(last_stats.unmatched, 0);
+    mcv_scene_free(scene);
+}
+
 /* T19: a closed diffuse box that emits: L = Le/(1 - ρ). */
 static void test_diffuse_furnace(void **state) {
     mcv_scene *scene = mcv_scene_new("closed box");
@@ -173,12 +189,57 @@ static void test_same_bits(void **state) {
     mcv_scene_free(scene);
 }
 
+/* A path ends by itself long before it meets a million surfaces: the limit must not cost the launches of as many stages. */
+static void test_high_depth_limit_is_cheap(void **state) {
+    mcv_scene *scene = mixed_scene();
+    mcv_film films[2];
+    (void)state;
+    for (int i = 0; i < 2; ++i) {
+        mcv_render_options options = mcv_render_defaults();
+        options.schedule = i ? MCV_SCHEDULE_STREAM : MCV_SCHEDULE_TILE;
+        options.last = 1;
+        options.depth = 1000000;
+        BUILD(mcv_render(scene, 0, &options, &films[i], &last_stats, &builder_error));
+    }
+    expect_equal_bits(&films[0], &films[1], "schedule");
+    assert_int_equal(last_stats.depth_cut, 0);
+    /* One pass of some 10^2 launches; 3 x 10^6 of them take half a minute at the least. */
+    print_message("depth limit 10^6: %.2f s\n", last_stats.seconds_render);
+    assert_true(last_stats.seconds_render < 10);
+    mcv_film_free(&films[0]);
+    mcv_film_free(&films[1]);
+    mcv_scene_free(scene);
+}
+
+/* What the options promise to refuse, with no image made. */
+static void test_sample_ranges_are_checked(void **state) {
+    static const uint64_t ranges[][2] = {{4, 0}, {4, 4}, {8, 4}, {0, 3}, {2, 6}, {0, 1ull << 32}};
+    mcv_scene *scene = mcv_scene_new("ranges");
+    (void)state;
+    add_environment(scene, 1);
+    add_pinhole(scene, 2, 1, looking_down_z(0, 0, 0));
+    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; ++i) {
+        mcv_render_options options = mcv_render_defaults();
+        mcv_film film;
+        options.first = ranges[i][0];
+        options.last = ranges[i][1];
+        options.error = 0.5;
+        const mcv_result result = mcv_render(scene, 0, &options, &film, &last_stats, &builder_error);
+        if (result != MCV_USAGE || film.sums)
+            fail_msg("samples %llu:%llu: result %d", (unsigned long long)ranges[i][0], (unsigned long long)ranges[i][1], result);
+    }
+    mcv_scene_free(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_environment_alone_is_exact),
         cmocka_unit_test(test_glass_furnace),
+        cmocka_unit_test(test_sensor_in_glass),
         cmocka_unit_test(test_diffuse_furnace),
         cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_high_depth_limit_is_cheap),
+        cmocka_unit_test(test_sample_ranges_are_checked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -111,11 +111,26 @@ static mcv_result render_and_print(const mcv_command *command, const mcv_scene *
 
 /* --- all sensors ------------------------------------------------------------------------------------------------ */
 
+/* All pictures are planned before anything is rendered: hours later it is too late to say that a folder is missing. */
+static mcv_result check_pictures(const mcv_command *command, const mcv_scene *scene, uint32_t first, uint32_t count, mcv_error *error) {
+    mcv_picture picture, earlier;
+    for (uint32_t i = first; i < first + count; ++i) {
+        MCV_TRY(mcv_picture_plan(command, scene, i, count > 1, &picture, error));
+        for (uint32_t j = first; j < i; ++j) {
+            MCV_TRY(mcv_picture_plan(command, scene, j, count > 1, &earlier, error));
+            if (strcmp(picture.exr, earlier.exr) == 0)
+                return mcv_fail(error, MCV_BAD_INPUT,
+                                "%s would hold the images of both sensors %s and %s: rename one, or choose by --sensor", picture.exr,
+                                scene->sensors[j].name, scene->sensors[i].name);
+        }
+    }
+    return MCV_OK;
+}
+
 static mcv_result render_scene(const mcv_command *command, mcv_scene *scene, const mcv_render_options *options, double seconds_load,
                                mcv_error *error) {
     uint32_t first = 0;
     uint32_t count = scene->sensor_count;
-    mcv_picture planned;
     if (count == 0)
         return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor: give a node a glTF camera or an MCVISI_sensors sensor",
                         scene->path);
@@ -123,12 +138,9 @@ static mcv_result render_scene(const mcv_command *command, mcv_scene *scene, con
         MCV_TRY(mcv_sensor_find(scene, command->sensor, &first, error));
         count = 1;
     }
-    /* All pictures are planned before anything is rendered: hours later it is too late to say that a folder is missing. */
-    for (uint32_t i = first; i < first + count; ++i) {
-        if (command->resolution[0])
-            MCV_TRY(mcv_sensor_resize(scene->sensors + i, command->resolution[0], command->resolution[1], scene, error));
-        MCV_TRY(mcv_picture_plan(command, scene, i, count > 1, &planned, error));
-    }
+    for (uint32_t i = first; command->resolution[0] && i < first + count; ++i)
+        MCV_TRY(mcv_sensor_resize(scene->sensors + i, command->resolution[0], command->resolution[1], scene, error));
+    MCV_TRY(check_pictures(command, scene, first, count, error));
     for (uint32_t i = first; i < first + count; ++i) MCV_TRY(render_and_print(command, scene, options, i, count > 1, seconds_load, error));
     return MCV_OK;
 }

@@ -65,7 +65,7 @@ static mcv_result check_options(const mcv_scene *scene, uint32_t sensor, const m
     if (options->last == 0 && !(options->error > 0) && !(options->seconds > 0)) {
         return mcv_fail(error, MCV_USAGE, "nothing says when to stop: give samples, an error or a time");
     }
-    if (options->last > 0x80000000u || (options->last > 0 && options->first >= options->last)) {
+    if (options->last > 0x80000000u || ((options->first > 0 || options->last > 0) && options->first >= options->last)) {
         return mcv_fail(error, MCV_USAGE, "the sample range %llu:%llu is empty or ends beyond 2^31", (unsigned long long)options->first,
                         (unsigned long long)options->last);
     }

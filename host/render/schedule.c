@@ -9,6 +9,7 @@ enum {
     MAX_SLICES = 2048, /* enough for both an even load and a bounded state */
     MAX_STREAM_PATHS = 1 << 20,
     STREAM_GROUP = 64, /* as in kernels/stream.cl */
+    BLIND_DEPTHS = 64, /* launched before the host looks whether any path is left */
     STREAM_ARGUMENTS = MCV_SCENE_ARGUMENTS + 7,
 };
 
@@ -108,7 +109,10 @@ static mcv_result zero(mcv_cl *cl, cl_mem buffer, size_t bytes, mcv_error *error
     return MCV_OK;
 }
 
-/* All launches of a pass without waiting for any: a stage whose queue is empty ends at once. */
+/*
+ * All launches of a pass without waiting for any: a stage whose queue is empty ends at once. Only a depth limit beyond the
+ * usual is not launched blindly to its end: a million depths are millions of launches.
+ */
 static mcv_result run_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
     cl_uint depth = 0;
     const uint32_t block = frame->log2_samples < 6 ? 1u << frame->log2_samples : MCV_BLOCK;
@@ -133,6 +137,10 @@ static mcv_result run_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render
             MCV_RUN(intersect_shadow, frame->path_count);
         }
         MCV_RUN(shade_surfaces, frame->path_count);
+        if (depth % BLIND_DEPTHS < BLIND_DEPTHS - 1) continue;
+        cl_uint left;
+        MCV_TRY(mcv_cl_read(s->cl, s->lengths, sizeof left * (depth + 1), sizeof left, &left, error));
+        if (left == 0) break;
     }
     MCV_RUN(accumulate_film, frame->path_count / block);
     MCV_RUN(count_rays, 1);
