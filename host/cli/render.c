@@ -60,6 +60,7 @@ static mcv_result render_options(const mcv_command *command, mcv_render_options 
 static mcv_result render_sensor(const mcv_command *command, const mcv_scene *scene, mcv_render_options options, uint32_t sensor,
                                 const mcv_picture *picture, mcv_film *film, mcv_summary *summary, mcv_error *error) {
     const bool reference = command->device && strcmp(command->device, "reference") == 0;
+    if (reference) options.sampler = MCV_SAMPLER_RANDOM; /* it has no other, and the header says so */
     mcv_progress_line line = mcv_progress_stderr(summary->sensor, &mcv_interrupt);
     options.progress = mcv_progress_report;
     options.user = &line;
