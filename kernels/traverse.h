@@ -16,7 +16,8 @@
  * 2 u moves the point on the triangle by 4 u times its diameter, at most 8 u R; the distance along the ray's main axis
  * rounds by 6 u R. The computed hit so lies within 19 u R of the triangle per coordinate, and the slabs themselves round
  * by 5 u R. Boxes that are widened by 32 u R therefore contain, at the computed t, every hit the triangle test can report:
- * traversal and a loop over all triangles find the same hit, to the last bit, always.
+ * traversal and a loop over all triangles find the same hit, to the last bit, always. The same holds where several leaves share a
+ * triangle: the point of the triangle that the hit is near to lies in the box of one of them.
  */
 #ifndef MCVISI_TRAVERSE_H
 #define MCVISI_TRAVERSE_H

@@ -19,8 +19,8 @@ typedef struct mcv_bvh {
  * not depend on it. No triangles is a valid scene that no ray hits; triangles without area take part and are never hit.
  * Fails without memory or with more than 2^28 triangles; then *bvh is empty. Free with mcv_bvh_free.
  *
- * Surface area heuristic over binned centroids (Wald, On fast Construction of SAH-based Bounding Volume Hierarchies,
- * 2007), counting blocks of four triangles; a node opens its child of largest area until it has eight.
+ * Surface area heuristic with spatial splits (host/accel/split.h), counting blocks of four triangles; a node opens its child of largest
+ * area until it has eight. A triangle may lie in several leaves: at most 1.3 references per triangle.
  */
 mcv_result mcv_bvh_build(const float *positions, const uint32_t *indices, uint32_t triangle_count, uint32_t threads, mcv_bvh *bvh,
                          mcv_error *error);

@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Splitting the content of a node in two: by the surface area heuristic over binned centroids (Wald, On fast Construction of
+ * SAH-based Bounding Volume Hierarchies, 2007), or through space, which puts a triangle that lies on both sides into
+ * both (Stich, Friedrich and Dietrich, Spatial Splits in Bounding Volume Hierarchies, HPG 2009).
+ */
+#ifndef MCVISI_HOST_ACCEL_SPLIT_H
+#define MCVISI_HOST_ACCEL_SPLIT_H
+
+#include "mcvisi/accel.h"
+#include "mcvisi/mcvisi.h"
+
+/* Four lanes, of which the last is unused, so that the compiler can use one vector instruction. */
+typedef struct mcv_box {
+    float lower[4], upper[4];
+} mcv_box;
+
+/* A triangle, or the part of one that lies in the box. */
+typedef struct mcv_reference {
+    float lower[3];
+    uint32_t triangle;
+    float upper[3];
+    uint32_t unused;
+} mcv_reference;
+
+/*
+ * References begin … end - 1, their box and the box of their doubled centroids (lower + upper). The places up to `limit`
+ * are free for what spatial splits add.
+ */
+typedef struct mcv_record {
+    uint32_t begin, end, limit;
+    mcv_box bounds, centroids;
+} mcv_record;
+
+/* What all splits of a structure share. */
+typedef struct mcv_splitter {
+    const float *positions;
+    const uint32_t *indices;
+    mcv_reference *references;
+    float root_area; /* as mcv_box_area */
+} mcv_splitter;
+
+mcv_box mcv_box_empty(void);
+mcv_record mcv_record_empty(uint32_t begin, uint32_t end, uint32_t limit);
+
+static inline uint32_t mcv_record_count(const mcv_record *r) { return r->end - r->begin; }
+
+static inline void mcv_box_add(mcv_box *a, const mcv_box *b) {
+    for (int i = 0; i < 4; ++i) a->lower[i] = b->lower[i] < a->lower[i] ? b->lower[i] : a->lower[i];
+    for (int i = 0; i < 4; ++i) a->upper[i] = b->upper[i] > a->upper[i] ? b->upper[i] : a->upper[i];
+}
+
+/* Half the surface; 0 for an empty box. */
+static inline float mcv_box_area(const mcv_box *b) {
+    const float x = b->upper[0] - b->lower[0], y = b->upper[1] - b->lower[1], z = b->upper[2] - b->lower[2];
+    return x < 0.0f || y < 0.0f || z < 0.0f ? 0.0f : x * y + y * z + z * x;
+}
+
+static inline void mcv_record_add(mcv_record *r, const mcv_reference *added) {
+    mcv_box bounds, centroid;
+    for (int i = 0; i < 3; ++i) {
+        bounds.lower[i] = added->lower[i];
+        bounds.upper[i] = added->upper[i];
+        centroid.lower[i] = centroid.upper[i] = added->lower[i] + added->upper[i];
+    }
+    bounds.lower[3] = bounds.upper[3] = centroid.lower[3] = centroid.upper[3] = 0.0f;
+    mcv_box_add(&r->bounds, &bounds);
+    mcv_box_add(&r->centroids, &centroid);
+}
+
+/*
+ * Splits by whichever heuristic is cheaper or, if none finds anything or must be asked (halve), into halves. Both sides get
+ * at least one reference.
+ */
+void mcv_record_split(const mcv_splitter *s, const mcv_record *r, bool halve, mcv_record *left, mcv_record *right);
+
+#endif
