@@ -97,7 +97,7 @@ static int mcv_sample_emitter(mcv_world world, mcv_slot slot, mcv_identity id, u
     const mcv_vec3 direction = mcv_normalize(shadow.direction);
     const float cosine = mcv_dot(direction, meeting.normal);
     if (!(cosine > 0.0f) || !(mcv_dot(direction, meeting.face) > 0.0f) || !(mcv_brightest(shadow.light) > 0.0f)) return 0;
-    const float own = cosine * (1.0f / MCV_PI);
+    const float own = mcv_diffuse_density(cosine);
     mcv_color light;
     MCV_LOAD_COLOR(slot, throughput, light);
     light = mcv_tint(mcv_tint(light, mcv_material_value(world, meeting.surface, material)), shadow.light);

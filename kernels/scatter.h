@@ -88,7 +88,6 @@ static mcv_scattering mcv_scatter_dielectric(mcv_world world, mcv_meeting meetin
 #endif
 
 #if MCV_WITH_SHEET
-/* Both interfaces at once, all their reflections summed: R' = 2 R/(1 + R). */
 static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_meeting meeting, mcv_device_material material, mcv_color transmittance,
                                         uint media, float xi) {
     mcv_scattering scattering;
@@ -107,8 +106,7 @@ static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_meeting meeting, mc
 #endif
     const float c1 = -mcv_dot(meeting.direction, meeting.normal);
     const float cosine = c1 < 1.0f ? c1 : 1.0f;
-    const float once = mcv_fresnel(into, cosine, mcv_refracted_cosine(into, cosine));
-    const float reflectance = 2.0f * once / (1.0f + once);
+    const float reflectance = mcv_sheet_reflectance(into, cosine);
     const int reflected = xi < reflectance;
     scattering.chance = reflected ? reflectance : 1.0f - reflectance;
     scattering.direction = reflected ? mcv_reflected(meeting) : meeting.direction;
@@ -123,9 +121,7 @@ static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_meeting meeting, mc
 #if MCV_WITH_DIFFUSE
 static mcv_scattering mcv_scatter_diffuse(mcv_meeting meeting, mcv_color reflectance, uint media, mcv_pair pair) {
     mcv_scattering scattering;
-    const mcv_vec3 about = mcv_sample_cosine(pair.x, pair.y);
-    scattering.direction = mcv_normalize(mcv_from_frame(about, meeting.normal));
-    scattering.density = about.z * (1.0f / MCV_PI);
+    scattering.direction = mcv_diffuse_sample(meeting.normal, pair.x, pair.y, &scattering.density);
     scattering.chance = 1.0f;
     scattering.factor = mcv_dot(scattering.direction, meeting.face) > 0.0f ? reflectance : mcv_grey(0.0f);
     scattering.media = media;

@@ -12,6 +12,7 @@
 #include "mcvisi/vector.h"
 #include "mcvisi/sensors/sensor.h"
 #include "mcvisi/emitters/emitter.h"
+#include "mcvisi/materials/material.h"
 #include "traverse.h"
 
 #define MCV_JOIN_3(a, b, c) a##b##c
@@ -32,8 +33,14 @@
 #if MCV_WITH_AREA
 #include "mcvisi/emitters/area.h"
 #endif
-#if MCV_WITH_DIELECTRIC || MCV_WITH_SHEET || MCV_WITH_MIRROR
+#if MCV_WITH_DIFFUSE
+#include "mcvisi/materials/diffuse.h"
+#endif
+#if MCV_WITH_DIELECTRIC
 #include "mcvisi/materials/dielectric.h"
+#endif
+#if MCV_WITH_SHEET
+#include "mcvisi/materials/sheet.h"
 #endif
 
 /* MCV_SENSOR is the sensor's name: its struct and its sample function follow. */

@@ -34,8 +34,11 @@ static const struct {
     {"emitters/parallel.h", BIT(PARALLEL)},
     {"emitters/area.h", BIT(AREA)},
     {"emitters/environment.h", 0},
-    {"materials/dielectric.h", BIT(DIELECTRIC) | BIT(SHEET) | BIT(MIRROR)},
-    {"materials/material.h", 0},
+    {"materials/diffuse.h", BIT(DIFFUSE)},
+    {"materials/dielectric.h", BIT(DIELECTRIC)},
+    {"materials/sheet.h", BIT(SHEET)},
+    {"materials/mirror.h", 0},
+    {"materials/absorber.h", 0},
 };
 
 static const char *const sensor_headers[] = {
@@ -45,7 +48,7 @@ static const char *const sensor_headers[] = {
 };
 
 /* What all elements of a kind share. */
-static const char *const shared_headers[] = {"sensors/sensor.h", "emitters/emitter.h"};
+static const char *const shared_headers[] = {"sensors/sensor.h", "emitters/emitter.h", "materials/material.h"};
 
 static void run(const char *format, const char *a) {
     char command[512];

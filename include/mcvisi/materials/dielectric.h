@@ -1,47 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Smooth interface between media of refractive indices n1 (where the path is) and n2: Snell and unpolarised Fresnel, free of
- * cancellation. The host gives η = n1/n2 and δ = (n2 - n1)(n2 + n1)/n2² from double, so that
+ * Dielectric (type "dielectric"): a smooth body of glass, fluid or gas, bounded by a closed mesh with outward normals. Light is
+ * refracted or reflected at its surface (mcvisi/interface.h), one of the two chosen with Fresnel's probability, and absorbed on
+ * its way: exp(-σ d). Where bodies overlap the one with the larger priority fills the space: an air bubble in glass is a dielectric of
+ * ior 1 and priority 1 inside one of priority 0. A boundary with the same medium on both sides is passed straight.
  *
- *     c2² = c1² + s1² δ                         (δ may be negative; c2² <= 0: total reflection)
- *     r_s = -δ/(η c1 + c2)²                      R_s = r_s²
- *     R_p = R_s ((c1 c2 - s1 s2)/(c1 c2 + s1 s2))²       s1 s2 = η s1²
- *     t   = η d - δ/(η c1 + c2) n                (because η c1 - c2 = -δ/(η c1 + c2))
- *
- * keep their digits for tiny index steps and grazing light. n1 = n2 has δ = 0: exactly transparent.
- * Unpolarised light at each interface: a slab's transmittance deviates from the polarised truth (1.4 % at 60°, n = 1.5).
+ *     {"type": "dielectric", "ior": 1.5168, "absorption": 2.0, "priority": 0}
  */
 #ifndef MCVISI_MATERIALS_DIELECTRIC_H
 #define MCVISI_MATERIALS_DIELECTRIC_H
 
-#include "mcvisi/tables.h"
-#include "mcvisi/vector.h"
+#include "mcvisi/materials/material.h"
 
-/* c2, the cosine behind the interface, or 0 at total reflection. c1 in [0, 1]. */
-MCV_FUNCTION float mcv_refracted_cosine(mcv_device_interface between, float c1) {
-    const float squared = mcv_fma(c1, c1, mcv_fma(-c1, c1, 1.0f) * between.delta);
-    return squared > 0.0f ? mcv_sqrt(squared) : 0.0f;
-}
-
-/* The share R of unpolarised light that is reflected; c2 from mcv_refracted_cosine. */
-MCV_FUNCTION float mcv_fresnel(mcv_device_interface between, float c1, float c2) {
-    const float sum = mcv_fma(between.eta, c1, c2);
-    if (!(c2 > 0.0f)) return 1.0f;
-    const float r_s = between.delta / (sum * sum);
-    const float s1_s2 = between.eta * mcv_fma(-c1, c1, 1.0f);
-    const float ratio = mcv_fma(c1, c2, -s1_s2) / mcv_fma(c1, c2, s1_s2);
-    const float reflected = 0.5f * r_s * r_s * mcv_fma(ratio, ratio, 1.0f);
-    return reflected < 1.0f ? reflected : 1.0f;
-}
-
-/* The unit vector t; d is unit, n unit on the side d comes from, c1 = -d·n, c2 > 0. */
-MCV_FUNCTION mcv_vec3 mcv_refract(mcv_device_interface between, mcv_vec3 d, mcv_vec3 n, float c1, float c2) {
-    const float bend = -between.delta / mcv_fma(between.eta, c1, c2);
-    return mcv_normalize(mcv_along(mcv_scale(d, between.eta), bend, n));
-}
-
-/* d reflected at the plane of the unit normal n. */
-MCV_FUNCTION mcv_vec3 mcv_reflect(mcv_vec3 d, mcv_vec3 n) { return mcv_normalize(mcv_along(d, -2.0f * mcv_dot(d, n), n)); }
+#define MCV_DIELECTRIC_PARAMS(X) \
+    X(number, ior, 1.5, 1, 10, "refractive index n") \
+    X(spectrum, absorption, 0, 0, 1e30, "absorption coefficient σ: transmittance exp(-σ d) over a path d [1/m]") \
+    X(number, priority, 0, -1000, 1000, "where bodies overlap the larger one fills the space (an integer)")
 
 /* exp(-x) for x >= 0, by 2^(-x log2 e) with a polynomial: relative error below 3e-7. */
 MCV_FUNCTION float mcv_exp_minus(float x) {
