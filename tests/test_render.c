@@ -189,6 +189,30 @@ static void test_same_bits(void **state) {
     mcv_scene_free(scene);
 }
 
+static bool stop_at_once(void *user, double fraction, double seconds, double error) {
+    (void)user, (void)fraction, (void)seconds, (void)error;
+    return false;
+}
+
+/* A stopped render of a later range holds its first samples, with the bits that they have when rendered alone. */
+static void test_later_range_can_be_stopped(void **state) {
+    mcv_scene *scene = mixed_scene();
+    mcv_render_options options = mcv_render_defaults();
+    mcv_film stopped;
+    (void)state;
+    options.first = 1 << 14;
+    options.last = 1 << 15;
+    options.progress = stop_at_once;
+    BUILD(mcv_render(scene, 0, &options, &stopped, &last_stats, &builder_error));
+    assert_true(last_stats.interrupted);
+    if (stopped.samples >= 64) fail_msg("%llu samples were rendered after the stop", (unsigned long long)stopped.samples);
+    mcv_film alone = render_film(scene, MCV_SCHEDULE_TILE, 0, MCV_SAMPLER_SOBOL, options.first, options.first + stopped.samples);
+    expect_equal_bits(&alone, &stopped, "stopped range");
+    mcv_film_free(&alone);
+    mcv_film_free(&stopped);
+    mcv_scene_free(scene);
+}
+
 /* A path ends by itself long before it meets a million surfaces: the limit must not cost the launches of as many stages. */
 static void test_high_depth_limit_is_cheap(void **state) {
     mcv_scene *scene = mixed_scene();
@@ -238,6 +262,7 @@ int main(void) {
         cmocka_unit_test(test_sensor_in_glass),
         cmocka_unit_test(test_diffuse_furnace),
         cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_later_range_can_be_stopped),
         cmocka_unit_test(test_high_depth_limit_is_cheap),
         cmocka_unit_test(test_sample_ranges_are_checked),
     };

@@ -67,8 +67,11 @@ static void print_losses(FILE *out, const mcv_render_stats *stats) {
     }
     if (stats->nonfinite > 0) fprintf(out, "  %" PRIu64 " samples were not finite and are left out\n", stats->nonfinite);
     if (stats->unmatched > 0) {
-        fprintf(out, "  %" PRIu64 " paths left a medium that they had not entered: a mesh is open or its faces are turned\n",
-                stats->unmatched);
+        fprintf(
+            out,
+            "  %" PRIu64
+            " paths left a medium that they had not entered: a mesh is open, its faces are turned, or bodies touch without overlapping\n",
+            stats->unmatched);
     }
 }
 

@@ -61,6 +61,18 @@ static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene 
     return MCV_OK;
 }
 
+/* The large arrays, which only the device needs. */
+static void free_vertices(mcv_packed *packed) {
+    float **const arrays[] = {&packed->positions, &packed->normals, &packed->texcoords};
+    uint32_t **const tables[] = {&packed->triangles, &packed->emitter_cdf, &packed->texels};
+    for (size_t i = 0; i < 3; ++i) {
+        free(*arrays[i]);
+        *arrays[i] = NULL;
+        free(*tables[i]);
+        *tables[i] = NULL;
+    }
+}
+
 mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *device, mcv_error *error) {
     mcv_bvh bvh = {0};
     memset(device, 0, sizeof *device);
@@ -71,6 +83,7 @@ mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t th
     device->packed.indices = NULL;
     if (result == MCV_OK) result = fill_buffers(cl, &bvh, device, error);
     mcv_bvh_free(&bvh);
+    free_vertices(&device->packed);
     return result;
 }
 

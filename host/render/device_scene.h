@@ -29,7 +29,7 @@ enum { MCV_SCENE_ARGUMENTS = 0 MCV_SCENE_BUFFERS(MCV_X) };
 #undef MCV_X
 
 typedef struct mcv_device_scene {
-    mcv_packed packed; /* its arrays are freed once they are on the device; features, channels, counts and media stay */
+    mcv_packed packed; /* what is large is freed once it is on the device */
 #define MCV_X(name) cl_mem name;
     MCV_SCENE_BUFFERS(MCV_X)
 #undef MCV_X

@@ -400,9 +400,10 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error
         vertices += scene->meshes[scene->instances[i].mesh].vertex_count;
         packed->boxes[i] = instance_box(scene, &scene->instances[i]);
     }
-    if (vertices > 0x7fffffff) {
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: nodes: %llu vertices after placing all meshes, at most 2^31 - 1 can be rendered",
-                        scene->path, (unsigned long long)vertices);
+    /* The kernels count the coordinates of the vertices in 32 bits. */
+    if (vertices > UINT32_MAX / 3) {
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: nodes: %llu vertices after placing all meshes, at most %u can be rendered", scene->path,
+                        (unsigned long long)vertices, UINT32_MAX / 3);
     }
     packed->features = find_features(scene);
     packed->channels = mcv_scene_channels(scene);

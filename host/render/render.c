@@ -215,8 +215,8 @@ static mcv_result render_rounds(renderer *r) {
     bool stop = false;
     uint64_t next = o->first;
     for (;;) {
-        /* [0, 1), [1, 2), [2, 4) … or the one range that does not begin at 0. */
-        const uint64_t count = o->first > 0 ? o->last - o->first : next > 0 ? next : 1;
+        /* [0, 1), [1, 2), [2, 4) … counted from the range's first sample, a multiple of its length: the same tree. */
+        const uint64_t count = next > o->first ? next - o->first : 1;
         const double round_begun = now();
         MCV_TRY(render_round(r, next, count, error, &stop));
         if (stop) return MCV_OK;

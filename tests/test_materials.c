@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Materials and textures as the device renders them, in three channels, against closed forms at normal incidence. */
+#include "scene_builder.h"
+
+#include "render/render.h"
+
+enum { REPLICATES = 16, SAMPLES = 256, PIXELS = 4 };
+
+/*
+ * Each channel's mean against its value. 16 replicates, Student's t with 15 degrees of freedom: 6.1 standard errors happen with
+ * probability 2e-5. The camera sees 1 mm from 1 m: angles of 7e-4 rad change lengths and reflectances by their square, 5e-7; some 20
+ * roundings to float32 make 1e-6, mcv_exp_minus 3e-7.
+ */
+static void expect(const char *what, const mcv_scene *scene, const double expected[3]) {
+    mcv_render_options options = mcv_render_defaults();
+    mcv_render_stats stats;
+    mcv_film film;
+    options.replicates = REPLICATES;
+    options.last = SAMPLES;
+    BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
+    const size_t pixels = (size_t)film.width * film.height;
+    assert_int_equal(film.channels, 3);
+    assert_int_equal(stats.unmatched, 0);
+    for (uint32_t c = 0; c < 3; ++c) {
+        double means[REPLICATES] = {0};
+        for (uint32_t r = 0; r < REPLICATES; ++r) {
+            for (size_t i = 0; i < pixels; ++i) means[r] += film.sums[(r * 3 + c) * pixels + i];
+            means[r] /= (double)pixels * SAMPLES;
+        }
+        const mcv_estimate m = mcv_estimate_replicates(means, REPLICATES);
+        const double error = sqrt(m.variance);
+        print_message("%s, channel %u: %.7g ± %.2g, expected %.7g\n", what, c, m.mean, error, expected[c]);
+        if (!(error <= 0.01 * expected[c])) fail_msg("%s, channel %u: the standard error %g is above 1 %%", what, c, error);
+        if (!(fabs(m.mean - expected[c]) <= 6.1 * error + 2e-6 * expected[c]))
+            fail_msg("%s, channel %u: %.9g ± %.2g, expected %.9g", what, c, m.mean, error, expected[c]);
+    }
+    mcv_film_free(&film);
+}
+
+/* A camera that looks down from 1 m above the origin onto a lamp of radiance L below it. */
+static mcv_scene *lamp_scene(void) {
+    mcv_scene *scene = mcv_scene_new("lamp");
+    add_pinhole(scene, PIXELS, 1e-3, looking_down_z(0, 0, 1));
+    add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 1, 1, add_absorber(scene), looking_up_z(0, 0, -0.5)), 3, 0);
+    return scene;
+}
+
+/* A slab of n = 1.5, 0.1 m thick: T = (1 - R)² a/(1 - R² a²), a = exp(-σ d), R = 0.04. */
+static void test_absorbing_slab(void **state) {
+    const mcv_material glass = {.as.dielectric = {1.5, {0, 5, 20}, 0}};
+    mcv_scene *scene = lamp_scene();
+    double expected[3];
+    (void)state;
+    add_box(scene, (const double[]){0.3, 0.3, 0.05}, add_material(scene, MCV_MATERIAL_DIELECTRIC, &glass), mcv_transform_identity());
+    for (int c = 0; c < 3; ++c) {
+        /* Halves and tenths round to float32 in the mesh: the box is 0.1 m thick within 2e-8. */
+        const double a = exp(-glass.as.dielectric.absorption[c] * 0.1);
+        expected[c] = 3 * 0.96 * 0.96 * a / (1 - 0.0016 * a * a);
+    }
+    expect("slab", scene, expected);
+    mcv_scene_free(scene);
+}
+
+/* A sheet passes the share 1 - 2 R/(1 + R) = 2 n/(n² + 1), times its transmittance. */
+static void test_sheet(void **state) {
+    const mcv_material pane = {.as.sheet = {1.5, {1, 0.5, 0.25}}};
+    mcv_scene *scene = lamp_scene();
+    double expected[3];
+    (void)state;
+    add_rectangle(scene, 0.5, 0.5, add_material(scene, MCV_MATERIAL_SHEET, &pane), looking_up_z(0, 0, 0));
+    for (int c = 0; c < 3; ++c) expected[c] = 3 * 2 * 1.5 / (1.5 * 1.5 + 1) * pane.as.sheet.transmittance[c];
+    expect("sheet", scene, expected);
+    mcv_scene_free(scene);
+}
+
+/* A mirror at 45° shows the lamp at the side; the one below is hidden. */
+static void test_mirror(void **state) {
+    const mcv_material silver = {.as.mirror = {{0.9, 0.5, 0.125}}};
+    const double s = sqrt(0.5);
+    mcv_scene *scene = lamp_scene();
+    (void)state;
+    add_rectangle(scene, 0.5, 0.5, add_material(scene, MCV_MATERIAL_MIRROR, &silver),
+                  looking((const double[]){0, 0, 0}, (const double[]){s, 0, s}, (const double[]){0, 1, 0}));
+    add_emitter(scene, MCV_EMITTER_AREA,
+                add_rectangle(scene, 0.5, 0.5, add_absorber(scene),
+                              looking((const double[]){1, 0, 0}, (const double[]){-1, 0, 0}, (const double[]){0, 1, 0})),
+                2, 0);
+    expect("mirror", scene, (const double[]){1.8, 1, 0.25});
+    mcv_scene_free(scene);
+}
+
+/*
+ * A lamp with an image of 2 x 2 texels across a square of 1 mm, just what the camera sees. The bilinear image, clamped at its edges, has
+ * the mean of its texels, and so has the nearest one; sRGB 188 decodes to ((188/255 + 0.055)/1.055)^2.4.
+ */
+static void test_texture(void **state) {
+    const double part = pow((188.0 / 255 + 0.055) / 1.055, 2.4);
+    float positions[] = {-5e-4F, -5e-4F, 0, 5e-4F, -5e-4F, 0, 5e-4F, 5e-4F, 0, -5e-4F, 5e-4F, 0};
+    float texcoords[] = {0, 1, 1, 1, 1, 0, 0, 0};
+    uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    uint8_t rgba[] = {255, 0, 0, 255, 0, 188, 0, 255, 0, 0, 255, 255, 255, 188, 0, 255};
+    (void)state;
+    for (int nearest = 0; nearest < 2; ++nearest) {
+        mcv_scene *scene = mcv_scene_new("texture");
+        const mcv_texture texture = {
+            .name = (char *)"image", .width = 2, .height = 2, .wrap_s = 33071, .wrap_t = 33071, .nearest = nearest, .rgba = rgba};
+        BUILD(mcv_scene_add_texture(scene, &texture, &builder_error));
+        add_pinhole(scene, 2, 1e-3, looking_down_z(0, 0, 1));
+        const mcv_mesh mesh = {.vertex_count = 4, .triangle_count = 2, .positions = positions, .texcoords = texcoords, .indices = indices};
+        mcv_emitter emitter = {.name = (char *)"emitter",
+                               .type = MCV_EMITTER_AREA,
+                               .instance = add_instance(scene, &mesh, add_absorber(scene), mcv_transform_identity())};
+        mcv_params_set_defaults(mcv_emitter_table(MCV_EMITTER_AREA), &emitter.as);
+        for (int c = 0; c < 3; ++c) emitter.as.area.radiance[c] = 3;
+        BUILD(mcv_scene_add_emitter(scene, &emitter, &builder_error));
+        expect(nearest ? "nearest texture" : "bilinear texture", scene, (const double[]){3 * 0.5, 3 * 0.5 * part, 3 * 0.25});
+        mcv_scene_free(scene);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_absorbing_slab),
+        cmocka_unit_test(test_sheet),
+        cmocka_unit_test(test_mirror),
+        cmocka_unit_test(test_texture),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
