@@ -398,6 +398,10 @@ static void test_json(void **state) {
     assert_string_equal(json_string_value(json_array_get(json_object_get(root, "features"), 0)), "area");
     assert_true(json_number_value(json_object_get(json_object_get(root, "seconds"), "first_sample")) > 0);
     assert_true(json_is_false(json_object_get(root, "interrupted")));
+    assert_true(json_object_size(json_object_get(root, "stages")) > 0);
+    const char *stage;
+    json_t *seconds;
+    json_object_foreach(json_object_get(root, "stages"), stage, seconds) assert_true(json_number_value(seconds) > 0);
     json_decref(root);
 
     run_well("check s.gltf --json");

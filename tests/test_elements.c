@@ -310,6 +310,7 @@ static void test_cone_samples(void **state) {
         }
         run("sample_cones", MCV_SENSOR_PINHOLE, NULL, 0, cases, 3 * sizeof(float) * CASES, directions, 3 * sizeof(float) * CASES);
         double worst = 0;
+        double worst_z = 0;
         for (size_t i = 0; i < CASES; ++i) {
             double radius;
             double angle;
@@ -318,11 +319,17 @@ static void test_cone_samples(void **state) {
             const double x = sin(theta) * cos(angle) - directions[3 * i];
             const double y = sin(theta) * sin(angle) - directions[3 * i + 1];
             const double z = cos(theta) - directions[3 * i + 2];
-            worst = fmax(worst, fmax(hypot(x, y) / sin(half_angles[h] < 1.57 ? half_angles[h] : M_PI / 2), fabs(z)));
+            worst = fmax(worst, hypot(x, y) / sin(fmin(half_angles[h], M_PI / 2)));
+            worst_z = fmax(worst_z, fabs(z));
         }
-        /* sin(β/2) √ξ: 7 u as a disk point, doubled and multiplied: 12 u of the largest sine; the cosine 1 - 2 s²: 4 x 8 u x s² + u. */
-        print_message("cone of %g rad: worst error %.2f u\n", half_angles[h], worst / u);
-        assert_true(worst <= 20 * u);
+        /*
+         * s = sin(β/2) √ξ errs by 8 u of the largest as a disk point and rounded product; sinθ = 2 s √(1 - s²) by 12 u of the largest sine,
+         * cosθ = 1 - 2 s² by 4 s x 8 u s and its own rounding.
+         */
+        const double s_max = sin(half_angles[h] / 2);
+        print_message("cone of %g rad: sine within %.2f u of its largest, cosine within %.2f u\n", half_angles[h], worst / u, worst_z / u);
+        assert_true(worst <= 12 * u);
+        assert_true(worst_z <= (1 + 32 * s_max * s_max) * u);
     }
     free(cases);
     free(directions);

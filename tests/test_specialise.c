@@ -24,7 +24,8 @@
 
 static char root[64]; /* a copy of the sources of the programs */
 
-static const char *const programs[] = {"tile", "trace"};
+static const char *const programs[] = {"tile", "stream", "trace"};
+enum { PROGRAMS = sizeof programs / sizeof programs[0] };
 
 /* The headers of elements, and which features need them; 0: none does, the device knows nothing of it. */
 static const struct {
@@ -116,15 +117,15 @@ static void fail_at_difference(const char *what, const char *program, const char
 
 static void expect_nothing_unneeded(const char *what, uint32_t features, uint32_t channels, uint32_t sensor) {
     char options[1024];
-    char *full[2];
+    char *full[PROGRAMS];
     mcv_feature_options(features, channels, sensor, MCV_SAMPLER_SOBOL, 256, options, sizeof options);
     restore_sources();
-    for (int p = 0; p < 2; ++p) full[p] = preprocess(programs[p], options);
+    for (int p = 0; p < PROGRAMS; ++p) full[p] = preprocess(programs[p], options);
     for (size_t i = 0; i < sizeof element_headers / sizeof element_headers[0]; ++i)
         if (!(element_headers[i].features & features)) empty_header(element_headers[i].path);
     for (uint32_t s = 0; s < MCV_SENSOR_COUNT; ++s)
         if (s != sensor) empty_header(sensor_headers[s]);
-    for (int p = 0; p < 2; ++p) {
+    for (int p = 0; p < PROGRAMS; ++p) {
         char *spare = preprocess(programs[p], options);
         if (strcmp(full[p], spare) != 0) fail_at_difference(what, programs[p], full[p], spare);
         free(spare);

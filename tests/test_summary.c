@@ -34,14 +34,14 @@ static mcv_summary example(void) {
                   .lost_energy = 0.0125,
                   .depth_cut = 12,
                   .seconds_compile = 0.25,
-                  .seconds_render = 12.34},
+                  .seconds_render = 12.34,
+                  .stage_count = 1,
+                  .stages = {{"intersect_closest", 3.5}}},
         .seconds_load = 0.5,
         .seconds_write = NAN,
         .error = 0.0084,
         .mean = 0.1,
         .preview = {.white = 0.25, .saturated = 0.005},
-        .stage_count = 1,
-        .stages = {{"intersect_closest", 3.5}},
     };
     return s;
 }

@@ -211,7 +211,7 @@ mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error) {
     cl_int code;
     cl->context = clCreateContext(NULL, 1, &cl->device, NULL, NULL, &code);
     MCV_TRY_CL(code, error);
-    cl->queue = clCreateCommandQueue(cl->context, cl->device, 0, &code);
+    cl->queue = clCreateCommandQueue(cl->context, cl->device, CL_QUEUE_PROFILING_ENABLE, &code);
     mcv_result result =
         code == CL_SUCCESS ? probe(cl, error) : mcv_fail(error, MCV_DEVICE, "clCreateCommandQueue failed with %s", mcv_cl_error_name(code));
     if (result != MCV_OK) mcv_cl_close(cl);
@@ -347,7 +347,7 @@ void mcv_cl_release(cl_mem *buffer) {
     *buffer = NULL;
 }
 
-mcv_result mcv_cl_launch(mcv_cl *cl, cl_kernel kernel, size_t global, size_t local, const mcv_arg *arguments, size_t count,
+mcv_result mcv_cl_launch(mcv_cl *cl, cl_kernel kernel, size_t global, size_t local, const mcv_arg *arguments, size_t count, cl_event *event,
                          mcv_error *error) {
     const size_t padded = (global + local - 1) / local * local;
     cl_int code = CL_SUCCESS;
@@ -355,10 +355,19 @@ mcv_result mcv_cl_launch(mcv_cl *cl, cl_kernel kernel, size_t global, size_t loc
         code = clSetKernelArg(kernel, (cl_uint)i, arguments[i].size, arguments[i].value);
     }
     if (code == CL_SUCCESS && padded > 0) {
-        code = clEnqueueNDRangeKernel(cl->queue, kernel, 1, NULL, &padded, &local, 0, NULL, NULL);
+        code = clEnqueueNDRangeKernel(cl->queue, kernel, 1, NULL, &padded, &local, 0, NULL, event);
     }
     if (code == CL_SUCCESS) return MCV_OK;
     char name[128] = "";
     clGetKernelInfo(kernel, CL_KERNEL_FUNCTION_NAME, sizeof name, name, NULL);
     return mcv_fail(error, MCV_DEVICE, "the launch of kernel %s failed with %s", name, mcv_cl_error_name(code));
+}
+
+double mcv_cl_seconds(cl_event event) {
+    cl_ulong begin = 0;
+    cl_ulong end = 0;
+    clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof begin, &begin, NULL);
+    clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_END, sizeof end, &end, NULL);
+    clReleaseEvent(event);
+    return end > begin ? 1e-9 * (double)(end - begin) : 0;
 }

@@ -56,12 +56,18 @@ typedef struct mcv_arg {
 } mcv_arg;
 #define MCV_ARG(x) ((mcv_arg){sizeof(x), &(x)})
 
-/* Enqueues a one-dimensional launch; global is rounded up to a multiple of local. Does not wait. */
-mcv_result mcv_cl_launch(mcv_cl *cl, cl_kernel kernel, size_t global, size_t local, const mcv_arg *arguments, size_t count,
+/*
+ * Enqueues a one-dimensional launch; global is rounded up to a multiple of local. Does not wait. *event, unless event is NULL, is the
+ * caller's: mcv_cl_seconds tells how long the launch took.
+ */
+mcv_result mcv_cl_launch(mcv_cl *cl, cl_kernel kernel, size_t global, size_t local, const mcv_arg *arguments, size_t count, cl_event *event,
                          mcv_error *error);
 #define MCV_LAUNCH(cl, kernel, global, local, error, ...) \
     mcv_cl_launch((cl), (kernel), (global), (local), (const mcv_arg[]){__VA_ARGS__}, \
-                  sizeof((const mcv_arg[]){__VA_ARGS__}) / sizeof(mcv_arg), (error))
+                  sizeof((const mcv_arg[]){__VA_ARGS__}) / sizeof(mcv_arg), NULL, (error))
+
+/* Seconds that a finished launch ran on the device. Releases the event. */
+double mcv_cl_seconds(cl_event event);
 
 /* "CL_OUT_OF_RESOURCES" for -5, and so on. */
 const char *mcv_cl_error_name(cl_int code);

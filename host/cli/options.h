@@ -54,7 +54,8 @@ enum {
       "stop at this error: root of the mean squared standard error over the image's mean; without --spp, --error, --time and " \
       "--samples it is 0.01 or 60 s") \
     X(number, time, "time", 0, "T", MCV_IN_RENDER, NULL, 0, 1e9, \
-      "stop before T seconds have passed, those of building the scene and the kernels included") \
+      "stop before T seconds have passed, those of building the scene and the kernels included; the first sample of each pixel and " \
+      "replicate is always rendered") \
     X(range, samples, "samples", 0, "A:B", MCV_IN_RENDER, NULL, 0, 1ull << 31, \
       "render just samples A to B - 1 of each replicate; B - A is a power of two and A a multiple of it") \
     X(count, replicates, "replicates", 0, "R", MCV_IN_RENDER, "4", 1, 64, \

@@ -41,7 +41,9 @@ static json_t *seconds(const mcv_summary *s) {
 
 static json_t *stages(const mcv_summary *s) {
     json_t *object = json_object();
-    for (uint32_t i = 0; i < s->stage_count; ++i) json_object_set_new(object, s->stages[i].name, number(s->stages[i].seconds));
+    for (uint32_t i = 0; i < s->stats.stage_count; ++i) {
+        json_object_set_new(object, s->stats.stages[i].name, number(s->stats.stages[i].seconds));
+    }
     return object;
 }
 

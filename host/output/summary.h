@@ -6,8 +6,6 @@
 #include "output/png.h"
 #include "render/render.h"
 
-enum { MCV_MAX_STAGES = 16 };
-
 /* Nothing is owned. Names and paths that do not apply are NULL; numbers that are not known are NaN (null in JSON). */
 typedef struct mcv_summary {
     const char *scene, *sensor;
@@ -19,11 +17,6 @@ typedef struct mcv_summary {
     double seconds_load, seconds_write;
     double error, mean; /* mcv_film_relative_error, mcv_film_mean */
     mcv_preview preview;
-    uint32_t stage_count;
-    struct {
-        const char *name;
-        double seconds;
-    } stages[MCV_MAX_STAGES]; /* where the schedule can tell them apart */
 } mcv_summary;
 
 /*

@@ -13,6 +13,7 @@
 enum {
     MAX_LOG2_SAMPLES = 16, /* per launch and set */
     MIN_SAMPLES = 4,       /* per replicate, before an error estimate may stop the render */
+    MIN_SAMPLES_BLACK = 256,
 };
 
 mcv_render_options mcv_render_defaults(void) {
@@ -227,7 +228,9 @@ static mcv_result render_rounds(renderer *r) {
         const double seconds = now() - r->begun;
         const double predicted = 2 * (now() - round_begun);
         if (o->last > 0 && next >= o->last) return MCV_OK;
-        if (o->error > 0 && r->film->samples >= MIN_SAMPLES && error <= o->error) return MCV_OK;
+        /* A picture that is black so far may have missed a small light: its error of 0 says nothing yet. */
+        const uint64_t enough = mcv_film_mean(r->film) > 0 ? MIN_SAMPLES : MIN_SAMPLES_BLACK;
+        if (o->error > 0 && r->film->samples >= enough && error <= o->error) return MCV_OK;
         if (o->seconds > 0 && seconds + predicted > o->seconds) return MCV_OK;
         if (r->stats->interrupted || next >= 0x80000000u) return MCV_OK;
     }

@@ -34,6 +34,8 @@ typedef struct mcv_render_options {
 
 mcv_render_options mcv_render_defaults(void);
 
+enum { MCV_MAX_STAGES = 16 };
+
 typedef struct mcv_render_stats {
     char device[256];
     char driver[256];   /* its version; empty for the reference */
@@ -45,6 +47,11 @@ typedef struct mcv_render_stats {
     uint64_t nonfinite; /* samples dropped because they were not finite */
     uint64_t unmatched; /* exits from a medium that the path had not entered */
     double seconds_build, seconds_compile, seconds_first_sample, seconds_render;
+    uint32_t stage_count; /* the tile schedule has all its stages in one kernel; the reference has none */
+    struct {
+        const char *name;
+        double seconds; /* on the device */
+    } stages[MCV_MAX_STAGES];
     bool interrupted;
 } mcv_render_stats;
 

@@ -9,7 +9,6 @@ enum {
     MAX_SLICES = 2048, /* enough for both an even load and a bounded state */
     MAX_STREAM_PATHS = 1 << 20,
     STREAM_GROUP = 64, /* as in kernels/stream.cl */
-    BLIND_DEPTHS = 64, /* launched before the host looks whether any path is left */
     STREAM_ARGUMENTS = MCV_SCENE_ARGUMENTS + 7,
 };
 
@@ -69,6 +68,7 @@ void mcv_schedule_close(mcv_schedule *schedule) {
     for (size_t i = 0; i < MCV_STREAM_KERNEL_COUNT; ++i) {
         if (schedule->kernels[i]) clReleaseKernel(schedule->kernels[i]);
     }
+    for (uint32_t i = 0; i < schedule->launch_count; ++i) clReleaseEvent(schedule->launches[i]);
     if (schedule->program) clReleaseProgram(schedule->program);
     memset(schedule, 0, sizeof *schedule);
 }
@@ -92,6 +92,32 @@ static mcv_result add_counters(mcv_schedule *s, uint32_t sets, mcv_render_stats 
     return result;
 }
 
+static mcv_result launch(mcv_schedule *s, uint32_t kernel, size_t global, size_t local, const mcv_arg *arguments, size_t count,
+                         mcv_error *error) {
+    const uint32_t i = s->launch_count;
+    MCV_TRY(mcv_cl_launch(s->cl, s->kernels[kernel], global, local, arguments, count, &s->launches[i], error));
+    s->launched[i] = kernel;
+    ++s->launch_count;
+    return MCV_OK;
+}
+
+/* After a wait: adds up how long the stages ran. */
+static void add_times(mcv_schedule *s, mcv_render_stats *stats) {
+    static const char *const names[] = {
+#define MCV_X(stage, runs) #stage,
+        MCV_STREAM_KERNELS(MCV_X)
+#undef MCV_X
+    };
+    for (uint32_t i = 0; i < s->launch_count; ++i) {
+        const char *name = s->kind == MCV_SCHEDULE_TILE ? "render_tile" : names[s->launched[i]];
+        uint32_t stage = 0;
+        while (stage < stats->stage_count && strcmp(stats->stages[stage].name, name) != 0) ++stage;
+        if (stage == stats->stage_count) stats->stages[stats->stage_count++].name = name;
+        stats->stages[stage].seconds += mcv_cl_seconds(s->launches[i]);
+    }
+    s->launch_count = 0;
+}
+
 static mcv_result run_tile(mcv_schedule *s, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
     const uint32_t slices = (frame->path_count + s->slice - 1) / s->slice;
     mcv_arg arguments[MCV_SCENE_ARGUMENTS + 3];
@@ -99,7 +125,7 @@ static mcv_result run_tile(mcv_schedule *s, const mcv_frame *frame, mcv_render_s
     arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->paths);
     arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->sums);
     arguments[MCV_SCENE_ARGUMENTS + 2] = MCV_ARG(s->counters);
-    MCV_TRY(mcv_cl_launch(s->cl, s->kernels[0], slices, 1, arguments, MCV_SCENE_ARGUMENTS + 3, error));
+    MCV_TRY(launch(s, 0, slices, 1, arguments, MCV_SCENE_ARGUMENTS + 3, error));
     return add_counters(s, slices, stats, error);
 }
 
@@ -127,8 +153,7 @@ static mcv_result run_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render
     arguments[MCV_SCENE_ARGUMENTS + 6] = MCV_ARG(depth);
     MCV_TRY(zero(s->cl, s->lengths, 2 * sizeof(cl_uint) * (s->depth + 1), error));
     MCV_TRY(zero(s->cl, s->counters, sizeof(cl_uint) * MCV_COUNTER_COUNT, error));
-#define MCV_RUN(stage, count) \
-    MCV_TRY(mcv_cl_launch(s->cl, s->kernels[MCV_KERNEL_##stage], (count), STREAM_GROUP, arguments, STREAM_ARGUMENTS, error))
+#define MCV_RUN(stage, count) MCV_TRY(launch(s, MCV_KERNEL_##stage, (count), STREAM_GROUP, arguments, STREAM_ARGUMENTS, error))
     MCV_RUN(generate_rays, frame->path_count);
     for (depth = 0; depth < frame->depth; ++depth) {
         MCV_RUN(intersect_closest, frame->path_count);
@@ -137,9 +162,10 @@ static mcv_result run_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render
             MCV_RUN(intersect_shadow, frame->path_count);
         }
         MCV_RUN(shade_surfaces, frame->path_count);
-        if (depth % BLIND_DEPTHS < BLIND_DEPTHS - 1) continue;
+        if (depth % MCV_BLIND_DEPTHS < MCV_BLIND_DEPTHS - 1) continue;
         cl_uint left;
         MCV_TRY(mcv_cl_read(s->cl, s->lengths, sizeof left * (depth + 1), sizeof left, &left, error));
+        add_times(s, stats);
         if (left == 0) break;
     }
     MCV_RUN(accumulate_film, frame->path_count / block);
@@ -150,5 +176,7 @@ static mcv_result run_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render
 
 mcv_result mcv_schedule_run(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
     MCV_TRY(mcv_cl_write(schedule->cl, schedule->scene->frame, 0, sizeof *frame, frame, error));
-    return schedule->kind == MCV_SCHEDULE_TILE ? run_tile(schedule, frame, stats, error) : run_stream(schedule, frame, stats, error);
+    MCV_TRY(schedule->kind == MCV_SCHEDULE_TILE ? run_tile(schedule, frame, stats, error) : run_stream(schedule, frame, stats, error));
+    add_times(schedule, stats);
+    return MCV_OK;
 }

@@ -15,6 +15,9 @@
 enum { MCV_STREAM_KERNELS(MCV_X) MCV_STREAM_KERNEL_COUNT };
 #undef MCV_X
 
+/* Launches between two waits. */
+enum { MCV_BLIND_DEPTHS = 64, MCV_MAX_LAUNCHES = 4 * MCV_BLIND_DEPTHS + 8 };
+
 typedef struct mcv_schedule {
     mcv_cl *cl;
     const mcv_device_scene *scene;
@@ -25,7 +28,10 @@ typedef struct mcv_schedule {
     cl_program program;
     cl_kernel kernels[MCV_STREAM_KERNEL_COUNT]; /* tile: the first only; stream: NULL where the scene needs no such stage */
     cl_mem paths, sums, counters;
-    cl_mem queues, lengths; /* stream */
+    cl_mem queues, lengths;              /* stream */
+    cl_event launches[MCV_MAX_LAUNCHES]; /* since the last wait, with their kernels: for the stages' times */
+    uint32_t launched[MCV_MAX_LAUNCHES];
+    uint32_t launch_count;
 } mcv_schedule;
 
 /* Chooses by the device where options->schedule is auto, builds the program, allocates. Close it even after a failure. */

@@ -119,7 +119,7 @@ static mcv_result trace_batch(tracer *t, const mcv_scene *scene, const mcv_trace
     arguments[MCV_SCENE_ARGUMENTS + 2] = MCV_ARG(t->rays);
     arguments[MCV_SCENE_ARGUMENTS + 3] = MCV_ARG(t->vertices);
     arguments[MCV_SCENE_ARGUMENTS + 4] = MCV_ARG(t->counts);
-    MCV_TRY(mcv_cl_launch(&t->cl, t->kernel, batch, 1, arguments, MCV_SCENE_ARGUMENTS + 5, error));
+    MCV_TRY(mcv_cl_launch(&t->cl, t->kernel, batch, 1, arguments, MCV_SCENE_ARGUMENTS + 5, NULL, error));
     MCV_TRY(mcv_cl_read(&t->cl, t->counts, 0, 4 * (size_t)batch, t->host_counts, error));
     return mcv_cl_read(&t->cl, t->vertices, 0, (size_t)batch * t->stride * sizeof *t->host_vertices, t->host_vertices, error);
 }
@@ -131,6 +131,8 @@ mcv_result mcv_trace(const mcv_scene *scene, const mcv_trace_ray *rays, size_t r
     *vertices = NULL;
     *vertex_count = 0;
     if (ray_count == 0) return MCV_OK;
+    if (options->depth < 1 || options->depth > 1000000)
+        return mcv_fail(error, MCV_USAGE, "depth must be 1 to 1000000, not %u", options->depth);
     if (ray_count > 0xffffffffu) return mcv_fail(error, MCV_USAGE, "at most 2^32 rays can be traced at once");
     mcv_result result = open_tracer(&t, scene, ray_count, options, error);
     for (size_t first = 0; result == MCV_OK && first < ray_count; first += t.batch) {

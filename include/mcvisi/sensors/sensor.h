@@ -14,6 +14,8 @@
  * Radiometry: "radiance" weighs each ray 0 or 1 (pixel = mean radiance over the samples; closing the stop does not darken
  * the image); "irradiance" [W/m² on the pixel] weighs it A cos⁴θ / h² with cosθ = 1/|d|, A the area sampled at distance h.
  *
+ * A sensor may lie inside a body of glass or fluid: the media that surround the centre of its lens are taken for the whole lens.
+ *
  * A sensor is one header with
  *     MCV_<NAME>_PARAMS(X)    its parameters (mcvisi/params.h)
  *     mcv_<name>              what the device needs of them, 4-byte scalars
