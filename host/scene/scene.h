@@ -26,43 +26,15 @@
 #include "mcvisi/sensors/telecentric.h"
 #include "mcvisi/sensors/thin_lens.h"
 
-/* The parameter structs mcv_<name>_params. */
-typedef struct mcv_pinhole_params {
-    MCV_PINHOLE_PARAMS(MCV_DEFINE_FIELD)
-} mcv_pinhole_params;
-typedef struct mcv_thin_lens_params {
-    MCV_THIN_LENS_PARAMS(MCV_DEFINE_FIELD)
-} mcv_thin_lens_params;
-typedef struct mcv_telecentric_params {
-    MCV_TELECENTRIC_PARAMS(MCV_DEFINE_FIELD)
-} mcv_telecentric_params;
-typedef struct mcv_light_field_params {
-    MCV_LIGHT_FIELD_PARAMS(MCV_DEFINE_FIELD)
-} mcv_light_field_params;
-typedef struct mcv_parallel_params {
-    MCV_PARALLEL_PARAMS(MCV_DEFINE_FIELD)
-} mcv_parallel_params;
-typedef struct mcv_area_params {
-    MCV_AREA_PARAMS(MCV_DEFINE_FIELD)
-} mcv_area_params;
-typedef struct mcv_environment_params {
-    MCV_ENVIRONMENT_PARAMS(MCV_DEFINE_FIELD)
-} mcv_environment_params;
-typedef struct mcv_diffuse_params {
-    MCV_DIFFUSE_PARAMS(MCV_DEFINE_FIELD)
-} mcv_diffuse_params;
-typedef struct mcv_dielectric_params {
-    MCV_DIELECTRIC_PARAMS(MCV_DEFINE_FIELD)
-} mcv_dielectric_params;
-typedef struct mcv_sheet_params {
-    MCV_SHEET_PARAMS(MCV_DEFINE_FIELD)
-} mcv_sheet_params;
-typedef struct mcv_mirror_params {
-    MCV_MIRROR_PARAMS(MCV_DEFINE_FIELD)
-} mcv_mirror_params;
-typedef struct mcv_absorber_params {
-    char unused;
-} mcv_absorber_params;
+/* The parameter structs mcv_<name>_params; the absorber has no parameters and C no empty structs. */
+#define MCV_X(name, key, NAME) \
+    typedef struct mcv_##name##_params { \
+        MCV_##NAME##_PARAMS(MCV_DEFINE_FIELD) char end; \
+    } mcv_##name##_params;
+MCV_SENSORS(MCV_X)
+MCV_EMITTERS(MCV_X)
+MCV_MATERIALS(MCV_X)
+#undef MCV_X
 
 /* Row-major affine map of points: world = m[0..8] p + m[9..11]. */
 typedef struct mcv_transform {
