@@ -37,6 +37,52 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_any(__glo
     }
 }
 
+#define MCV_BATCH_LIST 256
+
+/* The hits of at most MCV_BATCH_LIST rays that take turns. */
+static void mcv_intersect_batch_list(__global const mcv_node *nodes, __global const mcv_leaf *leaves, __global const mcv_batch_ray *rays,
+                                     uint count, int any, mcv_hit *hits) {
+    uint indices[MCV_BATCH_LIST];
+    const mcv_rows origins = {rays->origin, sizeof(mcv_batch_ray) / sizeof(float), 1};
+    const mcv_rows directions = {rays->direction, sizeof(mcv_batch_ray) / sizeof(float), 1};
+    for (uint i = 0; i < count; ++i) {
+        indices[i] = i;
+        hits[i].t = rays[i].t_max;
+    }
+    if (any)
+        mcv_intersect_any_list(nodes, leaves, origins, directions, indices, count, hits);
+    else
+        mcv_intersect_closest_list(nodes, leaves, origins, directions, indices, count, hits);
+}
+
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_closest_list(__global const mcv_node *nodes,
+                                                                                    __global const mcv_leaf *leaves,
+                                                                                    __global const mcv_batch_ray *rays,
+                                                                                    __global mcv_hit *hits, uint count, uint slice) {
+    const uint first = (uint)get_group_id(0) * slice;
+    const uint last = min(first + slice, count);
+    mcv_hit found[MCV_BATCH_LIST];
+    for (uint begin = first; begin < last; begin += MCV_BATCH_LIST) {
+        const uint listed = min(last - begin, (uint)MCV_BATCH_LIST);
+        mcv_intersect_batch_list(nodes, leaves, rays + begin, listed, 0, found);
+        for (uint i = 0; i < listed; ++i) hits[begin + i] = found[i];
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_any_list(__global const mcv_node *nodes,
+                                                                                __global const mcv_leaf *leaves,
+                                                                                __global const mcv_batch_ray *rays, __global int *found,
+                                                                                uint count, uint slice) {
+    const uint first = (uint)get_group_id(0) * slice;
+    const uint last = min(first + slice, count);
+    mcv_hit hits[MCV_BATCH_LIST];
+    for (uint begin = first; begin < last; begin += MCV_BATCH_LIST) {
+        const uint listed = min(last - begin, (uint)MCV_BATCH_LIST);
+        mcv_intersect_batch_list(nodes, leaves, rays + begin, listed, 1, hits);
+        for (uint i = 0; i < listed; ++i) found[begin + i] = hits[i].triangle != MCV_NONE;
+    }
+}
+
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_all(__global const mcv_leaf *leaves,
                                                                            __global const mcv_batch_ray *rays, __global mcv_hit *hits,
                                                                            uint count, uint slice, uint leaf_count) {

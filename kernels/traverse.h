@@ -124,6 +124,7 @@ static inline mcv_hit mcv_miss(float t_max) {
 /* The children whose boxes the ray meets at 0 <= t <= t_max, one bit each, and where it enters them. */
 static inline uint mcv_intersect_boxes(__global const mcv_node *node, const mcv_ray_frame *ray, float t_max, float8 *entry) {
     float8 near = (float8)(0.0f), far = (float8)(t_max);
+#pragma unroll
     for (int axis = 0; axis < 3; ++axis) {
         const float8 first = *(__global const float8 *)node->bounds[axis][ray->near_row[axis]];
         const float8 second = *(__global const float8 *)node->bounds[axis][1u - ray->near_row[axis]];
@@ -157,6 +158,7 @@ static inline int4 mcv_edge_rises(float4 px, float4 py, float4 qx, float4 qy) { 
  */
 static inline int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_ray_frame *ray, mcv_hit *hit) {
     float4 x[3], y[3], z[3];
+#pragma unroll
     for (int corner = 0; corner < 3; ++corner) {
         __global const float *rows = (__global const float *)leaf->vertex[corner];
         z[corner] = *(__global const float4 *)(rows + ray->row_z) - (float4)(ray->origin_z);
@@ -236,6 +238,65 @@ static inline void mcv_prefetch_child(__global const mcv_node *nodes, __global c
 #endif
 }
 
+/* A child that waits its turn: where the ray enters its box (not below 0, so that its bits order as it does), and its number. */
+static inline ulong mcv_wait(float entry, uint child) { return (ulong)as_uint(entry) << 32 | child; }
+static inline float mcv_waiting_entry(ulong waiting) { return as_float((uint)(waiting >> 32)); }
+
+/*
+ * One step of a traversal: tests the node or leaf *current, which is then the next one: the nearest first or, where any hit will do, in
+ * the order of the lanes. 0 at the end: there is none that could hold a closer hit, or something is hit and any hit will do.
+ */
+static inline __attribute__((always_inline)) int mcv_traverse_step(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                                                                   const mcv_ray_frame *ray, int any, mcv_hit *hit, uint *current,
+                                                                   uint *count, ulong *waiting) {
+    if (*current & MCV_CHILD_LEAF) {
+        if (mcv_intersect_leaf(leaves + (*current & ~MCV_CHILD_LEAF), ray, hit) && any) return 0;
+    } else {
+        __global const mcv_node *node = nodes + *current;
+        float8 entry;
+        uint mask = mcv_intersect_boxes(node, ray, hit->t, &entry);
+        if (any) {
+            while (mask) {
+                const uint child = node->child[mcv_pop_bit(&mask)];
+                mcv_prefetch_child(nodes, leaves, child);
+                waiting[(*count)++] = child;
+            }
+        } else if (mask) {
+            uint lane = mcv_pop_bit(&mask);
+            if (!mask) {
+                *current = node->child[lane];
+                return 1;
+            }
+            float t[8];
+            vstore8(entry, 0, t);
+            ulong nearest = mcv_wait(t[lane], node->child[lane]);
+            mcv_prefetch_child(nodes, leaves, (uint)nearest);
+            /* The nearest goes on; the others wait with the nearer on top. */
+            const uint bottom = *count;
+            do {
+                lane = mcv_pop_bit(&mask);
+                ulong other = mcv_wait(t[lane], node->child[lane]);
+                mcv_prefetch_child(nodes, leaves, (uint)other);
+                const ulong least = min(nearest, other);
+                other = max(nearest, other);
+                nearest = least;
+                uint place = (*count)++;
+                for (; place > bottom && waiting[place - 1] < other; --place) waiting[place] = waiting[place - 1];
+                waiting[place] = other;
+            } while (mask);
+            *current = (uint)nearest;
+            return 1;
+        }
+    }
+    ulong next;
+    do {
+        if (*count == 0) return 0;
+        next = waiting[--*count];
+    } while (mcv_waiting_entry(next) > hit->t);
+    *current = (uint)next;
+    return 1;
+}
+
 /*
  * The closest hit with 0 < t < t_max; on equal t the triangle with the lowest number. The direction need not be unit; t counts
  * in its length. A zero or non-finite direction hits nothing.
@@ -244,50 +305,10 @@ static inline __attribute__((noinline)) mcv_hit mcv_intersect_closest_ray(__glob
                                                                           mcv_vec3 origin, mcv_vec3 direction, float t_max) {
     mcv_hit hit = mcv_miss(t_max);
     const mcv_ray_frame ray = mcv_ray_setup(origin, direction, nodes->extent);
-    uint waiting[MCV_BVH_STACK];
-    float waiting_t[MCV_BVH_STACK];
-    uint count = 0;
-    uint current = 0;
-    for (;;) {
-        if (current & MCV_CHILD_LEAF) {
-            mcv_intersect_leaf(leaves + (current & ~MCV_CHILD_LEAF), &ray, &hit);
-        } else {
-            __global const mcv_node *node = nodes + current;
-            float8 entry;
-            uint mask = mcv_intersect_boxes(node, &ray, hit.t, &entry);
-            if (mask) {
-                uint lane = mcv_pop_bit(&mask);
-                if (!mask) {
-                    current = node->child[lane];
-                    continue;
-                }
-                /* Let the children wait with the nearest on top, and go on with that. */
-                float t[8];
-                vstore8(entry, 0, t);
-                const uint bottom = count;
-                for (;;) {
-                    const uint child = node->child[lane];
-                    uint place = count++;
-                    for (; place > bottom && waiting_t[place - 1] < t[lane]; --place) {
-                        waiting_t[place] = waiting_t[place - 1];
-                        waiting[place] = waiting[place - 1];
-                    }
-                    waiting_t[place] = t[lane];
-                    waiting[place] = child;
-                    mcv_prefetch_child(nodes, leaves, child);
-                    if (!mask) break;
-                    lane = mcv_pop_bit(&mask);
-                }
-                current = waiting[--count];
-                continue;
-            }
-        }
-        do {
-            if (count == 0) return hit;
-            --count;
-        } while (waiting_t[count] > hit.t);
-        current = waiting[count];
-    }
+    ulong waiting[MCV_BVH_STACK];
+    uint current = 0, count = 0;
+    while (mcv_traverse_step(nodes, leaves, &ray, 0, &hit, &current, &count, waiting)) {}
+    return hit;
 }
 
 /* Whether anything is hit with 0 < t < t_max. */
@@ -295,25 +316,84 @@ static inline __attribute__((noinline)) int mcv_intersect_any_ray(__global const
                                                                   mcv_vec3 origin, mcv_vec3 direction, float t_max) {
     mcv_hit hit = mcv_miss(t_max);
     const mcv_ray_frame ray = mcv_ray_setup(origin, direction, nodes->extent);
-    uint waiting[MCV_BVH_STACK];
-    uint count = 0;
-    uint current = 0;
+    ulong waiting[MCV_BVH_STACK];
+    uint current = 0, count = 0;
+    while (mcv_traverse_step(nodes, leaves, &ray, 1, &hit, &current, &count, waiting)) {}
+    return hit.triangle != MCV_NONE;
+}
+
+/* ---- many rays at once ------------------------------------------------------------------------------------------ */
+
+#ifndef MCV_INTERLEAVED
+#define MCV_INTERLEAVED 16
+#endif
+
+/* Vectors in memory: component k of number i is base[i * step + k * component]. */
+typedef struct mcv_rows {
+    __global const float *base;
+    uint step, component;
+} mcv_rows;
+
+static inline mcv_vec3 mcv_row(mcv_rows rows, uint i) {
+    __global const float *v = rows.base + (size_t)i * rows.step;
+    return mcv_vec(v[0], v[rows.component], v[2u * rows.component]);
+}
+
+/* A ray on its way. */
+typedef struct mcv_traversal {
+    mcv_ray_frame ray;
+    mcv_hit hit;
+    uint number, current, count;
+    ulong waiting[MCV_BVH_STACK];
+} mcv_traversal;
+
+/*
+ * The hits of the rays indices[0 … count - 1], each with 0 < t < hits[i].t on entry: the closest or, where any hit will do, one of them.
+ * Several rays take turns, a step each: while one waits for memory the others compute. This pays where rays go different ways through a
+ * scene larger than the caches.
+ */
+static inline __attribute__((always_inline)) void mcv_take_turns(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                                                                 mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
+                                                                 int any, mcv_hit *hits) {
+    mcv_traversal traversals[MCV_INTERLEAVED];
+    uint order[MCV_INTERLEAVED]; /* the traversals that are under way first */
+    uint next = 0, busy = 0;
+    for (uint i = 0; i < MCV_INTERLEAVED; ++i) order[i] = i;
     for (;;) {
-        if (current & MCV_CHILD_LEAF) {
-            if (mcv_intersect_leaf(leaves + (current & ~MCV_CHILD_LEAF), &ray, &hit)) return 1;
-        } else {
-            __global const mcv_node *node = nodes + current;
-            float8 entry;
-            uint mask = mcv_intersect_boxes(node, &ray, t_max, &entry);
-            while (mask) {
-                const uint child = node->child[mcv_pop_bit(&mask)];
-                mcv_prefetch_child(nodes, leaves, child);
-                waiting[count++] = child;
+        for (uint i = 0; i < busy;) {
+            mcv_traversal *t = traversals + order[i];
+            if (mcv_traverse_step(nodes, leaves, &t->ray, any, &t->hit, &t->current, &t->count, t->waiting)) {
+                mcv_prefetch_child(nodes, leaves, t->current);
+                ++i;
+                continue;
             }
+            hits[t->number] = t->hit;
+            --busy;
+            const uint done = order[i];
+            order[i] = order[busy];
+            order[busy] = done;
         }
-        if (count == 0) return 0;
-        current = waiting[--count];
+        for (; busy < MCV_INTERLEAVED && next < count; ++next) {
+            mcv_traversal *t = traversals + order[busy++];
+            t->ray = mcv_ray_setup(mcv_row(origins, indices[next]), mcv_row(directions, indices[next]), nodes->extent);
+            t->hit = mcv_miss(hits[next].t);
+            t->number = next;
+            t->current = t->count = 0;
+        }
+        if (busy == 0) return;
     }
+}
+
+static inline __attribute__((noinline)) void mcv_intersect_closest_list(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                                                                        mcv_rows origins, mcv_rows directions, const uint *indices,
+                                                                        uint count, mcv_hit *hits) {
+    mcv_take_turns(nodes, leaves, origins, directions, indices, count, 0, hits);
+}
+
+static inline __attribute__((noinline)) void mcv_intersect_any_list(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                                                                    mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
+                                                                    mcv_hit *hits) {
+    mcv_take_turns(nodes, leaves, origins, directions, indices, count, 1, hits);
 }
 
 #endif
