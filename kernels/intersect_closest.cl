@@ -3,9 +3,7 @@
 #include "path.h"
 #include "surface.h"
 
-static void mcv_intersect_closest(mcv_world world, mcv_slot slot) {
-    const mcv_hit hit =
-        mcv_intersect_closest_ray(world.nodes, world.leaves, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), INFINITY);
+static void mcv_arrive(mcv_world world, mcv_slot slot, mcv_hit hit) {
     MCV_STORE(slot, hit, 0, hit.t);
     MCV_STORE(slot, hit, 1, hit.u);
     MCV_STORE(slot, hit, 2, hit.v);
@@ -17,5 +15,12 @@ static void mcv_intersect_closest(mcv_world world, mcv_slot slot) {
         throughput = mcv_tint(throughput, mcv_medium_transmittance(world, MCV_WORD(slot, media, 0), hit.t));
         MCV_STORE_COLOR(slot, throughput, throughput);
     }
+#else
+    (void)world;
 #endif
+}
+
+static void mcv_intersect_closest(mcv_world world, mcv_slot slot) {
+    mcv_arrive(world, slot,
+               mcv_intersect_closest_ray(world.nodes, world.leaves, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), INFINITY));
 }

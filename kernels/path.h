@@ -36,6 +36,8 @@ typedef struct mcv_slot {
 } mcv_slot;
 
 #define MCV_WORD(slot, field, k) (slot).base[((uint)MCV_PATH_##field + (uint)(k)) * (slot).capacity + (slot).index]
+#define MCV_ROWS(slot, field) \
+    { (__global const float *)((slot).base + (size_t)MCV_PATH_##field * (slot).capacity), 1u, (slot).capacity }
 #define MCV_LOAD(slot, field, k) as_float(MCV_WORD(slot, field, k))
 #define MCV_STORE(slot, field, k, value) (MCV_WORD(slot, field, k) = as_uint(value))
 #define MCV_LOAD_3(slot, field) mcv_vec(MCV_LOAD(slot, field, 0), MCV_LOAD(slot, field, 1), MCV_LOAD(slot, field, 2))

@@ -13,6 +13,63 @@
 #include "shade_surfaces.cl"
 #include "accumulate_film.cl"
 
+/*
+ * The stages that intersect, over the paths of a slice. Rays that have been scattered take turns where the scene is large; those
+ * from the sensor go the same way and find in the cache what the one before fetched.
+ */
+static void mcv_intersect_paths(mcv_world world, mcv_slot slot, const uint *paths, uint count, uint depth) {
+#if MCV_WITH_INTERLEAVE
+    if (depth > 0) {
+        const mcv_rows origins = MCV_ROWS(slot, origin), directions = MCV_ROWS(slot, direction);
+        mcv_hit hits[MCV_SLICE];
+        for (uint i = 0; i < count; ++i) hits[i].t = INFINITY;
+        mcv_intersect_closest_list(world.nodes, world.leaves, origins, directions, paths, count, hits);
+        for (uint i = 0; i < count; ++i) {
+            slot.index = paths[i];
+            mcv_arrive(world, slot, hits[i]);
+        }
+        return;
+    }
+#endif
+    (void)depth;
+    for (uint i = 0; i < count; ++i) {
+        slot.index = paths[i];
+        mcv_intersect_closest(world, slot);
+    }
+}
+
+#if MCV_WITH_NEXT_EVENT
+static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *paths, uint count) {
+#if MCV_WITH_INTERLEAVE
+    const mcv_rows origins = MCV_ROWS(slot, shadow_origin), directions = MCV_ROWS(slot, shadow_direction);
+    for (int any = 0; any < 2; ++any) {
+        uint chosen[MCV_SLICE];
+        mcv_hit hits[MCV_SLICE];
+        uint chosen_count = 0;
+        for (uint i = 0; i < count; ++i) {
+            slot.index = paths[i];
+            if (mcv_shadow_is_any(slot) != any) continue;
+            hits[chosen_count].t = any ? 1.0f : INFINITY;
+            chosen[chosen_count++] = paths[i];
+        }
+        if (any)
+            mcv_intersect_any_list(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
+        else
+            mcv_intersect_closest_list(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
+        for (uint i = 0; i < chosen_count; ++i) {
+            slot.index = chosen[i];
+            if (any ? hits[i].triangle == MCV_NONE : mcv_meets_target(world, slot, hits[i])) mcv_add_shadow_light(world, slot, hits[i].t);
+        }
+    }
+#else
+    for (uint i = 0; i < count; ++i) {
+        slot.index = paths[i];
+        mcv_intersect_shadow(world, slot);
+    }
+#endif
+}
+#endif
+
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void render_tile(MCV_WORLD_PARAMETERS __global uint *paths, __global float *sums,
                                                                          __global uint *counters) {
     MCV_MAKE_WORLD(world)
@@ -33,10 +90,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void render_tile(MCV_WOR
     counts[MCV_COUNTER_paths] = alive;
     for (uint depth = 0; depth < world.frame->depth && alive > 0; ++depth) {
         counts[MCV_COUNTER_rays] += alive;
-        for (uint a = 0; a < alive; ++a) {
-            slot.index = active[a];
-            mcv_intersect_closest(world, slot);
-        }
+        mcv_intersect_paths(world, slot, active, alive, depth);
 #if MCV_WITH_NEXT_EVENT
         /* An emitter is a surface too: the last surface a path may meet does not look for one. */
         if (depth + 1 < world.frame->depth) {
@@ -47,10 +101,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void render_tile(MCV_WOR
                 if (mcv_sample_emitter(world, slot, mcv_identify(world.frame, first + slot.index), depth))
                     shadows[shadow_count++] = slot.index;
             }
-            for (uint s = 0; s < shadow_count; ++s) {
-                slot.index = shadows[s];
-                mcv_intersect_shadow(world, slot);
-            }
+            mcv_intersect_shadows(world, slot, shadows, shadow_count);
             counts[MCV_COUNTER_shadow_rays] += shadow_count;
         }
 #endif

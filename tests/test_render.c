@@ -115,10 +115,10 @@ static void test_diffuse_furnace(void **state) {
 /* Same bits */
 
 /* A scene that uses most elements: glass with absorption before a lit diffuse wall, two kinds of light, a mirror. */
-static mcv_scene *mixed_scene(void) {
+static mcv_scene *mixed_scene(uint32_t rings) {
     mcv_scene *scene = mcv_scene_new("mixed");
     const double box[3] = {0.2, 0.15, 0.1};
-    add_sphere(scene, 0.3, 16, add_glass(scene, 1.5, 2, 0), mcv_transform_identity());
+    add_sphere(scene, 0.3, rings, add_glass(scene, 1.5, 2, 0), mcv_transform_identity());
     add_sphere(scene, 0.1, 8, add_glass(scene, 1, 0, 1), mcv_transform_identity());
     add_rectangle(scene, 2, 2, add_diffuse(scene, 0.6), looking_up_z(0, 0, -0.5));
     add_box(scene, box, add_material(scene, MCV_MATERIAL_MIRROR, NULL), looking_down_z(0.5, 0.1, -0.2));
@@ -154,7 +154,7 @@ static void expect_equal_bits(const mcv_film *a, const mcv_film *b, const char *
 
 /* Both schedules, several slice sizes, and sample ranges merged give the same bits, with blocks of samples below and above MCV_BLOCK. */
 static void test_same_bits(void **state) {
-    mcv_scene *scene = mixed_scene();
+    mcv_scene *scene = mixed_scene(16);
     (void)state;
     for (uint32_t sampler = MCV_SAMPLER_SOBOL; sampler <= MCV_SAMPLER_RANDOM; ++sampler) {
         for (uint32_t samples = 16; samples <= 256; samples *= 16) {
@@ -196,7 +196,7 @@ static bool stop_at_once(void *user, double fraction, double seconds, double err
 
 /* A stopped render of a later range holds its first samples, with the bits that they have when rendered alone. */
 static void test_later_range_can_be_stopped(void **state) {
-    mcv_scene *scene = mixed_scene();
+    mcv_scene *scene = mixed_scene(16);
     mcv_render_options options = mcv_render_defaults();
     mcv_film stopped;
     (void)state;
@@ -213,9 +213,24 @@ static void test_later_range_can_be_stopped(void **state) {
     mcv_scene_free(scene);
 }
 
+/* Some 4 rings² triangles are so many that rays take turns in the tile schedule, which the stream schedule never lets them. */
+static void test_turns_change_no_bit(void **state) {
+    mcv_scene *scene = mixed_scene(240);
+    (void)state;
+    mcv_film stream = render_film(scene, MCV_SCHEDULE_STREAM, 0, MCV_SAMPLER_SOBOL, 0, 16);
+    for (uint32_t slice = 64; slice <= 256; slice *= 4) {
+        mcv_film tile = render_film(scene, MCV_SCHEDULE_TILE, slice, MCV_SAMPLER_SOBOL, 0, 16);
+        assert_non_null(strstr(last_stats.features, "interleave"));
+        expect_equal_bits(&stream, &tile, "rays that take turns");
+        mcv_film_free(&tile);
+    }
+    mcv_film_free(&stream);
+    mcv_scene_free(scene);
+}
+
 /* A path ends by itself long before it meets a million surfaces: the limit must not cost the launches of as many stages. */
 static void test_high_depth_limit_is_cheap(void **state) {
-    mcv_scene *scene = mixed_scene();
+    mcv_scene *scene = mixed_scene(16);
     mcv_film films[2];
     (void)state;
     for (int i = 0; i < 2; ++i) {
@@ -263,6 +278,7 @@ int main(void) {
         cmocka_unit_test(test_diffuse_furnace),
         cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_later_range_can_be_stopped),
+        cmocka_unit_test(test_turns_change_no_bit),
         cmocka_unit_test(test_high_depth_limit_is_cheap),
         cmocka_unit_test(test_sample_ranges_are_checked),
     };

@@ -19,7 +19,8 @@
     X(PARALLEL, "parallel", "a parallel emitter shines") \
     X(AREA, "area", "a diffuse area emitter shines") \
     X(ENVIRONMENT, "environment", "the environment shines") \
-    X(NEXT_EVENT, "next-event", "diffuse surfaces look for parallel and area emitters")
+    X(NEXT_EVENT, "next-event", "diffuse surfaces look for parallel and area emitters") \
+    X(INTERLEAVE, "interleave", "diffuse surfaces among so many triangles that rays take turns while others wait for memory")
 
 enum {
 #define MCV_X(NAME, word, why) MCV_FEATURE_##NAME,
