@@ -3,16 +3,24 @@
 #include "path.h"
 #include "surface.h"
 
-/* The light of the emitter at t arrives. */
-static void mcv_add_shadow_light(mcv_world world, mcv_slot slot, float t) {
+/* The light of the emitter at the hit arrives; a ray that ends at the emitter's point has no triangle. */
+static void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_hit hit) {
     mcv_color light;
     mcv_color radiance;
     MCV_LOAD_COLOR(slot, shadow_light, light);
+#if MCV_WITH_PARALLEL && MCV_WITH_TEXTURE
+    /* What comes along a cone's direction depends on where it was met. */
+    if (hit.triangle != MCV_NONE) {
+        const mcv_surface there = mcv_surface_at(world, hit.triangle, hit.u, hit.v);
+        const uint texture = world.emitters[world.instances[there.instance].emitter].texture;
+        if (texture != MCV_NONE) light = mcv_tint(light, mcv_texture_at(world, there, texture));
+    }
+#endif
 #if MCV_WITH_ABSORPTION
     const mcv_vec3 direction = MCV_LOAD_3(slot, shadow_direction);
-    light = mcv_tint(light, mcv_medium_transmittance(world, MCV_WORD(slot, media, 0), t * mcv_sqrt(mcv_dot(direction, direction))));
+    light = mcv_tint(light, mcv_medium_transmittance(world, MCV_WORD(slot, media, 0), hit.t * mcv_sqrt(mcv_dot(direction, direction))));
 #else
-    (void)world, (void)t;
+    (void)world, (void)hit;
 #endif
     MCV_LOAD_COLOR(slot, radiance, radiance);
     MCV_EACH_CHANNEL(i) radiance.c[i] += light.c[i];
@@ -30,9 +38,10 @@ MCV_FUNCTION void mcv_intersect_shadow(mcv_world world, mcv_slot slot) {
     const mcv_vec3 origin = MCV_LOAD_3(slot, shadow_origin);
     const mcv_vec3 direction = MCV_LOAD_3(slot, shadow_direction);
     if (mcv_shadow_is_any(slot)) {
-        if (!mcv_intersect_any_ray(world.nodes, world.leaves, origin, direction, 1.0f)) mcv_add_shadow_light(world, slot, 1.0f);
+        const mcv_hit end = {1.0f, 0.0f, 0.0f, MCV_NONE};
+        if (!mcv_intersect_any_ray(world.nodes, world.leaves, origin, direction, 1.0f)) mcv_add_shadow_light(world, slot, end);
     } else {
         const mcv_hit hit = mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction, INFINITY);
-        if (mcv_meets_target(world, slot, hit)) mcv_add_shadow_light(world, slot, hit.t);
+        if (mcv_meets_target(world, slot, hit)) mcv_add_shadow_light(world, slot, hit);
     }
 }

@@ -59,13 +59,17 @@ MCV_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, float u,
 }
 
 #if MCV_WITH_TEXTURE
-MCV_FUNCTION mcv_color mcv_texture_at(mcv_world world, mcv_surface surface, uint texture) {
+/* Coordinate 0 or 1 of the place on its texture. */
+MCV_FUNCTION float mcv_texcoord(mcv_world world, mcv_surface surface, uint axis) {
     const float w = 1.0f - surface.u - surface.v;
     __global const float *a = world.texcoords + 2 * surface.corners.x;
     __global const float *b = world.texcoords + 2 * surface.corners.y;
     __global const float *c = world.texcoords + 2 * surface.corners.z;
-    return mcv_texture_lookup(world, texture, mcv_fma(surface.v, c[0], mcv_fma(surface.u, b[0], w * a[0])),
-                              mcv_fma(surface.v, c[1], mcv_fma(surface.u, b[1], w * a[1])));
+    return mcv_fma(surface.v, c[axis], mcv_fma(surface.u, b[axis], w * a[axis]));
+}
+
+MCV_FUNCTION mcv_color mcv_texture_at(mcv_world world, mcv_surface surface, uint texture) {
+    return mcv_texture_lookup(world, texture, mcv_texcoord(world, surface, 0), mcv_texcoord(world, surface, 1));
 }
 #endif
 
@@ -82,7 +86,19 @@ MCV_FUNCTION mcv_color mcv_material_value(mcv_world world, mcv_surface surface, 
     return value;
 }
 
-#if MCV_WITH_PARALLEL || MCV_WITH_AREA
+#if MCV_WITH_LIGHT_FIELD && MCV_WITH_TEXTURE
+/* The image's value for a place on a light field emitter and a direction. */
+MCV_FUNCTION mcv_color mcv_light_field_value(mcv_world world, mcv_surface surface, __global const mcv_device_emitter *e,
+                                             mcv_vec3 direction) {
+    uint column, row;
+    const float s = mcv_texcoord(world, surface, 0);
+    const float t = mcv_texcoord(world, surface, 1);
+    if (!mcv_light_field_pixel(&e->light_field, s, t, direction, &column, &row)) return mcv_grey(0.0f);
+    return mcv_texel(world, world.textures[e->texture], (int)column, (int)row);
+}
+#endif
+
+#if MCV_WITH_PARALLEL || MCV_WITH_LIGHT_FIELD || MCV_WITH_AREA
 /* Radiance that an emitter's surface sends in a direction (unit, away from the surface), in its medium. */
 MCV_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint emitter, mcv_vec3 direction) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
@@ -91,6 +107,13 @@ MCV_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint em
     if (!(mcv_dot(direction, surface.face) > 0.0f)) return mcv_grey(0.0f);
 #if MCV_WITH_PARALLEL
     if (e->type == MCV_EMITTER_PARALLEL) share = mcv_parallel_evaluate(&e->parallel, direction, surface.normal);
+#endif
+#if MCV_WITH_LIGHT_FIELD && MCV_WITH_TEXTURE
+    if (e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) {
+        radiance = mcv_light_field_value(world, surface, e, direction);
+        MCV_EACH_CHANNEL(i) radiance.c[i] *= e->radiance[i];
+        return radiance;
+    }
 #endif
 #if MCV_WITH_AREA
     if (e->type == MCV_EMITTER_AREA) share = mcv_area_evaluate(direction, surface.normal);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Images on surfaces: 8-bit sRGB, decoded through a table (the first 256 words of the texels), bilinear or nearest. */
+/* Images on surfaces: 8-bit sRGB, decoded through a table (the first 256 words of the texels), or linear floats; bilinear or nearest. */
 #ifndef MCVISI_KERNELS_TEXTURE_H
 #define MCVISI_KERNELS_TEXTURE_H
 
@@ -18,9 +18,13 @@ MCV_FUNCTION uint mcv_wrap(int i, uint size, uint mode) {
 }
 
 MCV_FUNCTION mcv_color mcv_texel(mcv_world world, mcv_device_texture texture, int x, int y) {
-    const uint rgba = world.texels[texture.first + mcv_wrap(y, texture.height, texture.wrap_t) * texture.width +
-                                   mcv_wrap(x, texture.width, texture.wrap_s)];
+    const uint texel = mcv_wrap(y, texture.height, texture.wrap_t) * texture.width + mcv_wrap(x, texture.width, texture.wrap_s);
     mcv_color color;
+    if (texture.linear) {
+        MCV_EACH_CHANNEL(i) color.c[i] = as_float(world.texels[texture.first + 3u * texel + (uint)i]);
+        return color;
+    }
+    const uint rgba = world.texels[texture.first + texel];
     MCV_EACH_CHANNEL(i) color.c[i] = as_float(world.texels[(rgba >> (8 * i)) & 255u]);
     return color;
 }

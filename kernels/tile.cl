@@ -58,7 +58,7 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
             mcv_intersect_closest_list(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
         for (uint i = 0; i < chosen_count; ++i) {
             slot.index = chosen[i];
-            if (any ? hits[i].triangle == MCV_NONE : mcv_meets_target(world, slot, hits[i])) mcv_add_shadow_light(world, slot, hits[i].t);
+            if (any ? hits[i].triangle == MCV_NONE : mcv_meets_target(world, slot, hits[i])) mcv_add_shadow_light(world, slot, hits[i]);
         }
     }
 #else

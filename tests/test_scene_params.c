@@ -283,7 +283,7 @@ static void test_emitters(void **state) {
     mcv_params_set_defaults(mcv_emitter_table(emitter.type), &emitter.as);
     emitter.as.parallel.halfAngle = M_PI / 6;
     for (int i = 0; i < 3; ++i) emitter.as.parallel.power[i] = 1 + i;
-    assert_int_equal(mcv_emitter_resolve(&emitter, &place, &error), MCV_OK);
+    assert_int_equal(mcv_emitter_resolve(NULL, &emitter, &place, &error), MCV_OK);
     assert_near(emitter.radiance[0], 1 / (M_PI * 0.25 * 0.01), 16, "radiance of 1 W through 30°"); /* sin² = 1/4 */
     assert_near(emitter.radiance[2], 3 * emitter.radiance[0], 4, "third channel");
     assert_near(mcv_emitter_solid_angle(&emitter), 2 * M_PI * (1 - sqrt(3) / 2), 64, "solid angle 2π(1 - cos 30°)");
@@ -293,10 +293,10 @@ static void test_emitters(void **state) {
     assert_near(mcv_emitter_solid_angle(&emitter), M_PI * 1e-12, 512, "solid angle of 1 µrad");
 
     emitter.as.parallel.radiance[0] = emitter.as.parallel.radiance[1] = emitter.as.parallel.radiance[2] = 7;
-    assert_int_equal(mcv_emitter_resolve(&emitter, &place, &error), MCV_BAD_INPUT);
+    assert_int_equal(mcv_emitter_resolve(NULL, &emitter, &place, &error), MCV_BAD_INPUT);
     assert_says(&error, "both radiance 7 and power 1");
     mcv_params_set_defaults(mcv_emitter_table(emitter.type), &emitter.as);
-    assert_int_equal(mcv_emitter_resolve(&emitter, &place, &error), MCV_BAD_INPUT);
+    assert_int_equal(mcv_emitter_resolve(NULL, &emitter, &place, &error), MCV_BAD_INPUT);
     assert_says(&error, "needs radiance");
     emitter.as.parallel.halfAngle = 0;
     assert_int_equal(mcv_emitter_check(&emitter, &place, &error), MCV_BAD_INPUT);
@@ -305,7 +305,7 @@ static void test_emitters(void **state) {
     emitter.type = MCV_EMITTER_AREA;
     mcv_params_set_defaults(mcv_emitter_table(emitter.type), &emitter.as);
     emitter.as.area.power[0] = emitter.as.area.power[1] = emitter.as.area.power[2] = 5;
-    assert_int_equal(mcv_emitter_resolve(&emitter, &place, &error), MCV_OK);
+    assert_int_equal(mcv_emitter_resolve(NULL, &emitter, &place, &error), MCV_OK);
     assert_near(emitter.radiance[1], 5 / (M_PI * 0.01), 8, "radiance of a Lambert emitter");
 }
 

@@ -33,6 +33,8 @@ static const struct {
     uint32_t features;
 } element_headers[] = {
     {"emitters/parallel.h", BIT(PARALLEL)},
+    {"emitters/telecentric_projector.h", 0},
+    {"emitters/light_field.h", BIT(LIGHT_FIELD)},
     {"emitters/area.h", BIT(AREA)},
     {"emitters/environment.h", 0},
     {"materials/diffuse.h", BIT(DIFFUSE)},

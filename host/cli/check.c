@@ -69,6 +69,9 @@ static void report_parameters(mcv_report *report, mcv_param_table table, const v
         case MCV_PARAM_spectrum:
             mcv_report_spectrum(report, p->key, "", field);
             break;
+        case MCV_PARAM_flag:
+        case MCV_PARAM_image: /* of emitters only, which report_emitter describes */
+            break;
         case MCV_PARAM_choice:
             mcv_report_text(report, p->key, mcv_param_options(p->key)[*(const int *)field]);
             break;
@@ -106,29 +109,40 @@ static void report_sensor(mcv_report *report, const mcv_scene *scene, uint32_t i
     mcv_report_close(report);
 }
 
-static void report_radiometry(mcv_report *report, const char *key, const char *unit, const mcv_emitter *emitter, double factor) {
+static void report_radiometry(mcv_report *report, const char *key, const char *unit, const mcv_emitter *emitter, double factor,
+                              const double mean[3]) {
     const double *l = emitter->radiance;
-    mcv_report_spectrum(report, key, unit, (const double[]){factor * l[0], factor * l[1], factor * l[2]});
+    mcv_report_spectrum(report, key, unit, (const double[]){factor * mean[0] * l[0], factor * mean[1] * l[1], factor * mean[2] * l[2]});
 }
 
 static void report_emitter(mcv_report *report, const mcv_scene *scene, uint32_t index) {
     const mcv_emitter *emitter = scene->emitters + index;
-    const double projected = mcv_emitter_projected_solid_angle(emitter);
+    const double projected = mcv_emitter_projected_solid_angle(emitter), half_angle = mcv_emitter_half_angle(emitter);
+    double mean[3];
+    mcv_emitter own = *emitter;
+    mcv_emitter_image_mean(scene, emitter, mean);
     mcv_report_element(report, emitter->name, mcv_emitter_types[emitter->type]);
     if (emitter->instance != MCV_NONE) {
         const mcv_instance *instance = scene->instances + emitter->instance;
         mcv_report_text(report, "node", instance->name);
         report_place(report, &instance->to_world);
     }
-    if (emitter->type == MCV_EMITTER_PARALLEL) mcv_report_number(report, "halfAngle", "rad", emitter->as.parallel.halfAngle);
+    if (!isnan(half_angle)) mcv_report_number(report, "halfAngle", "rad", half_angle);
     mcv_report_number(report, "solid_angle", "sr", mcv_emitter_solid_angle(emitter));
-    report_radiometry(report, "radiance", "W/(m² sr)", emitter, 1);
-    report_radiometry(report, "exitance", "W/m²", emitter, projected);
+    report_radiometry(report, "radiance", "W/(m² sr)", emitter, 1, (const double[]){1, 1, 1});
+    report_radiometry(report, "exitance", "W/m²", emitter, projected, mean);
     if (emitter->instance != MCV_NONE) {
         mcv_report_number(report, "area", "m²", emitter->area);
-        report_radiometry(report, "power", "W", emitter, projected * emitter->area);
+        report_radiometry(report, "power", "W", emitter, projected * emitter->area, mean);
     }
-    if (emitter->texture != MCV_NONE) mcv_report_text(report, "texture", "an image lowers these values");
+    if (mcv_emitter_image(&own)) {
+        const mcv_texture *image = scene->textures + emitter->texture;
+        mcv_report_text(report, "image", image->name);
+        mcv_report_numbers(report, "pixels", "", " x ", (const double[]){image->width, image->height}, 2);
+        mcv_report_spectrum(report, "mean_of_image", "", mean);
+    } else if (emitter->texture != MCV_NONE) {
+        mcv_report_text(report, "texture", "an image lowers these values");
+    }
     mcv_report_close(report);
 }
 

@@ -5,6 +5,12 @@
 
 #include "reference/texture.h"
 
+/* Half-angle of the cone into which every point emits, or 0. */
+static double cone_of(const mcv_emitter *emitter) {
+    if (emitter->type == MCV_EMITTER_PARALLEL) return emitter->as.parallel.halfAngle;
+    return emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR ? emitter->as.telecentric_projector.halfAngle : 0;
+}
+
 static void triangle_of(const mcv_scene *scene, uint32_t instance, uint32_t local, ref_vec corner[3]) {
     double corners[3][3];
     mcv_scene_corners(scene, instance, local, corners);
@@ -25,7 +31,7 @@ static void find_cone(const mcv_scene *scene, const mcv_emitter *source, uint32_
         mcv_scene_vertex_normals(scene, source->instance, local, normals);
         for (int i = 0; i < 3; ++i) spread = fmax(spread, ref_angle(emitter->axis, ref_from(normals[i])));
     }
-    const double half_angle = source->as.parallel.halfAngle;
+    const double half_angle = cone_of(source);
     if (spread < half_angle && spread + half_angle < M_PI / 2) emitter->half_angle = spread + half_angle;
 }
 
@@ -44,7 +50,7 @@ static mcv_result emitter_new(const mcv_scene *scene, uint32_t index, ref_emitte
         emitter->centre = ref_add(emitter->centre, ref_scale(area / 3, ref_add(c[0], ref_add(c[1], c[2]))));
     }
     if (emitter->area > 0) emitter->centre = ref_scale(1 / emitter->area, emitter->centre);
-    if (source->type == MCV_EMITTER_PARALLEL) find_cone(scene, source, triangle_count, emitter);
+    if (cone_of(source) > 0) find_cone(scene, source, triangle_count, emitter);
     return MCV_OK;
 }
 
@@ -74,14 +80,45 @@ void ref_emitters_free(ref_emitters *emitters) {
     *emitters = (ref_emitters){0};
 }
 
+/* Which of `count` equal parts of [0, 1] holds the share. */
+static uint32_t part(double share, uint32_t count) { return (uint32_t)fmin(fmax(floor(share * count), 0), count - 1.0); }
+
+/*
+ * Multiplies the radiance by the image's value for a place on a rectangle and a direction, in the axes of the rectangle's node: shares of
+ * the width from the left edge, of the height from the upper one.
+ */
+static void show_image(const mcv_scene *scene, const mcv_emitter *emitter, const ref_surface *surface, ref_vec direction,
+                       double radiance[3]) {
+    const double *m = scene->instances[emitter->instance].to_world.m;
+    const ref_vec x = {m[0], m[3], m[6]}, y = {m[1], m[4], m[7]}, centre = {m[9], m[10], m[11]};
+    const ref_vec place = ref_sub(surface->position, centre);
+    const mcv_texture *image = &scene->textures[emitter->texture];
+    double rgb[3] = {0, 0, 0};
+    if (emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR) {
+        const mcv_telecentric_projector_params *p = &emitter->as.telecentric_projector;
+        const double right = ref_dot(place, x) / p->size[0] * (p->mirror ? -1 : 1), up = ref_dot(place, y) / p->size[1];
+        ref_texel(image, part(0.5 + right, image->width), part(0.5 - up, image->height), rgb);
+    } else {
+        const mcv_light_field_emitter_params *p = &emitter->as.light_field_emitter;
+        const uint32_t *macro = p->spatialResolution, *angular = p->angularResolution;
+        const double right = ref_dot(direction, x) / p->angularRange, up = ref_dot(direction, y) / p->angularRange;
+        const uint32_t column = part(0.5 + ref_dot(place, x) / p->size[0], macro[0]) * angular[0] + part((right + 1) / 2, angular[0]);
+        const uint32_t row = part(0.5 - ref_dot(place, y) / p->size[1], macro[1]) * angular[1] + part((1 - up) / 2, angular[1]);
+        if (fabs(right) <= 1 && fabs(up) <= 1) ref_texel(image, column, row, rgb);
+    }
+    for (int channel = 0; channel < 3; ++channel) radiance[channel] *= rgb[channel];
+}
+
 void ref_emitted(const mcv_scene *scene, const ref_surface *surface, ref_vec direction, double radiance[3]) {
     const uint32_t index = scene->instances[surface->instance].emitter;
     radiance[0] = radiance[1] = radiance[2] = 0;
     if (index == MCV_NONE || !(ref_dot(direction, surface->normal) > 0) || !(ref_dot(direction, surface->geometric) > 0)) return;
     const mcv_emitter *emitter = &scene->emitters[index];
-    if (emitter->type == MCV_EMITTER_PARALLEL && ref_angle(direction, surface->normal) > emitter->as.parallel.halfAngle) return;
-    ref_texture_lookup(scene, emitter->texture, surface->texcoord, radiance);
+    if (cone_of(emitter) > 0 && ref_angle(direction, surface->normal) > cone_of(emitter)) return;
+    const bool shows = emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR || emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER;
+    ref_texture_lookup(scene, shows ? MCV_NONE : emitter->texture, surface->texcoord, radiance);
     for (int channel = 0; channel < 3; ++channel) radiance[channel] *= emitter->radiance[channel];
+    if (shows) show_image(scene, emitter, surface, direction, radiance);
 }
 
 /* Whether the cone is the smaller target: its solid angle against the emitter's, were it seen face on. */

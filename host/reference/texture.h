@@ -10,4 +10,7 @@
  */
 void ref_texture_lookup(const mcv_scene *scene, uint32_t texture, const double texcoord[2], double rgb[3]);
 
+/* Linear R, G, B of one texel. */
+void ref_texel(const mcv_texture *texture, uint32_t column, uint32_t row, double rgb[3]);
+
 #endif

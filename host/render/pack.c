@@ -266,14 +266,12 @@ static mcv_device_material pack_material(const mcv_material *material) {
     return out;
 }
 
-static float decode_srgb(unsigned byte) {
-    const double v = byte / 255.0;
-    return (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
-}
+/* Words of device memory per texel. */
+static size_t texel_words(const mcv_texture *texture) { return texture->linear ? 3 : 1; }
 
 static void pack_textures(const mcv_scene *scene, mcv_packed *packed) {
     size_t next = 256;
-    for (unsigned i = 0; i < 256; ++i) packed->texels[i] = as_uint(decode_srgb(i));
+    for (unsigned i = 0; i < 256; ++i) packed->texels[i] = as_uint((float)mcv_srgb_decode((uint8_t)i));
     for (uint32_t i = 0; i < scene->texture_count; ++i) {
         const mcv_texture *texture = &scene->textures[i];
         packed->textures[i] = (mcv_device_texture){.width = texture->width,
@@ -281,8 +279,11 @@ static void pack_textures(const mcv_scene *scene, mcv_packed *packed) {
                                                    .first = (uint32_t)next,
                                                    .wrap_s = texture->wrap_s,
                                                    .wrap_t = texture->wrap_t,
-                                                   .nearest = texture->nearest};
-        for (size_t k = 0; k < (size_t)texture->width * texture->height; ++k, ++next) {
+                                                   .nearest = texture->nearest,
+                                                   .linear = texture->linear != NULL};
+        const size_t texels = (size_t)texture->width * texture->height;
+        for (size_t k = 0; texture->linear && k < 3 * texels; ++k, ++next) packed->texels[next] = as_uint(texture->linear[k]);
+        for (size_t k = 0; texture->rgba && k < texels; ++k, ++next) {
             const uint8_t *rgba = texture->rgba + 4 * k;
             packed->texels[next] = rgba[0] | (uint32_t)rgba[1] << 8 | (uint32_t)rgba[2] << 16 | (uint32_t)rgba[3] << 24;
         }
@@ -316,8 +317,10 @@ static double triangle_area(const mcv_scene *scene, uint32_t instance, uint32_t 
 }
 
 /* Over all channels. */
-static double emitter_power(const mcv_emitter *emitter) {
-    return (emitter->radiance[0] + emitter->radiance[1] + emitter->radiance[2]) * emitter->area *
+static double emitter_power(const mcv_scene *scene, const mcv_emitter *emitter) {
+    double mean[3];
+    mcv_emitter_image_mean(scene, emitter, mean);
+    return (emitter->radiance[0] * mean[0] + emitter->radiance[1] * mean[1] + emitter->radiance[2] * mean[2]) * emitter->area *
            mcv_emitter_projected_solid_angle(emitter);
 }
 
@@ -339,7 +342,8 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
         if (from->type == MCV_EMITTER_ENVIRONMENT) continue;
         const uint32_t triangles = scene->meshes[scene->instances[from->instance].mesh].triangle_count;
         mcv_device_emitter *to = &packed->emitters[count];
-        *to = (mcv_device_emitter){.type = from->type,
+        const bool cone = !isnan(mcv_emitter_half_angle(from));
+        *to = (mcv_device_emitter){.type = cone ? MCV_EMITTER_PARALLEL : from->type,
                                    .instance = from->instance,
                                    .texture = from->texture,
                                    .cdf = (uint32_t)next,
@@ -349,10 +353,11 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
         for (uint32_t t = 0; t < triangles; ++t) areas[t] = triangle_area(scene, from->instance, t);
         write_cdf(cdf + next, triangles, areas);
         next += triangles + 1;
-        if (from->type == MCV_EMITTER_PARALLEL) mcv_parallel_prepare(scene, i, &to->parallel);
+        if (cone) mcv_parallel_prepare(scene, i, &to->parallel);
+        if (from->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) mcv_light_field_emitter_prepare(scene, i, &to->light_field);
         find_middle(packed, from->instance, to->middle);
         packed->instances[from->instance].emitter = count;
-        powers[count++] = emitter_power(from);
+        powers[count++] = emitter_power(scene, from);
     }
     if (!failed) {
         const double total = write_cdf(cdf, count, powers);
@@ -388,12 +393,13 @@ static uint32_t find_features(const mcv_scene *scene) {
     }
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
         const mcv_emitter *emitter = &scene->emitters[i];
-        features |= feature(MCV_FEATURE_PARALLEL, emitter->type == MCV_EMITTER_PARALLEL) |
+        features |= feature(MCV_FEATURE_PARALLEL, !isnan(mcv_emitter_half_angle(emitter))) |
+                    feature(MCV_FEATURE_LIGHT_FIELD, emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) |
                     feature(MCV_FEATURE_AREA, emitter->type == MCV_EMITTER_AREA) |
                     feature(MCV_FEATURE_ENVIRONMENT, emitter->type == MCV_EMITTER_ENVIRONMENT) |
                     feature(MCV_FEATURE_TEXTURE, emitter->texture != MCV_NONE);
     }
-    const uint32_t surfaces = 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_AREA;
+    const uint32_t surfaces = 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_LIGHT_FIELD | 1u << MCV_FEATURE_AREA;
     return features | feature(MCV_FEATURE_NEXT_EVENT, (features >> MCV_FEATURE_DIFFUSE & 1) && (features & surfaces)) |
            feature(MCV_FEATURE_INTERLEAVE, (features >> MCV_FEATURE_DIFFUSE & 1) && scene->triangle_count >= MANY_TRIANGLES);
 }
@@ -420,7 +426,10 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error
     packed->material_count = scene->material_count;
     packed->texture_count = scene->texture_count;
     packed->texel_count = 256;
-    for (uint32_t i = 0; i < scene->texture_count; ++i) packed->texel_count += (size_t)scene->textures[i].width * scene->textures[i].height;
+    for (uint32_t i = 0; i < scene->texture_count; ++i) {
+        const mcv_texture *texture = &scene->textures[i];
+        packed->texel_count += texel_words(texture) * texture->width * texture->height;
+    }
     packed->cdf_count = 1;
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
         const mcv_emitter *emitter = &scene->emitters[i];

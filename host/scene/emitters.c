@@ -3,44 +3,128 @@
 
 #include "scene/params.h"
 
+double mcv_emitter_half_angle(const mcv_emitter *emitter) {
+    if (emitter->type == MCV_EMITTER_PARALLEL) return emitter->as.parallel.halfAngle;
+    if (emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR) return emitter->as.telecentric_projector.halfAngle;
+    return (double)NAN;
+}
+
 mcv_result mcv_emitter_check(const mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
-    if (emitter->type == MCV_EMITTER_PARALLEL && emitter->as.parallel.halfAngle == 0) {
+    if (mcv_emitter_half_angle(emitter) == 0) {
         const mcv_place here = mcv_place_key(place, "halfAngle");
         return mcv_fail_at(&here, error, "0 would be a collimated beam, which no ray of sight can meet by chance: give an angle above 0");
     }
     return mcv_params_check(mcv_emitter_table(emitter->type), &emitter->as, place, error);
 }
 
-double *mcv_emitter_parameter(mcv_emitter *emitter, const char *key) {
+static void *parameter(mcv_emitter *emitter, const char *key) {
     const mcv_param_table table = mcv_emitter_table(emitter->type);
     for (size_t i = 0; i < table.count; ++i)
-        if (strcmp(table.params[i].key, key) == 0) return (double *)(void *)((char *)&emitter->as + table.params[i].offset);
+        if (strcmp(table.params[i].key, key) == 0) return (char *)&emitter->as + table.params[i].offset;
     return NULL;
+}
+
+double *mcv_emitter_parameter(mcv_emitter *emitter, const char *key) { return parameter(emitter, key); }
+
+uint32_t *mcv_emitter_image(mcv_emitter *emitter) { return parameter(emitter, "image"); }
+
+mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+    mcv_emitter own = *emitter;
+    const uint32_t *image = mcv_emitter_image(&own);
+    const mcv_place here = mcv_place_key(place, "image");
+    if (!image) return MCV_OK;
+    if (*image >= scene->texture_count) return mcv_fail_at(&here, error, "texture %u does not exist", *image);
+    const mcv_mesh *mesh = scene->meshes + scene->instances[emitter->instance].mesh;
+    if (mesh->triangle_count != 2 || !mesh->texcoords)
+        return mcv_fail_at(place, error, "an image must lie on a rectangle of two triangles with texture coordinates");
+    if (emitter->type != MCV_EMITTER_LIGHT_FIELD_EMITTER) return MCV_OK;
+    const mcv_light_field_emitter_params *p = &emitter->as.light_field_emitter;
+    const mcv_texture *texture = scene->textures + *image;
+    const uint64_t width = (uint64_t)p->spatialResolution[0] * p->angularResolution[0];
+    const uint64_t height = (uint64_t)p->spatialResolution[1] * p->angularResolution[1];
+    if (texture->width == width && texture->height == height) return MCV_OK;
+    return mcv_fail_at(&here, error, "has %u x %u pixels, but must have %llu x %llu: spatial times angular resolution", texture->width,
+                       texture->height, (unsigned long long)width, (unsigned long long)height);
+}
+
+/* Area of the unit disk between its centre and (x, y), with the sign of x y; |x|, |y| <= 1. */
+static double disk_share(double x, double y) {
+    const double a = fabs(x), b = fabs(y), edge = sqrt(1 - b * b); /* where the disk's edge meets y = b */
+    if (a <= edge) return x * y;
+    const double segment = 0.5 * (a * sqrt(1 - a * a) + asin(a) - edge * b - asin(edge)); /* below the edge, from there to a */
+    return copysign(edge * b + segment, x * y);
+}
+
+/* Projected solid angle [sr] of the directions of a light field's angular pixel: its area within the unit disk. */
+static double direction_share(const mcv_light_field_emitter_params *p, uint32_t column, uint32_t row) {
+    const double j = p->angularResolution[0], k = p->angularResolution[1], a = p->angularRange;
+    const double x0 = a * (2 * column / j - 1), x1 = a * (2 * (column + 1) / j - 1);
+    const double y0 = a * (2 * row / k - 1), y1 = a * (2 * (row + 1) / k - 1);
+    return disk_share(x1, y1) - disk_share(x0, y1) - disk_share(x1, y0) + disk_share(x0, y0);
+}
+
+void mcv_emitter_image_mean(const mcv_scene *scene, const mcv_emitter *emitter, double mean[3]) {
+    mcv_emitter own = *emitter;
+    const bool light_field = emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER;
+    double sum[3] = {0, 0, 0}, total = 0;
+    for (int i = 0; i < 3; ++i) mean[i] = 1;
+    if (!mcv_emitter_image(&own) || emitter->texture == MCV_NONE) return;
+    const mcv_texture *texture = scene->textures + emitter->texture;
+    for (uint32_t row = 0; row < texture->height; ++row)
+        for (uint32_t column = 0; column < texture->width; ++column) {
+            const mcv_light_field_emitter_params *p = &emitter->as.light_field_emitter;
+            const double weight = light_field ? direction_share(p, column % p->angularResolution[0], row % p->angularResolution[1]) : 1;
+            double rgb[3];
+            mcv_texture_texel(texture, column, row, rgb);
+            for (int i = 0; i < 3; ++i) sum[i] += weight * rgb[i];
+            total += weight;
+        }
+    for (int i = 0; i < 3; ++i) mean[i] = sum[i] / total;
 }
 
 double mcv_emitter_solid_angle(const mcv_emitter *emitter) {
     if (emitter->type == MCV_EMITTER_AREA) return 2 * M_PI;
     if (emitter->type == MCV_EMITTER_ENVIRONMENT) return 4 * M_PI;
-    const double s = sin(emitter->as.parallel.halfAngle / 2);
+    if (emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) {
+        const double a = emitter->as.light_field_emitter.angularRange;
+        /* The hemisphere without four caps, which no longer meet from a = sin 45° on. */
+        if (2 * a * a >= 1) return 2 * M_PI - 4 * M_PI * (1 - a);
+        return 8 * a * asin(a / sqrt(1 - a * a)) - 4 * atan(a * a / sqrt(1 - 2 * a * a));
+    }
+    const double s = sin(mcv_emitter_half_angle(emitter) / 2);
     return 4 * M_PI * s * s;
 }
 
 double mcv_emitter_projected_solid_angle(const mcv_emitter *emitter) {
-    if (emitter->type != MCV_EMITTER_PARALLEL) return M_PI;
-    const double s = sin(emitter->as.parallel.halfAngle);
-    return M_PI * s * s;
+    if (emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) {
+        const double a = emitter->as.light_field_emitter.angularRange;
+        return 4 * disk_share(a, a);
+    }
+    const double beta = mcv_emitter_half_angle(emitter);
+    return isnan(beta) ? M_PI : M_PI * sin(beta) * sin(beta);
 }
 
-mcv_result mcv_emitter_resolve(mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
     const double *radiance = mcv_emitter_parameter(emitter, "radiance");
     const double *power = mcv_emitter_parameter(emitter, "power");
     const bool has_power = power && !isnan(power[0]);
     if (isnan(radiance[0]) && !has_power) return mcv_fail_at(place, error, "needs radiance [W/(m² sr)] or power [W]");
     if (!isnan(radiance[0]) && has_power)
         return mcv_fail_at(place, error, "has both radiance %g and power %g: give one, the other follows", radiance[0], power[0]);
-    for (int i = 0; i < 3; ++i)
-        emitter->radiance[i] = has_power ? power[i] / (mcv_emitter_projected_solid_angle(emitter) * emitter->area) : radiance[i];
-    if (!has_power || isfinite(emitter->radiance[0] + emitter->radiance[1] + emitter->radiance[2])) return MCV_OK;
+    if (!has_power) {
+        memcpy(emitter->radiance, radiance, sizeof emitter->radiance);
+        return MCV_OK;
+    }
+    double mean[3];
+    mcv_emitter_image_mean(scene, emitter, mean);
+    for (int i = 0; i < 3; ++i) {
+        if (power[i] > 0 && mean[i] == 0)
+            return mcv_fail_at(place, error,
+                               "its image is black in channel %c, so that no radiance gives a power of %g W there: give radiance", "RGB"[i],
+                               power[i]);
+        emitter->radiance[i] = power[i] > 0 ? power[i] / (mcv_emitter_projected_solid_angle(emitter) * emitter->area * mean[i]) : 0;
+    }
+    if (isfinite(emitter->radiance[0] + emitter->radiance[1] + emitter->radiance[2])) return MCV_OK;
     return mcv_fail_at(place, error, "an area of %g m² with this cone is too small for a power of %g W", emitter->area, power[0]);
 }
 
@@ -60,7 +144,7 @@ static bool common_normal(const mcv_scene *scene, uint32_t instance, double norm
 
 void mcv_parallel_prepare(const mcv_scene *scene, uint32_t index, mcv_parallel *device) {
     const mcv_emitter *emitter = scene->emitters + index;
-    const double beta = emitter->as.parallel.halfAngle;
+    const double beta = mcv_emitter_half_angle(emitter);
     double axis[3] = {0, 0, 0};
     const bool common = common_normal(scene, emitter->instance, axis);
     *device = (mcv_parallel){
@@ -70,4 +154,17 @@ void mcv_parallel_prepare(const mcv_scene *scene, uint32_t index, mcv_parallel *
         .from_receiver = common && beta <= M_PI / 6,
         .axis = {(float)axis[0], (float)axis[1], (float)axis[2]},
     };
+}
+
+void mcv_light_field_emitter_prepare(const mcv_scene *scene, uint32_t index, mcv_light_field_emitter *device) {
+    const mcv_light_field_emitter_params *p = &scene->emitters[index].as.light_field_emitter;
+    const double *m = scene->instances[scene->emitters[index].instance].to_world.m;
+    *device = (mcv_light_field_emitter){.macro_width = p->spatialResolution[0],
+                                        .macro_height = p->spatialResolution[1],
+                                        .angular_width = p->angularResolution[0],
+                                        .angular_height = p->angularResolution[1]};
+    for (int i = 0; i < 3; ++i) {
+        device->x[i] = (float)(m[3 * i] / p->angularRange);
+        device->y[i] = (float)(m[3 * i + 1] / p->angularRange);
+    }
 }

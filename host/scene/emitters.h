@@ -9,22 +9,41 @@
 /* Checks parameters by the table; names the collimated beam where a cone's half-angle is 0. */
 mcv_result mcv_emitter_check(const mcv_emitter *emitter, const mcv_place *place, mcv_error *error);
 
-/* emitter->radiance from its parameters and its area: exactly one of radiance and power must be given. */
-mcv_result mcv_emitter_resolve(mcv_emitter *emitter, const mcv_place *place, mcv_error *error);
+/* Does the parameter `image` fit: a texture of the scene on a rectangle, M·J x N·K pixels for a light field? */
+mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_place *place, mcv_error *error);
+
+/* emitter->radiance from its parameters, area and image: exactly one of radiance and power must be given. */
+mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter, const mcv_place *place, mcv_error *error);
 
 /* The member `radiance`, `power` or `size` of the parameters, or NULL where this type has none. */
 double *mcv_emitter_parameter(mcv_emitter *emitter, const char *key);
 
-/* Solid angle of the emission cone [sr]: 4π sin²(β/2), 2π for area; 4π for the environment. */
+/* The parameter `image`, or NULL where this type has none. */
+uint32_t *mcv_emitter_image(mcv_emitter *emitter);
+
+/* Half-angle β of its emission cone [rad]; NaN where the type has none. */
+double mcv_emitter_half_angle(const mcv_emitter *emitter);
+
+/*
+ * The mean of its image per channel, each pixel weighed by the power it sends at equal radiance; 1 without `image` (an emissive texture
+ * is left out: how it lies on its mesh is not looked at).
+ */
+void mcv_emitter_image_mean(const mcv_scene *scene, const mcv_emitter *emitter, double mean[3]);
+
+/* Solid angle into which it emits [sr]: 4π sin²(β/2) for a cone, 2π for area, 4π for the environment, less than 2π for a light field. */
 double mcv_emitter_solid_angle(const mcv_emitter *emitter);
 
-/* Exitance over radiance [sr]: π sin²β for parallel, π for area and environment. Power = radiance x this x area. */
+/*
+ * Exitance over radiance [sr]: π sin²β for a cone, π for area and environment, the area of the square |x|, |y| <= a in the unit disk
+ * for a light field. Power = radiance x image mean x this x area.
+ */
 double mcv_emitter_projected_solid_angle(const mcv_emitter *emitter);
 
 /*
- * The device struct of emitters[index]. A cone of up to 30° about one common normal is sampled from the receiver: a wider
- * one looks like a hemisphere, where sampling by area is as good.
+ * The device struct of emitters[index]; the projector's is that of the parallel emitter. A cone of up to 30° about one common normal is
+ * sampled from the receiver: a wider one looks like a hemisphere, where sampling by area is as good.
  */
 void mcv_parallel_prepare(const mcv_scene *scene, uint32_t index, mcv_parallel *device);
+void mcv_light_field_emitter_prepare(const mcv_scene *scene, uint32_t index, mcv_light_field_emitter *device);
 
 #endif

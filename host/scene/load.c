@@ -263,6 +263,7 @@ mcv_result mcv_load_open(mcv_loader *loader, mcv_overrides overrides, mcv_error 
     if (!loader->is_asset) MCV_TRY(mcv_load_definitions(loader, error));
     MCV_TRY(open_data(loader, error));
     MCV_TRY(mcv_load_materials(loader, error));
+    MCV_TRY(mcv_load_emitter_images(loader, error));
     MCV_TRY(mcv_load_assets(loader, error));
     return warn_ignored(loader, error);
 }

@@ -51,6 +51,13 @@ mcv_result mcv_load_materials(mcv_loader *loader, mcv_error *error);
 mcv_result mcv_load_plain(mcv_loader *loader, uint32_t *material, mcv_error *error);
 mcv_result mcv_load_absorber(mcv_loader *loader, uint32_t *material, mcv_error *error);
 
+/* The tinygltf slot of images[source], which is read from now on; *count slots are taken. */
+mcv_result mcv_load_need_image(mcv_loader *loader, uint32_t source, uint32_t *count, mcv_error *error);
+
+/* load_images.c: marks the images that emitters project as needed; then makes textures of them and sets `image` in loader->emitters. */
+mcv_result mcv_load_needed_emitter_images(mcv_loader *loader, uint32_t *count, mcv_error *error);
+mcv_result mcv_load_emitter_images(mcv_loader *loader, mcv_error *error);
+
 /* load_meshes.c: the primitives of meshes[index], read when first asked for. */
 mcv_result mcv_load_mesh(mcv_loader *loader, uint32_t index, mcv_error *error);
 

@@ -45,7 +45,8 @@ static mcv_result define_sensor(const json_t *object, mcv_sensor *sensor, const 
     return mcv_sensor_resolve(sensor, place, error);
 }
 
-static mcv_result define_emitter(const json_t *object, mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+static mcv_result define_emitter(const mcv_scene *scene, const json_t *object, mcv_emitter *emitter, const mcv_place *place,
+                                 mcv_error *error) {
     MCV_TRY(mcv_element_type(object, mcv_emitter_types, MCV_EMITTER_COUNT, &emitter->type, place, error));
     const mcv_param_table table = mcv_emitter_table(emitter->type);
     mcv_params_set_defaults(table, &emitter->as);
@@ -54,7 +55,7 @@ static mcv_result define_emitter(const json_t *object, mcv_emitter *emitter, con
     emitter->texture = MCV_NONE;
     emitter->area = 1; /* of no account yet: only that radiance or power is given */
     MCV_TRY(mcv_emitter_check(emitter, place, error));
-    return mcv_emitter_resolve(emitter, place, error);
+    return mcv_emitter_resolve(scene, emitter, place, error);
 }
 
 mcv_result mcv_load_definitions(mcv_loader *loader, mcv_error *error) {
@@ -78,7 +79,7 @@ mcv_result mcv_load_definitions(mcv_loader *loader, mcv_error *error) {
     for (size_t i = 0; i < loader->emitter_count; ++i) {
         const json_t *object = json_array_get(emitters, i);
         const mcv_place here = mcv_place_element(&emitters_place, mcv_json_name(object), i);
-        MCV_TRY(define_emitter(object, loader->emitters + i, &here, error));
+        MCV_TRY(define_emitter(loader->scene, object, loader->emitters + i, &here, error));
     }
     return MCV_OK;
 }
@@ -100,13 +101,19 @@ mcv_result mcv_load_reference(const json_t *node, const char *extension, const c
 
 /* --- emitters --------------------------------------------------------------------------------------------------- */
 
-/* Two triangles in the node's xy plane that face -z, where the emitter looks; as large as `size` says, whatever the node's scale. */
-static mcv_result add_rectangle(mcv_loader *loader, const char *name, const double size[2], const mcv_transform *to_world,
+/*
+ * Two triangles in the node's xy plane that face -z, where the emitter looks; as large as `size` says, whatever the node's scale. An
+ * image's upper left corner lies at -x, +y, or mirrored at +x, +y.
+ */
+static mcv_result add_rectangle(mcv_loader *loader, const char *name, const double size[2], bool mirror, const mcv_transform *to_world,
                                 const mcv_place *place, mcv_error *error) {
     const float x = (float)(size[0] / 2), y = (float)(size[1] / 2);
     float positions[] = {-x, -y, 0, x, -y, 0, x, y, 0, -x, y, 0};
+    const float left = mirror ? 1 : 0;
+    float texcoords[] = {left, 1, 1 - left, 1, 1 - left, 0, left, 0};
     uint32_t indices[] = {0, 2, 1, 0, 3, 2};
-    const mcv_mesh mesh = {.name = (char *)name, .vertex_count = 4, .triangle_count = 2, .positions = positions, .indices = indices};
+    const mcv_mesh mesh = {
+        .name = (char *)name, .vertex_count = 4, .triangle_count = 2, .positions = positions, .texcoords = texcoords, .indices = indices};
     mcv_instance instance = {.name = (char *)name, .mesh = loader->scene->mesh_count};
     if (!mcv_transform_rigid(to_world, &instance.to_world)) return mcv_fail_at(place, error, "its scale must not be 0");
     MCV_TRY(mcv_load_absorber(loader, &instance.material, error));
@@ -168,7 +175,8 @@ mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_tr
     if (!json_object_get(node, "mesh")) {
         if (!rectangle)
             return mcv_fail_at(&here, error, "needs size, because its node \"%s\" has no mesh to emit from", mcv_json_name(node));
-        MCV_TRY(add_rectangle(loader, mcv_json_name(node), size, to_world, place, error));
+        const bool mirror = emitter.type == MCV_EMITTER_TELECENTRIC_PROJECTOR && emitter.as.telecentric_projector.mirror;
+        MCV_TRY(add_rectangle(loader, mcv_json_name(node), size, mirror, to_world, place, error));
         last = first + 1;
     }
     if (first == last) return mcv_fail_at(&here, error, "the mesh of its node \"%s\" has no triangles to emit from", mcv_json_name(node));

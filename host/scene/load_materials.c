@@ -38,6 +38,13 @@ static mcv_result check_image_data(const mcv_loader *loader, uint32_t source, mc
     return mcv_fail_at(&here, error, "buffer %zu has no data: give it a uri", index);
 }
 
+mcv_result mcv_load_need_image(mcv_loader *loader, uint32_t source, uint32_t *count, mcv_error *error) {
+    if (loader->images[source] != MCV_NONE) return MCV_OK;
+    MCV_TRY(check_image_data(loader, source, error));
+    loader->images[source] = (*count)++;
+    return MCV_OK;
+}
+
 mcv_result mcv_load_needed_images(mcv_loader *loader, uint32_t *count, mcv_error *error) {
     const json_t *materials = json_object_get(loader->root, "materials");
     const mcv_place place = mcv_place_key(&loader->file, "materials");
@@ -62,12 +69,10 @@ mcv_result mcv_load_needed_images(mcv_loader *loader, uint32_t *count, mcv_error
         for (size_t k = 0; k < sizeof textures / sizeof textures[0]; ++k) {
             uint32_t texture, source;
             MCV_TRY(texture_source(loader, textures[k].part, textures[k].key, &texture, &source, textures[k].place, error));
-            if (!textures[k].needed || source == MCV_NONE || loader->images[source] != MCV_NONE) continue;
-            MCV_TRY(check_image_data(loader, source, error));
-            loader->images[source] = (*count)++;
+            if (textures[k].needed && source != MCV_NONE) MCV_TRY(mcv_load_need_image(loader, source, count, error));
         }
     }
-    return MCV_OK;
+    return mcv_load_needed_emitter_images(loader, count, error);
 }
 
 /* The scene's number of a texture; reads it when first asked for. */

@@ -48,7 +48,8 @@ static size_t components(mcv_param_kind kind) {
 static double get(const mcv_param *param, const void *params, size_t i) {
     const char *field = (const char *)params + param->offset;
     if (param->kind == MCV_PARAM_int2) return ((const uint32_t *)(const void *)field)[i];
-    if (param->kind == MCV_PARAM_choice) return *(const int *)(const void *)field;
+    if (param->kind == MCV_PARAM_image) return *(const uint32_t *)(const void *)field;
+    if (param->kind == MCV_PARAM_choice || param->kind == MCV_PARAM_flag) return *(const int *)(const void *)field;
     return ((const double *)(const void *)field)[i];
 }
 
@@ -56,7 +57,9 @@ static void set(const mcv_param *param, void *params, size_t i, double value) {
     char *field = (char *)params + param->offset;
     if (param->kind == MCV_PARAM_int2)
         ((uint32_t *)(void *)field)[i] = (uint32_t)value;
-    else if (param->kind == MCV_PARAM_choice)
+    else if (param->kind == MCV_PARAM_image)
+        *(uint32_t *)(void *)field = (uint32_t)value;
+    else if (param->kind == MCV_PARAM_choice || param->kind == MCV_PARAM_flag)
         *(int *)(void *)field = (int)value;
     else
         ((double *)(void *)field)[i] = value;
@@ -67,14 +70,15 @@ void mcv_params_set_defaults(mcv_param_table table, void *params) {
     for (size_t i = 0; i < table.count; ++i) {
         const mcv_param *param = table.params + i;
         const bool given = param->default_value != MCV_REQUIRED && param->default_value != MCV_UNSET;
-        const double value = given ? param->default_value : param->kind == MCV_PARAM_int2 ? 0 : (double)NAN;
+        const double none = param->kind == MCV_PARAM_int2 ? 0 : param->kind == MCV_PARAM_image ? MCV_NONE : (double)NAN;
+        const double value = given ? param->default_value : none;
         for (size_t j = 0; j < components(param->kind); ++j) set(param, params, j, value);
     }
 }
 
 bool mcv_param_unset(const mcv_param *param, const void *params) {
     const double first = get(param, params, 0);
-    return param->kind == MCV_PARAM_int2 ? first == 0 : param->kind != MCV_PARAM_choice && isnan(first);
+    return param->kind == MCV_PARAM_int2 ? first == 0 : param->kind == MCV_PARAM_image ? first == MCV_NONE : isnan(first);
 }
 
 bool mcv_parse_quantity(const char *text, mcv_param_kind kind, double *value) {
@@ -148,8 +152,24 @@ static mcv_result parse_choice(const mcv_param *param, const json_t *value, void
     return text ? mcv_fail_at(place, error, "\"%s\" must be %s", text, list) : mcv_fail_at(place, error, "must be %s", list);
 }
 
+/* Which image it is only the loader can tell (load_images.c); here it is only marked as given. */
+static mcv_result parse_image(const mcv_param *param, const json_t *value, void *params, const mcv_place *place, mcv_error *error) {
+    if (!json_is_integer(value) && !json_is_string(value) && !json_is_object(value))
+        return mcv_fail_at(place, error, "must be the index or the name of one of the file's images, or {\"uri\": FILE.exr}");
+    set(param, params, 0, 0);
+    return MCV_OK;
+}
+
+static mcv_result parse_flag(const mcv_param *param, const json_t *value, void *params, const mcv_place *place, mcv_error *error) {
+    if (!json_is_boolean(value)) return mcv_fail_at(place, error, "must be true or false");
+    set(param, params, 0, json_is_true(value));
+    return MCV_OK;
+}
+
 static mcv_result parse_value(const mcv_param *param, const json_t *value, void *params, const mcv_place *place, mcv_error *error) {
     if (param->kind == MCV_PARAM_choice) return parse_choice(param, value, params, place, error);
+    if (param->kind == MCV_PARAM_image) return parse_image(param, value, params, place, error);
+    if (param->kind == MCV_PARAM_flag) return parse_flag(param, value, params, place, error);
     const size_t n = components(param->kind);
     if (json_is_array(value) && (n == 1 || json_array_size(value) != n)) {
         if (n == 1) return mcv_fail_at(place, error, "must be %s, not an array", example(param->kind));

@@ -24,6 +24,7 @@ void mcv_scene_free(mcv_scene *scene) {
     for (uint32_t i = 0; i < scene->texture_count; ++i) {
         free(scene->textures[i].name);
         free(scene->textures[i].rgba);
+        free(scene->textures[i].linear);
     }
     for (uint32_t i = 0; i < scene->material_count; ++i) free(scene->materials[i].name);
     for (uint32_t i = 0; i < scene->mesh_count; ++i) mcv_mesh_free(scene->meshes + i);
@@ -92,20 +93,24 @@ mcv_result mcv_scene_take_texture(mcv_scene *scene, mcv_texture *texture, mcv_er
     if (append(&scene->textures, &scene->texture_count, texture, sizeof *texture)) return MCV_OK;
     free(texture->name);
     free(texture->rgba);
+    free(texture->linear);
     return mcv_fail_memory(&file, error);
 }
 
 mcv_result mcv_scene_add_texture(mcv_scene *scene, const mcv_texture *texture, mcv_error *error) {
     element_place place;
     const mcv_place *here = place_element(&place, scene, "textures", texture->name, scene->texture_count);
-    if (texture->width == 0 || texture->height == 0 || !texture->rgba) return mcv_fail_at(here, error, "must have pixels");
+    if (texture->width == 0 || texture->height == 0 || !texture->rgba == !texture->linear)
+        return mcv_fail_at(here, error, "must have pixels");
     bool failed = false;
     mcv_texture own = *texture;
     own.name = copy_name(texture->name, &failed);
     own.rgba = copy(texture->rgba, 4 * (size_t)texture->width * texture->height, &failed);
+    own.linear = copy(texture->linear, 3 * sizeof(float) * texture->width * texture->height, &failed);
     if (!failed) return mcv_scene_take_texture(scene, &own, error);
     free(own.name);
     free(own.rgba);
+    free(own.linear);
     return mcv_fail_memory(here, error);
 }
 
@@ -201,7 +206,9 @@ mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, m
     mcv_emitter own = *emitter;
     MCV_TRY(mcv_emitter_check(&own, here, error));
     MCV_TRY(check_emitter_instance(scene, &own, here, error));
-    MCV_TRY(mcv_emitter_resolve(&own, here, error));
+    MCV_TRY(mcv_emitter_check_image(scene, &own, here, error));
+    if (mcv_emitter_image(&own)) own.texture = *mcv_emitter_image(&own);
+    MCV_TRY(mcv_emitter_resolve(scene, &own, here, error));
     bool failed = false;
     own.name = copy_name(emitter->name, &failed);
     if (!failed && append(&scene->emitters, &scene->emitter_count, &own, sizeof own)) {
@@ -257,7 +264,9 @@ uint32_t mcv_scene_channels(const mcv_scene *scene) {
     for (uint32_t i = 0; i < scene->texture_count; ++i) {
         const mcv_texture *texture = scene->textures + i;
         const size_t pixels = (size_t)texture->width * texture->height;
-        for (const uint8_t *p = texture->rgba; p < texture->rgba + 4 * pixels; p += 4)
+        for (const uint8_t *p = texture->rgba; p && p < texture->rgba + 4 * pixels; p += 4)
+            if (p[0] != p[1] || p[1] != p[2]) return 3;
+        for (const float *p = texture->linear; p && p < texture->linear + 3 * pixels; p += 3)
             if (p[0] != p[1] || p[1] != p[2]) return 3;
     }
     return 1;

@@ -15,7 +15,9 @@
 
 #include "mcvisi/emitters/area.h"
 #include "mcvisi/emitters/environment.h"
+#include "mcvisi/emitters/light_field.h"
 #include "mcvisi/emitters/parallel.h"
+#include "mcvisi/emitters/telecentric_projector.h"
 #include "mcvisi/materials/absorber.h"
 #include "mcvisi/materials/dielectric.h"
 #include "mcvisi/materials/diffuse.h"
@@ -41,13 +43,14 @@ typedef struct mcv_transform {
     double m[12];
 } mcv_transform;
 
-/* An 8-bit image, row 0 on top, RGBA; values are sRGB-encoded (glTF base colour and emissive textures). */
+/* An image, row 0 on top: 8-bit RGBA whose values are sRGB-encoded (glTF), or linear values (OpenEXR). */
 typedef struct mcv_texture {
     char *name;
     uint32_t width, height;
     uint32_t wrap_s, wrap_t; /* glTF: 10497 repeat, 33071 clamp to edge, 33648 mirrored repeat */
     bool nearest;            /* magnification filter; otherwise bilinear */
-    uint8_t *rgba;
+    uint8_t *rgba;           /* or NULL: then linear */
+    float *linear;           /* R G B, finite, 0 or more */
 } mcv_texture;
 
 typedef struct mcv_material {
@@ -85,7 +88,7 @@ typedef struct mcv_emitter {
     char *name;
     uint32_t type;      /* MCV_EMITTER_… */
     uint32_t instance;  /* whose triangles emit, or MCV_NONE for the environment */
-    uint32_t texture;   /* multiplies the radiance (glTF emissive texture), or MCV_NONE */
+    uint32_t texture;   /* multiplies the radiance (glTF emissive texture, parameter `image`), or MCV_NONE */
     double radiance[3]; /* resolved from radiance or power [W/(m² sr)] */
     double area;        /* of the instance in the world [m²]; 0 for the environment */
     union {
@@ -135,7 +138,8 @@ mcv_scene *mcv_scene_new(const char *path);
 
 /*
  * Each copies its argument (arrays, names and all) and appends it; the new element has the index count - 1.
- * add_instance sets first_triangle and triangle_count; add_emitter sets area, resolves radiance or power and marks its instance;
+ * add_instance sets first_triangle and triangle_count; add_emitter sets area, resolves radiance or power, takes texture from the
+ * parameter `image` where it has one, and marks its instance;
  * add_sensor resolves the parameters. Bad values fail as they would from a file.
  */
 mcv_result mcv_scene_add_texture(mcv_scene *scene, const mcv_texture *texture, mcv_error *error);
@@ -159,6 +163,12 @@ void mcv_params_set_defaults(mcv_param_table table, void *params);
 
 /* Pixels of the sensor's image. */
 void mcv_sensor_film_size(const mcv_sensor *sensor, uint32_t *width, uint32_t *height);
+
+/* A texel's linear R, G, B. */
+void mcv_texture_texel(const mcv_texture *texture, uint32_t column, uint32_t row, double rgb[3]);
+
+/* The linear value of a byte encoded as IEC 61966-2-1 says. */
+double mcv_srgb_decode(uint8_t value);
 
 /* The number of channels that the spectra need: 1 if all are grey and no texture is coloured, else 3. */
 uint32_t mcv_scene_channels(const mcv_scene *scene);

@@ -34,6 +34,17 @@ static json_t *param_schema(const mcv_param *param) {
         json_object_set_new(schema, "default", json_string(options[0]));
         return schema;
     }
+    if (param->kind == MCV_PARAM_flag) {
+        json_object_set_new(schema, "type", json_string("boolean"));
+        json_object_set_new(schema, "default", json_boolean(param->default_value != 0));
+        return schema;
+    }
+    if (param->kind == MCV_PARAM_image) {
+        json_object_set_new(schema, "anyOf",
+                            json_pack("[{s:s, s:i}, {s:s}, {s:s, s:{s:{s:s}}, s:[s]}]", "type", "integer", "minimum", 0, "type", "string",
+                                      "type", "object", "properties", "uri", "type", "string", "required", "uri"));
+        return schema;
+    }
     const int n = param->kind == MCV_PARAM_spectrum ? 3 : param->kind == MCV_PARAM_length2 || param->kind == MCV_PARAM_int2 ? 2 : 1;
     if (n == 1)
         json_object_update_new(schema, scalar_schema(param));

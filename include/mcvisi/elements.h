@@ -14,6 +14,8 @@
 
 #define MCV_EMITTERS(X) \
     X(parallel, "parallel", PARALLEL) \
+    X(telecentric_projector, "telecentricProjector", TELECENTRIC_PROJECTOR) \
+    X(light_field_emitter, "lightField", LIGHT_FIELD_EMITTER) \
     X(area, "area", AREA) \
     X(environment, "environment", ENVIRONMENT)
 

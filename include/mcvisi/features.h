@@ -16,10 +16,11 @@
     X(MIRROR, "mirror", "a mirror reflects") \
     X(TEXTURE, "texture", "an image modulates a material or an emitter") \
     X(NORMALS, "normals", "a mesh has interpolated normals") \
-    X(PARALLEL, "parallel", "a parallel emitter shines") \
+    X(PARALLEL, "parallel", "a parallel emitter or a telecentric projector shines") \
+    X(LIGHT_FIELD, "light-field", "a light field emitter shines") \
     X(AREA, "area", "a diffuse area emitter shines") \
     X(ENVIRONMENT, "environment", "the environment shines") \
-    X(NEXT_EVENT, "next-event", "diffuse surfaces look for parallel and area emitters") \
+    X(NEXT_EVENT, "next-event", "diffuse surfaces look for emitters with a surface") \
     X(INTERLEAVE, "interleave", "diffuse surfaces among so many triangles that rays take turns while others wait for memory")
 
 enum {

@@ -10,6 +10,9 @@
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
 #include "mcvisi/emitters/parallel.h"
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_LIGHT_FIELD
+#include "mcvisi/emitters/light_field.h"
+#endif
 
 /* Media that can be told apart along one path. Medium 0 is the surrounding vacuum, bit i of a path's set is medium i + 1. */
 #define MCV_MAX_MEDIA 32
@@ -70,7 +73,7 @@ typedef struct mcv_device_interface {
 MCV_ASSERT_SIZE(mcv_device_interface, 8);
 
 typedef struct mcv_device_emitter {
-    uint type;     /* MCV_EMITTER_… */
+    uint type;     /* MCV_EMITTER_…; a telecentric projector is a parallel emitter with a texture */
     uint instance; /* whose triangles emit */
     uint texture;  /* or MCV_NONE */
     uint cdf;      /* where its triangle_count + 1 entries begin in the table of cumulative shares, 2^31 = 1 */
@@ -85,14 +88,20 @@ typedef struct mcv_device_emitter {
 #else
     uint no_parallel[8]; /* the size stays */
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_LIGHT_FIELD
+    mcv_light_field_emitter light_field;
+#else
+    uint no_light_field[12];
+#endif
 } mcv_device_emitter;
-MCV_ASSERT_SIZE(mcv_device_emitter, 96);
+MCV_ASSERT_SIZE(mcv_device_emitter, 144);
 
 typedef struct mcv_device_texture {
     uint width, height;
     uint first; /* texel */
     uint wrap_s, wrap_t, nearest;
-    uint padding[2];
+    uint linear; /* 1: a texel is three floats instead of one word of sRGB */
+    uint padding;
 } mcv_device_texture;
 MCV_ASSERT_SIZE(mcv_device_texture, 32);
 

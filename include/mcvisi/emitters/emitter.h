@@ -22,4 +22,11 @@
     X(spectrum, power, MCV_UNSET, 0, 1e30, "power of the whole emitter, in place of radiance [W]") \
     X(length2, size, MCV_UNSET, MCV_POSITIVE, 1e6, "width and height of the rectangle, for a node without a mesh [m]")
 
+/* The same for an emitter whose radiance an image modulates; it is always a rectangle. */
+#define MCV_IMAGE_PARAMS(X) \
+    X(image, image, MCV_REQUIRED, 0, 4294967294.0, "index or name of one of the file's images, or {\"uri\": FILE.exr}") \
+    X(spectrum, radiance, MCV_UNSET, 0, 1e30, "radiance L of the image's value 1 [W/(m² sr)]") \
+    X(spectrum, power, MCV_UNSET, 0, 1e30, "power of the whole emitter, in place of radiance [W]") \
+    X(length2, size, MCV_REQUIRED, MCV_POSITIVE, 1e6, "width and height of the rectangle [m]")
+
 #endif
