@@ -16,7 +16,7 @@
 #include <float.h>
 
 /* A double computed by n roundings is off by at most n DBL_EPSILON/2, relatively; twice that leaves room for the test's own. */
-static void assert_near(double value, double truth, int roundings, const char *what) {
+static void assert_near(double value, double truth, double roundings, const char *what) {
     const double bound = roundings * DBL_EPSILON * fabs(truth);
     if (!(fabs(value - truth) <= bound)) fail_msg("%s is %.17g, must be %.17g within %g", what, value, truth, bound);
 }
@@ -117,6 +117,48 @@ static void test_telecentric_datasheet(void **state) {
     }
 }
 
+/* 1/f = 1/w + 1/b and N = b/D_l, from either of each pair; both together are no contradiction. */
+static void test_focus_and_f_number(void **state) {
+    static const uint32_t types[] = {MCV_SENSOR_THIN_LENS, MCV_SENSOR_LIGHT_FIELD};
+    static const char *const films[] = {"\"resolution\":4", "\"spatialResolution\":4,\"angularResolution\":3"};
+    static const char *const focus[] = {"\"focusDistance\":\"400mm\"", "\"imageDistance\":\"26.6666666666666667mm\"",
+                                        "\"focusDistance\":0.4,\"imageDistance\":0.026667"};
+    static const char *const aperture[] = {"\"fNumber\":4", "\"lensDiameter\":\"6.66666666666666667mm\"",
+                                           "\"fNumber\":4,\"lensDiameter\":0.006667"};
+    (void)state;
+    for (int i = 0; i < 2 * 3 * 3; ++i) {
+        const int type = i / 9, by_focus = i / 3 % 3, by_aperture = i % 3;
+        mcv_sensor sensor;
+        mcv_error error;
+        char *json = text_of("{\"focalLength\":\"25mm\",%s,%s,%s,\"pixelSize\":1e-5}", focus[by_focus], aperture[by_aperture], films[type]);
+        if (sensor_of(types[type], json, &sensor, &error) != MCV_OK) fail_msg("%s: %s", json, error.text);
+        const mcv_thin_lens_params *t = &sensor.as.thin_lens;
+        const mcv_light_field_params *l = &sensor.as.light_field;
+        /* Rounded b is off by 1.25e-5 and D_l by 5e-5, counted in roundings; what is given stays as it is. */
+        const double rounded_b = by_focus == 2 ? 1.3e-5 / DBL_EPSILON : 0;
+        const double rounded_d = by_aperture == 2 ? 6e-5 / DBL_EPSILON : 0;
+        assert_near(type ? l->imageDistance : t->imageDistance, 0.025 * 0.4 / 0.375, 4 + rounded_b, "b");
+        assert_near(type ? l->focusDistance : t->focusDistance, 0.4, 128 + rounded_b, "w"); /* b - f cancels to 1/16 */
+        assert_near(type ? l->lensDiameter : t->lensDiameter, 0.1 / 15, 8 + rounded_b + rounded_d, "D_l");
+        assert_near(type ? l->fNumber : t->fNumber, 4, 8 + rounded_b + rounded_d, "N");
+        assert_near(mcv_sensor_optics(&sensor).f_number, type ? l->fNumber : t->fNumber, 8 + 1.5 * (rounded_b + rounded_d),
+                    "N of the optics");
+        free(json);
+    }
+    /* Focus at infinity and behind the lens have no focusDistance. */
+    for (int i = 0; i < 2; ++i) {
+        mcv_sensor sensor;
+        mcv_error error;
+        char *json =
+            text_of("{\"focalLength\":0.025,\"imageDistance\":%g,\"fNumber\":4,\"resolution\":4,\"pixelSize\":1e-5}", i ? 0.02 : 0.025);
+        if (sensor_of(MCV_SENSOR_THIN_LENS, json, &sensor, &error) != MCV_OK) fail_msg("%s: %s", json, error.text);
+        assert_true(isnan(sensor.as.thin_lens.focusDistance));
+        free(json);
+    }
+}
+
+#define LENS_FILM "\"resolution\":4,\"pixelSize\":1e-5"
+
 static void test_refused_sensors(void **state) {
     (void)state;
     static const struct {
@@ -137,6 +179,18 @@ static void test_refused_sensors(void **state) {
          "cam/fNumber: 8 contradicts numericalAperture, from which 6.25 follows"},
         {MCV_SENSOR_TELECENTRIC, "{\"magnification\":0.25,\"fNumber\":8," TELECENTRIC_FILM "}", "needs two of focalLength"},
         {MCV_SENSOR_TELECENTRIC, "{\"magnification\":0.25,\"workingDistance\":1," TELECENTRIC_FILM "}", "needs stopDiameter"},
+        {MCV_SENSOR_THIN_LENS, "{\"focalLength\":0.025,\"imageDistance\":0.026,\"focusDistance\":0.6,\"fNumber\":4," LENS_FILM "}",
+         "cam/focusDistance: 0.6 contradicts focalLength and imageDistance, from which 0.65 follows"},
+        {MCV_SENSOR_THIN_LENS, "{\"focalLength\":0.025,\"imageDistance\":0.025,\"focusDistance\":0.6,\"fNumber\":4," LENS_FILM "}",
+         "cam/focusDistance: 0.6 contradicts focalLength and imageDistance, from which inf follows"},
+        {MCV_SENSOR_THIN_LENS, "{\"focalLength\":0.025,\"focusDistance\":0.025,\"fNumber\":4," LENS_FILM "}",
+         "cam/focusDistance: 0.025 m must exceed focalLength 0.025 m"},
+        {MCV_SENSOR_THIN_LENS, "{\"focalLength\":0.025,\"imageDistance\":0.026,\"lensDiameter\":0.005,\"fNumber\":5," LENS_FILM "}",
+         "cam/fNumber: 5 contradicts imageDistance and lensDiameter, from which 5.2 follows"},
+        {MCV_SENSOR_THIN_LENS, "{\"focalLength\":0.025,\"fNumber\":4," LENS_FILM "}", "cam: needs imageDistance or focusDistance"},
+        {MCV_SENSOR_LIGHT_FIELD,
+         "{\"focalLength\":0.025,\"focusDistance\":1,\"spatialResolution\":1,\"angularResolution\":1,\"pixelSize\":1}",
+         "cam: needs lensDiameter or fNumber"},
         {MCV_SENSOR_PINHOLE, "{\"imageDistance\":1,\"resolution\":[1,1],\"pixelSize\":1,\"radiometry\":\"irradiance\"}",
          "cam/radiometry: a pinhole has no aperture"},
         {MCV_SENSOR_PINHOLE, "{\"resolution\":[1,1],\"pixelSize\":1}", "cam/imageDistance: is missing"},
@@ -363,9 +417,14 @@ static void test_schemas(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_quantities),      cmocka_unit_test(test_telecentric_datasheet),
-                                       cmocka_unit_test(test_refused_sensors), cmocka_unit_test(test_prepare),
-                                       cmocka_unit_test(test_optics),          cmocka_unit_test(test_emitters),
-                                       cmocka_unit_test(test_tables),          cmocka_unit_test(test_schemas)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_quantities),
+                                       cmocka_unit_test(test_telecentric_datasheet),
+                                       cmocka_unit_test(test_focus_and_f_number),
+                                       cmocka_unit_test(test_refused_sensors),
+                                       cmocka_unit_test(test_prepare),
+                                       cmocka_unit_test(test_optics),
+                                       cmocka_unit_test(test_emitters),
+                                       cmocka_unit_test(test_tables),
+                                       cmocka_unit_test(test_schemas)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

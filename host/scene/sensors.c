@@ -20,6 +20,24 @@ void mcv_pinhole_prepare(const mcv_pinhole_params *params, mcv_pinhole *device) 
     };
 }
 
+/* --- what agrees ------------------------------------------------------------------------------------------------- */
+
+/*
+ * Values that follow from others may be given too, rounded: half a unit in the fourth digit of a datasheet's number. What
+ * differs by more contradicts.
+ */
+static const double agreement = 5e-4;
+
+static mcv_result settle(double *value, double follows, const char *key, const char *from, const mcv_place *place, mcv_error *error) {
+    const mcv_place here = mcv_place_key(place, key);
+    if (isnan(*value))
+        *value = follows;
+    else if (!(fabs(*value - follows) <= agreement * *value)) /* nothing given agrees with an infinite or negative one */
+        return mcv_fail_at(&here, error, "%.6g contradicts %s, from which %.6g follows: give one of them, or both alike", *value, from,
+                           follows);
+    return MCV_OK;
+}
+
 /* --- thin lens -------------------------------------------------------------------------------------------------- */
 
 /* κ = (b - f)/(b f), the inverse of the focused depth. */
@@ -34,11 +52,29 @@ static double etendue(int radiometry, double area, double distance) {
 
 static double disk_area(double diameter) { return M_PI / 4 * diameter * diameter; }
 
-mcv_result mcv_thin_lens_resolve(mcv_thin_lens_params *params, const mcv_place *place, mcv_error *error) {
-    (void)params;
-    (void)place;
-    (void)error;
-    return MCV_OK;
+/* The parameters that MCV_LENS_PARAMS gives two sensors. */
+typedef struct lens {
+    double f, *b, *w, *diameter, *f_number;
+} lens;
+
+/* b and D_l from what stands for them, and the other way round. A focus at infinity or behind the lens has no focusDistance. */
+static mcv_result resolve_lens(lens l, const mcv_place *place, mcv_error *error) {
+    const mcv_place focus = mcv_place_key(place, "focusDistance");
+    if (isnan(*l.b) && isnan(*l.w)) return mcv_fail_at(place, error, "needs imageDistance or focusDistance, to say where it is in focus");
+    if (*l.w <= l.f) return mcv_fail_at(&focus, error, "%g m must exceed focalLength %g m", *l.w, l.f);
+    if (isnan(*l.b)) *l.b = l.f * *l.w / (*l.w - l.f);
+    const double depth = 1 / kappa(l.f, *l.b);
+    if (!isnan(*l.w) || (depth > 0 && isfinite(depth)))
+        MCV_TRY(settle(l.w, depth, "focusDistance", "focalLength and imageDistance", place, error));
+
+    if (isnan(*l.diameter) && isnan(*l.f_number))
+        return mcv_fail_at(place, error, "needs lensDiameter or fNumber, to say how wide it is open");
+    if (isnan(*l.diameter)) *l.diameter = *l.b / *l.f_number;
+    return settle(l.f_number, *l.b / *l.diameter, "fNumber", "imageDistance and lensDiameter", place, error);
+}
+
+mcv_result mcv_thin_lens_resolve(mcv_thin_lens_params *p, const mcv_place *place, mcv_error *error) {
+    return resolve_lens((lens){p->focalLength, &p->imageDistance, &p->focusDistance, &p->lensDiameter, &p->fNumber}, place, error);
 }
 
 void mcv_thin_lens_prepare(const mcv_thin_lens_params *params, mcv_thin_lens *device) {
@@ -54,22 +90,6 @@ void mcv_thin_lens_prepare(const mcv_thin_lens_params *params, mcv_thin_lens *de
 }
 
 /* --- telecentric ------------------------------------------------------------------------------------------------ */
-
-/*
- * Values that follow from others may be given too, rounded: half a unit in the fourth digit of a datasheet's number. What
- * differs by more contradicts.
- */
-static const double agreement = 5e-4;
-
-static mcv_result settle(double *value, double follows, const char *key, const char *from, const mcv_place *place, mcv_error *error) {
-    const mcv_place here = mcv_place_key(place, key);
-    if (isnan(*value))
-        *value = follows;
-    else if (!(fabs(*value - follows) <= agreement * follows))
-        return mcv_fail_at(&here, error, "%.6g contradicts %s, from which %.6g follows: give one of them, or both alike", *value, from,
-                           follows);
-    return MCV_OK;
-}
 
 /*
  * f and b from any two of f, b, m, W; settle() compares the rest with them. Where more are given f and b count first: they
@@ -148,11 +168,8 @@ void mcv_telecentric_prepare(const mcv_telecentric_params *params, mcv_telecentr
 
 /* --- light field ------------------------------------------------------------------------------------------------ */
 
-mcv_result mcv_light_field_resolve(mcv_light_field_params *params, const mcv_place *place, mcv_error *error) {
-    (void)params;
-    (void)place;
-    (void)error;
-    return MCV_OK;
+mcv_result mcv_light_field_resolve(mcv_light_field_params *p, const mcv_place *place, mcv_error *error) {
+    return resolve_lens((lens){p->focalLength, &p->imageDistance, &p->focusDistance, &p->lensDiameter, &p->fNumber}, place, error);
 }
 
 void mcv_light_field_prepare(const mcv_light_field_params *params, mcv_light_field *device) {

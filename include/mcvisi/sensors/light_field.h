@@ -7,6 +7,8 @@
  * "aperture": "square" is the report's; "circle" gives weight 0 outside D_l/2. The film has M·J x N·K pixels.
  * Irradiance: A = D_l² (the square that is sampled), h = b.
  *
+ * imageDistance may be given as focusDistance w, lensDiameter as fNumber = b/D_l, both as for the thin lens.
+ *
  *     {"type": "lightField", "focalLength": "50mm", "imageDistance": "60mm", "lensDiameter": "20mm",
  *      "spatialResolution": [160, 120], "angularResolution": [9, 9], "pixelSize": "4um"}
  */
@@ -16,9 +18,7 @@
 #include "mcvisi/sensors/sensor.h"
 
 #define MCV_LIGHT_FIELD_PARAMS(X) \
-    X(length, focalLength, MCV_REQUIRED, MCV_POSITIVE, 1e3, "focal length f of the main lens [m]") \
-    X(length, imageDistance, MCV_REQUIRED, MCV_POSITIVE, 1e3, "distance b from the main lens to the image plane [m]") \
-    X(length, lensDiameter, MCV_REQUIRED, MCV_POSITIVE, 1e3, "diameter (side of the square) D_l of the main lens [m]") \
+    MCV_LENS_PARAMS(X) \
     X(int2, spatialResolution, MCV_REQUIRED, 1, 65536, "macro pixels M, N in x and y") \
     X(int2, angularResolution, MCV_REQUIRED, 1, 256, "sensor pixels J, K of a macro pixel in x and y") \
     X(length2, pixelSize, MCV_REQUIRED, MCV_POSITIVE, 1, "width and height of a sensor pixel [m]") \

@@ -30,6 +30,18 @@
 #include "mcvisi/params.h"
 #include "mcvisi/sampling.h"
 
+/*
+ * Lens parameters of the sensors that are not telecentric. Focus: imageDistance b or focusDistance w, 1/f = 1/w + 1/b.
+ * Aperture: lensDiameter D_l or fNumber N = b/D_l, the working one as of the telecentric camera; engraved on a lens is f/D_l,
+ * which is N f/b: the same at infinity, half of N at magnification 1.
+ */
+#define MCV_LENS_PARAMS(X) \
+    X(length, focalLength, MCV_REQUIRED, MCV_POSITIVE, 1e3, "focal length f of the main lens [m]") \
+    X(length, imageDistance, MCV_UNSET, MCV_POSITIVE, 1e3, "distance b from the main lens to the image plane [m]") \
+    X(length, focusDistance, MCV_UNSET, MCV_POSITIVE, DBL_MAX, "depth w > f in focus, from the main lens [m]") \
+    X(length, lensDiameter, MCV_UNSET, MCV_POSITIVE, 1e3, "diameter D_l of the main lens; of a square one, the side [m]") \
+    X(number, fNumber, MCV_UNSET, MCV_POSITIVE, 1e9, "working f-number N = b/D_l on the image side")
+
 /* Film parameters of the sensors whose pixels are one grid. */
 #define MCV_FILM_PARAMS(X) \
     X(int2, resolution, MCV_REQUIRED, 1, 65536, "pixels in x and y") \

@@ -4,7 +4,10 @@
  * lens's disk of diameter D_l. In focus: depth 1/κ, κ = (b - f)/(b f); b < f looks at a virtual plane behind the lens.
  * Irradiance: A = π D_l²/4, h = b.
  *
- *     {"type": "thinLens", "focalLength": "25mm", "imageDistance": "25.6mm", "lensDiameter": "6mm",
+ * imageDistance may be given as focusDistance w, the depth in focus: b = f w/(w - f); lensDiameter as fNumber, the working one
+ * N = b/D_l (mcvisi/sensors/sensor.h). Both of a pair may be given if they agree.
+ *
+ *     {"type": "thinLens", "focalLength": "25mm", "focusDistance": "400mm", "fNumber": 4,
  *      "resolution": [1280, 1024], "pixelSize": "4.8um", "radiometry": "irradiance"}
  */
 #ifndef MCVISI_SENSORS_THIN_LENS_H
@@ -13,9 +16,7 @@
 #include "mcvisi/sensors/sensor.h"
 
 #define MCV_THIN_LENS_PARAMS(X) \
-    X(length, focalLength, MCV_REQUIRED, MCV_POSITIVE, 1e3, "focal length f [m]") \
-    X(length, imageDistance, MCV_REQUIRED, MCV_POSITIVE, 1e3, "distance b from the lens to the image plane [m]") \
-    X(length, lensDiameter, MCV_REQUIRED, MCV_POSITIVE, 1e3, "diameter D_l of the lens [m]") \
+    MCV_LENS_PARAMS(X) \
     MCV_FILM_PARAMS(X)
 
 typedef struct mcv_thin_lens {
