@@ -108,29 +108,6 @@ static void close_renderer(renderer *r) {
     free(r->round);
 }
 
-/* One launch: 2^frame.log2_samples samples of `sets` sets. The block sums go to blocks[set][channel][first_block …]. */
-static mcv_result launch(renderer *r, uint32_t sets, float *read, double *blocks, uint32_t first_block, uint32_t blocks_per_set) {
-    const uint32_t channels = r->film->channels;
-    const uint32_t samples = 1u << r->frame.log2_samples;
-    const uint32_t block = samples < MCV_BLOCK ? samples : MCV_BLOCK;
-    r->frame.path_count = sets * samples;
-    MCV_TRY(mcv_schedule_run(&r->schedule, &r->frame, r->stats, r->error));
-
-    const uint32_t launched_blocks = samples / block;
-    MCV_TRY(mcv_cl_read(&r->cl, r->schedule.sums, 0, 8 * (size_t)sets * launched_blocks * channels, read, r->error));
-    for (uint32_t set = 0; set < sets; ++set) {
-        for (uint32_t b = 0; b < launched_blocks; ++b) {
-            for (uint32_t c = 0; c < channels; ++c) {
-                const float *pair = read + 2 * (((size_t)set * launched_blocks + b) * channels + c);
-                // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): the caller launches only with memory
-                blocks[((size_t)set * channels + c) * blocks_per_set + first_block + b] = (double)pair[0] + (double)pair[1];
-            }
-        }
-    }
-    if (r->stats->seconds_first_sample == 0) r->stats->seconds_first_sample = now() - r->begun;
-    return MCV_OK;
-}
-
 /* Where in the image a set's pixel lies; false if its 8 x 8 tile sticks out there. */
 static bool pixel_of_set(const mcv_film *film, uint32_t set, size_t *pixel) {
     const uint32_t number = set / film->replicates;
@@ -139,6 +116,58 @@ static bool pixel_of_set(const mcv_film *film, uint32_t set, size_t *pixel) {
     const uint32_t row = (number >> 6) / tiles * 8 + (number >> 3 & 7);
     *pixel = (size_t)row * film->width + column;
     return column < film->width && row < film->height;
+}
+
+/* Some sets of a round: what their launches leave on the device, on its way into the round. */
+typedef struct harvest {
+    uint32_t first_set, sets;
+    uint32_t launched_blocks, blocks_per_set; /* of one launch; of the round */
+    uint32_t first_block;                     /* of the launch that was read */
+    float *read;                              /* its sums */
+    double *blocks;                           /* [set][channel][block] */
+    bool ripe;                                /* `read` holds sums that are not yet added */
+} harvest;
+
+/* Adds what was read; after the last launch of the sets, their sums go into the round. */
+static void bring_in(const renderer *r, harvest *h) {
+    const mcv_film *film = r->film;
+    const uint32_t channels = film->channels;
+    const size_t pixels = (size_t)film->width * film->height;
+    if (!h->ripe) return;
+    h->ripe = false;
+    for (uint32_t set = 0; set < h->sets; ++set) {
+        for (uint32_t b = 0; b < h->launched_blocks; ++b) {
+            for (uint32_t c = 0; c < channels; ++c) {
+                const float *pair = h->read + 2 * (((size_t)set * h->launched_blocks + b) * channels + c);
+                h->blocks[((size_t)set * channels + c) * h->blocks_per_set + h->first_block + b] = (double)pair[0] + (double)pair[1];
+            }
+        }
+    }
+    if (h->first_block + h->launched_blocks < h->blocks_per_set) return;
+    for (uint32_t i = 0; i < h->sets; ++i) {
+        size_t pixel;
+        if (!pixel_of_set(film, h->first_set + i, &pixel)) continue;
+        const uint32_t replicate = (h->first_set + i) % film->replicates;
+        for (uint32_t c = 0; c < channels; ++c) {
+            r->round[((size_t)replicate * channels + c) * pixels + pixel] =
+                mcv_tree_sum(h->blocks + ((size_t)i * channels + c) * h->blocks_per_set, h->blocks_per_set, 1);
+        }
+    }
+}
+
+/* One launch: 2^frame.log2_samples samples of `sets` sets. While it runs, what the one before left is brought in. */
+static mcv_result launch(renderer *r, uint32_t sets, uint32_t first_block, harvest *h) {
+    r->frame.path_count = sets << r->frame.log2_samples;
+    MCV_TRY(mcv_schedule_start(&r->schedule, &r->frame, r->stats, r->error));
+    bring_in(r, h);
+    MCV_TRY(mcv_schedule_wait(&r->schedule, r->stats, r->error));
+    MCV_TRY(mcv_cl_read(&r->cl, r->schedule.sums, 0, 8 * (size_t)sets * h->launched_blocks * r->film->channels, h->read, r->error));
+    h->first_set = r->frame.first_set;
+    h->sets = sets;
+    h->first_block = first_block;
+    h->ripe = true;
+    if (r->stats->seconds_first_sample == 0) r->stats->seconds_first_sample = now() - r->begun;
+    return MCV_OK;
 }
 
 /*
@@ -155,17 +184,16 @@ static mcv_result render_round(renderer *r, uint64_t first, uint64_t count, doub
     if (log2_samples > floor_log2(capacity)) log2_samples = floor_log2(capacity);
     const uint32_t launch_samples = 1u << log2_samples;
     const uint32_t block = launch_samples < MCV_BLOCK ? launch_samples : MCV_BLOCK;
-    const uint32_t blocks_per_set = (uint32_t)(count / block);
     const uint32_t sets_per_launch = capacity / launch_samples;
-    const size_t pixels = (size_t)film->width * film->height;
+    harvest h = {.launched_blocks = launch_samples / block, .blocks_per_set = (uint32_t)(count / block)};
     mcv_result result = MCV_OK;
     if (set_count > 0xffffffffu) {
         return mcv_fail(r->error, MCV_BAD_INPUT, "the image has too many pixels for %u replicates: %llu sets, at most 2^32",
                         film->replicates, (unsigned long long)set_count);
     }
-    float *read = malloc(8 * (size_t)sets_per_launch * (launch_samples / block) * channels);
-    double *blocks = malloc(8 * (size_t)sets_per_launch * channels * blocks_per_set);
-    if (!read || !blocks) result = mcv_fail(r->error, MCV_FAILED, "no memory for the sums of a launch");
+    h.read = malloc(8 * (size_t)sets_per_launch * h.launched_blocks * channels);
+    h.blocks = malloc(8 * (size_t)sets_per_launch * channels * h.blocks_per_set);
+    if (!h.read || !h.blocks) result = mcv_fail(r->error, MCV_FAILED, "no memory for the sums of a launch");
 
     r->frame.log2_samples = log2_samples;
     uint32_t sets = 0;
@@ -176,16 +204,7 @@ static mcv_result render_round(renderer *r, uint64_t first, uint64_t count, doub
         r->frame.first_set = (uint32_t)set;
         for (uint64_t s = 0; result == MCV_OK && s < count; s += launch_samples) {
             r->frame.first_sample = (uint32_t)(first + s);
-            result = launch(r, sets, read, blocks, (uint32_t)(s / block), blocks_per_set);
-        }
-        for (uint32_t i = 0; result == MCV_OK && i < sets; ++i) {
-            size_t pixel;
-            if (!pixel_of_set(film, (uint32_t)set + i, &pixel)) continue;
-            const uint32_t replicate = (uint32_t)(set + i) % film->replicates;
-            for (uint32_t c = 0; c < channels; ++c) {
-                r->round[((size_t)replicate * channels + c) * pixels + pixel] =
-                    mcv_tree_sum(blocks + ((size_t)i * channels + c) * blocks_per_set, blocks_per_set, 1);
-            }
+            result = launch(r, sets, (uint32_t)(s / block), &h);
         }
         const mcv_render_options *o = r->options;
         if (result == MCV_OK && o->progress) {
@@ -203,8 +222,9 @@ static mcv_result render_round(renderer *r, uint64_t first, uint64_t count, doub
             if (!go_on) r->stats->interrupted = true;
         }
     }
-    free(read);
-    free(blocks);
+    if (result == MCV_OK) bring_in(r, &h);
+    free(h.read);
+    free(h.blocks);
     return result;
 }
 

@@ -73,12 +73,12 @@ void mcv_schedule_close(mcv_schedule *schedule) {
     memset(schedule, 0, sizeof *schedule);
 }
 
-static mcv_result add_counters(mcv_schedule *s, uint32_t sets, mcv_render_stats *stats, mcv_error *error) {
-    const size_t bytes = sizeof(cl_uint) * sets * MCV_COUNTER_COUNT;
+static mcv_result add_counters(mcv_schedule *s, mcv_render_stats *stats, mcv_error *error) {
+    const size_t bytes = sizeof(cl_uint) * s->counter_sets * MCV_COUNTER_COUNT;
     cl_uint *counters = malloc(bytes);
     if (!counters) return mcv_fail(error, MCV_FAILED, "no memory for the counters of a launch");
     const mcv_result result = mcv_cl_read(s->cl, s->counters, 0, bytes, counters, error);
-    for (uint32_t i = 0; result == MCV_OK && i < sets; ++i) {
+    for (uint32_t i = 0; result == MCV_OK && i < s->counter_sets; ++i) {
         const cl_uint *c = counters + (size_t)i * MCV_COUNTER_COUNT;
         stats->paths += c[MCV_COUNTER_paths];
         stats->rays += c[MCV_COUNTER_rays];
@@ -118,15 +118,14 @@ static void add_times(mcv_schedule *s, mcv_render_stats *stats) {
     s->launch_count = 0;
 }
 
-static mcv_result run_tile(mcv_schedule *s, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
-    const uint32_t slices = (frame->path_count + s->slice - 1) / s->slice;
+static mcv_result start_tile(mcv_schedule *s, const mcv_frame *frame, mcv_error *error) {
     mcv_arg arguments[MCV_SCENE_ARGUMENTS + 3];
     mcv_device_scene_arguments(s->scene, arguments);
     arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->paths);
     arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->sums);
     arguments[MCV_SCENE_ARGUMENTS + 2] = MCV_ARG(s->counters);
-    MCV_TRY(launch(s, 0, slices, 1, arguments, MCV_SCENE_ARGUMENTS + 3, error));
-    return add_counters(s, slices, stats, error);
+    s->counter_sets = (frame->path_count + s->slice - 1) / s->slice;
+    return launch(s, 0, s->counter_sets, 1, arguments, MCV_SCENE_ARGUMENTS + 3, error);
 }
 
 static mcv_result zero(mcv_cl *cl, cl_mem buffer, size_t bytes, mcv_error *error) {
@@ -139,7 +138,7 @@ static mcv_result zero(mcv_cl *cl, cl_mem buffer, size_t bytes, mcv_error *error
  * All launches of a pass without waiting for any: a stage whose queue is empty ends at once. Only a depth limit beyond the
  * usual is not launched blindly to its end: a million depths are millions of launches.
  */
-static mcv_result run_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
+static mcv_result start_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
     cl_uint depth = 0;
     const uint32_t block = frame->log2_samples < 6 ? 1u << frame->log2_samples : MCV_BLOCK;
     mcv_arg arguments[STREAM_ARGUMENTS];
@@ -171,12 +170,19 @@ static mcv_result run_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render
     MCV_RUN(accumulate_film, frame->path_count / block);
     MCV_RUN(count_rays, 1);
 #undef MCV_RUN
-    return add_counters(s, 1, stats, error);
+    s->counter_sets = 1;
+    return MCV_OK;
 }
 
-mcv_result mcv_schedule_run(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
+mcv_result mcv_schedule_start(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
     MCV_TRY(mcv_cl_write(schedule->cl, schedule->scene->frame, 0, sizeof *frame, frame, error));
-    MCV_TRY(schedule->kind == MCV_SCHEDULE_TILE ? run_tile(schedule, frame, stats, error) : run_stream(schedule, frame, stats, error));
+    MCV_TRY(schedule->kind == MCV_SCHEDULE_TILE ? start_tile(schedule, frame, error) : start_stream(schedule, frame, stats, error));
+    MCV_TRY_CL(clFlush(schedule->cl->queue), error);
+    return MCV_OK;
+}
+
+mcv_result mcv_schedule_wait(mcv_schedule *schedule, mcv_render_stats *stats, mcv_error *error) {
+    MCV_TRY(add_counters(schedule, stats, error));
     add_times(schedule, stats);
     return MCV_OK;
 }

@@ -28,6 +28,7 @@ typedef struct mcv_schedule {
     cl_program program;
     cl_kernel kernels[MCV_STREAM_KERNEL_COUNT]; /* tile: the first only; stream: NULL where the scene needs no such stage */
     cl_mem paths, sums, counters;
+    uint32_t counter_sets;               /* of the launch under way */
     cl_mem queues, lengths;              /* stream */
     cl_event launches[MCV_MAX_LAUNCHES]; /* since the last wait, with their kernels: for the stages' times */
     uint32_t launched[MCV_MAX_LAUNCHES];
@@ -39,7 +40,10 @@ mcv_result mcv_schedule_open(mcv_cl *cl, const mcv_device_scene *scene, uint32_t
                              mcv_schedule *schedule, mcv_error *error);
 void mcv_schedule_close(mcv_schedule *schedule);
 
-/* Renders the frame's paths; schedule->sums then holds two floats per channel and block of samples. */
-mcv_result mcv_schedule_run(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error);
+/* Begins to render the frame's paths; the caller may do other work until it waits. */
+mcv_result mcv_schedule_start(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error);
+
+/* Waits for what was started; schedule->sums then holds two floats per channel and block of samples. */
+mcv_result mcv_schedule_wait(mcv_schedule *schedule, mcv_render_stats *stats, mcv_error *error);
 
 #endif
