@@ -84,7 +84,7 @@ typedef struct sensor_case {
     double aperture_slope; /* aperture radius times its factor to the direction */
 } sensor_case;
 
-static void check_sensor(const sensor_case *c) {
+static void check_whole_or_part(const sensor_case *c) {
     mcv_scene *scene = mcv_scene_new("sensor");
     add_sensor(scene, c->sensor.type, &c->sensor, mcv_transform_identity());
     const mcv_sensor *sensor = &scene->sensors[0];
@@ -128,10 +128,11 @@ static void check_sensor(const sensor_case *c) {
      * A disk point: three roundings in the ratio and the angle (3 u π/4), sine and cosine within 8e-8, two products: 7 u of the radius.
      * The pixel coordinate rounds once, its factor once, the sum and the product of the other once: 4 u of |s|, 8 u of the disk.
      * A direction: the same of its two terms. A weight: A/h² rounds once, |d|² within 3 u and what d's own error brings, squared and
-     * divided: 10 u + 4 times the error of d. A point within its error of the lens's rim may fall on either side.
+     * divided: 10 u + 4 times the error of d. A point within its error of the lens's rim may fall on either side. A principal point
+     * that is no multiple of half a pixel rounds once more, and pixels are then up to one off the middle of the largest |s|: 2 u.
      */
-    const double origin_bound = 8 * u * c->aperture + 4 * u * c->image_to_lens;
-    const double direction_bound = 4 * u * c->direct + 8 * u * c->aperture_slope + c->kappa * origin_bound;
+    const double origin_bound = 8 * u * c->aperture + 6 * u * c->image_to_lens;
+    const double direction_bound = 6 * u * c->direct + 8 * u * c->aperture_slope + c->kappa * origin_bound;
     double worst_origin = 0;
     double worst_direction = 0;
     double worst_weight = 0;
@@ -144,7 +145,9 @@ static void check_sensor(const sensor_case *c) {
         concentric(as_float(in[4]), as_float(in[5]), &radius, &angle);
         double turn = radius < 0 ? angle / (2 * M_PI) + 0.5 : angle / (2 * M_PI);
         turn -= floor(turn);
-        const ref_sight sight = ref_sight_sample(sensor, in[0], in[1], as_float(in[2]), as_float(in[3]), radius * radius, turn);
+        const bool disk = sensor->type != MCV_SENSOR_LIGHT_FIELD; /* which takes the aperture sample as it is */
+        const ref_sight sight = ref_sight_sample(sensor, in[0], in[1], as_float(in[2]), as_float(in[3]),
+                                                 disk ? radius * radius : (double)as_float(in[4]), disk ? turn : (double)as_float(in[5]));
         /* The node looks along -z: the optical frame's z turns. */
         const ref_vec d = {sight.direction.x / -sight.direction.z, sight.direction.y / -sight.direction.z, 1};
         worst_origin = fmax(worst_origin, fmax(fabs(out[0] - sight.origin.x), fabs(out[1] - sight.origin.y)));
@@ -165,6 +168,31 @@ static void check_sensor(const sensor_case *c) {
     free(cases);
     free(sights);
     mcv_scene_free(scene);
+}
+
+/* All of a sensor's image, and a binned part of it about a principal point off the middle. */
+static void check_sensor(const sensor_case *c) {
+    check_whole_or_part(c);
+    sensor_case part = *c;
+    uint32_t width, height;
+    mcv_sensor_film_size(&c->sensor, &width, &height);
+    const double principal[2] = {0.47 * width, 0.51 * height};
+    const uint32_t region[4] = {17, 5, 96, 80};
+    const uint32_t binning[2] = {3, 4};
+#define SET_READOUT(p) \
+    do { \
+        memcpy((p)->principalPoint, principal, sizeof principal); \
+        memcpy((p)->regionOfInterest, region, sizeof region); \
+        memcpy((p)->binning, binning, sizeof binning); \
+    } while (0)
+    if (part.sensor.type == MCV_SENSOR_PINHOLE) SET_READOUT(&part.sensor.as.pinhole);
+    if (part.sensor.type == MCV_SENSOR_THIN_LENS) SET_READOUT(&part.sensor.as.thin_lens);
+    if (part.sensor.type == MCV_SENSOR_TELECENTRIC) SET_READOUT(&part.sensor.as.telecentric);
+    if (part.sensor.type == MCV_SENSOR_LIGHT_FIELD) SET_READOUT(&part.sensor.as.light_field);
+    /* The farthest pixel is 0.53 of the film away instead of 0.5. */
+    part.image_to_lens *= 1.06;
+    part.direct *= 1.06;
+    check_whole_or_part(&part);
 }
 
 static void test_pinhole(void **state) {

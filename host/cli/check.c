@@ -58,13 +58,20 @@ static void report_parameters(mcv_report *report, mcv_param_table table, const v
         case MCV_PARAM_number:
             mcv_report_number(report, p->key, "", *(const double *)field);
             break;
-        case MCV_PARAM_int2: {
+        case MCV_PARAM_int2:
+        case MCV_PARAM_int4: {
             const uint32_t *values = field;
-            mcv_report_numbers(report, p->key, "", " x ", (const double[]){values[0], values[1]}, 2);
+            double numbers[4];
+            const size_t count = mcv_param_components(p->kind);
+            for (size_t k = 0; k < count; ++k) numbers[k] = values[k];
+            mcv_report_numbers(report, p->key, "", count == 2 ? " x " : ", ", numbers, count);
             break;
         }
         case MCV_PARAM_length2:
             mcv_report_numbers(report, p->key, "m", " x ", field, 2);
+            break;
+        case MCV_PARAM_number2:
+            mcv_report_numbers(report, p->key, "", ", ", field, 2);
             break;
         case MCV_PARAM_spectrum:
             mcv_report_spectrum(report, p->key, "", field);

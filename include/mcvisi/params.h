@@ -4,11 +4,11 @@
  *
  *     X(kind, key, default, min, max, "doc [unit]")
  *
- * with kinds length, angle, number, int2, length2, spectrum, choice. The list generates the struct that the host works
+ * with kinds length, angle, number, int2, int4, length2, number2, spectrum, choice. The list generates the struct that the host works
  * with (SI, double), the parser, --set, `mcvisi check`, the help and the JSON schema. Both ends of [min, max] are
- * allowed; MCV_POSITIVE as min reads "above 0". A default of MCV_REQUIRED must be given; one of MCV_UNSET is NaN (0 for int2) until
- * the element's resolve function derives it or leaves it out. For a choice the default is the name of the first
- * option and min/max are 0 and the last index; its options stand in MCV_CHOICES below.
+ * allowed; MCV_POSITIVE as min reads "above 0". A default of MCV_REQUIRED must be given; one of MCV_UNSET is NaN (0 for int2, MCV_NONE for
+ * int4) until the element's resolve function derives it or leaves it out. For a choice the default is the name of the first option and
+ * min/max are 0 and the last index; its options stand in MCV_CHOICES below.
  */
 #ifndef MCVISI_PARAMS_H
 #define MCVISI_PARAMS_H
@@ -24,12 +24,14 @@
 #define MCV_REQUIRED (-1e300)
 #define MCV_UNSET (-2e300)
 
-/* The fields a kind occupies in a parameter struct. length2 and int2 also accept one number for both. */
+/* The fields a kind occupies in a parameter struct. length2, number2 and int2 also accept one number for both. */
 #define MCV_FIELD_length(key) double key;
 #define MCV_FIELD_angle(key) double key;
 #define MCV_FIELD_number(key) double key;
 #define MCV_FIELD_int2(key) uint32_t key[2];
+#define MCV_FIELD_int4(key) uint32_t key[4];
 #define MCV_FIELD_length2(key) double key[2];
+#define MCV_FIELD_number2(key) double key[2];
 #define MCV_FIELD_spectrum(key) double key[3]; /* a number is grey, an array is R, G, B */
 #define MCV_FIELD_choice(key) int key;
 
@@ -48,7 +50,9 @@ typedef enum mcv_param_kind {
     MCV_PARAM_angle,
     MCV_PARAM_number,
     MCV_PARAM_int2,
+    MCV_PARAM_int4,
     MCV_PARAM_length2,
+    MCV_PARAM_number2,
     MCV_PARAM_spectrum,
     MCV_PARAM_choice,
 } mcv_param_kind;
