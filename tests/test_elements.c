@@ -3,21 +3,16 @@
  * Sensors, emitters and interfaces on the device against the reference's formulas in double, a million cases each.
  * u = 2^-24 is the relative error of one float32 operation; every bound counts operations.
  */
-#include "scene_builder.h"
+#include "elements.h"
 
-#include "cl/cl.h"
 #include "reference/interface.h"
 #include "reference/random.h"
 #include "reference/sight.h"
-#include "render/pack.h"
-#include "render/render.h"
 #include "scene/emitters.h"
-#include "scene/sensors.h"
 
 enum { CASES = 1 << 20 };
 static const double u = 0x1p-24;
 
-static mcv_cl cl;
 static ref_random random_numbers;
 
 static double uniform(double low, double high) { return low + (high - low) * ref_random_unit(&random_numbers); }
@@ -31,32 +26,9 @@ static ref_vec random_direction(void) {
     return (ref_vec){r * cos(around), r * sin(around), z};
 }
 
-/* Runs a kernel of elements.cl over CASES cases. Without a first argument, `first_bytes` is 0. */
 static void run(const char *kernel_name, uint32_t sensor_type, const void *first, size_t first_bytes, const void *in, size_t in_bytes,
                 void *out, size_t out_bytes) {
-    char options[1024];
-    cl_program program;
-    cl_kernel kernel;
-    cl_mem first_buffer = NULL;
-    cl_mem in_buffer;
-    cl_mem out_buffer;
-    mcv_feature_options(0, 1, sensor_type, MCV_SAMPLER_SOBOL, MCV_BLOCK, options, sizeof options);
-    BUILD(mcv_cl_build(&cl, "elements", options, &program, &builder_error));
-    BUILD(mcv_cl_kernel(program, kernel_name, &kernel, &builder_error));
-    BUILD(mcv_cl_buffer(&cl, "cases", in_bytes, in, &in_buffer, &builder_error));
-    BUILD(mcv_cl_buffer(&cl, "results", out_bytes, NULL, &out_buffer, &builder_error));
-    if (first_bytes > 0) {
-        BUILD(mcv_cl_buffer(&cl, "element", first_bytes, first, &first_buffer, &builder_error));
-        BUILD(MCV_LAUNCH(&cl, kernel, CASES, 64, &builder_error, MCV_ARG(first_buffer), MCV_ARG(in_buffer), MCV_ARG(out_buffer)));
-    } else {
-        BUILD(MCV_LAUNCH(&cl, kernel, CASES, 64, &builder_error, MCV_ARG(in_buffer), MCV_ARG(out_buffer)));
-    }
-    BUILD(mcv_cl_read(&cl, out_buffer, 0, out_bytes, out, &builder_error));
-    mcv_cl_release(&first_buffer);
-    mcv_cl_release(&in_buffer);
-    mcv_cl_release(&out_buffer);
-    clReleaseKernel(kernel);
-    clReleaseProgram(program);
+    run_elements(kernel_name, sensor_type, first, first_bytes, CASES, in, in_bytes, out, out_bytes);
 }
 
 /* Sensors */
@@ -88,27 +60,6 @@ static void check_whole_or_part(const sensor_case *c) {
     mcv_scene *scene = mcv_scene_new("sensor");
     add_sensor(scene, c->sensor.type, &c->sensor, mcv_transform_identity());
     const mcv_sensor *sensor = &scene->sensors[0];
-    union {
-        mcv_pinhole pinhole;
-        mcv_thin_lens thin_lens;
-        mcv_telecentric telecentric;
-        mcv_light_field light_field;
-    } device;
-    memset(&device, 0, sizeof device);
-    switch (sensor->type) {
-    case MCV_SENSOR_PINHOLE:
-        mcv_pinhole_prepare(&sensor->as.pinhole, &device.pinhole);
-        break;
-    case MCV_SENSOR_THIN_LENS:
-        mcv_thin_lens_prepare(&sensor->as.thin_lens, &device.thin_lens);
-        break;
-    case MCV_SENSOR_TELECENTRIC:
-        mcv_telecentric_prepare(&sensor->as.telecentric, &device.telecentric);
-        break;
-    default:
-        mcv_light_field_prepare(&sensor->as.light_field, &device.light_field);
-        break;
-    }
     uint32_t width;
     uint32_t height;
     mcv_sensor_film_size(sensor, &width, &height);
@@ -122,7 +73,7 @@ static void check_whole_or_part(const sensor_case *c) {
         cases[6 * i + 1] = (uint32_t)uniform(0, height);
         for (int k = 2; k < 6; ++k) cases[6 * i + k] = as_uint(random_float());
     }
-    run("sample_sensor", sensor->type, &device, sizeof device, cases, 6 * sizeof(uint32_t) * CASES, sights, 7 * sizeof(float) * CASES);
+    device_sights(sensor, CASES, cases, sights);
 
     /*
      * A disk point: three roundings in the ratio and the angle (3 u π/4), sine and cosine within 8e-8, two products: 7 u of the radius.
@@ -448,17 +399,6 @@ static void test_attenuation(void **state) {
     assert_true(worst <= 3e-7);
     free(x);
     free(y);
-}
-
-static int open_device(void **state) {
-    (void)state;
-    return mcv_cl_open(NULL, &cl, &builder_error) == MCV_OK ? 0 : -1;
-}
-
-static int close_device(void **state) {
-    (void)state;
-    mcv_cl_close(&cl);
-    return 0;
 }
 
 int main(void) {
