@@ -21,7 +21,7 @@ MCV_FUNCTION mcv_identity mcv_identify(__constant const mcv_frame *frame, uint p
     const uint tiles = (frame->width + 7u) / 8u;
     id.column = (pixel >> 6) % tiles * 8u + (pixel & 7u);
     id.row = (pixel >> 6) / tiles * 8u + ((pixel >> 3) & 7u);
-    id.stream = mcv_hash_2(mcv_hash_2(frame->seed, id.row * frame->width + id.column), set % frame->replicates);
+    id.stream = mcv_hash_2(mcv_hash_2(frame->seed, frame->first_pixel + id.row * frame->row_pitch + id.column), set % frame->replicates);
     id.sample = frame->first_sample + (path & ((1u << frame->log2_samples) - 1u));
     return id;
 }

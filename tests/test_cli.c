@@ -459,6 +459,12 @@ static void test_check(void **state) {
     assert_non_null(strstr(out, "stopDiameter        687.5 µm"));
     assert_non_null(strstr(out, "numericalAperture   0.015625"));
     assert_non_null(strstr(out, "magnification       0.25"));
+    /* A cone of a tenth of the aperture's lights about a hundredth of the pupil; turned round, the panel lights nothing. */
+    run_well("check s.gltf --set emitters/panel/type=parallel --set emitters/panel/halfAngle=1.5625e-3");
+    assert_non_null(strstr(out, "share of pupil lit"));
+    assert_non_null(strstr(out, "% of the pupil of sensor \"cam\""));
+    run_well("check s.gltf --set nodes/1/rotation=[0,0,0,1]");
+    assert_non_null(strstr(out, "emitter \"panel\" lights nothing"));
     run_well("check s.gltf --defines");
     assert_non_null(strstr(out, "-DMCV_SENSOR=telecentric"));
     assert_non_null(strstr(out, "-DMCV_WITH_AREA=1"));

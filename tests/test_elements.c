@@ -3,21 +3,16 @@
  * Sensors, emitters and interfaces on the device against the reference's formulas in double, a million cases each.
  * u = 2^-24 is the relative error of one float32 operation; every bound counts operations.
  */
-#include "scene_builder.h"
+#include "elements.h"
 
-#include "cl/cl.h"
 #include "reference/interface.h"
 #include "reference/random.h"
 #include "reference/sight.h"
-#include "render/pack.h"
-#include "render/render.h"
 #include "scene/emitters.h"
-#include "scene/sensors.h"
 
 enum { CASES = 1 << 20 };
 static const double u = 0x1p-24;
 
-static mcv_cl cl;
 static ref_random random_numbers;
 
 static double uniform(double low, double high) { return low + (high - low) * ref_random_unit(&random_numbers); }
@@ -31,32 +26,9 @@ static ref_vec random_direction(void) {
     return (ref_vec){r * cos(around), r * sin(around), z};
 }
 
-/* Runs a kernel of elements.cl over CASES cases. Without a first argument, `first_bytes` is 0. */
 static void run(const char *kernel_name, uint32_t sensor_type, const void *first, size_t first_bytes, const void *in, size_t in_bytes,
                 void *out, size_t out_bytes) {
-    char options[1024];
-    cl_program program;
-    cl_kernel kernel;
-    cl_mem first_buffer = NULL;
-    cl_mem in_buffer;
-    cl_mem out_buffer;
-    mcv_feature_options(0, 1, sensor_type, MCV_SAMPLER_SOBOL, MCV_BLOCK, options, sizeof options);
-    BUILD(mcv_cl_build(&cl, "elements", options, &program, &builder_error));
-    BUILD(mcv_cl_kernel(program, kernel_name, &kernel, &builder_error));
-    BUILD(mcv_cl_buffer(&cl, "cases", in_bytes, in, &in_buffer, &builder_error));
-    BUILD(mcv_cl_buffer(&cl, "results", out_bytes, NULL, &out_buffer, &builder_error));
-    if (first_bytes > 0) {
-        BUILD(mcv_cl_buffer(&cl, "element", first_bytes, first, &first_buffer, &builder_error));
-        BUILD(MCV_LAUNCH(&cl, kernel, CASES, 64, &builder_error, MCV_ARG(first_buffer), MCV_ARG(in_buffer), MCV_ARG(out_buffer)));
-    } else {
-        BUILD(MCV_LAUNCH(&cl, kernel, CASES, 64, &builder_error, MCV_ARG(in_buffer), MCV_ARG(out_buffer)));
-    }
-    BUILD(mcv_cl_read(&cl, out_buffer, 0, out_bytes, out, &builder_error));
-    mcv_cl_release(&first_buffer);
-    mcv_cl_release(&in_buffer);
-    mcv_cl_release(&out_buffer);
-    clReleaseKernel(kernel);
-    clReleaseProgram(program);
+    run_elements(kernel_name, sensor_type, first, first_bytes, CASES, in, in_bytes, out, out_bytes);
 }
 
 /* Sensors */
@@ -84,31 +56,10 @@ typedef struct sensor_case {
     double aperture_slope; /* aperture radius times its factor to the direction */
 } sensor_case;
 
-static void check_sensor(const sensor_case *c) {
+static void check_whole_or_part(const sensor_case *c) {
     mcv_scene *scene = mcv_scene_new("sensor");
     add_sensor(scene, c->sensor.type, &c->sensor, mcv_transform_identity());
     const mcv_sensor *sensor = &scene->sensors[0];
-    union {
-        mcv_pinhole pinhole;
-        mcv_thin_lens thin_lens;
-        mcv_telecentric telecentric;
-        mcv_light_field light_field;
-    } device;
-    memset(&device, 0, sizeof device);
-    switch (sensor->type) {
-    case MCV_SENSOR_PINHOLE:
-        mcv_pinhole_prepare(&sensor->as.pinhole, &device.pinhole);
-        break;
-    case MCV_SENSOR_THIN_LENS:
-        mcv_thin_lens_prepare(&sensor->as.thin_lens, &device.thin_lens);
-        break;
-    case MCV_SENSOR_TELECENTRIC:
-        mcv_telecentric_prepare(&sensor->as.telecentric, &device.telecentric);
-        break;
-    default:
-        mcv_light_field_prepare(&sensor->as.light_field, &device.light_field);
-        break;
-    }
     uint32_t width;
     uint32_t height;
     mcv_sensor_film_size(sensor, &width, &height);
@@ -122,16 +73,17 @@ static void check_sensor(const sensor_case *c) {
         cases[6 * i + 1] = (uint32_t)uniform(0, height);
         for (int k = 2; k < 6; ++k) cases[6 * i + k] = as_uint(random_float());
     }
-    run("sample_sensor", sensor->type, &device, sizeof device, cases, 6 * sizeof(uint32_t) * CASES, sights, 7 * sizeof(float) * CASES);
+    device_sights(sensor, CASES, cases, sights);
 
     /*
      * A disk point: three roundings in the ratio and the angle (3 u π/4), sine and cosine within 8e-8, two products: 7 u of the radius.
      * The pixel coordinate rounds once, its factor once, the sum and the product of the other once: 4 u of |s|, 8 u of the disk.
      * A direction: the same of its two terms. A weight: A/h² rounds once, |d|² within 3 u and what d's own error brings, squared and
-     * divided: 10 u + 4 times the error of d. A point within its error of the lens's rim may fall on either side.
+     * divided: 10 u + 4 times the error of d. A point within its error of the lens's rim may fall on either side. A principal point
+     * that is no multiple of half a pixel rounds once more, and pixels are then up to one off the middle of the largest |s|: 2 u.
      */
-    const double origin_bound = 8 * u * c->aperture + 4 * u * c->image_to_lens;
-    const double direction_bound = 4 * u * c->direct + 8 * u * c->aperture_slope + c->kappa * origin_bound;
+    const double origin_bound = 8 * u * c->aperture + 6 * u * c->image_to_lens;
+    const double direction_bound = 6 * u * c->direct + 8 * u * c->aperture_slope + c->kappa * origin_bound;
     double worst_origin = 0;
     double worst_direction = 0;
     double worst_weight = 0;
@@ -144,7 +96,9 @@ static void check_sensor(const sensor_case *c) {
         concentric(as_float(in[4]), as_float(in[5]), &radius, &angle);
         double turn = radius < 0 ? angle / (2 * M_PI) + 0.5 : angle / (2 * M_PI);
         turn -= floor(turn);
-        const ref_sight sight = ref_sight_sample(sensor, in[0], in[1], as_float(in[2]), as_float(in[3]), radius * radius, turn);
+        const bool disk = sensor->type != MCV_SENSOR_LIGHT_FIELD; /* which takes the aperture sample as it is */
+        const ref_sight sight = ref_sight_sample(sensor, in[0], in[1], as_float(in[2]), as_float(in[3]),
+                                                 disk ? radius * radius : (double)as_float(in[4]), disk ? turn : (double)as_float(in[5]));
         /* The node looks along -z: the optical frame's z turns. */
         const ref_vec d = {sight.direction.x / -sight.direction.z, sight.direction.y / -sight.direction.z, 1};
         worst_origin = fmax(worst_origin, fmax(fabs(out[0] - sight.origin.x), fabs(out[1] - sight.origin.y)));
@@ -165,6 +119,31 @@ static void check_sensor(const sensor_case *c) {
     free(cases);
     free(sights);
     mcv_scene_free(scene);
+}
+
+/* All of a sensor's image, and a binned part of it about a principal point off the middle. */
+static void check_sensor(const sensor_case *c) {
+    check_whole_or_part(c);
+    sensor_case part = *c;
+    uint32_t width, height;
+    mcv_sensor_film_size(&c->sensor, &width, &height);
+    const double principal[2] = {0.47 * width, 0.51 * height};
+    const uint32_t region[4] = {17, 5, 96, 80};
+    const uint32_t binning[2] = {3, 4};
+#define SET_READOUT(p) \
+    do { \
+        memcpy((p)->principalPoint, principal, sizeof principal); \
+        memcpy((p)->regionOfInterest, region, sizeof region); \
+        memcpy((p)->binning, binning, sizeof binning); \
+    } while (0)
+    if (part.sensor.type == MCV_SENSOR_PINHOLE) SET_READOUT(&part.sensor.as.pinhole);
+    if (part.sensor.type == MCV_SENSOR_THIN_LENS) SET_READOUT(&part.sensor.as.thin_lens);
+    if (part.sensor.type == MCV_SENSOR_TELECENTRIC) SET_READOUT(&part.sensor.as.telecentric);
+    if (part.sensor.type == MCV_SENSOR_LIGHT_FIELD) SET_READOUT(&part.sensor.as.light_field);
+    /* The farthest pixel is 0.53 of the film away instead of 0.5. */
+    part.image_to_lens *= 1.06;
+    part.direct *= 1.06;
+    check_whole_or_part(&part);
 }
 
 static void test_pinhole(void **state) {
@@ -427,17 +406,6 @@ static void test_attenuation(void **state) {
     assert_true(worst <= 3e-7);
     free(x);
     free(y);
-}
-
-static int open_device(void **state) {
-    (void)state;
-    return mcv_cl_open(NULL, &cl, &builder_error) == MCV_OK ? 0 : -1;
-}
-
-static int close_device(void **state) {
-    (void)state;
-    mcv_cl_close(&cl);
-    return 0;
 }
 
 int main(void) {

@@ -12,8 +12,10 @@
 
 static void test_from_centre(void **state) {
     (void)state;
-    assert_true(mcv_from_centre(5, 2, 0.5f) == 0.0f);
-    assert_true(mcv_from_centre(4, 0, 0.25f) == 1.75f);
+    assert_true(mcv_from_centre((mcv_centre){5, 0}, 2, 0.5f) == 0.0f);
+    assert_true(mcv_from_centre((mcv_centre){4, 0}, 0, 0.25f) == 1.75f);
+    assert_true(mcv_from_centre((mcv_centre){4, 0.125f}, 0, 0.25f) == 1.875f);
+    assert_true(mcv_from_centre((mcv_centre){-3, -0.25f}, 2, 0.5f) == -4.25f);
 }
 
 int main(void) {

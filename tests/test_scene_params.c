@@ -227,8 +227,9 @@ static void test_prepare(void **state) {
         MCV_OK);
     mcv_telecentric t;
     mcv_telecentric_prepare(&sensor.as.telecentric, &t);
-    assert_int_equal(t.width, 4);
-    assert_int_equal(t.height, 6);
+    assert_int_equal(t.centre_x.halves, 4);
+    assert_int_equal(t.centre_y.halves, 6);
+    assert_float(t.centre_x.rest, 0, "what half pixels leave of the centre");
     assert_float(t.pixel_x, 4e-3, "pixel_x: l f/(b - f) = 4 l");
     assert_float(t.pixel_y, 8e-3, "pixel_y");
     assert_float(t.stop_radius, 5e-3, "stop radius");

@@ -59,8 +59,10 @@ static mcv_result scale_light(const mcv_command *command, const mcv_exr *exr, do
             return mcv_fail(error, MCV_BAD_INPUT,
                             "%s: mcvisi:pixelSize [m] is missing in its header: render the image again, or give --electrons-per-unit",
                             command->argument);
+        const mcv_attribute *binning = mcv_exr_attribute(exr, "mcvisi:binning");
+        const double binned = binning && !binning->text && binning->count == 2 ? binning->numbers[0] * binning->numbers[1] : 1;
         *electrons_per_unit = mcv_camera_electrons_per_irradiance(command->exposure_time, command->quantum_efficiency, command->wavelength,
-                                                                  size->numbers[0] * size->numbers[1]);
+                                                                  size->numbers[0] * size->numbers[1] * binned);
     } else if (command->electrons_per_unit > 0) {
         *electrons_per_unit = command->electrons_per_unit;
     } else {

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi check: what was understood of a scene, and what rendering it takes. */
+#include "analysis/setup.h"
 #include "cli/options.h"
 #include "cli/report.h"
 #include "cli/sensor.h"
+#include "reference/filling.h"
 #include "render/pack.h"
 #include "render/render.h"
 #include "scene/emitters.h"
@@ -12,6 +14,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { DEFINES_SLICE = 256 }; /* of the tile schedule, as the renderer chooses it */
@@ -58,13 +61,20 @@ static void report_parameters(mcv_report *report, mcv_param_table table, const v
         case MCV_PARAM_number:
             mcv_report_number(report, p->key, "", *(const double *)field);
             break;
-        case MCV_PARAM_int2: {
+        case MCV_PARAM_int2:
+        case MCV_PARAM_int4: {
             const uint32_t *values = field;
-            mcv_report_numbers(report, p->key, "", " x ", (const double[]){values[0], values[1]}, 2);
+            double numbers[4];
+            const size_t count = mcv_param_components(p->kind);
+            for (size_t k = 0; k < count; ++k) numbers[k] = values[k];
+            mcv_report_numbers(report, p->key, "", count == 2 ? " x " : ", ", numbers, count);
             break;
         }
         case MCV_PARAM_length2:
             mcv_report_numbers(report, p->key, "m", " x ", field, 2);
+            break;
+        case MCV_PARAM_number2:
+            mcv_report_numbers(report, p->key, "", ", ", field, 2);
             break;
         case MCV_PARAM_spectrum:
             mcv_report_spectrum(report, p->key, "", field);
@@ -85,7 +95,34 @@ static void report_place(mcv_report *report, const mcv_transform *to_world) {
     mcv_report_numbers(report, "faces", "", ", ", (const double[]){-m[2], -m[5], -m[8]}, 3);
 }
 
-static void report_sensor(mcv_report *report, const mcv_scene *scene, uint32_t index) {
+/* Less of a pupil, or of the directions, is likely not meant. */
+static const double little = 0.5;
+
+/* What the parallel emitters before a sensor light of its pupil, or of its directions. */
+static mcv_result report_fillings(mcv_report *report, mcv_scene *scene, uint32_t index, mcv_error *error) {
+    const mcv_sensor *sensor = scene->sensors + index;
+    const bool directions = sensor->type == MCV_SENSOR_LIGHT_FIELD;
+    ref_filling *fillings;
+    uint32_t count;
+    mcv_result result = ref_sensor_fillings(scene, index, &fillings, &count, error);
+    if (result == MCV_OK && count > 0) mcv_report_list(report, "faces_emitters");
+    for (uint32_t i = 0; i < count && result == MCV_OK; ++i) {
+        const mcv_emitter *emitter = scene->emitters + fillings[i].emitter;
+        mcv_report_element(report, emitter->name, mcv_emitter_types[emitter->type]);
+        mcv_report_number(report, directions ? "share_of_directions_lit" : "share_of_pupil_lit", "", fillings[i].share);
+        mcv_report_close(report);
+        if (fillings[i].share < little)
+            result = mcv_scene_warn(scene, error,
+                                    "emitter \"%s\" lights %.2g %% of the %s of sensor \"%s\", where that looks into it: its cone "
+                                    "is narrower than what the sensor takes in",
+                                    emitter->name, 100 * fillings[i].share, directions ? "J x K directions" : "pupil", sensor->name);
+    }
+    if (result == MCV_OK && count > 0) mcv_report_close(report);
+    free(fillings);
+    return result;
+}
+
+static mcv_result report_sensor(mcv_report *report, mcv_scene *scene, uint32_t index, mcv_error *error) {
     const mcv_sensor *sensor = scene->sensors + index;
     const mcv_optics optics = mcv_sensor_optics(sensor);
     uint32_t width, height;
@@ -106,7 +143,9 @@ static void report_sensor(mcv_report *report, const mcv_scene *scene, uint32_t i
     mcv_report_number(report, "numerical_aperture", "", optics.numerical_aperture);
     mcv_report_numbers(report, "macro_pixel_pitch", "m", " x ", optics.macro_pixel, 2);
     mcv_report_close(report);
+    MCV_TRY(report_fillings(report, scene, index, error));
     mcv_report_close(report);
+    return MCV_OK;
 }
 
 static void report_radiometry(mcv_report *report, const char *key, const char *unit, const mcv_emitter *emitter, double factor,
@@ -190,16 +229,17 @@ static void report_work(mcv_report *report, const mcv_packed *packed) {
     mcv_report_number(report, "bytes_per_path", "", 4.0 * mcv_path_words(packed->features, packed->channels));
 }
 
-static mcv_result print_report(const mcv_scene *scene, const mcv_packed *packed, const mcv_command *command, mcv_error *error) {
+static mcv_result print_report(mcv_scene *scene, const mcv_packed *packed, const mcv_command *command, mcv_error *error) {
     mcv_report report;
     uint32_t only = MCV_NONE;
     if (command->sensor) MCV_TRY(mcv_sensor_find(scene, command->sensor, &only, error));
+    MCV_TRY(mcv_setup_warn(scene, error));
     mcv_report_begin(&report, command->json);
     mcv_report_text(&report, "scene", scene->path);
     report_size(&report, scene);
     mcv_report_list(&report, "sensors");
     for (uint32_t i = 0; i < scene->sensor_count; ++i)
-        if (only == MCV_NONE || only == i) report_sensor(&report, scene, i);
+        if (only == MCV_NONE || only == i) MCV_TRY(report_sensor(&report, scene, i, error));
     mcv_report_close(&report);
     mcv_report_list(&report, "emitters");
     for (uint32_t i = 0; i < scene->emitter_count; ++i) report_emitter(&report, scene, i);
@@ -219,7 +259,7 @@ static void print_defines(uint32_t features, uint32_t channels, uint32_t sensor_
     puts(options);
 }
 
-static mcv_result check_scene(const mcv_command *command, const mcv_scene *scene, mcv_error *error) {
+static mcv_result check_scene(const mcv_command *command, mcv_scene *scene, mcv_error *error) {
     mcv_packed packed;
     uint32_t sensor = 0;
     if (scene->sensor_count == 0)

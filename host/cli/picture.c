@@ -4,6 +4,7 @@
 #include "cli/sensor.h"
 #include "output/exr.h"
 #include "output/file.h"
+#include "scene/params.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -124,21 +125,12 @@ static uint32_t sensor_attributes(const mcv_sensor *sensor, mcv_attribute *attri
         const void *field = (const char *)&sensor->as + param->offset;
         const uint32_t *integers = field;
         const double *numbers = field;
-        mcv_attribute a = {.name = names[count], .count = 2};
+        mcv_attribute a = {.name = names[count], .count = (uint32_t)mcv_param_components(param->kind)};
+        if (param->kind == MCV_PARAM_choice || mcv_param_unset(param, &sensor->as)) continue; /* a choice is in the scene */
         snprintf(names[count], sizeof names[count], "mcvisi:%s", param->key);
-        if (param->kind == MCV_PARAM_int2) {
-            a.numbers[0] = integers[0];
-            a.numbers[1] = integers[1];
-        } else if (param->kind == MCV_PARAM_length2) {
-            a.numbers[0] = numbers[0];
-            a.numbers[1] = numbers[1];
-        } else if (param->kind == MCV_PARAM_length || param->kind == MCV_PARAM_angle || param->kind == MCV_PARAM_number) {
-            a.numbers[0] = numbers[0];
-            a.count = 1;
-        } else {
-            continue; /* a choice is in the scene */
-        }
-        if (isfinite(a.numbers[0])) attributes[count++] = a;
+        for (uint32_t k = 0; k < a.count; ++k)
+            a.numbers[k] = param->kind == MCV_PARAM_int2 || param->kind == MCV_PARAM_int4 ? integers[k] : numbers[k];
+        attributes[count++] = a;
     }
     return count;
 }

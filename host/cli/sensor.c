@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/sensor.h"
 
+#include "scene/sensors.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -46,10 +48,16 @@ mcv_result mcv_sensor_resize(mcv_sensor *sensor, uint64_t width, uint64_t height
     const uint64_t size[2] = {width, height};
     uint32_t *resolution = parameter(sensor, "spatialResolution");
     double *pixel_size = parameter(sensor, "pixelSize");
+    double *principal_point = parameter(sensor, "principalPoint");
     if (!resolution) resolution = parameter(sensor, "resolution");
     if (!resolution || !pixel_size)
         return mcv_fail(error, MCV_USAGE, "%s: sensor %s has no resolution to change: leave out --resolution", scene->path, sensor->name);
+    const mcv_readout readout = mcv_sensor_readout(sensor);
+    if (readout.size[0] != resolution[0] || readout.size[1] != resolution[1])
+        return mcv_fail(error, MCV_USAGE, "%s: sensor %s has a regionOfInterest or binning: leave out --resolution", scene->path,
+                        sensor->name);
     for (int i = 0; i < 2; ++i) {
+        if (principal_point) principal_point[i] *= (double)size[i] / (double)resolution[i];
         pixel_size[i] *= (double)resolution[i] / (double)size[i];
         resolution[i] = (uint32_t)size[i];
     }

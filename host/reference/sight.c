@@ -12,10 +12,21 @@ static point on_disk(double radius, double u, double v) {
     return p;
 }
 
-/* The image point of the position (column, row) in pixels. The lens turns the image, the read-out turns it back. */
-static point image_point(const uint32_t resolution[2], const double pixel[2], double column, double row) {
-    return (point){(resolution[0] / 2.0 - column) * pixel[0], (row - resolution[1] / 2.0) * pixel[1]};
+/* The image point of the position (column, row) in pixels of the whole film. The lens turns the image, the read-out turns it back. */
+static point image_point(const uint32_t resolution[2], const double principal[2], const double pixel[2], double column, double row) {
+    const bool given = !isnan(principal[0]);
+    const double across = given ? principal[0] : resolution[0] / 2.0, down = given ? principal[1] : resolution[1] / 2.0;
+    return (point){(across - column) * pixel[0], (row - down) * pixel[1]};
 }
+
+/* A coordinate in the image, in pixels of the whole film. */
+static double on_film(const uint32_t region[4], const uint32_t binning[2], int axis, double coordinate) {
+    return (region[0] == MCV_NONE ? 0 : region[axis]) + binning[axis] * coordinate;
+}
+
+#define FILM_POINT(p, column, row) \
+    image_point((p)->resolution, (p)->principalPoint, (p)->pixelSize, on_film((p)->regionOfInterest, (p)->binning, 0, column), \
+                on_film((p)->regionOfInterest, (p)->binning, 1, row))
 
 /* In the optical frame: the ray through o on the lens to the point in focus, w = -w_z/b (p, -b), of the image point p; d = (w - o)/w_z. */
 static ref_vec through_focus(point p, point o, double focal_length, double image_distance) {
@@ -43,13 +54,13 @@ static double throughput(double area, double distance, ref_vec d) {
 
 static ref_sight pinhole(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y) {
     const mcv_pinhole_params *p = &sensor->as.pinhole;
-    const point s = image_point(p->resolution, p->pixelSize, column + x, row + y);
+    const point s = FILM_POINT(p, column + x, row + y);
     return in_world(sensor, (point){0, 0}, (ref_vec){-s.x / p->imageDistance, -s.y / p->imageDistance, 1});
 }
 
 static ref_sight thin_lens(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y, double u, double v) {
     const mcv_thin_lens_params *p = &sensor->as.thin_lens;
-    const point s = image_point(p->resolution, p->pixelSize, column + x, row + y);
+    const point s = FILM_POINT(p, column + x, row + y);
     const point o = on_disk(p->lensDiameter / 2, u, v);
     const ref_vec d = through_focus(s, o, p->focalLength, p->imageDistance);
     ref_sight sight = in_world(sensor, o, d);
@@ -61,7 +72,7 @@ static ref_sight thin_lens(const mcv_sensor *sensor, uint32_t column, uint32_t r
 static ref_sight telecentric(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y, double u, double v) {
     const mcv_telecentric_params *p = &sensor->as.telecentric;
     const double f = p->focalLength, b = p->imageDistance;
-    const point s = image_point(p->resolution, p->pixelSize, column + x, row + y);
+    const point s = FILM_POINT(p, column + x, row + y);
     const point a = on_disk(p->stopDiameter / 2, u, v);
     const point o = {s.x + (a.x - s.x) * b / (b - f), s.y + (a.y - s.y) * b / (b - f)}; /* the line s a at the lens */
     const ref_vec d = through_focus(s, o, f, b);
@@ -71,14 +82,16 @@ static ref_sight telecentric(const mcv_sensor *sensor, uint32_t column, uint32_t
     return sight;
 }
 
-static ref_sight light_field(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y) {
+static ref_sight light_field(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y, double u, double v) {
     const mcv_light_field_params *p = &sensor->as.light_field;
     const uint32_t *angular = p->angularResolution;
     const uint32_t resolution[2] = {p->spatialResolution[0] * angular[0], p->spatialResolution[1] * angular[1]};
-    const uint32_t m = column / angular[0], n = row / angular[1];
-    const point c = image_point(resolution, p->pixelSize, (m + 0.5) * angular[0], (n + 0.5) * angular[1]);
+    /* Of binned macro pixels (u, v) chooses one. */
+    const double m = on_film(p->regionOfInterest, p->binning, 0, column / angular[0]) + floor(u * p->binning[0]);
+    const double n = on_film(p->regionOfInterest, p->binning, 1, row / angular[1]) + floor(v * p->binning[1]);
+    const point c = image_point(resolution, p->principalPoint, p->pixelSize, (m + 0.5) * angular[0], (n + 0.5) * angular[1]);
     /* The place in the macro pixel, -1 … 1, from whole pixels so that no sample slips into the next one. */
-    const double across = 2 * (column - m * angular[0] + x) / angular[0] - 1, down = 2 * (row - n * angular[1] + y) / angular[1] - 1;
+    const double across = 2 * (column % angular[0] + x) / angular[0] - 1, down = 2 * (row % angular[1] + y) / angular[1] - 1;
     const point o = {across * p->lensDiameter / 2, -down * p->lensDiameter / 2};
     const ref_vec d = through_focus(c, o, p->focalLength, p->imageDistance);
     ref_sight sight = in_world(sensor, o, d);
@@ -94,7 +107,7 @@ ref_sight ref_sight_sample(const mcv_sensor *sensor, uint32_t column, uint32_t r
     case MCV_SENSOR_TELECENTRIC:
         return telecentric(sensor, column, row, x, y, u, v);
     case MCV_SENSOR_LIGHT_FIELD:
-        return light_field(sensor, column, row, x, y);
+        return light_field(sensor, column, row, x, y, u, v);
     default:
         return pinhole(sensor, column, row, x, y);
     }

@@ -13,7 +13,7 @@ typedef struct ref_sight {
 
 /*
  * Pixel (column, row) from the top-left corner, the place (x, y) in it and the aperture sample (u, v), all in [0, 1).
- * (u, v) = (0, 0) is the centre of a round aperture.
+ * (u, v) = (0, 0) is the centre of a round aperture. A light field camera takes (u, v) only to choose one of binned macro pixels.
  */
 ref_sight ref_sight_sample(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y, double u, double v);
 

@@ -109,6 +109,9 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
     default:
         return mcv_fail(error, MCV_FAILED, "sensor %u has the unknown type %u", sensor, from->type);
     }
+    const mcv_readout readout = mcv_sensor_readout(from);
+    frame->row_pitch = readout.film[0] * readout.angular[0];
+    frame->first_pixel = readout.first[1] * readout.angular[1] * frame->row_pitch + readout.first[0] * readout.angular[0];
     const mcv_packed *packed = &device->packed;
     frame->emitter_count = packed->emitter_count;
     frame->initial_media = mcv_media_around(scene, packed, from->to_world.m + 9);

@@ -40,14 +40,26 @@ const char *const *mcv_param_options(const char *key) {
     return NULL;
 }
 
-/* How many numbers a kind holds. */
-static size_t components(mcv_param_kind kind) {
-    return kind == MCV_PARAM_spectrum ? 3 : kind == MCV_PARAM_int2 || kind == MCV_PARAM_length2 ? 2 : 1;
+size_t mcv_param_components(mcv_param_kind kind) {
+    switch (kind) {
+    case MCV_PARAM_int4:
+        return 4;
+    case MCV_PARAM_spectrum:
+        return 3;
+    case MCV_PARAM_int2:
+    case MCV_PARAM_length2:
+    case MCV_PARAM_number2:
+        return 2;
+    default:
+        return 1;
+    }
 }
+
+static bool integral(mcv_param_kind kind) { return kind == MCV_PARAM_int2 || kind == MCV_PARAM_int4; }
 
 static double get(const mcv_param *param, const void *params, size_t i) {
     const char *field = (const char *)params + param->offset;
-    if (param->kind == MCV_PARAM_int2) return ((const uint32_t *)(const void *)field)[i];
+    if (integral(param->kind)) return ((const uint32_t *)(const void *)field)[i];
     if (param->kind == MCV_PARAM_image) return *(const uint32_t *)(const void *)field;
     if (param->kind == MCV_PARAM_choice || param->kind == MCV_PARAM_flag) return *(const int *)(const void *)field;
     return ((const double *)(const void *)field)[i];
@@ -55,7 +67,7 @@ static double get(const mcv_param *param, const void *params, size_t i) {
 
 static void set(const mcv_param *param, void *params, size_t i, double value) {
     char *field = (char *)params + param->offset;
-    if (param->kind == MCV_PARAM_int2)
+    if (integral(param->kind))
         ((uint32_t *)(void *)field)[i] = (uint32_t)value;
     else if (param->kind == MCV_PARAM_image)
         *(uint32_t *)(void *)field = (uint32_t)value;
@@ -70,15 +82,18 @@ void mcv_params_set_defaults(mcv_param_table table, void *params) {
     for (size_t i = 0; i < table.count; ++i) {
         const mcv_param *param = table.params + i;
         const bool given = param->default_value != MCV_REQUIRED && param->default_value != MCV_UNSET;
-        const double none = param->kind == MCV_PARAM_int2 ? 0 : param->kind == MCV_PARAM_image ? MCV_NONE : (double)NAN;
-        const double value = given ? param->default_value : none;
-        for (size_t j = 0; j < components(param->kind); ++j) set(param, params, j, value);
+        const bool number = param->kind == MCV_PARAM_int4 || param->kind == MCV_PARAM_image;
+        const double unset = param->kind == MCV_PARAM_int2 ? 0 : number ? MCV_NONE : (double)NAN;
+        const double value = given ? param->default_value : unset;
+        for (size_t j = 0; j < mcv_param_components(param->kind); ++j) set(param, params, j, value);
     }
 }
 
 bool mcv_param_unset(const mcv_param *param, const void *params) {
     const double first = get(param, params, 0);
-    return param->kind == MCV_PARAM_int2 ? first == 0 : param->kind == MCV_PARAM_image ? first == MCV_NONE : isnan(first);
+    if (param->kind == MCV_PARAM_int2) return first == 0;
+    if (param->kind == MCV_PARAM_int4 || param->kind == MCV_PARAM_image) return first == MCV_NONE;
+    return param->kind != MCV_PARAM_choice && param->kind != MCV_PARAM_flag && isnan(first);
 }
 
 bool mcv_parse_quantity(const char *text, mcv_param_kind kind, double *value) {
@@ -117,6 +132,7 @@ static const char *example(mcv_param_kind kind) {
     case MCV_PARAM_angle:
         return "an angle in radians, or with a unit as in \"0.5deg\" (deg, mrad, rad)";
     case MCV_PARAM_int2:
+    case MCV_PARAM_int4:
         return "an integer";
     default:
         return "a number";
@@ -125,13 +141,13 @@ static const char *example(mcv_param_kind kind) {
 
 static mcv_result parse_number(const mcv_param *param, const json_t *value, double *number, const mcv_place *place, mcv_error *error) {
     const mcv_param_kind kind = param->kind == MCV_PARAM_length2 ? MCV_PARAM_length : param->kind;
-    if (json_is_string(value) && param->kind != MCV_PARAM_int2 && param->kind != MCV_PARAM_spectrum) {
+    if (json_is_string(value) && !integral(param->kind) && param->kind != MCV_PARAM_spectrum) {
         if (mcv_parse_quantity(json_string_value(value), kind, number)) return MCV_OK;
         return mcv_fail_at(place, error, "\"%s\" must be %s", json_string_value(value), example(kind));
     }
     if (!json_is_number(value)) return mcv_fail_at(place, error, "must be %s", example(kind));
     *number = json_number_value(value);
-    if (param->kind != MCV_PARAM_int2) return MCV_OK;
+    if (!integral(param->kind)) return MCV_OK;
     /* Checked here because it must fit the field. */
     if (!(*number >= param->min && *number <= param->max) || *number != floor(*number))
         return mcv_fail_at(place, error, "%g must be an integer from %g to %g", *number, param->min, param->max);
@@ -170,11 +186,13 @@ static mcv_result parse_value(const mcv_param *param, const json_t *value, void 
     if (param->kind == MCV_PARAM_choice) return parse_choice(param, value, params, place, error);
     if (param->kind == MCV_PARAM_image) return parse_image(param, value, params, place, error);
     if (param->kind == MCV_PARAM_flag) return parse_flag(param, value, params, place, error);
-    const size_t n = components(param->kind);
+    const size_t n = mcv_param_components(param->kind);
     if (json_is_array(value) && (n == 1 || json_array_size(value) != n)) {
         if (n == 1) return mcv_fail_at(place, error, "must be %s, not an array", example(param->kind));
-        return mcv_fail_at(place, error, "has %zu values, but must have %zu (or be one for all)", json_array_size(value), n);
+        return mcv_fail_at(place, error, "has %zu values, but must have %zu%s", json_array_size(value), n,
+                           n == 4 ? "" : " (or be one for all)");
     }
+    if (!json_is_array(value) && n == 4) return mcv_fail_at(place, error, "must be an array of 4 integers");
     for (size_t i = 0; i < n; ++i) {
         const mcv_place element = mcv_place_index(place, i);
         double number = 0;
@@ -223,7 +241,7 @@ mcv_result mcv_params_check(mcv_param_table table, const void *params, const mcv
             if (param->default_value == MCV_REQUIRED) return mcv_fail_at(&here, error, "is missing: %s", param->doc);
             continue;
         }
-        for (size_t j = 0; j < components(param->kind); ++j) {
+        for (size_t j = 0; j < mcv_param_components(param->kind); ++j) {
             const double value = get(param, params, j);
             if (value >= param->min && value <= param->max) continue;
             if (param->min == MCV_POSITIVE)

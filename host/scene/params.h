@@ -29,6 +29,9 @@ mcv_result mcv_params_parse(mcv_param_table table, const json_t *object, const c
 /* Are all required parameters given and all given ones in range? */
 mcv_result mcv_params_check(mcv_param_table table, const void *params, const mcv_place *place, mcv_error *error);
 
+/* How many numbers a kind holds. */
+size_t mcv_param_components(mcv_param_kind kind);
+
 /* Is this parameter still MCV_UNSET? Never for choices. */
 bool mcv_param_unset(const mcv_param *param, const void *params);
 

@@ -15,7 +15,8 @@ static json_t *scalar_schema(const mcv_param *param) {
         json_object_set_new(schema, "type", json_pack("[s, s]", "number", "string"));
         json_object_set_new(schema, "pattern", json_sprintf("^[-+.0-9eE]+ *(%s)?$", units));
     } else {
-        json_object_set_new(schema, "type", json_string(param->kind == MCV_PARAM_int2 ? "integer" : "number"));
+        json_object_set_new(schema, "type",
+                            json_string(param->kind == MCV_PARAM_int2 || param->kind == MCV_PARAM_int4 ? "integer" : "number"));
     }
     json_object_set_new(schema, "minimum", json_real(param->min == MCV_POSITIVE ? 0 : param->min));
     if (param->min == MCV_POSITIVE) json_object_set_new(schema, "exclusiveMinimum", json_true());
@@ -45,9 +46,12 @@ static json_t *param_schema(const mcv_param *param) {
                                       "type", "object", "properties", "uri", "type", "string", "required", "uri"));
         return schema;
     }
-    const int n = param->kind == MCV_PARAM_spectrum ? 3 : param->kind == MCV_PARAM_length2 || param->kind == MCV_PARAM_int2 ? 2 : 1;
+    const int n = (int)mcv_param_components(param->kind);
     if (n == 1)
         json_object_update_new(schema, scalar_schema(param));
+    else if (n == 4)
+        json_object_update_new(
+            schema, json_pack("{s:s, s:o, s:i, s:i}", "type", "array", "items", scalar_schema(param), "minItems", n, "maxItems", n));
     else
         json_object_set_new(schema, "anyOf",
                             json_pack("[o, {s:s, s:o, s:i, s:i}]", scalar_schema(param), "type", "array", "items", scalar_schema(param),

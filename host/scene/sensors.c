@@ -3,6 +3,75 @@
 
 #include "scene/params.h"
 
+/* --- what is read out ------------------------------------------------------------------------------------------- */
+
+/* The parameters that say so, of any sensor; its resolution counts macro pixels of `angular` pixels each. */
+typedef struct film {
+    const uint32_t *resolution, *region, *binning;
+    const double *principal_point, *pixel_size;
+    uint32_t angular[2];
+} film;
+
+#define MCV_FILM(p) ((film){(p)->resolution, (p)->regionOfInterest, (p)->binning, (p)->principalPoint, (p)->pixelSize, {1, 1}})
+
+static film light_field_film(const mcv_light_field_params *p) {
+    return (film){p->spatialResolution, p->regionOfInterest, p->binning,
+                  p->principalPoint,    p->pixelSize,        {p->angularResolution[0], p->angularResolution[1]}};
+}
+
+static film film_of(const mcv_sensor *sensor) {
+    switch (sensor->type) {
+    case MCV_SENSOR_PINHOLE:
+        return MCV_FILM(&sensor->as.pinhole);
+    case MCV_SENSOR_THIN_LENS:
+        return MCV_FILM(&sensor->as.thin_lens);
+    case MCV_SENSOR_TELECENTRIC:
+        return MCV_FILM(&sensor->as.telecentric);
+    default:
+        return light_field_film(&sensor->as.light_field);
+    }
+}
+
+static mcv_readout read_out(film f) {
+    mcv_readout readout;
+    for (int i = 0; i < 2; ++i) {
+        const bool all = f.region[0] == MCV_NONE;
+        readout.film[i] = f.resolution[i];
+        readout.first[i] = all ? 0 : f.region[i];
+        readout.binning[i] = f.binning[i];
+        readout.size[i] = (all ? f.resolution[i] : f.region[i + 2]) / f.binning[i];
+        readout.angular[i] = f.angular[i];
+        readout.pitch[i] = f.angular[i] * f.pixel_size[i];
+        readout.centre[i] = isnan(f.principal_point[0]) ? f.resolution[i] / 2.0 : f.principal_point[i] / f.angular[i];
+    }
+    return readout;
+}
+
+mcv_readout mcv_sensor_readout(const mcv_sensor *sensor) { return read_out(film_of(sensor)); }
+
+static mcv_result check_film(film f, const mcv_place *place, mcv_error *error) {
+    static const char *const lines[] = {"columns", "rows"};
+    const mcv_place region = mcv_place_key(place, "regionOfInterest"), binning = mcv_place_key(place, "binning");
+    const bool all = f.region[0] == MCV_NONE;
+    for (int i = 0; i < 2; ++i) {
+        const uint32_t first = all ? 0 : f.region[i], size = all ? f.resolution[i] : f.region[i + 2];
+        if (size == 0) return mcv_fail_at(&region, error, "has no %s: it is [column, row, width, height]", lines[i]);
+        if (first + size > f.resolution[i])
+            return mcv_fail_at(&region, error, "%s %u to %u leave the film, which has %u: it is [column, row, width, height]", lines[i],
+                               first, first + size, f.resolution[i]);
+        if (size % f.binning[i] != 0)
+            return mcv_fail_at(&binning, error, "%u does not divide the %u %s that are read out", f.binning[i], size, lines[i]);
+    }
+    return MCV_OK;
+}
+
+/* Of the principal point, from the first pixel read out, in units of `binning` of them. */
+static mcv_centre centre(const mcv_readout *readout, int axis, uint32_t binning) {
+    const double from_first = (readout->centre[axis] - readout->first[axis]) / binning;
+    const double halves = rint(2 * from_first);
+    return (mcv_centre){(int)halves, (float)(from_first - halves / 2)};
+}
+
 /* --- pinhole ---------------------------------------------------------------------------------------------------- */
 
 mcv_result mcv_pinhole_resolve(mcv_pinhole_params *params, const mcv_place *place, mcv_error *error) {
@@ -12,11 +81,12 @@ mcv_result mcv_pinhole_resolve(mcv_pinhole_params *params, const mcv_place *plac
 }
 
 void mcv_pinhole_prepare(const mcv_pinhole_params *params, mcv_pinhole *device) {
+    const mcv_readout readout = read_out(MCV_FILM(params));
     *device = (mcv_pinhole){
-        .width = params->resolution[0],
-        .height = params->resolution[1],
-        .slope_x = (float)(params->pixelSize[0] / params->imageDistance),
-        .slope_y = (float)(params->pixelSize[1] / params->imageDistance),
+        .centre_x = centre(&readout, 0, readout.binning[0]),
+        .centre_y = centre(&readout, 1, readout.binning[1]),
+        .slope_x = (float)(readout.binning[0] * params->pixelSize[0] / params->imageDistance),
+        .slope_y = (float)(readout.binning[1] * params->pixelSize[1] / params->imageDistance),
     };
 }
 
@@ -40,11 +110,6 @@ static mcv_result settle(double *value, double follows, const char *key, const c
 
 /* --- thin lens -------------------------------------------------------------------------------------------------- */
 
-/* κ = (b - f)/(b f), the inverse of the focused depth. */
-static double kappa(double focal_length, double image_distance) {
-    return (image_distance - focal_length) / (image_distance * focal_length);
-}
-
 /* A/h² where irradiance is measured, else 0. */
 static double etendue(int radiometry, double area, double distance) {
     return radiometry == MCV_RADIOMETRY_IRRADIANCE ? area / (distance * distance) : 0;
@@ -63,7 +128,7 @@ static mcv_result resolve_lens(lens l, const mcv_place *place, mcv_error *error)
     if (isnan(*l.b) && isnan(*l.w)) return mcv_fail_at(place, error, "needs imageDistance or focusDistance, to say where it is in focus");
     if (*l.w <= l.f) return mcv_fail_at(&focus, error, "%g m must exceed focalLength %g m", *l.w, l.f);
     if (isnan(*l.b)) *l.b = l.f * *l.w / (*l.w - l.f);
-    const double depth = 1 / kappa(l.f, *l.b);
+    const double depth = 1 / mcv_kappa(l.f, *l.b);
     if (!isnan(*l.w) || (depth > 0 && isfinite(depth)))
         MCV_TRY(settle(l.w, depth, "focusDistance", "focalLength and imageDistance", place, error));
 
@@ -78,12 +143,13 @@ mcv_result mcv_thin_lens_resolve(mcv_thin_lens_params *p, const mcv_place *place
 }
 
 void mcv_thin_lens_prepare(const mcv_thin_lens_params *params, mcv_thin_lens *device) {
+    const mcv_readout readout = read_out(MCV_FILM(params));
     *device = (mcv_thin_lens){
-        .width = params->resolution[0],
-        .height = params->resolution[1],
-        .slope_x = (float)(params->pixelSize[0] / params->imageDistance),
-        .slope_y = (float)(params->pixelSize[1] / params->imageDistance),
-        .kappa = (float)kappa(params->focalLength, params->imageDistance),
+        .centre_x = centre(&readout, 0, readout.binning[0]),
+        .centre_y = centre(&readout, 1, readout.binning[1]),
+        .slope_x = (float)(readout.binning[0] * params->pixelSize[0] / params->imageDistance),
+        .slope_y = (float)(readout.binning[1] * params->pixelSize[1] / params->imageDistance),
+        .kappa = (float)mcv_kappa(params->focalLength, params->imageDistance),
         .radius = (float)(params->lensDiameter / 2),
         .etendue = (float)etendue(params->radiometry, disk_area(params->lensDiameter), params->imageDistance),
     };
@@ -145,19 +211,23 @@ mcv_result mcv_telecentric_resolve(mcv_telecentric_params *p, const mcv_place *p
     MCV_TRY(settle(&p->fNumber, (b - f) / p->stopDiameter, "fNumber", stop, place, error));
 
     if (isnan(p->lensDiameter)) {
-        const double diagonal = hypot(p->resolution[0] * p->pixelSize[0], p->resolution[1] * p->pixelSize[1]) / p->magnification;
-        p->lensDiameter = diagonal + 2 * p->workingDistance * p->numericalAperture;
+        /* The whole film's field, about the axis; its diagonal where the principal point is in the middle. */
+        const mcv_readout readout = read_out(MCV_FILM(p));
+        double corner[2];
+        for (int i = 0; i < 2; ++i) corner[i] = fmax(readout.centre[i], readout.film[i] - readout.centre[i]) * p->pixelSize[i];
+        p->lensDiameter = 2 * hypot(corner[0], corner[1]) / p->magnification + 2 * p->workingDistance * p->numericalAperture;
     }
     return MCV_OK;
 }
 
 void mcv_telecentric_prepare(const mcv_telecentric_params *params, mcv_telecentric *device) {
     const double f = params->focalLength, b = params->imageDistance;
+    const mcv_readout readout = read_out(MCV_FILM(params));
     *device = (mcv_telecentric){
-        .width = params->resolution[0],
-        .height = params->resolution[1],
-        .pixel_x = (float)(params->pixelSize[0] * f / (b - f)),
-        .pixel_y = (float)(params->pixelSize[1] * f / (b - f)),
+        .centre_x = centre(&readout, 0, readout.binning[0]),
+        .centre_y = centre(&readout, 1, readout.binning[1]),
+        .pixel_x = (float)(readout.binning[0] * params->pixelSize[0] * f / (b - f)),
+        .pixel_y = (float)(readout.binning[1] * params->pixelSize[1] * f / (b - f)),
         .stop_radius = (float)(params->stopDiameter / 2),
         .stop_to_lens = (float)(b / (b - f)),
         .stop_to_direction = (float)(1 / f),
@@ -174,14 +244,17 @@ mcv_result mcv_light_field_resolve(mcv_light_field_params *p, const mcv_place *p
 
 void mcv_light_field_prepare(const mcv_light_field_params *params, mcv_light_field *device) {
     const double d = params->lensDiameter, b = params->imageDistance;
+    const mcv_readout readout = read_out(light_field_film(params));
     *device = (mcv_light_field){
-        .macro_width = params->spatialResolution[0],
-        .macro_height = params->spatialResolution[1],
+        .centre_x = centre(&readout, 0, 1),
+        .centre_y = centre(&readout, 1, 1),
+        .binning_x = readout.binning[0],
+        .binning_y = readout.binning[1],
         .angular_width = params->angularResolution[0],
         .angular_height = params->angularResolution[1],
-        .slope_x = (float)(params->angularResolution[0] * params->pixelSize[0] / b),
-        .slope_y = (float)(params->angularResolution[1] * params->pixelSize[1] / b),
-        .kappa = (float)kappa(params->focalLength, b),
+        .slope_x = (float)(readout.pitch[0] / b),
+        .slope_y = (float)(readout.pitch[1] / b),
+        .kappa = (float)mcv_kappa(params->focalLength, b),
         .radius = (float)(d / 2),
         .etendue = (float)etendue(params->radiometry, d * d, b),
         .circle = params->aperture == MCV_APERTURE_CIRCLE,
@@ -192,6 +265,7 @@ void mcv_light_field_prepare(const mcv_light_field_params *params, mcv_light_fie
 
 mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_place *place, mcv_error *error) {
     MCV_TRY(mcv_params_check(mcv_sensor_table(sensor->type), &sensor->as, place, error));
+    MCV_TRY(check_film(film_of(sensor), place, error));
     switch (sensor->type) {
 #define MCV_X(name, key, NAME) \
     case MCV_SENSOR_##NAME: \
@@ -205,96 +279,7 @@ mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_place *place, mcv_er
 }
 
 void mcv_sensor_film_size(const mcv_sensor *sensor, uint32_t *width, uint32_t *height) {
-    uint32_t size[2] = {0, 0};
-    for (int i = 0; i < 2; ++i) switch (sensor->type) {
-        case MCV_SENSOR_PINHOLE:
-            size[i] = sensor->as.pinhole.resolution[i];
-            break;
-        case MCV_SENSOR_THIN_LENS:
-            size[i] = sensor->as.thin_lens.resolution[i];
-            break;
-        case MCV_SENSOR_TELECENTRIC:
-            size[i] = sensor->as.telecentric.resolution[i];
-            break;
-        case MCV_SENSOR_LIGHT_FIELD:
-            size[i] = sensor->as.light_field.spatialResolution[i] * sensor->as.light_field.angularResolution[i];
-            break;
-        }
-    *width = size[0];
-    *height = size[1];
-}
-
-/*
- * Field, f-number, NA and depth of field of a lens of diameter D that images with (f, b) on `size` wide film whose pixels
- * are p: a point at depth z is blurred to b D |1/z - κ| on the film, so the limits are 1/z = κ ± blur, blur = p/(b D).
- */
-static mcv_optics entocentric(double f, double b, double diameter, const double size[2], double blur) {
-    const double k = kappa(f, b);
-    mcv_optics optics = {
-        .focused_depth = 1 / k,
-        .magnification = b * k,
-        .f_number = b / diameter,
-        .numerical_aperture = fabs(diameter / 2 * k),
-        .depth_of_field = {k + blur > 0 ? 1 / (k + blur) : NAN, k > blur       ? 1 / (k - blur)
-                                                                : k + blur > 0 ? INFINITY
-                                                                               : NAN},
-        .macro_pixel = {NAN, NAN},
-    };
-    for (int i = 0; i < 2; ++i) {
-        optics.field[i] = size[i] / fabs(b * k);
-        optics.field_angle[i] = 2 * atan(size[i] / (2 * b));
-    }
-    return optics;
-}
-
-mcv_optics mcv_sensor_optics(const mcv_sensor *sensor) {
-    uint32_t width, height;
-    mcv_sensor_film_size(sensor, &width, &height);
-    mcv_optics optics = {.focused_depth = NAN,
-                         .magnification = NAN,
-                         .field = {NAN, NAN},
-                         .f_number = NAN,
-                         .numerical_aperture = NAN,
-                         .depth_of_field = {NAN, NAN},
-                         .macro_pixel = {NAN, NAN}};
-    switch (sensor->type) {
-    case MCV_SENSOR_PINHOLE: {
-        const mcv_pinhole_params *p = &sensor->as.pinhole;
-        for (int i = 0; i < 2; ++i) optics.field_angle[i] = 2 * atan(p->resolution[i] * p->pixelSize[i] / (2 * p->imageDistance));
-        break;
-    }
-    case MCV_SENSOR_THIN_LENS: {
-        const mcv_thin_lens_params *p = &sensor->as.thin_lens;
-        const double size[2] = {width * p->pixelSize[0], height * p->pixelSize[1]};
-        const double blur = fmin(p->pixelSize[0], p->pixelSize[1]) / (p->imageDistance * p->lensDiameter);
-        optics = entocentric(p->focalLength, p->imageDistance, p->lensDiameter, size, blur);
-        break;
-    }
-    case MCV_SENSOR_LIGHT_FIELD: {
-        const mcv_light_field_params *p = &sensor->as.light_field;
-        const double size[2] = {width * p->pixelSize[0], height * p->pixelSize[1]};
-        double blur[2];
-        for (int i = 0; i < 2; ++i) {
-            const double n = p->angularResolution[i];
-            blur[i] = n * p->pixelSize[i] / (p->imageDistance * p->lensDiameter / n);
-        }
-        optics = entocentric(p->focalLength, p->imageDistance, p->lensDiameter, size, fmin(blur[0], blur[1]));
-        for (int i = 0; i < 2; ++i) optics.macro_pixel[i] = p->angularResolution[i] * p->pixelSize[i];
-        break;
-    }
-    case MCV_SENSOR_TELECENTRIC: {
-        const mcv_telecentric_params *p = &sensor->as.telecentric;
-        /* A point Δz out of focus is blurred to 2 m NA Δz on the film, before the plane in focus as behind it. */
-        const double depth = fmin(p->pixelSize[0], p->pixelSize[1]) / (2 * p->magnification * p->numericalAperture);
-        optics.focused_depth = p->workingDistance;
-        optics.magnification = p->magnification;
-        optics.f_number = p->fNumber;
-        optics.numerical_aperture = p->numericalAperture;
-        for (int i = 0; i < 2; ++i) optics.field[i] = p->resolution[i] * p->pixelSize[i] / p->magnification;
-        optics.depth_of_field[0] = fmax(0, p->workingDistance - depth);
-        optics.depth_of_field[1] = p->workingDistance + depth;
-        break;
-    }
-    }
-    return optics;
+    const mcv_readout readout = mcv_sensor_readout(sensor);
+    *width = readout.size[0] * readout.angular[0];
+    *height = readout.size[1] * readout.angular[1];
 }

@@ -16,6 +16,23 @@ MCV_SENSORS(MCV_SENSOR_FUNCTIONS)
 /* Checks required parameters and ranges by the table, then resolves. */
 mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_place *place, mcv_error *error);
 
+/* κ = (b - f)/(b f), the inverse of the focused depth [1/m]. */
+static inline double mcv_kappa(double focal_length, double image_distance) {
+    return (image_distance - focal_length) / (image_distance * focal_length);
+}
+
+/* What is read out of the film, in pixels; of a light field camera in macro pixels. */
+typedef struct mcv_readout {
+    uint32_t film[2];    /* of the whole film */
+    uint32_t first[2];   /* column and row of the first that is read out */
+    uint32_t size[2];    /* of the image, binned */
+    uint32_t binning[2]; /* that make one of the image */
+    uint32_t angular[2]; /* pixels of a macro pixel; 1 of a pixel */
+    double pitch[2];     /* [m] */
+    double centre[2];    /* the principal point, from the film's top-left corner */
+} mcv_readout;
+mcv_readout mcv_sensor_readout(const mcv_sensor *sensor);
+
 /*
  * What an optics engineer asks of a sensor; lengths in m, angles in rad, NaN where the sensor has no such thing. First-order
  * optics of the thin lens: numbers on the axis. A light field camera's depth of field is that of its sub-aperture views,

@@ -4,12 +4,12 @@
  *
  *     X(kind, key, default, min, max, "doc [unit]")
  *
- * with kinds length, angle, number, int2, length2, spectrum, choice, flag, image. The list generates the struct that the host works
- * with (SI, double), the parser, --set, `mcvisi check`, the help and the JSON schema. Both ends of [min, max] are
+ * with kinds length, angle, number, int2, int4, length2, number2, spectrum, choice, flag, image. The list generates the struct that the
+ * host works with (SI, double), the parser, --set, `mcvisi check`, the help and the JSON schema. Both ends of [min, max] are
  * allowed; MCV_POSITIVE as min reads "above 0". A default of MCV_REQUIRED must be given; one of MCV_UNSET is NaN (0 for int2, MCV_NONE for
- * image) until the element's resolve function derives it or leaves it out. For a choice the default is the name of the first option and
- * min/max are 0 and the last index; its options stand in MCV_CHOICES below. A flag is true or false, 1 or 0. An image is the index or the
- * name of one of the file's images or {"uri": FILE.exr}; the loader sets it to the number of a texture.
+ * int4 and image) until the element's resolve function derives it or leaves it out. For a choice the default is the name of the first
+ * option and min/max are 0 and the last index; its options stand in MCV_CHOICES below. A flag is true or false, 1 or 0. An image is the
+ * index or the name of one of the file's images or {"uri": FILE.exr}; the loader sets it to the number of a texture.
  */
 #ifndef MCVISI_PARAMS_H
 #define MCVISI_PARAMS_H
@@ -25,12 +25,14 @@
 #define MCV_REQUIRED (-1e300)
 #define MCV_UNSET (-2e300)
 
-/* The fields a kind occupies in a parameter struct. length2 and int2 also accept one number for both. */
+/* The fields a kind occupies in a parameter struct. length2, number2 and int2 also accept one number for both. */
 #define MCV_FIELD_length(key) double key;
 #define MCV_FIELD_angle(key) double key;
 #define MCV_FIELD_number(key) double key;
 #define MCV_FIELD_int2(key) uint32_t key[2];
+#define MCV_FIELD_int4(key) uint32_t key[4];
 #define MCV_FIELD_length2(key) double key[2];
+#define MCV_FIELD_number2(key) double key[2];
 #define MCV_FIELD_spectrum(key) double key[3]; /* a number is grey, an array is R, G, B */
 #define MCV_FIELD_choice(key) int key;
 #define MCV_FIELD_flag(key) int key;
@@ -51,7 +53,9 @@ typedef enum mcv_param_kind {
     MCV_PARAM_angle,
     MCV_PARAM_number,
     MCV_PARAM_int2,
+    MCV_PARAM_int4,
     MCV_PARAM_length2,
+    MCV_PARAM_number2,
     MCV_PARAM_spectrum,
     MCV_PARAM_choice,
     MCV_PARAM_flag,

@@ -35,9 +35,12 @@ typedef struct mcv_frame {
     float sensor_index_squared; /* n² of the medium the sensor lies in */
     float to_world[12];         /* row-major; of the optical frame (z towards the scene) */
     float environment[3];       /* its radiance */
-    uint padding;
+    /* Random numbers belong to pixels of the whole film, whatever region is read out: pixel (0, 0) of the image is that of the number … */
+    uint first_pixel;
+    uint row_pitch; /* and the next row's begins so many further */
+    uint padding[3];
 } mcv_frame;
-MCV_ASSERT_SIZE(mcv_frame, 112);
+MCV_ASSERT_SIZE(mcv_frame, 128);
 
 typedef struct mcv_device_instance {
     uint material;

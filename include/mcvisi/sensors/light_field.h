@@ -5,6 +5,7 @@
  * pixel that holds s, (x, y) = c and o = -(s - c)/(J l_x/2, K l_y/2) · D_l/2, the report's linear map in this frame.
  * It is computed from integers (u = (column mod J + ξ)/J): a float column + ξ rounds into the next macro pixel.
  * "aperture": "square" is the report's; "circle" gives weight 0 outside D_l/2. The film has M·J x N·K pixels.
+ * Of binned macro pixels each sample looks through one, drawn by the aperture sample that is free here.
  * Irradiance: A = D_l² (the square that is sampled), h = b.
  *
  * imageDistance may be given as focusDistance w, lensDiameter as fNumber = b/D_l, both as for the thin lens.
@@ -22,11 +23,13 @@
     X(int2, spatialResolution, MCV_REQUIRED, 1, 65536, "macro pixels M, N in x and y") \
     X(int2, angularResolution, MCV_REQUIRED, 1, 256, "sensor pixels J, K of a macro pixel in x and y") \
     X(length2, pixelSize, MCV_REQUIRED, MCV_POSITIVE, 1, "width and height of a sensor pixel [m]") \
+    MCV_READOUT_PARAMS(X) \
     X(choice, aperture, 0, 0, 1, "shape of the main lens") \
     X(choice, radiometry, 0, 0, 1, "what a pixel measures: mean radiance [W/(m² sr)] or irradiance [W/m²]")
 
 typedef struct mcv_light_field {
-    uint macro_width, macro_height;     /* M, N */
+    mcv_centre centre_x, centre_y;      /* in macro pixels */
+    uint binning_x, binning_y;          /* macro pixels */
     uint angular_width, angular_height; /* J, K */
     float slope_x, slope_y;             /* size of a macro pixel / b */
     float kappa;                        /* (b - f)/(b f) [1/m] */
@@ -35,22 +38,27 @@ typedef struct mcv_light_field {
     uint circle;                        /* 1: only the disk of the lens passes light */
     uint padding[2];
 } mcv_light_field;
-MCV_ASSERT_SIZE(mcv_light_field, 48);
+MCV_ASSERT_SIZE(mcv_light_field, 64);
+
+/* One of `count`, for ξ in [0, 1): the product may round up to `count`. */
+MCV_FUNCTION uint mcv_pick(float xi, uint count) {
+    const uint i = (uint)(xi * (float)count);
+    return i < count ? i : count - 1u;
+}
 
 MCV_FUNCTION mcv_sight mcv_light_field_sample(MCV_CONSTANT const mcv_light_field *sensor, mcv_film_sample film, float xi, float eta) {
     mcv_sight sight;
-    const uint m = film.column / sensor->angular_width;
-    const uint n = film.row / sensor->angular_height;
-    const float u = ((float)(film.column - m * sensor->angular_width) + film.x) / (float)sensor->angular_width;
-    const float v = ((float)(film.row - n * sensor->angular_height) + film.y) / (float)sensor->angular_height;
+    const uint column = film.column / sensor->angular_width;
+    const uint row = film.row / sensor->angular_height;
+    const float u = ((float)(film.column - column * sensor->angular_width) + film.x) / (float)sensor->angular_width;
+    const float v = ((float)(film.row - row * sensor->angular_height) + film.y) / (float)sensor->angular_height;
+    const uint m = column * sensor->binning_x + mcv_pick(xi, sensor->binning_x);
+    const uint n = row * sensor->binning_y + mcv_pick(eta, sensor->binning_y);
     const float p_x = mcv_fma(2.0f, u, -1.0f);
     const float p_y = -mcv_fma(2.0f, v, -1.0f);
-    (void)xi;
-    (void)eta;
     sight.origin = mcv_vec(p_x * sensor->radius, p_y * sensor->radius, 0.0f);
-    sight.direction =
-        mcv_vec(-mcv_fma(mcv_from_centre(sensor->macro_width, m, 0.5f), sensor->slope_x, sensor->kappa * sight.origin.x),
-                mcv_fma(mcv_from_centre(sensor->macro_height, n, 0.5f), sensor->slope_y, -sensor->kappa * sight.origin.y), 1.0f);
+    sight.direction = mcv_vec(-mcv_fma(mcv_from_centre(sensor->centre_x, m, 0.5f), sensor->slope_x, sensor->kappa * sight.origin.x),
+                              mcv_fma(mcv_from_centre(sensor->centre_y, n, 0.5f), sensor->slope_y, -sensor->kappa * sight.origin.y), 1.0f);
     sight.weight = sensor->circle && mcv_fma(p_x, p_x, p_y * p_y) > 1.0f ? 0.0f : mcv_sight_weight(sensor->etendue, sight.direction);
     return sight;
 }

@@ -15,18 +15,19 @@
     MCV_FILM_PARAMS(X)
 
 typedef struct mcv_pinhole {
-    uint width, height;
-    float slope_x, slope_y; /* pixel size / b */
+    mcv_centre centre_x, centre_y;
+    float slope_x, slope_y; /* (binned) pixel size / b */
+    uint padding[2];
 } mcv_pinhole;
-MCV_ASSERT_SIZE(mcv_pinhole, 16);
+MCV_ASSERT_SIZE(mcv_pinhole, 32);
 
 MCV_FUNCTION mcv_sight mcv_pinhole_sample(MCV_CONSTANT const mcv_pinhole *sensor, mcv_film_sample film, float xi, float eta) {
     mcv_sight sight;
     (void)xi;
     (void)eta;
     sight.origin = mcv_vec(0.0f, 0.0f, 0.0f);
-    sight.direction = mcv_vec(-mcv_from_centre(sensor->width, film.column, film.x) * sensor->slope_x,
-                              mcv_from_centre(sensor->height, film.row, film.y) * sensor->slope_y, 1.0f);
+    sight.direction = mcv_vec(-mcv_from_centre(sensor->centre_x, film.column, film.x) * sensor->slope_x,
+                              mcv_from_centre(sensor->centre_y, film.row, film.y) * sensor->slope_y, 1.0f);
     sight.weight = 1.0f;
     return sight;
 }

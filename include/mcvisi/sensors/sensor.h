@@ -4,7 +4,8 @@
  *
  * Optical frame: origin in the centre of the main lens, x right, y up, z towards the scene (z = -z of the node, so the
  * frame is left-handed: no cross products in it). The image plane is at z = -b. The stored image is upright, row 0 on
- * top: the image point (column, row) in pixels from the top-left corner lies at s = ((W/2 - column) l_x, (row - H/2) l_y).
+ * top: the image point (column, row) in pixels from the top-left corner lies at s = ((p_x - column) l_x, (row - p_y) l_y), p the
+ * principal point, by default (W/2, H/2).
  * With κ = (b - f)/(b f) = 1/w_z the report's (4.1), (4.2) and d = w - o become, scaled by κ,
  *
  *     d = (-x/b - κ o_x, -y/b - κ o_y, 1)
@@ -42,10 +43,22 @@
     X(length, lensDiameter, MCV_UNSET, MCV_POSITIVE, 1e3, "diameter D_l of the main lens; of a square one, the side [m]") \
     X(number, fNumber, MCV_UNSET, MCV_POSITIVE, 1e9, "working f-number N = b/D_l on the image side")
 
+/*
+ * What is read out of the film, in pixels; of a light field camera's in whole macro pixels. Each pixel of the image sees exactly
+ * what the same pixel of the whole film sees. A binned pixel is the union of binning x pixels (of a light field camera: of the
+ * pixels at the same place of their macro pixels): radiance and irradiance [W/m²] are the mean over it, the power grows with its area.
+ */
+#define MCV_READOUT_PARAMS(X) \
+    X(number2, principalPoint, MCV_UNSET, -1e6, 1e6, \
+      "where the optical axis meets the film, in pixels from its top-left corner; by default its centre") \
+    X(int4, regionOfInterest, MCV_UNSET, 0, 65536, "column, row, width and height of what is read out, in (macro) pixels; by default all") \
+    X(int2, binning, 1, 1, 65536, "(macro) pixels in x and y that are read out as one; must divide what is read out")
+
 /* Film parameters of the sensors whose pixels are one grid. */
 #define MCV_FILM_PARAMS(X) \
     X(int2, resolution, MCV_REQUIRED, 1, 65536, "pixels in x and y") \
     X(length2, pixelSize, MCV_REQUIRED, MCV_POSITIVE, 1, "width and height of a pixel [m]") \
+    MCV_READOUT_PARAMS(X) \
     X(choice, radiometry, 0, 0, 1, "what a pixel measures: mean radiance [W/(m² sr)] or irradiance [W/m²]")
 
 /* A ray of sight in the optical frame. The direction has z = 1 and is not normalised. */
@@ -60,8 +73,19 @@ typedef struct mcv_film_sample {
     float x, y;
 } mcv_film_sample;
 
-/* W/2 - (index + offset), the distance from the image's centre in pixels, exact but for its last operation. */
-MCV_FUNCTION float mcv_from_centre(uint size, uint index, float offset) { return 0.5f * (float)((int)size - 2 * (int)index) - offset; }
+/* A principal point's coordinate in the pixels of the image, as half of a whole number and what remains, at most 1/4. */
+typedef struct mcv_centre {
+    int halves;
+    float rest;
+} mcv_centre;
+
+/*
+ * centre - (index + offset), the distance from the principal point in pixels; exact but for its last operation where nothing
+ * remains, as with the principal point in the middle; else within 2^-25 pixels more.
+ */
+MCV_FUNCTION float mcv_from_centre(mcv_centre centre, uint index, float offset) {
+    return 0.5f * (float)(centre.halves - 2 * (int)index) - (offset - centre.rest);
+}
 
 /* The radiometric weight: etendue = A/h² for irradiance, 0 for radiance. */
 MCV_FUNCTION float mcv_sight_weight(float etendue, mcv_vec3 direction) {

@@ -31,14 +31,14 @@
     MCV_FILM_PARAMS(X)
 
 typedef struct mcv_telecentric {
-    uint width, height;
-    float pixel_x, pixel_y;  /* pixel size [m] times f/(b - f): from image pixels to the lens */
+    mcv_centre centre_x, centre_y;
+    float pixel_x, pixel_y;  /* (binned) pixel size [m] times f/(b - f): from image pixels to the lens */
     float stop_radius;       /* D_t / 2 [m] */
     float stop_to_lens;      /* b/(b - f) */
     float stop_to_direction; /* 1/f [1/m] */
     float lens_radius;       /* D_l / 2 [m] */
     float etendue;           /* A/h², 0 for radiance */
-    uint padding[3];
+    uint padding;
 } mcv_telecentric;
 MCV_ASSERT_SIZE(mcv_telecentric, 48);
 
@@ -49,8 +49,8 @@ MCV_FUNCTION mcv_sight mcv_telecentric_sample(MCV_CONSTANT const mcv_telecentric
     const float a_x = r * cosine;
     const float a_y = r * sine;
     /* o = a b/(b - f) - s f/(b - f), both factors from double: no cancellation in a - s. */
-    const float o_x = mcv_fma(a_x, sensor->stop_to_lens, -mcv_from_centre(sensor->width, film.column, film.x) * sensor->pixel_x);
-    const float o_y = mcv_fma(a_y, sensor->stop_to_lens, mcv_from_centre(sensor->height, film.row, film.y) * sensor->pixel_y);
+    const float o_x = mcv_fma(a_x, sensor->stop_to_lens, -mcv_from_centre(sensor->centre_x, film.column, film.x) * sensor->pixel_x);
+    const float o_y = mcv_fma(a_y, sensor->stop_to_lens, mcv_from_centre(sensor->centre_y, film.row, film.y) * sensor->pixel_y);
     sight.origin = mcv_vec(o_x, o_y, 0.0f);
     sight.direction = mcv_vec(-a_x * sensor->stop_to_direction, -a_y * sensor->stop_to_direction, 1.0f);
     sight.weight = mcv_fma(o_x, o_x, o_y * o_y) > sensor->lens_radius * sensor->lens_radius

@@ -20,14 +20,14 @@
     MCV_FILM_PARAMS(X)
 
 typedef struct mcv_thin_lens {
-    uint width, height;
-    float slope_x, slope_y; /* pixel size / b */
+    mcv_centre centre_x, centre_y;
+    float slope_x, slope_y; /* (binned) pixel size / b */
     float kappa;            /* (b - f)/(b f) [1/m] */
     float radius;           /* D_l / 2 [m] */
     float etendue;          /* A/h², 0 for radiance */
-    uint padding;
+    uint padding[3];
 } mcv_thin_lens;
-MCV_ASSERT_SIZE(mcv_thin_lens, 32);
+MCV_ASSERT_SIZE(mcv_thin_lens, 48);
 
 MCV_FUNCTION mcv_sight mcv_thin_lens_sample(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_film_sample film, float xi, float eta) {
     mcv_sight sight;
@@ -35,8 +35,8 @@ MCV_FUNCTION mcv_sight mcv_thin_lens_sample(MCV_CONSTANT const mcv_thin_lens *se
     const float r = sensor->radius * mcv_disk(xi, eta, &cosine, &sine);
     sight.origin = mcv_vec(r * cosine, r * sine, 0.0f);
     sight.direction =
-        mcv_vec(-mcv_fma(mcv_from_centre(sensor->width, film.column, film.x), sensor->slope_x, sensor->kappa * sight.origin.x),
-                mcv_fma(mcv_from_centre(sensor->height, film.row, film.y), sensor->slope_y, -sensor->kappa * sight.origin.y), 1.0f);
+        mcv_vec(-mcv_fma(mcv_from_centre(sensor->centre_x, film.column, film.x), sensor->slope_x, sensor->kappa * sight.origin.x),
+                mcv_fma(mcv_from_centre(sensor->centre_y, film.row, film.y), sensor->slope_y, -sensor->kappa * sight.origin.y), 1.0f);
     sight.weight = mcv_sight_weight(sensor->etendue, sight.direction);
     return sight;
 }

@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "reference/filling.h"
+
+#include <stdlib.h>
+
+#include "reference/geometry.h"
+#include "reference/random.h"
+#include "reference/sight.h"
+#include "scene/sensors.h"
+
+enum { PIXELS = 16, PLACES = 16, PLACES_IN_PIXEL = 4, MOST_RAYS = 1 << 18 };
+
+/* Of one emitter: what was looked at, and what of it was lit. */
+typedef struct tally {
+    uint64_t seen, lit;
+    bool seen_now, lit_now; /* in the pixel at work */
+} tally;
+
+/* Follows one ray of sight to the first surface. */
+static void look(const ref_geometry *geometry, ref_sight sight, tally *tallies) {
+    const mcv_scene *scene = geometry->scene;
+    ref_hit hit;
+    if (!(sight.weight > 0) || !ref_closest_hit(geometry, sight.origin, sight.direction, MCV_NONE, &hit)) return;
+    const uint32_t number = scene->instances[hit.triangle->instance].emitter;
+    if (number == MCV_NONE || scene->emitters[number].type != MCV_EMITTER_PARALLEL) return;
+    const ref_surface surface = ref_surface_at(geometry, &hit);
+    const ref_vec back = ref_scale(-1, sight.direction);
+    if (!(ref_dot(back, surface.geometric) > 0)) return; /* behind it there is nothing to face */
+    const bool lit = ref_angle(back, surface.normal) <= scene->emitters[number].as.parallel.halfAngle;
+    tallies[number].seen_now = true;
+    tallies[number].lit_now = tallies[number].lit_now || lit;
+}
+
+/* Counts what was looked at since the last time as one. */
+static void count(tally *tallies, uint32_t emitters) {
+    for (uint32_t i = 0; i < emitters; ++i) {
+        tallies[i].seen += tallies[i].seen_now;
+        tallies[i].lit += tallies[i].lit_now;
+        tallies[i].seen_now = tallies[i].lit_now = false;
+    }
+}
+
+/* The k-th of `count` evenly spread over `size`. */
+static uint32_t spread(uint32_t k, uint32_t count, uint32_t size) { return (uint32_t)(((uint64_t)2 * k + 1) * size / (2 * count)); }
+
+static uint32_t least(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
+static void look_through_pupil(const ref_geometry *geometry, const mcv_sensor *sensor, tally *tallies) {
+    uint32_t width, height;
+    mcv_sensor_film_size(sensor, &width, &height);
+    const uint32_t columns = least(width, PIXELS), rows = least(height, PIXELS);
+    ref_random random = {1};
+    for (uint32_t i = 0; i < columns * rows * PLACES * PLACES; ++i) {
+        const uint32_t place = i % (PLACES * PLACES), pixel = i / (PLACES * PLACES);
+        const double u = (place % PLACES + ref_random_unit(&random)) / PLACES;
+        const double v = (place / PLACES + ref_random_unit(&random)) / PLACES;
+        look(geometry,
+             ref_sight_sample(sensor, spread(pixel % columns, columns, width), spread(pixel / columns, rows, height), 0.5, 0.5, u, v),
+             tallies);
+        count(tallies, geometry->scene->emitter_count);
+    }
+}
+
+static void look_from_macro_pixels(const ref_geometry *geometry, const mcv_sensor *sensor, tally *tallies) {
+    const mcv_readout readout = mcv_sensor_readout(sensor);
+    const uint32_t j = readout.angular[0], k = readout.angular[1], places = PLACES_IN_PIXEL * PLACES_IN_PIXEL;
+    uint32_t across = PIXELS;
+    while (across > 1 && (uint64_t)across * across * j * k * places > MOST_RAYS) --across;
+    const uint32_t columns = least(readout.size[0], across), rows = least(readout.size[1], across);
+    ref_random random = {1};
+    for (uint32_t i = 0; i < columns * rows * j * k; ++i) {
+        const uint32_t macro = i / (j * k);
+        const uint32_t column = spread(macro % columns, columns, readout.size[0]) * j + i % j;
+        const uint32_t row = spread(macro / columns, rows, readout.size[1]) * k + i / j % k;
+        for (uint32_t place = 0; place < places; ++place) {
+            const double x = (place % PLACES_IN_PIXEL + ref_random_unit(&random)) / PLACES_IN_PIXEL;
+            const double y = (place / PLACES_IN_PIXEL + ref_random_unit(&random)) / PLACES_IN_PIXEL;
+            look(geometry, ref_sight_sample(sensor, column, row, x, y, 0.5, 0.5), tallies);
+        }
+        count(tallies, geometry->scene->emitter_count);
+    }
+}
+
+mcv_result ref_sensor_fillings(const mcv_scene *scene, uint32_t sensor, ref_filling **fillings, uint32_t *filling_count, mcv_error *error) {
+    bool parallel = false;
+    *fillings = NULL;
+    *filling_count = 0;
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) parallel = parallel || scene->emitters[i].type == MCV_EMITTER_PARALLEL;
+    if (!parallel) return MCV_OK;
+    ref_geometry geometry;
+    MCV_TRY(ref_geometry_new(scene, &geometry, error));
+    tally *tallies = calloc(scene->emitter_count, sizeof *tallies);
+    *fillings = calloc(scene->emitter_count, sizeof **fillings);
+    if (tallies && *fillings) {
+        const mcv_sensor *from = scene->sensors + sensor;
+        if (from->type == MCV_SENSOR_LIGHT_FIELD)
+            look_from_macro_pixels(&geometry, from, tallies);
+        else
+            look_through_pupil(&geometry, from, tallies);
+        for (uint32_t i = 0; i < scene->emitter_count; ++i)
+            if (tallies[i].seen > 0) (*fillings)[(*filling_count)++] = (ref_filling){i, (double)tallies[i].lit / (double)tallies[i].seen};
+    }
+    const bool failed = !tallies || !*fillings;
+    ref_geometry_free(&geometry);
+    free(tallies);
+    return failed ? mcv_fail(error, MCV_FAILED, "%s: no memory for its emitters", scene->path) : MCV_OK;
+}

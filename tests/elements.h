@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Single elements on the device (kernels/elements.cl), for the tests that see what the stages see. */
+#ifndef MCVISI_TESTS_ELEMENTS_H
+#define MCVISI_TESTS_ELEMENTS_H
+
+#include "scene_builder.h"
+
+#include "cl/cl.h"
+#include "render/pack.h"
+#include "render/render.h"
+#include "scene/sensors.h"
+
+static mcv_cl cl;
+
+static inline int open_device(void **state) {
+    (void)state;
+    return mcv_cl_open(NULL, &cl, &builder_error) == MCV_OK ? 0 : -1;
+}
+
+static inline int close_device(void **state) {
+    (void)state;
+    mcv_cl_close(&cl);
+    return 0;
+}
+
+/* Runs a kernel of elements.cl over `count` cases, a multiple of 64. Without a first argument, `first_bytes` is 0. */
+static inline void run_elements(const char *kernel_name, uint32_t sensor_type, const void *first, size_t first_bytes, size_t count,
+                                const void *in, size_t in_bytes, void *out, size_t out_bytes) {
+    char options[1024];
+    cl_program program;
+    cl_kernel kernel;
+    cl_mem first_buffer = NULL;
+    cl_mem in_buffer;
+    cl_mem out_buffer;
+    mcv_feature_options(0, 1, sensor_type, MCV_SAMPLER_SOBOL, MCV_BLOCK, options, sizeof options);
+    BUILD(mcv_cl_build(&cl, "elements", options, &program, &builder_error));
+    BUILD(mcv_cl_kernel(program, kernel_name, &kernel, &builder_error));
+    BUILD(mcv_cl_buffer(&cl, "cases", in_bytes, in, &in_buffer, &builder_error));
+    BUILD(mcv_cl_buffer(&cl, "results", out_bytes, NULL, &out_buffer, &builder_error));
+    if (first_bytes > 0) {
+        BUILD(mcv_cl_buffer(&cl, "element", first_bytes, first, &first_buffer, &builder_error));
+        BUILD(MCV_LAUNCH(&cl, kernel, count, 64, &builder_error, MCV_ARG(first_buffer), MCV_ARG(in_buffer), MCV_ARG(out_buffer)));
+    } else {
+        BUILD(MCV_LAUNCH(&cl, kernel, count, 64, &builder_error, MCV_ARG(in_buffer), MCV_ARG(out_buffer)));
+    }
+    BUILD(mcv_cl_read(&cl, out_buffer, 0, out_bytes, out, &builder_error));
+    mcv_cl_release(&first_buffer);
+    mcv_cl_release(&in_buffer);
+    mcv_cl_release(&out_buffer);
+    clReleaseKernel(kernel);
+    clReleaseProgram(program);
+}
+
+/* Rays of sight of `count` cases: column, row, x, y, ξ, η as words, integers first; to origin, direction, weight in the optical frame. */
+static inline void device_sights(const mcv_sensor *sensor, size_t count, const uint32_t *cases, float *sights) {
+    union {
+#define MCV_X(name, key, NAME) mcv_##name name;
+        MCV_SENSORS(MCV_X)
+#undef MCV_X
+    } device;
+    memset(&device, 0, sizeof device);
+    switch (sensor->type) {
+#define MCV_X(name, key, NAME) \
+    case MCV_SENSOR_##NAME: \
+        mcv_##name##_prepare(&sensor->as.name, &device.name); \
+        break;
+        MCV_SENSORS(MCV_X)
+#undef MCV_X
+    default:
+        fail_msg("sensor type %u is unknown", sensor->type);
+    }
+    run_elements("sample_sensor", sensor->type, &device, sizeof device, count, cases, 6 * sizeof(uint32_t) * count, sights,
+                 7 * sizeof(float) * count);
+}
+
+#endif
