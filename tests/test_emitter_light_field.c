@@ -102,7 +102,7 @@ static void test_face_to_face(void **state) {
     }
 }
 
-/* Over the hemisphere, and in a range whose light falls within 0.2 m · tan asin 0.2 √2 = 59 mm of the middle. */
+/* A range whose light falls within 0.2 m · tan asin 0.2 √2 = 59 mm of what is right before the emitter, into the camera's field. */
 static void test_power_arrives(void **state) {
     (void)state;
     static const double power[3] = {1, 2, 0.25};
