@@ -146,8 +146,9 @@ static void test_mean_of_image(void **state) {
     BUILD(load_text("light_field.gltf", text, NULL, &scene, &builder_error));
     double sum[3] = {0, 0, 0}, inside[J * K] = {0}, total = 0, mean[3];
     for (int i = 0; i < POINTS * POINTS; ++i) {
-        const double x = (i % POINTS + 0.5) / POINTS * 2 - 1, y = (i / POINTS + 0.5) / POINTS * 2 - 1;
-        const int cell = i / POINTS * K / POINTS * J + i % POINTS * J / POINTS;
+        const int column = i % POINTS, row = i / POINTS;
+        const double x = (column + 0.5) / POINTS * 2 - 1, y = (row + 0.5) / POINTS * 2 - 1;
+        const int cell = row * K / POINTS * J + column * J / POINTS;
         if (x * x + y * y <= 1) inside[cell] += 1;
     }
     for (uint32_t row = 0; row < N * K; ++row) {
