@@ -46,6 +46,22 @@ static mcv_shadow mcv_sample_cone_of(mcv_meeting at, __global const mcv_device_e
 }
 #endif
 
+/*
+ * Bound of the error with which a ray from the receiver meets the triangle of `there`, per coordinate. The traversal works on the corners
+ * relative to the ray's origin, of which R is the largest coordinate: shearing them rounds by γ(6) R, the depth by 12 u R
+ * (mcv_intersect_leaf), the ray's end and t itself by 4 u R. Close to the world's origin this is more than the error of the point.
+ */
+MCV_FUNCTION mcv_vec3 mcv_meeting_error(mcv_world world, mcv_vec3 receiver, mcv_surface there) {
+    float largest = 0.0f;
+    const uint vertices[3] = {there.corners.x, there.corners.y, there.corners.z};
+    for (int i = 0; i < 3; ++i) {
+        const mcv_vec3 way = mcv_sub(mcv_vertex_vector(world.positions, vertices[i]), receiver);
+        largest = fmax(largest, fmax(mcv_abs(way.x), fmax(mcv_abs(way.y), mcv_abs(way.z))));
+    }
+    const float more = MCV_GAMMA(16) * largest;
+    return mcv_vec(there.error.x + more, there.error.y + more, there.error.z + more);
+}
+
 static mcv_shadow mcv_sample_area_of(mcv_world world, mcv_meeting at, uint emitter, mcv_pair pair) {
     mcv_shadow shadow;
     __global const mcv_device_emitter *e = world.emitters + emitter;
@@ -59,7 +75,8 @@ static mcv_shadow mcv_sample_area_of(mcv_world world, mcv_meeting at, uint emitt
     const float distance = mcv_sqrt(mcv_dot(towards, towards));
     const mcv_vec3 direction = mcv_normalize(towards);
     shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, direction);
-    shadow.direction = mcv_sub(mcv_offset_origin(there.point, there.error, there.face, mcv_scale(direction, -1.0f)), shadow.origin);
+    const mcv_vec3 error = mcv_meeting_error(world, at.surface.point, there);
+    shadow.direction = mcv_sub(mcv_offset_origin(there.point, error, there.face, mcv_scale(direction, -1.0f)), shadow.origin);
     shadow.target = MCV_NONE;
     shadow.density = mcv_emitter_density(world, at.surface.point, there, emitter, direction, distance);
     shadow.light = mcv_grey(0.0f);

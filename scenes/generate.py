@@ -12,6 +12,7 @@ import os
 import sys
 
 import basics
+import images
 import part
 import report
 
@@ -22,7 +23,7 @@ def main(arguments):
     if len(arguments) > 1 or arguments[:1] in (["-h"], ["--help"]):
         print(__doc__.strip())
         return 0 if len(arguments) == 1 else 2
-    files = {**report.files(), **part.files(), **basics.files()}
+    files = {**report.files(), **part.files(), **basics.files(), **images.files()}
     if arguments == ["--check"]:
         return check(files)
     for name, data in files.items():

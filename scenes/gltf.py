@@ -5,6 +5,7 @@ import base64
 import json
 import math
 import struct
+import zlib
 
 FLOAT, U16, U32 = 5126, 5123, 5125
 VERTICES, INDICES = 34962, 34963
@@ -28,6 +29,18 @@ def dumped(tree):
     return "{\n  " + ",\n  ".join(member(*item) for item in tree.items()) + "\n}\n"
 
 
+def png(rows):
+    """A PNG of rows of (R, G, B) bytes, row 0 on top. Stored without compression: the same bytes from every zlib."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    raw = b"".join(b"\0" + bytes(value for pixel in row for value in pixel) for row in rows)
+    blocks = [raw[i:i + 65535] for i in range(0, len(raw), 65535)]
+    deflated = b"".join(struct.pack("<BHH", block is blocks[-1], len(block), len(block) ^ 0xffff) + block for block in blocks)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 2, 0, 0, 0)) +
+            chunk(b"IDAT", b"\x78\x01" + deflated + struct.pack(">I", zlib.adler32(raw))) + chunk(b"IEND", b""))
+
+
 class Scene:
     """A glTF file in the making. The lists are glTF's; MCVISI_ objects on nodes are gathered into their root arrays."""
 
@@ -35,6 +48,7 @@ class Scene:
         self.asset = {"version": "2.0", "generator": "scenes/generate.py", "extras": {"note": note}}
         self.nodes, self.meshes, self.materials = [], [], []
         self.accessors, self.views, self.binary = [], [], bytearray()
+        self.images = []
         self.elements = {}  # "sensor" or "emitter" -> its root array
         self.extensions = set()
 
@@ -70,6 +84,15 @@ class Scene:
         self.meshes.append({"name": name, "primitives": [{"attributes": attributes, "indices": indices, "material": material}]})
         return len(self.meshes) - 1
 
+    def image(self, name, rows):
+        """An image of rows of (R, G, B) bytes, sRGB; returns its name, by which an emitter asks for it."""
+        data = png(rows)
+        self.binary += bytes(-len(self.binary) % 4)
+        self.views.append({"buffer": 0, "byteOffset": len(self.binary), "byteLength": len(data)})
+        self.binary += data
+        self.images.append({"name": name, "mimeType": "image/png", "bufferView": len(self.views) - 1})
+        return name
+
     def node(self, name, sensor=None, emitter=None, **more):
         """A node, with a sensor or an emitter of its own if given; returns its index."""
         extensions = {}
@@ -86,7 +109,7 @@ class Scene:
         """The JSON tree without buffers; roots are the top nodes."""
         tree = {"asset": self.asset, "scene": 0, "scenes": [{"nodes": roots}], "extensionsUsed": sorted(self.extensions),
                 "extensions": {"MCVISI_%ss" % kind: {kind + "s": array} for kind, array in self.elements.items()},
-                "nodes": self.nodes, "materials": self.materials, "meshes": self.meshes, "accessors": self.accessors,
+                "nodes": self.nodes, "materials": self.materials, "meshes": self.meshes, "images": self.images, "accessors": self.accessors,
                 "bufferViews": self.views}
         return {key: value for key, value in tree.items() if value != [] and value != {}}
 

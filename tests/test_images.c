@@ -25,6 +25,8 @@ static const image_case backlight = {"part-backlight.gltf", 10, 32, 16};
 static const image_case area_light = {"part-arealight.gltf", 10, 16, 8};
 static const image_case box = {"diffuse-box.gltf", 4, 16, 8};
 static const image_case furnace = {"furnace.glb", 4, 8, 4};
+static const image_case projector = {"projector.gltf", 8, 16, 16};
+static const image_case display = {"light-field.gltf", 4, 8, 8};
 static const image_case thin_lens = {"depth-of-field.gltf", 8, 16, 8};
 
 static void shrink(uint32_t pixels[2], double size[2], uint32_t divisor) {
@@ -185,6 +187,16 @@ static void test_thin_lens(void **state) {
     expect_same(&thin_lens);
 }
 
+static void test_projector(void **state) {
+    (void)state;
+    expect_same(&projector);
+}
+
+static void test_light_field_display(void **state) {
+    (void)state;
+    expect_same(&display);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_report_clean),
@@ -199,6 +211,8 @@ int main(void) {
         cmocka_unit_test(test_diffuse_box),
         cmocka_unit_test(test_furnace),
         cmocka_unit_test(test_thin_lens),
+        cmocka_unit_test(test_projector),
+        cmocka_unit_test(test_light_field_display),
     };
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
     mcv_film_free(&reference_film);

@@ -65,18 +65,19 @@ static double direction_share(const mcv_light_field_emitter_params *p, uint32_t 
 
 void mcv_emitter_image_mean(const mcv_scene *scene, const mcv_emitter *emitter, double mean[3]) {
     mcv_emitter own = *emitter;
+    const mcv_light_field_emitter_params *p = &emitter->as.light_field_emitter;
     const bool light_field = emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER;
-    double sum[3] = {0, 0, 0}, total = 0;
+    double sum[3] = {0, 0, 0}, total = 0, decoded[256];
     for (int i = 0; i < 3; ++i) mean[i] = 1;
     if (!mcv_emitter_image(&own) || emitter->texture == MCV_NONE) return;
     const mcv_texture *texture = scene->textures + emitter->texture;
+    for (unsigned value = 0; value < 256; ++value) decoded[value] = mcv_srgb_decode((uint8_t)value);
     for (uint32_t row = 0; row < texture->height; ++row)
         for (uint32_t column = 0; column < texture->width; ++column) {
-            const mcv_light_field_emitter_params *p = &emitter->as.light_field_emitter;
+            const size_t texel = (size_t)row * texture->width + column;
             const double weight = light_field ? direction_share(p, column % p->angularResolution[0], row % p->angularResolution[1]) : 1;
-            double rgb[3];
-            mcv_texture_texel(texture, column, row, rgb);
-            for (int i = 0; i < 3; ++i) sum[i] += weight * rgb[i];
+            for (size_t i = 0; i < 3; ++i)
+                sum[i] += weight * (texture->rgba ? decoded[texture->rgba[4 * texel + i]] : texture->linear[3 * texel + i]);
             total += weight;
         }
     for (int i = 0; i < 3; ++i) mean[i] = sum[i] / total;

@@ -70,7 +70,7 @@ static mcv_result copy_linear(const mcv_exr *exr, mcv_texture *texture, const ch
     if (!texture->linear) return mcv_fail_memory(place, error);
     for (size_t i = 0; i < pixels; ++i)
         for (size_t k = 0; k < 3; ++k) {
-            const float value = image->pixels[image->channels * i + (colour ? k : 0)];
+            const float value = image->pixels[(colour ? k : 0) * pixels + i];
             if (!(value >= 0) || !isfinite(value))
                 return mcv_fail_at(place, error, "\"%s\" has the value %g in column %zu, row %zu: radiance must be finite and not negative",
                                    uri, value, i % image->width, i / image->width);

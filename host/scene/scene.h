@@ -164,9 +164,6 @@ void mcv_params_set_defaults(mcv_param_table table, void *params);
 /* Pixels of the sensor's image. */
 void mcv_sensor_film_size(const mcv_sensor *sensor, uint32_t *width, uint32_t *height);
 
-/* A texel's linear R, G, B. */
-void mcv_texture_texel(const mcv_texture *texture, uint32_t column, uint32_t row, double rgb[3]);
-
 /* The linear value of a byte encoded as IEC 61966-2-1 says. */
 double mcv_srgb_decode(uint8_t value);
 

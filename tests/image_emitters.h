@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the tests of emitters that project an image share. */
+#ifndef MCVISI_TESTS_IMAGE_EMITTERS_H
+#define MCVISI_TESTS_IMAGE_EMITTERS_H
+
+#include "scene_builder.h"
+#include "scene_files.h"
+
+#include "analysis/compare.h"
+#include "output/exr.h"
+#include "output/png.h"
+#include "reference/reference.h"
+#include "render/render.h"
+
+enum { REPLICATES = 16 };
+
+/* An image without any symmetry: red grows with the column, green with the row, blue marks the upper left pixel. */
+static inline void value_of(uint32_t width, uint32_t height, uint32_t column, uint32_t row, uint8_t rgb[3]) {
+    rgb[0] = (uint8_t)(20 + 230 * column / width);
+    rgb[1] = (uint8_t)(20 + 230 * row / height);
+    rgb[2] = column + row == 0 ? 255 : 128;
+}
+
+static inline double linear(uint8_t value) {
+    const double v = value / 255.0;
+    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+}
+
+/* Writes that image as NAME beside the scenes. */
+static inline void write_png(const char *name, uint32_t width, uint32_t height) {
+    char *path = text_of("%s/tests/%s", MCV_BINARY_DIR, name);
+    mcv_image image;
+    BUILD(mcv_image_new(&image, width, height, 3, &builder_error));
+    for (uint32_t row = 0; row < height; ++row) {
+        for (uint32_t column = 0; column < width; ++column) {
+            uint8_t rgb[3];
+            value_of(width, height, column, row, rgb);
+            for (int k = 0; k < 3; ++k) image.pixels[((uint32_t)k * height + row) * width + column] = rgb[k];
+        }
+    }
+    BUILD(mcv_png_write_values(path, &image, 8, &builder_error));
+    mcv_image_free(&image);
+    free(path);
+}
+
+/*
+ * An emitter that shines along -z of a rig, and a sensor `distance` away that faces it: its right is the emitter's left. `rig` is
+ * the rig node's place and rotation.
+ */
+static inline char *rig_text(const char *rig, const char *emitter, const char *sensor, double distance, const char *png) {
+    return text_of("{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+                   "\"nodes\":[{%s\"children\":[1,2]},{\"name\":\"emitter\",\"extensions\":{\"MCVISI_emitters\":{\"emitter\":0}}},"
+                   "{\"rotation\":[0,1,0,0],\"translation\":[0,0,%.17g],\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}}],"
+                   "\"images\":[{\"name\":\"picture\",\"uri\":\"%s\"}],"
+                   "\"extensions\":{\"MCVISI_emitters\":{\"emitters\":[{\"name\":\"e\",%s}]},\"MCVISI_sensors\":{\"sensors\":[{%s}]}}}",
+                   rig, -distance, png, emitter, sensor);
+}
+
+/* Rigs that need every axis to be right. The rotation has length 1 up to rounding: 0.2² + 0.4² + 0.4² + 0.8² = 1. */
+static const char *const rigs[] = {"", "\"rotation\":[0.2,0.4,-0.4,0.8],\"translation\":[0.3,-0.2,0.7],"};
+
+static inline mcv_film render_by(bool reference, const mcv_scene *scene, uint32_t sensor, uint64_t samples, uint32_t seed) {
+    mcv_render_options options = mcv_render_defaults();
+    mcv_render_stats stats;
+    mcv_film film;
+    options.replicates = REPLICATES;
+    options.last = samples;
+    options.seed = seed;
+    BUILD((reference ? mcv_reference_render : mcv_render)(scene, sensor, &options, &film, &stats, &builder_error));
+    return film;
+}
+
+/* A scene file that must be refused with a sentence that says this. */
+static inline void refuse(const char *text, const char *says) {
+    mcv_scene *scene = NULL;
+    mcv_error error;
+    const mcv_result result = load_text("image_emitters_bad.gltf", text, NULL, &scene, &error);
+    if (result != MCV_BAD_INPUT || !strstr(error.text, says) || strchr(error.text, '\n'))
+        fail_msg("gave %d \"%s\", must be refused with \"%s\"", result, error.text, says);
+}
+
+/*
+ * The light that a floor 0.2 m before the emitter throws back, seen whole from aside by a telecentric camera of this field [m] whose chief
+ * rays fall in at 45°, against the power that the scene file states: Φ = π/ρ ∫ L dA, and a pixel of side p sees p²/cos 45° of the floor.
+ *
+ * 16 replicates, Student's t with 15 degrees of freedom: 6.1 standard errors happen with probability 2e-5. `missing` is the share of
+ * light that chance finds too seldom to show in the error. float32 adds some 1e-6. The test asks for an error of at most 1 %.
+ */
+static inline void expect_power(const char *text, const double power[3], double field, double missing, const char *what) {
+    enum { PIXELS = 32 };
+    const double rho = 0.5, s = sqrt(0.5);
+    mcv_scene *scene;
+    mcv_sensor camera = sensor_defaults(MCV_SENSOR_TELECENTRIC);
+    BUILD(load_text("image_emitters_power.gltf", text, NULL, &scene, &builder_error));
+    add_rectangle(scene, 4, 4, add_diffuse(scene, rho), looking_up_z(0, 0, -0.2));
+    camera.as.telecentric.magnification = 1;
+    camera.as.telecentric.workingDistance = 0.5;
+    camera.as.telecentric.numericalAperture = 1e-3;
+    camera.as.telecentric.resolution[0] = camera.as.telecentric.resolution[1] = PIXELS;
+    camera.as.telecentric.pixelSize[0] = camera.as.telecentric.pixelSize[1] = field / PIXELS;
+    add_sensor(scene, MCV_SENSOR_TELECENTRIC, &camera,
+               looking((const double[]){0.5 * s, 0, 0.5 * s - 0.2}, (const double[]){-s, 0, -s}, (const double[]){0, 1, 0}));
+    mcv_film film = render_by(false, scene, scene->sensor_count - 1, 64, 3);
+    assert_int_equal(film.channels, 3);
+    for (uint32_t channel = 0; channel < 3; ++channel) {
+        double sums[REPLICATES] = {0};
+        for (uint32_t r = 0; r < REPLICATES; ++r) {
+            for (size_t i = 0; i < PIXELS * PIXELS; ++i) sums[r] += film.sums[(r * 3 + channel) * PIXELS * PIXELS + i];
+            sums[r] *= M_PI / rho * field * field / (PIXELS * PIXELS) / s / 64;
+        }
+        const mcv_estimate m = mcv_estimate_replicates(sums, REPLICATES);
+        const double error = sqrt(m.variance);
+        print_message("%s: %.6g ± %.2g W, %g W stated\n", what, m.mean, error, power[channel]);
+        if (!(error <= 0.01 * power[channel])) fail_msg("%s: the standard error %g W is above 1 %%", what, error);
+        if (!(fabs(m.mean - power[channel]) <= 6.1 * error + (missing + 2e-6) * power[channel]))
+            fail_msg("%s: channel %u has %.9g ± %.2g W, but the file states %.9g W", what, channel, m.mean, error, power[channel]);
+    }
+    /* The reference sees the same picture. As many samples for both: replicates of few are skewed, and the rank test would see that. */
+    mcv_film_free(&film);
+    film = render_by(false, scene, scene->sensor_count - 1, 16, 4);
+    mcv_film expected = render_by(true, scene, scene->sensor_count - 1, 16, 5);
+    mcv_comparison comparison;
+    BUILD(mcv_compare_films(&film, &expected, &comparison, &builder_error));
+    print_message("%s: mean %.6g, reference %.6g; %.2g %% would be seen\n", what, comparison.mean_x, comparison.mean_y,
+                  100 * comparison.detectable);
+    if (comparison.different) fail_msg("%s: device and reference differ: %s", what, comparison.reason);
+    mcv_film_free(&film);
+    mcv_film_free(&expected);
+    mcv_scene_free(scene);
+}
+
+#endif
