@@ -224,7 +224,8 @@ static bool split_space(const mcv_splitter *s, const mcv_record *r, const candid
     const float area_left = mcv_box_area(&by->left), area_right = mcv_box_area(&by->right);
     const float count_left = (float)by->left_count, count_right = (float)by->right_count;
     mcv_reference *references = s->references;
-    uint32_t i = r->begin, j = r->end, end = r->end;
+    uint32_t i = r->begin, j = r->end;
+    uint32_t end = j; /* of the parts that are added on the right */
     *left = *right = mcv_record_empty(0, 0, 0);
     while (i < j) {
         mcv_reference part_left = references[i], part_right = part_left;
