@@ -233,8 +233,9 @@ static void test_cosine_fourth(void **state) {
     for (uint32_t k = 0; k < SIZE / 2; k += 6) {
         double truth = 0;
         for (int i = 0; i < STEPS * STEPS; ++i) {
-            const double x = (SIZE / 2.0 - (k + (i % STEPS + 0.5) / STEPS)) * width / b,
-                         y = (SIZE / 2.0 - (k + (i / STEPS + 0.5) / STEPS)) * width / b;
+            const int across = i % STEPS, down = i / STEPS;
+            const double x = (SIZE / 2.0 - (k + (across + 0.5) / STEPS)) * width / b;
+            const double y = (SIZE / 2.0 - (k + (down + 0.5) / STEPS)) * width / b;
             truth += axis / pow(1 + x * x + y * y, 2) / (STEPS * STEPS);
         }
         char what[64];

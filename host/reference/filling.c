@@ -52,8 +52,9 @@ static void look_through_pupil(const ref_geometry *geometry, const mcv_sensor *s
     ref_random random = {1};
     for (uint32_t i = 0; i < columns * rows * PLACES * PLACES; ++i) {
         const uint32_t place = i % (PLACES * PLACES), pixel = i / (PLACES * PLACES);
-        const double u = (place % PLACES + ref_random_unit(&random)) / PLACES;
-        const double v = (place / PLACES + ref_random_unit(&random)) / PLACES;
+        const uint32_t across = place % PLACES, down = place / PLACES;
+        const double u = (across + ref_random_unit(&random)) / PLACES;
+        const double v = (down + ref_random_unit(&random)) / PLACES;
         look(geometry,
              ref_sight_sample(sensor, spread(pixel % columns, columns, width), spread(pixel / columns, rows, height), 0.5, 0.5, u, v),
              tallies);
@@ -73,8 +74,9 @@ static void look_from_macro_pixels(const ref_geometry *geometry, const mcv_senso
         const uint32_t column = spread(macro % columns, columns, readout.size[0]) * j + i % j;
         const uint32_t row = spread(macro / columns, rows, readout.size[1]) * k + i / j % k;
         for (uint32_t place = 0; place < places; ++place) {
-            const double x = (place % PLACES_IN_PIXEL + ref_random_unit(&random)) / PLACES_IN_PIXEL;
-            const double y = (place / PLACES_IN_PIXEL + ref_random_unit(&random)) / PLACES_IN_PIXEL;
+            const uint32_t right = place % PLACES_IN_PIXEL, down = place / PLACES_IN_PIXEL;
+            const double x = (right + ref_random_unit(&random)) / PLACES_IN_PIXEL;
+            const double y = (down + ref_random_unit(&random)) / PLACES_IN_PIXEL;
             look(geometry, ref_sight_sample(sensor, column, row, x, y, 0.5, 0.5), tallies);
         }
         count(tallies, geometry->scene->emitter_count);

@@ -87,8 +87,9 @@ static ref_sight light_field(const mcv_sensor *sensor, uint32_t column, uint32_t
     const uint32_t *angular = p->angularResolution;
     const uint32_t resolution[2] = {p->spatialResolution[0] * angular[0], p->spatialResolution[1] * angular[1]};
     /* Of binned macro pixels (u, v) chooses one. */
-    const double m = on_film(p->regionOfInterest, p->binning, 0, column / angular[0]) + floor(u * p->binning[0]);
-    const double n = on_film(p->regionOfInterest, p->binning, 1, row / angular[1]) + floor(v * p->binning[1]);
+    const uint32_t macro_column = column / angular[0], macro_row = row / angular[1];
+    const double m = on_film(p->regionOfInterest, p->binning, 0, macro_column) + floor(u * p->binning[0]);
+    const double n = on_film(p->regionOfInterest, p->binning, 1, macro_row) + floor(v * p->binning[1]);
     const point c = image_point(resolution, p->principalPoint, p->pixelSize, (m + 0.5) * angular[0], (n + 0.5) * angular[1]);
     /* The place in the macro pixel, -1 … 1, from whole pixels so that no sample slips into the next one. */
     const double across = 2 * (column % angular[0] + x) / angular[0] - 1, down = 2 * (row % angular[1] + y) / angular[1] - 1;
