@@ -61,8 +61,8 @@ static const char *const rigs[] = {"", "\"rotation\":[0.2,0.4,-0.4,0.8],\"transl
 
 static inline mcv_film render_by(bool reference, const mcv_scene *scene, uint32_t sensor, uint64_t samples, uint32_t seed) {
     mcv_render_options options = mcv_render_defaults();
-    mcv_render_stats stats;
-    mcv_film film;
+    mcv_render_stats stats = {0};
+    mcv_film film = {0};
     options.replicates = REPLICATES;
     options.last = samples;
     options.seed = seed;
