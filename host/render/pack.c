@@ -6,6 +6,8 @@
 #include <string.h>
 
 #include "scene/emitters.h"
+#include "scene/mesh.h"
+#include "scene/transform.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -84,25 +86,9 @@ static void find_centre(const mcv_box *boxes, uint32_t count, double centre[3]) 
     }
 }
 
-/* The matrix that takes normals along: cofactors, with the sign of the determinant. Returns the determinant. */
-static double normal_matrix(const mcv_transform *t, double n[9]) {
-    const double *m = t->m;
-    for (int r = 0; r < 3; ++r) {
-        for (int c = 0; c < 3; ++c) {
-            const int r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
-            n[3 * r + c] = m[3 * r1 + c1] * m[3 * r2 + c2] - m[3 * r1 + c2] * m[3 * r2 + c1];
-        }
-    }
-    const double determinant = m[0] * n[0] + m[1] * n[1] + m[2] * n[2];
-    for (int i = 0; determinant < 0 && i < 9; ++i) n[i] = -n[i];
-    return determinant;
-}
-
 static void pack_instance(const mcv_scene *scene, mcv_packed *packed, uint32_t index, uint32_t first_vertex) {
     const mcv_instance *instance = &scene->instances[index];
     const mcv_mesh *mesh = &scene->meshes[instance->mesh];
-    double n[9];
-    const bool mirrored = normal_matrix(&instance->to_world, n) < 0;
     for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
         const size_t to = first_vertex + (size_t)v;
         double p[3];
@@ -110,17 +96,17 @@ static void pack_instance(const mcv_scene *scene, mcv_packed *packed, uint32_t i
         for (int k = 0; k < 3; ++k) packed->positions[3 * to + k] = (float)(p[k] - packed->centre[k]);
         if (packed->normals && mesh->normals) {
             const float *from = mesh->normals + 3 * (size_t)v;
-            double w[3];
-            for (int k = 0; k < 3; ++k) w[k] = n[3 * k] * from[0] + n[3 * k + 1] * from[1] + n[3 * k + 2] * from[2];
-            const double length = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
-            for (int k = 0; k < 3; ++k) packed->normals[3 * to + k] = length > 0 ? (float)(w[k] / length) : 0.0f;
+            double n[3];
+            mcv_transform_normal(&instance->to_world, (const double[3]){from[0], from[1], from[2]}, n);
+            if (!mcv_normalize3(n, n)) memset(n, 0, sizeof n); /* the face's stands in for it */
+            for (int k = 0; k < 3; ++k) packed->normals[3 * to + k] = (float)n[k];
         }
         if (packed->texcoords && mesh->texcoords) memcpy(packed->texcoords + 2 * to, mesh->texcoords + 2 * (size_t)v, 2 * sizeof(float));
     }
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
         const size_t to = instance->first_triangle + (size_t)t;
-        const uint32_t *from = mesh->indices + 3 * (size_t)t;
-        const uint32_t corners[3] = {from[0], from[mirrored ? 2 : 1], from[mirrored ? 1 : 2]};
+        uint32_t corners[3];
+        mcv_scene_triangle(scene, index, t, corners);
         for (int k = 0; k < 3; ++k) {
             packed->indices[3 * to + k] = first_vertex + corners[k];
             packed->triangles[4 * to + k] = first_vertex + corners[k];
@@ -305,17 +291,6 @@ static double write_cdf(uint32_t *cdf, uint32_t count, const double *values) {
     return total;
 }
 
-static double triangle_area(const mcv_scene *scene, uint32_t instance, uint32_t triangle) {
-    double c[3][3], a[3], b[3];
-    mcv_scene_corners(scene, instance, triangle, c);
-    for (int k = 0; k < 3; ++k) {
-        a[k] = c[1][k] - c[0][k];
-        b[k] = c[2][k] - c[0][k];
-    }
-    const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
-    return 0.5 * sqrt(x * x + y * y + z * z);
-}
-
 /* Over all channels. */
 static double emitter_power(const mcv_scene *scene, const mcv_emitter *emitter) {
     double mean[3];
@@ -350,7 +325,7 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
                                    .triangle_count = triangles,
                                    .area = (float)from->area};
         for (int k = 0; k < 3; ++k) to->radiance[k] = (float)from->radiance[k];
-        for (uint32_t t = 0; t < triangles; ++t) areas[t] = triangle_area(scene, from->instance, t);
+        for (uint32_t t = 0; t < triangles; ++t) areas[t] = mcv_scene_triangle_area(scene, from->instance, t);
         write_cdf(cdf + next, triangles, areas);
         next += triangles + 1;
         if (cone) mcv_parallel_prepare(scene, i, &to->parallel);

@@ -67,12 +67,15 @@ void mcv_scene_vertex_normals(const mcv_scene *scene, uint32_t instance, uint32_
     }
 }
 
+double mcv_scene_triangle_area(const mcv_scene *scene, uint32_t instance, uint32_t local) {
+    double normal[3];
+    face_normal(scene, instance, local, normal);
+    return 0.5 * hypot(hypot(normal[0], normal[1]), normal[2]);
+}
+
 double mcv_scene_area(const mcv_scene *scene, uint32_t instance) {
     double sum = 0;
-    for (uint32_t t = 0; t < scene->meshes[scene->instances[instance].mesh].triangle_count; ++t) {
-        double normal[3];
-        face_normal(scene, instance, t, normal);
-        sum += 0.5 * hypot(hypot(normal[0], normal[1]), normal[2]);
-    }
+    const uint32_t count = scene->meshes[scene->instances[instance].mesh].triangle_count;
+    for (uint32_t t = 0; t < count; ++t) sum += mcv_scene_triangle_area(scene, instance, t);
     return sum;
 }

@@ -17,7 +17,8 @@ void mcv_mesh_free(mcv_mesh *mesh);
 mcv_result mcv_scene_take_mesh(mcv_scene *scene, mcv_mesh *mesh, mcv_error *error);
 mcv_result mcv_scene_take_texture(mcv_scene *scene, mcv_texture *texture, mcv_error *error);
 
-/* The area of an instance in the world [m²]. */
+/* The area of a triangle of an instance, and of all of them, in the world [m²]. */
+double mcv_scene_triangle_area(const mcv_scene *scene, uint32_t instance, uint32_t local);
 double mcv_scene_area(const mcv_scene *scene, uint32_t instance);
 
 #endif
