@@ -17,7 +17,7 @@
     X(throughput, MCV_CHANNELS)               /* product of reflectances, transmittances … since the sensor */ \
     X(radiance, MCV_CHANNELS)                 /* found so far, L/n² */ \
     X(media, MCV_WITH_DIELECTRIC)             /* set of the media the ray is in */ \
-    X(density, MCV_WITH_NEXT_EVENT)           /* with which the last diffuse surface chose the direction [1/sr]; 0: none did */ \
+    X(density, MCV_WITH_NEXT_EVENT)           /* with which the last surface chose the direction [1/sr]; 0: it is smooth */ \
     X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT) /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_target, MCV_WITH_NEXT_EVENT)              /* instance that must be met first; MCV_NONE: nothing before t = 1 */ \

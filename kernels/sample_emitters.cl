@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stage: next-event estimation. A diffuse surface chooses an emitter by power, then a direction to it: uniform in the cone
+ * Stage: next-event estimation. A surface that spreads light chooses an emitter by power, then a direction to it: uniform in the cone
  * of a parallel emitter that is smaller than the emitter seen from there (which must then be the closest hit), else towards a
  * point uniform by area. Weighed against the surface's own choice of directions by the balance heuristic.
  * reads ray, hit -> writes shadow ray
@@ -92,7 +92,7 @@ static int mcv_sample_emitter(mcv_world world, mcv_slot slot, mcv_identity id, u
     const uint triangle = MCV_WORD(slot, hit, 3);
     if (triangle == MCV_NONE) return 0;
     const uint material = world.instances[world.triangles[triangle].w].material;
-    if (world.materials[material].type != MCV_MATERIAL_DIFFUSE) return 0;
+    if (!world.materials[material].spreads) return 0;
 
     const mcv_meeting meeting = mcv_meet(world, MCV_LOAD_3(slot, direction), triangle, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
 
@@ -110,15 +110,14 @@ static int mcv_sample_emitter(mcv_world world, mcv_slot slot, mcv_identity id, u
 #endif
         shadow = mcv_sample_area_of(world, meeting, emitter, pair);
 
-    /* What the surface makes of it: reflectance/π cosθ, and the balance heuristic against the density cosθ/π. */
-    const mcv_vec3 direction = mcv_normalize(shadow.direction);
-    const float cosine = mcv_dot(direction, meeting.normal);
-    if (!(cosine > 0.0f) || !(mcv_dot(direction, meeting.face) > 0.0f) || !(mcv_brightest(shadow.light) > 0.0f)) return 0;
-    const float own = mcv_diffuse_density(cosine);
+    /* What the surface makes of it, and the balance heuristic against its own choice. */
+    if (!(mcv_brightest(shadow.light) > 0.0f)) return 0;
+    const mcv_response response = mcv_respond(world, meeting, mcv_normalize(shadow.direction));
+    if (!(mcv_brightest(response.value) > 0.0f)) return 0;
     mcv_color light;
     MCV_LOAD_COLOR(slot, throughput, light);
-    light = mcv_tint(mcv_tint(light, mcv_material_value(world, meeting.surface, material)), shadow.light);
-    light = mcv_dim(light, own * shadow.density / (shadow.density + own));
+    light = mcv_tint(mcv_tint(light, response.value), shadow.light);
+    light = mcv_dim(light, shadow.density / (shadow.density + response.density));
 #if MCV_WITH_DIELECTRIC
     light = mcv_dim(light, world.media[mcv_filling_medium(MCV_WORD(slot, media, 0))].inverse_index_squared);
 #endif

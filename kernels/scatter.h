@@ -118,6 +118,20 @@ static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_meeting meeting, mc
 }
 #endif
 
+#if MCV_WITH_SHEET
+static mcv_scattering mcv_scatter_beam_splitter(mcv_meeting meeting, mcv_device_material material, uint media, float xi) {
+    mcv_scattering scattering;
+    const int reflected = xi < material.chance;
+    scattering.chance = reflected ? material.chance : 1.0f - material.chance;
+    scattering.direction = reflected ? mcv_reflected(meeting) : meeting.direction;
+    MCV_EACH_CHANNEL(i) scattering.factor.c[i] = (reflected ? material.value[i] : material.passed[i]) / scattering.chance;
+    scattering.density = 0.0f;
+    scattering.media = media;
+    scattering.event = reflected ? MCV_EVENT_REFLECT : MCV_EVENT_PASS;
+    return scattering;
+}
+#endif
+
 #if MCV_WITH_DIFFUSE
 static mcv_scattering mcv_scatter_diffuse(mcv_meeting meeting, mcv_color reflectance, uint media, mcv_pair pair) {
     mcv_scattering scattering;
@@ -127,6 +141,31 @@ static mcv_scattering mcv_scatter_diffuse(mcv_meeting meeting, mcv_color reflect
     scattering.media = media;
     scattering.event = MCV_EVENT_END;
     return scattering;
+}
+#endif
+
+#if MCV_WITH_NEXT_EVENT
+/* What a surface that spreads light makes of light from a direction. */
+typedef struct mcv_response {
+    mcv_color value; /* f cosθ [1/sr]: the share that goes on towards the ray */
+    float density;   /* with which mcv_scatter chooses the direction [1/sr] */
+} mcv_response;
+
+/* The direction is unit and leads away from the surface; what cannot come from there is 0. */
+static mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, mcv_vec3 direction) {
+    mcv_response response;
+    const uint material = world.instances[meeting.surface.instance].material;
+    response.value = mcv_grey(0.0f);
+    response.density = 0.0f;
+#if MCV_WITH_DIFFUSE
+    if (world.materials[material].type == MCV_MATERIAL_DIFFUSE) {
+        const float cosine = mcv_dot(direction, meeting.normal);
+        if (!(cosine > 0.0f) || !(mcv_dot(direction, meeting.face) > 0.0f)) return response;
+        response.density = mcv_diffuse_density(cosine);
+        response.value = mcv_dim(mcv_material_value(world, meeting.surface, material), response.density);
+    }
+#endif
+    return response;
 }
 #endif
 
@@ -181,6 +220,9 @@ static mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, uint med
     if (material.type == MCV_MATERIAL_SHEET) {
         return mcv_scatter_sheet(world, meeting, material, mcv_material_value(world, meeting.surface, instance.material), media, pair.x);
     }
+#endif
+#if MCV_WITH_SHEET
+    if (material.type == MCV_MATERIAL_BEAM_SPLITTER) return mcv_scatter_beam_splitter(meeting, material, media, pair.x);
 #endif
 #if MCV_WITH_MIRROR
     if (material.type == MCV_MATERIAL_MIRROR) {

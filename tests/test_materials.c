@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Materials and textures as the device renders them, in three channels, against closed forms at normal incidence. */
+/* Materials and textures as the device and the reference render them, in three channels, against closed forms. */
 #include "scene_builder.h"
 
+#include "reference/reference.h"
 #include "render/render.h"
 
 enum { REPLICATES = 16, SAMPLES = 256, PIXELS = 4 };
@@ -11,13 +12,7 @@ enum { REPLICATES = 16, SAMPLES = 256, PIXELS = 4 };
  * probability 2e-5. The camera sees 1 mm from 1 m: angles of 7e-4 rad change lengths and reflectances by their square, 5e-7; some 20
  * roundings to float32 make 1e-6, mcv_exp_minus 3e-7.
  */
-static void expect(const char *what, const mcv_scene *scene, const double expected[3]) {
-    mcv_render_options options = mcv_render_defaults();
-    mcv_render_stats stats;
-    mcv_film film;
-    options.replicates = REPLICATES;
-    options.last = SAMPLES;
-    BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
+static void expect_film(const char *what, mcv_film film, mcv_render_stats stats, const double expected[3]) {
     const size_t pixels = (size_t)film.width * film.height;
     assert_int_equal(film.channels, 3);
     assert_int_equal(stats.unmatched, 0);
@@ -35,6 +30,20 @@ static void expect(const char *what, const mcv_scene *scene, const double expect
             fail_msg("%s, channel %u: %.9g ± %.2g, expected %.9g", what, c, m.mean, error, expected[c]);
     }
     mcv_film_free(&film);
+}
+
+static void expect(const char *what, const mcv_scene *scene, const double expected[3]) {
+    mcv_render_options options = mcv_render_defaults();
+    mcv_render_stats stats;
+    mcv_film film;
+    options.replicates = REPLICATES;
+    options.last = SAMPLES;
+    BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
+    expect_film(what, film, stats, expected);
+    char reference[64];
+    snprintf(reference, sizeof reference, "%s, reference", what);
+    BUILD(mcv_reference_render(scene, 0, &options, &film, &stats, &builder_error));
+    expect_film(reference, film, stats, expected);
 }
 
 /* A camera that looks down from 1 m above the origin onto a lamp of radiance L below it. */
@@ -89,6 +98,25 @@ static void test_mirror(void **state) {
     mcv_scene_free(scene);
 }
 
+/* A beam splitter at 45° adds its share of the lamp at the side to its share of the one behind it. */
+static void test_beam_splitter(void **state) {
+    const mcv_material splitter = {.as.beam_splitter = {{0.5, 0.25, 1}, {0.375, 0.75, 0}}};
+    const double s = sqrt(0.5);
+    (void)state;
+    for (int side = 0; side < 2; ++side) { /* both sides are alike */
+        mcv_scene *scene = lamp_scene();
+        add_rectangle(
+            scene, 0.5, 0.5, add_material(scene, MCV_MATERIAL_BEAM_SPLITTER, &splitter),
+            looking((const double[]){0, 0, 0}, side ? (const double[]){-s, 0, -s} : (const double[]){s, 0, s}, (const double[]){0, 1, 0}));
+        add_emitter(scene, MCV_EMITTER_AREA,
+                    add_rectangle(scene, 0.5, 0.5, add_absorber(scene),
+                                  looking((const double[]){1, 0, 0}, (const double[]){-1, 0, 0}, (const double[]){0, 1, 0})),
+                    2, 0);
+        expect("beam splitter", scene, (const double[]){2 * 0.5 + 3 * 0.375, 2 * 0.25 + 3 * 0.75, 2});
+        mcv_scene_free(scene);
+    }
+}
+
 /*
  * A lamp with an image of 2 x 2 texels across a square of 1 mm, just what the camera sees. The bilinear image, clamped at its edges, has
  * the mean of its texels, and so has the nearest one; sRGB 188 decodes to ((188/255 + 0.055)/1.055)^2.4.
@@ -120,10 +148,8 @@ static void test_texture(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_absorbing_slab),
-        cmocka_unit_test(test_sheet),
-        cmocka_unit_test(test_mirror),
-        cmocka_unit_test(test_texture),
+        cmocka_unit_test(test_absorbing_slab), cmocka_unit_test(test_sheet),   cmocka_unit_test(test_mirror),
+        cmocka_unit_test(test_beam_splitter),  cmocka_unit_test(test_texture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -213,6 +213,8 @@ static void test_bad_elements(void **state) {
          "materials/g/ior: 0.5 must lie from 1 to 10"},
         {ASSET "\"materials\":[{\"name\":\"g\",\"extensions\":{\"MCVISI_materials\":{\"type\":\"dielectric\",\"priority\":0.5}}}]}",
          "materials/g: priority 0.5 must be an integer"},
+        {ASSET "\"materials\":[{\"name\":\"g\",\"extensions\":{\"MCVISI_materials\":{\"type\":\"beamSplitter\",\"reflectance\":0.75}}}]}",
+         "materials/g: reflectance 0.75 and transmittance 0.5 must not be more than 1 together"},
         {ASSET "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[2,0,0,1]}}]}",
          "materials/0/pbrMetallicRoughness/baseColorFactor/0: 2 must lie from 0 to 1"},
         {ASSET "\"materials\":[{\"extensions\":{\"KHR_materials_ior\":{\"ior\":0.5}}}]}", "KHR_materials_ior: ior 0.5 must be 1 or more"},

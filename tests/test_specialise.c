@@ -41,6 +41,7 @@ static const struct {
     {"materials/dielectric.h", BIT(DIELECTRIC)},
     {"materials/sheet.h", BIT(SHEET)},
     {"materials/mirror.h", 0},
+    {"materials/beam_splitter.h", 0},
     {"materials/absorber.h", 0},
 };
 

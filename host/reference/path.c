@@ -39,13 +39,29 @@ static void add_emission(const ref_world *world, const path *p, const ref_surfac
     for (int channel = 0; channel < 3; ++channel) radiance[channel] += weight * p->throughput[channel] * emitted[channel] / (ior * ior);
 }
 
-/* Adds the light of one emitter at a diffuse surface. */
-static void add_direct(const ref_world *world, const path *p, const ref_emitter *emitter, const ref_surface *surface,
-                       const ref_meeting *meeting, const double reflectance[3], ref_random *random, ref_tally *tally, double radiance[3]) {
+/* A surface that spreads light, as the path meets it. */
+typedef struct spreader {
+    const mcv_material *material;
+    ref_meeting meeting;
+    double share[3]; /* its reflectance there */
+} spreader;
+
+/* f cosθ for light from the direction, and the density with which the path would choose it. */
+static double respond(const spreader *s, ref_vec direction, double value[3]) {
+    const double cosine = ref_dot(direction, s->meeting.normal);
+    const bool comes = cosine > 0 && ref_dot(direction, s->meeting.face) > 0;
+    for (int channel = 0; channel < 3; ++channel) value[channel] = comes ? s->share[channel] * cosine / M_PI : 0;
+    return comes ? cosine / M_PI : 0;
+}
+
+/* Adds the light of one emitter at a surface that spreads it. */
+static void add_direct(const ref_world *world, const path *p, const ref_emitter *emitter, const ref_surface *surface, const spreader *s,
+                       ref_random *random, ref_tally *tally, double radiance[3]) {
     uint32_t number;
+    double value[3];
     const ref_vec direction = ref_emitter_sample(emitter, world->scene, surface->position, random, &number);
-    const double cosine = ref_dot(direction, meeting->normal);
-    if (!(cosine > 0) || !(ref_dot(direction, meeting->face) > 0)) return;
+    const double own = respond(s, direction, value);
+    if (!(largest(value) > 0)) return;
     ref_hit hit;
     ++tally->shadow_rays;
     if (!ref_closest_hit(&world->geometry, surface->position, direction, surface->number, &hit)) return;
@@ -59,31 +75,30 @@ static void add_direct(const ref_world *world, const path *p, const ref_emitter 
     if (largest(emitted) == 0 || density == 0) return;
     const mcv_dielectric_params *filling = ref_media_filling(&p->media, world->scene);
     const double ior = ref_media_ior(filling);
-    const double scale = cosine / M_PI / (density + cosine / M_PI) / (ior * ior); /* balance heuristic / density */
+    const double scale = 1 / (density + own) / (ior * ior); /* balance heuristic / density */
     for (int channel = 0; channel < 3; ++channel) {
         const double absorption = filling ? exp(-filling->absorption[channel] * hit.distance) : 1;
-        radiance[channel] += p->throughput[channel] * reflectance[channel] * emitted[channel] * absorption * scale;
+        radiance[channel] += p->throughput[channel] * value[channel] * emitted[channel] * absorption * scale;
     }
 }
 
 /* Each of these continues the path or ends it (false). */
 
-static bool meet_diffuse(const ref_world *world, path *p, const ref_surface *surface, const double reflectance[3], bool last,
-                         ref_random *random, ref_tally *tally, double radiance[3]) {
-    const ref_meeting meeting = ref_meet(surface, p->direction);
+static bool meet_spreader(const ref_world *world, path *p, const ref_surface *surface, const spreader *s, bool last, ref_random *random,
+                          ref_tally *tally, double radiance[3]) {
     if (world->sample_emitters && !last)
         for (uint32_t i = 0; i < world->emitters.count; ++i)
-            add_direct(world, p, &world->emitters.items[i], surface, &meeting, reflectance, random, tally, radiance);
+            add_direct(world, p, &world->emitters.items[i], surface, s, random, tally, radiance);
     /* Density cosθ/π: sin²θ is uniform. */
     const double u = ref_random_unit(random), phi = 2 * M_PI * ref_random_unit(random), sine = sqrt(u), cosine = sqrt(1 - u);
     ref_vec x, y;
-    ref_frame(meeting.normal, &x, &y);
+    ref_frame(s->meeting.normal, &x, &y);
     const ref_vec direction =
-        ref_add(ref_scale(cosine, meeting.normal), ref_add(ref_scale(sine * cos(phi), x), ref_scale(sine * sin(phi), y)));
-    if (!(ref_dot(direction, meeting.face) > 0)) return false; /* into the surface: absorbed */
+        ref_add(ref_scale(cosine, s->meeting.normal), ref_add(ref_scale(sine * cos(phi), x), ref_scale(sine * sin(phi), y)));
+    if (!(ref_dot(direction, s->meeting.face) > 0)) return false; /* into the surface: absorbed */
     p->direction = direction;
     p->density = world->sample_emitters ? cosine / M_PI : 0;
-    multiply(p->throughput, reflectance);
+    multiply(p->throughput, s->share);
     return true;
 }
 
@@ -117,6 +132,17 @@ static void meet_sheet(const ref_world *world, path *p, const ref_surface *surfa
         multiply(p->throughput, transmittance);
 }
 
+/* One of its two ways by their largest shares. */
+static void meet_beam_splitter(path *p, const ref_surface *surface, const mcv_beam_splitter_params *splitter, ref_random *random) {
+    const ref_meeting meeting = ref_meet(surface, p->direction);
+    const double reflected = largest(splitter->reflectance), all = reflected + largest(splitter->transmittance);
+    const bool reflects = ref_random_unit(random) * all < reflected;
+    const double chance = (reflects ? reflected : all - reflected) / all;
+    multiply(p->throughput, reflects ? splitter->reflectance : splitter->transmittance);
+    for (int channel = 0; channel < 3; ++channel) p->throughput[channel] = all > 0 ? p->throughput[channel] / chance : 0;
+    if (reflects) p->direction = ref_reflect(&meeting);
+}
+
 /* `parameter` times the material's texture. */
 static void modulate(const ref_world *world, const ref_surface *surface, const double parameter[3], double product[3]) {
     const mcv_material *material = &world->scene->materials[world->scene->instances[surface->instance].material];
@@ -130,9 +156,11 @@ static bool meet_surface(const ref_world *world, path *p, const ref_surface *sur
     double share[3];
     p->density = 0; /* emitters behind smooth surfaces, passed straight or not, are not sampled */
     switch (material->type) {
-    case MCV_MATERIAL_DIFFUSE:
-        modulate(world, surface, material->as.diffuse.reflectance, share);
-        return meet_diffuse(world, p, surface, share, last, random, tally, radiance);
+    case MCV_MATERIAL_DIFFUSE: {
+        spreader s = {.material = material, .meeting = ref_meet(surface, p->direction)};
+        modulate(world, surface, material->as.diffuse.reflectance, s.share);
+        return meet_spreader(world, p, surface, &s, last, random, tally, radiance);
+    }
     case MCV_MATERIAL_DIELECTRIC:
         meet_dielectric(world, p, surface, random, tally);
         return true;
@@ -143,6 +171,9 @@ static bool meet_surface(const ref_world *world, path *p, const ref_surface *sur
     case MCV_MATERIAL_MIRROR:
         modulate(world, surface, material->as.mirror.reflectance, share);
         meet_mirror(p, surface, share);
+        return true;
+    case MCV_MATERIAL_BEAM_SPLITTER:
+        meet_beam_splitter(p, surface, &material->as.beam_splitter, random);
         return true;
     default:
         return false;

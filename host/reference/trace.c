@@ -45,6 +45,10 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, ref_vec *di
         vertex->event = MCV_EVENT_REFLECT;
         vertex->transmittance *= material->as.mirror.reflectance[0] * texture[0];
         break;
+    case MCV_MATERIAL_BEAM_SPLITTER: /* goes straight on */
+        vertex->event = MCV_EVENT_PASS;
+        vertex->transmittance *= material->as.beam_splitter.transmittance[0];
+        break;
     case MCV_MATERIAL_SHEET:
         reflectance = ref_sheet_reflectance(ref_reflectance(&meeting, ior, material->as.sheet.ior));
         vertex->event = reflectance == 1 ? MCV_EVENT_REFLECT : MCV_EVENT_PASS; /* 1: total reflection */

@@ -228,12 +228,15 @@ uint32_t mcv_media_around(const mcv_scene *scene, const mcv_packed *packed, cons
 
 /* Materials and textures */
 
+static double largest(const double spectrum[3]) { return fmax(spectrum[0], fmax(spectrum[1], spectrum[2])); }
+
 static mcv_device_material pack_material(const mcv_material *material) {
     mcv_device_material out = {.type = material->type, .texture = material->texture};
     const double *value = NULL;
     switch (material->type) {
     case MCV_MATERIAL_DIFFUSE:
         value = material->as.diffuse.reflectance;
+        out.spreads = 1;
         break;
     case MCV_MATERIAL_MIRROR:
         value = material->as.mirror.reflectance;
@@ -243,6 +246,14 @@ static mcv_device_material pack_material(const mcv_material *material) {
         value = material->as.sheet.transmittance;
         out.eta = (float)(1 / n);
         out.delta = (float)((n - 1) * (n + 1) / (n * n));
+        break;
+    }
+    case MCV_MATERIAL_BEAM_SPLITTER: {
+        const mcv_beam_splitter_params *p = &material->as.beam_splitter;
+        const double reflected = largest(p->reflectance), passed = largest(p->transmittance);
+        value = p->reflectance;
+        for (int k = 0; k < 3; ++k) out.passed[k] = (float)p->transmittance[k];
+        out.chance = reflected + passed > 0 ? (float)(reflected / (reflected + passed)) : 0;
         break;
     }
     default:
@@ -360,7 +371,7 @@ static uint32_t find_features(const mcv_scene *scene) {
         const mcv_dielectric_params *glass = material->type == MCV_MATERIAL_DIELECTRIC ? &material->as.dielectric : NULL;
         features |=
             feature(MCV_FEATURE_DIFFUSE, material->type == MCV_MATERIAL_DIFFUSE) | feature(MCV_FEATURE_DIELECTRIC, glass) |
-            feature(MCV_FEATURE_SHEET, material->type == MCV_MATERIAL_SHEET) |
+            feature(MCV_FEATURE_SHEET, material->type == MCV_MATERIAL_SHEET || material->type == MCV_MATERIAL_BEAM_SPLITTER) |
             feature(MCV_FEATURE_MIRROR, material->type == MCV_MATERIAL_MIRROR) |
             feature(MCV_FEATURE_TEXTURE, material->texture != MCV_NONE) |
             feature(MCV_FEATURE_NORMALS, scene->meshes[instance->mesh].normals) |

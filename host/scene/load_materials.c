@@ -224,7 +224,7 @@ static mcv_result load_material(mcv_loader *loader, const json_t *object, size_t
         note(diffuse, name, index);
     if (strcmp(alpha, "OPAQUE") != 0) note(cut_out, name, index);
     const json_t *part = json_object_get(object, "pbrMetallicRoughness");
-    if (material.type != MCV_MATERIAL_DIELECTRIC && material.type != MCV_MATERIAL_ABSORBER)
+    if (material.type == MCV_MATERIAL_DIFFUSE || material.type == MCV_MATERIAL_SHEET || material.type == MCV_MATERIAL_MIRROR)
         MCV_TRY(load_texture(loader, part, "baseColorTexture", &material.texture, place, error));
     emission->texture = MCV_NONE;
     for (int i = 0; i < 3; ++i) emission->radiance[i] = core.emissive[i] * core.emissive_strength;

@@ -114,6 +114,17 @@ mcv_result mcv_scene_add_texture(mcv_scene *scene, const mcv_texture *texture, m
     return mcv_fail_memory(here, error);
 }
 
+/* What no single parameter shows. */
+static mcv_result check_material(const mcv_material *material, const mcv_place *here, mcv_error *error) {
+    if (material->type == MCV_MATERIAL_DIELECTRIC && material->as.dielectric.priority != floor(material->as.dielectric.priority))
+        return mcv_fail_at(here, error, "priority %g must be an integer", material->as.dielectric.priority);
+    for (int k = 0; material->type == MCV_MATERIAL_BEAM_SPLITTER && k < 3; ++k) {
+        const double r = material->as.beam_splitter.reflectance[k], t = material->as.beam_splitter.transmittance[k];
+        if (r + t > 1) return mcv_fail_at(here, error, "reflectance %g and transmittance %g must not be more than 1 together", r, t);
+    }
+    return MCV_OK;
+}
+
 mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material, mcv_error *error) {
     element_place place;
     const mcv_place *here = place_element(&place, scene, "materials", material->name, scene->material_count);
@@ -121,8 +132,7 @@ mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material
     if (material->texture != MCV_NONE && material->texture >= scene->texture_count)
         return mcv_fail_at(here, error, "texture %u does not exist", material->texture);
     MCV_TRY(mcv_params_check(mcv_material_table(material->type), &material->as, here, error));
-    if (material->type == MCV_MATERIAL_DIELECTRIC && material->as.dielectric.priority != floor(material->as.dielectric.priority))
-        return mcv_fail_at(here, error, "priority %g must be an integer", material->as.dielectric.priority);
+    MCV_TRY(check_material(material, here, error));
     bool failed = false;
     mcv_material own = *material;
     own.name = copy_name(material->name, &failed);

@@ -19,6 +19,7 @@
 #include "mcvisi/emitters/parallel.h"
 #include "mcvisi/emitters/telecentric_projector.h"
 #include "mcvisi/materials/absorber.h"
+#include "mcvisi/materials/beam_splitter.h"
 #include "mcvisi/materials/dielectric.h"
 #include "mcvisi/materials/diffuse.h"
 #include "mcvisi/materials/mirror.h"

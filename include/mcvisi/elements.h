@@ -24,6 +24,7 @@
     X(dielectric, "dielectric", DIELECTRIC) \
     X(sheet, "sheet", SHEET) \
     X(mirror, "mirror", MIRROR) \
+    X(beam_splitter, "beamSplitter", BEAM_SPLITTER) \
     X(absorber, "absorber", ABSORBER)
 
 #define MCV_SENSOR_ENUM(name, key, NAME) MCV_SENSOR_##NAME,

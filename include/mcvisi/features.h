@@ -12,7 +12,7 @@
     X(DIFFUSE, "diffuse", "a material reflects diffusely") \
     X(DIELECTRIC, "dielectric", "a body of glass, fluid or gas refracts") \
     X(ABSORPTION, "absorption", "a medium absorbs along the path") \
-    X(SHEET, "sheet", "a thin sheet transmits") \
+    X(SHEET, "sheet", "a thin sheet or a beam splitter transmits") \
     X(MIRROR, "mirror", "a mirror reflects") \
     X(TEXTURE, "texture", "an image modulates a material or an emitter") \
     X(NORMALS, "normals", "a mesh has interpolated normals") \
@@ -20,7 +20,7 @@
     X(LIGHT_FIELD, "light-field", "a light field emitter shines") \
     X(AREA, "area", "a diffuse area emitter shines") \
     X(ENVIRONMENT, "environment", "the environment shines") \
-    X(NEXT_EVENT, "next-event", "diffuse surfaces look for emitters with a surface") \
+    X(NEXT_EVENT, "next-event", "surfaces that spread light look for emitters with a surface") \
     X(INTERLEAVE, "interleave", "diffuse surfaces among so many triangles that rays take turns while others wait for memory")
 
 enum {

@@ -53,14 +53,17 @@ typedef struct mcv_device_instance {
 MCV_ASSERT_SIZE(mcv_device_instance, 32);
 
 typedef struct mcv_device_material {
-    uint type;      /* MCV_MATERIAL_… */
-    uint texture;   /* or MCV_NONE */
-    float value[3]; /* reflectance or transmittance */
-    float eta;      /* sheet: 1/n */
-    float delta;    /* sheet: (n - 1)(n + 1)/n² */
-    uint padding;
+    uint type;       /* MCV_MATERIAL_… */
+    uint texture;    /* or MCV_NONE */
+    float value[3];  /* reflectance or transmittance */
+    float eta;       /* sheet: 1/n */
+    float delta;     /* sheet: (n - 1)(n + 1)/n² */
+    uint spreads;    /* 1: light from one direction leaves in many, so that emitters are sampled from here; 0: smooth or black */
+    float passed[3]; /* beam splitter: transmittance */
+    float chance;    /* beam splitter: with which it reflects */
+    uint padding[4];
 } mcv_device_material;
-MCV_ASSERT_SIZE(mcv_device_material, 32);
+MCV_ASSERT_SIZE(mcv_device_material, 64);
 
 typedef struct mcv_device_medium {
     float absorption[3];         /* [1/m] */
