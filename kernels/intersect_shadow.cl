@@ -8,8 +8,8 @@ static void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_hit hit) {
     mcv_color light;
     mcv_color radiance;
     MCV_LOAD_COLOR(slot, shadow_light, light);
-#if MCV_WITH_PARALLEL && MCV_WITH_TEXTURE
-    /* What comes along a cone's direction depends on where it was met. */
+#if (MCV_WITH_PARALLEL || MCV_WITH_BEAM) && MCV_WITH_TEXTURE
+    /* What comes along a cone's or a beam's direction depends on where it was met. */
     if (hit.triangle != MCV_NONE) {
         const mcv_surface there = mcv_surface_at(world, hit.triangle, hit.u, hit.v);
         const uint texture = world.emitters[world.instances[there.instance].emitter].texture;

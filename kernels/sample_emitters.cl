@@ -2,7 +2,8 @@
 /*
  * Stage: next-event estimation. A surface that spreads light chooses an emitter by power, then a direction to it: uniform in the cone
  * of a parallel emitter that is smaller than the emitter seen from there (which must then be the closest hit), else towards a
- * point uniform by area. Weighed against the surface's own choice of directions by the balance heuristic.
+ * point uniform by area. Weighed against the surface's own choice of directions by the balance heuristic. Beams and lights without
+ * extent, which a direction of the surface's own cannot meet, come in full.
  * reads ray, hit -> writes shadow ray
  */
 #include "identity.h"
@@ -30,8 +31,51 @@ typedef struct mcv_shadow {
     mcv_vec3 origin, direction;
     uint target;
     mcv_color light; /* radiance over the density of the choice; 0: nothing comes */
-    float density;   /* of the choice [1/sr] */
+    float density;   /* of the choice [1/sr]; 0: the only direction there is, and light is irradiance over the chance of the choice */
 } mcv_shadow;
+
+#if MCV_WITH_BEAM
+/* Back along the beam, where it goes through the receiver: the emitter must then be the closest hit. */
+static mcv_shadow mcv_sample_beam_of(mcv_meeting at, __global const mcv_device_emitter *e) {
+    mcv_shadow shadow;
+    const mcv_vec3 from_middle = mcv_sub(at.surface.point, mcv_vec(e->middle[0], e->middle[1], e->middle[2]));
+    shadow.direction = mcv_vec(-e->beam.axis[0], -e->beam.axis[1], -e->beam.axis[2]);
+    shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, shadow.direction);
+    shadow.target = e->instance;
+    shadow.density = 0.0f;
+    shadow.light = mcv_grey(0.0f);
+    if (mcv_collimated_beam_covers(&e->beam, from_middle)) MCV_EACH_CHANNEL(i) shadow.light.c[i] = e->radiance[i] / e->probability;
+    return shadow;
+}
+#endif
+
+#if MCV_WITH_PUNCTUAL
+static mcv_shadow mcv_sample_spot_of(mcv_meeting at, __global const mcv_device_emitter *e) {
+    mcv_shadow shadow;
+    const mcv_vec3 position = mcv_vec(e->spot.position[0], e->spot.position[1], e->spot.position[2]);
+    const mcv_vec3 towards = mcv_sub(position, at.surface.point);
+    const mcv_vec3 direction = mcv_normalize(towards);
+    shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, direction);
+    shadow.direction = mcv_sub(position, shadow.origin);
+    shadow.target = MCV_NONE;
+    shadow.density = 0.0f;
+    const float share =
+        mcv_spot_evaluate(&e->spot, mcv_scale(direction, -1.0f)) * mcv_spot_attenuation(&e->spot, mcv_dot(towards, towards));
+    MCV_EACH_CHANNEL(i) shadow.light.c[i] = e->radiance[i] * share / e->probability;
+    return shadow;
+}
+
+static mcv_shadow mcv_sample_directional_of(mcv_meeting at, __global const mcv_device_emitter *e) {
+    mcv_shadow shadow;
+    const mcv_vec3 direction = mcv_vec(-e->directional.axis[0], -e->directional.axis[1], -e->directional.axis[2]);
+    shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, direction);
+    shadow.direction = mcv_scale(direction, e->directional.reach);
+    shadow.target = MCV_NONE;
+    shadow.density = 0.0f;
+    MCV_EACH_CHANNEL(i) shadow.light.c[i] = e->radiance[i] / e->probability;
+    return shadow;
+}
+#endif
 
 #if MCV_WITH_PARALLEL
 static mcv_shadow mcv_sample_cone_of(mcv_meeting at, __global const mcv_device_emitter *e, mcv_pair pair) {
@@ -46,6 +90,7 @@ static mcv_shadow mcv_sample_cone_of(mcv_meeting at, __global const mcv_device_e
 }
 #endif
 
+#if MCV_WITH_EMISSION
 /*
  * Bound of the error with which a ray from the receiver meets the triangle of `there`, per coordinate. The traversal works on the corners
  * relative to the ray's origin, of which R is the largest coordinate: shearing them rounds by γ(6) R, the depth by 12 u R
@@ -86,6 +131,30 @@ static mcv_shadow mcv_sample_area_of(mcv_world world, mcv_meeting at, uint emitt
     }
     return shadow;
 }
+#endif
+
+/* A direction from the receiver towards one emitter. */
+static mcv_shadow mcv_sample_towards(mcv_world world, mcv_meeting at, uint emitter, mcv_pair pair) {
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+#if MCV_WITH_BEAM
+    if (e->type == MCV_EMITTER_COLLIMATED_BEAM) return mcv_sample_beam_of(at, e);
+#endif
+#if MCV_WITH_PUNCTUAL
+    if (e->type == MCV_EMITTER_SPOT) return mcv_sample_spot_of(at, e);
+    if (e->type == MCV_EMITTER_DIRECTIONAL) return mcv_sample_directional_of(at, e);
+#endif
+#if MCV_WITH_PARALLEL
+    if (mcv_samples_cone(e, at.surface.point)) return mcv_sample_cone_of(at, e, pair);
+#endif
+#if MCV_WITH_EMISSION
+    return mcv_sample_area_of(world, at, emitter, pair);
+#else
+    mcv_shadow none;
+    none.light = mcv_grey(0.0f);
+    (void)e, (void)pair;
+    return none;
+#endif
+}
 
 /* 1 if there is a shadow ray to follow. */
 static int mcv_sample_emitter(mcv_world world, mcv_slot slot, mcv_identity id, uint depth) {
@@ -101,14 +170,7 @@ static int mcv_sample_emitter(mcv_world world, mcv_slot slot, mcv_identity id, u
     const mcv_pair pair = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_EMITTER));
     float unused;
     const uint emitter = mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count, choice.x, &unused);
-    mcv_shadow shadow;
-#if MCV_WITH_PARALLEL
-    __global const mcv_device_emitter *e = world.emitters + emitter;
-    if (mcv_samples_cone(e, meeting.surface.point))
-        shadow = mcv_sample_cone_of(meeting, e, pair);
-    else
-#endif
-        shadow = mcv_sample_area_of(world, meeting, emitter, pair);
+    const mcv_shadow shadow = mcv_sample_towards(world, meeting, emitter, pair);
 
     /* What the surface makes of it, and the balance heuristic against its own choice. */
     if (!(mcv_brightest(shadow.light) > 0.0f)) return 0;
@@ -117,7 +179,7 @@ static int mcv_sample_emitter(mcv_world world, mcv_slot slot, mcv_identity id, u
     mcv_color light;
     MCV_LOAD_COLOR(slot, throughput, light);
     light = mcv_tint(mcv_tint(light, response.value), shadow.light);
-    light = mcv_dim(light, shadow.density / (shadow.density + response.density));
+    if (shadow.density > 0.0f) light = mcv_dim(light, shadow.density / (shadow.density + response.density));
 #if MCV_WITH_DIELECTRIC
     light = mcv_dim(light, world.media[mcv_filling_medium(MCV_WORD(slot, media, 0))].inverse_index_squared);
 #endif

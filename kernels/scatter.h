@@ -171,7 +171,7 @@ static mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, mcv_vec3 d
 
 /* What the surface emits towards the ray, L/n², weighed against next-event estimation by the balance heuristic. */
 MCV_FUNCTION mcv_color mcv_emission_met(mcv_world world, mcv_meeting meeting, uint emitter, uint media, float density, float distance) {
-#if MCV_WITH_PARALLEL || MCV_WITH_LIGHT_FIELD || MCV_WITH_AREA
+#if MCV_WITH_EMISSION
     mcv_color radiance = mcv_emitted(world, meeting.surface, emitter, mcv_scale(meeting.direction, -1.0f));
 #if MCV_WITH_DIELECTRIC
     radiance = mcv_dim(radiance, world.media[mcv_filling_medium(media)].inverse_index_squared);

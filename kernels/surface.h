@@ -98,7 +98,10 @@ MCV_FUNCTION mcv_color mcv_light_field_value(mcv_world world, mcv_surface surfac
 }
 #endif
 
-#if MCV_WITH_PARALLEL || MCV_WITH_LIGHT_FIELD || MCV_WITH_AREA
+/* Does any surface emit what a ray can meet? */
+#define MCV_WITH_EMISSION (MCV_WITH_PARALLEL || MCV_WITH_LIGHT_FIELD || MCV_WITH_AREA)
+
+#if MCV_WITH_EMISSION
 /* Radiance that an emitter's surface sends in a direction (unit, away from the surface), in its medium. */
 MCV_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint emitter, mcv_vec3 direction) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
@@ -126,7 +129,7 @@ MCV_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint em
 }
 #endif
 
-#if MCV_WITH_NEXT_EVENT
+#if MCV_WITH_NEXT_EVENT && MCV_WITH_EMISSION
 #if MCV_WITH_PARALLEL
 /*
  * Whether next-event estimation at a receiver samples the emitter's cone of directions, or its area: whichever is the smaller

@@ -13,6 +13,7 @@ import sys
 
 import basics
 import images
+import lights
 import part
 import report
 
@@ -23,7 +24,7 @@ def main(arguments):
     if len(arguments) > 1 or arguments[:1] in (["-h"], ["--help"]):
         print(__doc__.strip())
         return 0 if len(arguments) == 1 else 2
-    files = {**report.files(), **part.files(), **basics.files(), **images.files()}
+    files = {**report.files(), **part.files(), **basics.files(), **images.files(), **lights.files()}
     if arguments == ["--check"]:
         return check(files)
     for name, data in files.items():

@@ -48,7 +48,7 @@ class Scene:
         self.asset = {"version": "2.0", "generator": "scenes/generate.py", "extras": {"note": note}}
         self.nodes, self.meshes, self.materials = [], [], []
         self.accessors, self.views, self.binary = [], [], bytearray()
-        self.images = []
+        self.images, self.lights = [], []
         self.elements = {}  # "sensor" or "emitter" -> its root array
         self.extensions = set()
 
@@ -93,9 +93,12 @@ class Scene:
         self.images.append({"name": name, "mimeType": "image/png", "bufferView": len(self.views) - 1})
         return name
 
-    def node(self, name, sensor=None, emitter=None, **more):
-        """A node, with a sensor or an emitter of its own if given; returns its index."""
+    def node(self, name, sensor=None, emitter=None, light=None, **more):
+        """A node, with a sensor, an emitter or a light of KHR_lights_punctual of its own if given; returns its index."""
         extensions = {}
+        if light:
+            extensions["KHR_lights_punctual"] = {"light": len(self.lights)}
+            self.lights.append(dict({"name": name}, **light))
         for kind, element in (("sensor", sensor), ("emitter", emitter)):
             if element:
                 array = self.elements.setdefault(kind, [])
@@ -107,8 +110,11 @@ class Scene:
 
     def tree(self, roots):
         """The JSON tree without buffers; roots are the top nodes."""
+        extensions = {"MCVISI_%ss" % kind: {kind + "s": array} for kind, array in self.elements.items()}
+        if self.lights:
+            extensions["KHR_lights_punctual"] = {"lights": self.lights}
         tree = {"asset": self.asset, "scene": 0, "scenes": [{"nodes": roots}], "extensionsUsed": sorted(self.extensions),
-                "extensions": {"MCVISI_%ss" % kind: {kind + "s": array} for kind, array in self.elements.items()},
+                "extensions": extensions,
                 "nodes": self.nodes, "materials": self.materials, "meshes": self.meshes, "images": self.images, "accessors": self.accessors,
                 "bufferViews": self.views}
         return {key: value for key, value in tree.items() if value != [] and value != {}}

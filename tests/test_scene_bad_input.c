@@ -419,7 +419,7 @@ static const struct {
     {"root/named_objects", "its mesh reads a buffer that has no data"},
     {"root/unused_objects", "its mesh reads a buffer that has no data"},
     {"/unexpected_extension", "extension objects in places where they mean nothing are ignored"},
-    {"KHR_lights_punctual/", "not read"},
+    {"KHR_lights_punctual/data/light/unknown_type", "what kind of light it is must be known to render it"},
     {"EXT_texture_webp/", "not read"},
     {"KHR_materials_anisotropy/", "not read"},
     {"KHR_materials_variants/", "not read"},

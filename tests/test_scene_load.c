@@ -429,7 +429,7 @@ static void test_cameras(void **state) {
 }
 
 #define ELEMENTS(emitters, sensors) \
-    "\"extensionsUsed\":[\"MCVISI_sensors\",\"MCVISI_emitters\",\"KHR_lights_punctual\"],\"extensions\":{" \
+    "\"extensionsUsed\":[\"MCVISI_sensors\",\"MCVISI_emitters\",\"EXT_lights_image_based\"],\"extensions\":{" \
     "\"MCVISI_emitters\":{\"emitters\":[" emitters "]},\"MCVISI_sensors\":{\"sensors\":[" sensors "]}},"
 #define PINHOLE "{\"name\":\"cam\",\"type\":\"pinhole\",\"imageDistance\":\"16mm\",\"resolution\":[640,480],\"pixelSize\":\"5um\"}"
 
@@ -469,7 +469,7 @@ static void test_rectangle(void **state) {
     assert_string_equal(scene->sensors[0].name, "cam");
     assert_string_equal(scene->sensors[1].name, "cam-2");
     assert_int_equal(mcv_scene_channels(scene), 3);
-    assert_warns(scene, "ignored: extensions KHR_lights_punctual");
+    assert_warns(scene, "ignored: extensions EXT_lights_image_based");
     mcv_scene_free(scene);
     free(text);
 }

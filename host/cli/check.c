@@ -156,7 +156,9 @@ static void report_radiometry(mcv_report *report, const char *key, const char *u
 
 static void report_emitter(mcv_report *report, const mcv_scene *scene, uint32_t index) {
     const mcv_emitter *emitter = scene->emitters + index;
-    const double projected = mcv_emitter_projected_solid_angle(emitter), half_angle = mcv_emitter_half_angle(emitter);
+    const double half_angle = mcv_emitter_half_angle(emitter), power = mcv_emitter_unit_power(emitter);
+    const char *unit, *key = mcv_emitter_brightness(emitter, &unit);
+    const bool radiant = strcmp(key, "radiance") == 0;
     double mean[3];
     mcv_emitter own = *emitter;
     mcv_emitter_image_mean(scene, emitter, mean);
@@ -165,16 +167,16 @@ static void report_emitter(mcv_report *report, const mcv_scene *scene, uint32_t 
         const mcv_instance *instance = scene->instances + emitter->instance;
         mcv_report_text(report, "node", instance->name);
         report_place(report, &instance->to_world);
+    } else if (emitter->type != MCV_EMITTER_ENVIRONMENT) {
+        report_place(report, &emitter->to_world);
     }
     if (!isnan(half_angle)) mcv_report_number(report, "halfAngle", "rad", half_angle);
     mcv_report_number(report, "solid_angle", "sr", mcv_emitter_solid_angle(emitter));
-    report_radiometry(report, "radiance", "W/(m² sr)", emitter, 1, (const double[]){1, 1, 1});
-    report_radiometry(report, "exitance", "W/m²", emitter, projected, mean);
-    if (emitter->instance != MCV_NONE) {
-        mcv_report_number(report, "area", "m²", emitter->area);
-        report_radiometry(report, "power", "W", emitter, projected * emitter->area, mean);
-    }
-    if (mcv_emitter_image(&own)) {
+    report_radiometry(report, key, unit, emitter, 1, (const double[]){1, 1, 1});
+    if (radiant) report_radiometry(report, "exitance", "W/m²", emitter, mcv_emitter_projected_solid_angle(emitter), mean);
+    if (emitter->instance != MCV_NONE) mcv_report_number(report, "area", "m²", emitter->area);
+    if (!isnan(power)) report_radiometry(report, "power", "W", emitter, power, mean);
+    if (mcv_emitter_image(&own) && emitter->texture != MCV_NONE) {
         const mcv_texture *image = scene->textures + emitter->texture;
         mcv_report_text(report, "image", image->name);
         mcv_report_numbers(report, "pixels", "", " x ", (const double[]){image->width, image->height}, 2);

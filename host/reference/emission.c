@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "reference/texture.h"
+#include "scene/emitters.h"
 
 /* Half-angle of the cone into which every point emits, or 0. */
 static double cone_of(const mcv_emitter *emitter) {
@@ -62,6 +63,8 @@ mcv_result ref_emitters_new(const mcv_scene *scene, ref_emitters *emitters, mcv_
             for (int channel = 0; channel < 3; ++channel) emitters->environment[channel] = scene->emitters[i].radiance[channel];
             continue;
         }
+        if (!mcv_emitter_has_surface(scene->emitters[i].type) || scene->emitters[i].type == MCV_EMITTER_COLLIMATED_BEAM)
+            continue; /* reference/lights.h */
         ref_emitter *emitter = &emitters->items[emitters->count];
         MCV_TRY(emitter_new(scene, i, emitter, error));
         if (emitter->area > 0) {
@@ -112,7 +115,8 @@ static void show_image(const mcv_scene *scene, const mcv_emitter *emitter, const
 void ref_emitted(const mcv_scene *scene, const ref_surface *surface, ref_vec direction, double radiance[3]) {
     const uint32_t index = scene->instances[surface->instance].emitter;
     radiance[0] = radiance[1] = radiance[2] = 0;
-    if (index == MCV_NONE || !(ref_dot(direction, surface->normal) > 0) || !(ref_dot(direction, surface->geometric) > 0)) return;
+    if (index == MCV_NONE || scene->emitters[index].type == MCV_EMITTER_COLLIMATED_BEAM) return;
+    if (!(ref_dot(direction, surface->normal) > 0) || !(ref_dot(direction, surface->geometric) > 0)) return;
     const mcv_emitter *emitter = &scene->emitters[index];
     if (cone_of(emitter) > 0 && ref_angle(direction, surface->normal) > cone_of(emitter)) return;
     const bool shows = emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR || emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER;

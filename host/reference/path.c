@@ -2,6 +2,7 @@
 #include "reference/path.h"
 
 #include "reference/interface.h"
+#include "reference/lights.h"
 #include "reference/texture.h"
 
 /* Russian roulette from this surface on, for throughputs below the threshold. */
@@ -82,6 +83,27 @@ static void add_direct(const ref_world *world, const path *p, const ref_emitter 
     }
 }
 
+/* Adds the light of one beam or light without extent at a surface that spreads it. */
+static void add_light(const ref_world *world, const path *p, const mcv_emitter *emitter, const ref_surface *surface, const spreader *s,
+                      ref_tally *tally, double radiance[3]) {
+    ref_light light;
+    double value[3];
+    if (!ref_light_at(world->scene, emitter, surface->position, &light)) return;
+    respond(s, light.direction, value);
+    if (!(largest(value) > 0)) return;
+    ref_hit hit;
+    ++tally->shadow_rays;
+    const bool blocked = ref_closest_hit(&world->geometry, surface->position, light.direction, surface->number, &hit) &&
+                         hit.distance < light.distance && hit.triangle->instance != light.instance;
+    if (blocked) return;
+    const mcv_dielectric_params *filling = ref_media_filling(&p->media, world->scene);
+    const double ior = ref_media_ior(filling);
+    for (int channel = 0; channel < 3; ++channel) {
+        const double absorption = filling && filling->absorption[channel] > 0 ? exp(-filling->absorption[channel] * light.distance) : 1;
+        radiance[channel] += p->throughput[channel] * value[channel] * light.irradiance[channel] * absorption / (ior * ior);
+    }
+}
+
 /* Each of these continues the path or ends it (false). */
 
 static bool meet_spreader(const ref_world *world, path *p, const ref_surface *surface, const spreader *s, bool last, ref_random *random,
@@ -89,6 +111,8 @@ static bool meet_spreader(const ref_world *world, path *p, const ref_surface *su
     if (world->sample_emitters && !last)
         for (uint32_t i = 0; i < world->emitters.count; ++i)
             add_direct(world, p, &world->emitters.items[i], surface, s, random, tally, radiance);
+    for (uint32_t i = 0; i < world->scene->emitter_count && !last; ++i)
+        add_light(world, p, &world->scene->emitters[i], surface, s, tally, radiance);
     /* Density cosθ/π: sin²θ is uniform. */
     const double u = ref_random_unit(random), phi = 2 * M_PI * ref_random_unit(random), sine = sqrt(u), cosine = sqrt(1 - u);
     ref_vec x, y;

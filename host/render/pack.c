@@ -302,18 +302,69 @@ static double write_cdf(uint32_t *cdf, uint32_t count, const double *values) {
     return total;
 }
 
-/* Over all channels. */
-static double emitter_power(const mcv_scene *scene, const mcv_emitter *emitter) {
+/* The diagonal of the box around all instances. */
+static double scene_size(const mcv_packed *packed) {
+    mcv_box all = empty_box();
+    for (uint32_t i = 0; i < packed->instance_count; ++i) {
+        extend(&all, packed->boxes[i].lower);
+        extend(&all, packed->boxes[i].upper);
+    }
+    const double size =
+        sqrt(pow(all.upper[0] - all.lower[0], 2) + pow(all.upper[1] - all.lower[1], 2) + pow(all.upper[2] - all.lower[2], 2));
+    return isfinite(size) ? size : 0;
+}
+
+/* Over all channels; of a directional light what falls on the scene's ball. */
+static double emitter_power(const mcv_scene *scene, const mcv_packed *packed, const mcv_emitter *emitter) {
     double mean[3];
     mcv_emitter_image_mean(scene, emitter, mean);
-    return (emitter->radiance[0] * mean[0] + emitter->radiance[1] * mean[1] + emitter->radiance[2] * mean[2]) * emitter->area *
-           mcv_emitter_projected_solid_angle(emitter);
+    const double brightness = emitter->radiance[0] * mean[0] + emitter->radiance[1] * mean[1] + emitter->radiance[2] * mean[2];
+    if (emitter->type == MCV_EMITTER_DIRECTIONAL) return brightness * pi * pow(scene_size(packed) / 2, 2);
+    return brightness * mcv_emitter_unit_power(emitter);
 }
 
 /* The middle of the instance's box, re-centred. */
 static void find_middle(const mcv_packed *packed, uint32_t instance, float middle[3]) {
     const mcv_box *box = &packed->boxes[instance];
     for (int k = 0; k < 3; ++k) middle[k] = (float)(0.5 * (box->lower[k] + box->upper[k]) - packed->centre[k]);
+}
+
+/* What depends on the type. */
+static void prepare_emitter(const mcv_scene *scene, const mcv_packed *packed, uint32_t index, mcv_device_emitter *to) {
+    switch (scene->emitters[index].type) {
+    case MCV_EMITTER_PARALLEL:
+    case MCV_EMITTER_TELECENTRIC_PROJECTOR:
+        to->type = MCV_EMITTER_PARALLEL;
+        mcv_parallel_prepare(scene, index, &to->parallel);
+        break;
+    case MCV_EMITTER_LIGHT_FIELD_EMITTER:
+        mcv_light_field_emitter_prepare(scene, index, &to->light_field);
+        break;
+    case MCV_EMITTER_COLLIMATED_BEAM:
+        mcv_collimated_beam_prepare(scene, index, &to->beam);
+        break;
+    case MCV_EMITTER_POINT:
+    case MCV_EMITTER_SPOT:
+        to->type = MCV_EMITTER_SPOT;
+        mcv_spot_prepare(scene, index, packed->centre, &to->spot);
+        break;
+    case MCV_EMITTER_DIRECTIONAL:
+        mcv_directional_prepare(scene, index, scene_size(packed), &to->directional);
+        break;
+    default:
+        break;
+    }
+}
+
+/* The triangles' shares of the area, from entry `next` of the table on. */
+static void pack_surface(const mcv_scene *scene, mcv_packed *packed, const mcv_emitter *from, uint32_t number, size_t next, double *areas) {
+    mcv_device_emitter *to = &packed->emitters[number];
+    to->cdf = (uint32_t)next;
+    to->triangle_count = scene->meshes[scene->instances[from->instance].mesh].triangle_count;
+    for (uint32_t t = 0; t < to->triangle_count; ++t) areas[t] = mcv_scene_triangle_area(scene, from->instance, t);
+    write_cdf(packed->emitter_cdf + next, to->triangle_count, areas);
+    find_middle(packed, from->instance, to->middle);
+    packed->instances[from->instance].emitter = number;
 }
 
 static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
@@ -326,24 +377,15 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
     for (uint32_t i = 0; !failed && i < scene->emitter_count; ++i) {
         const mcv_emitter *from = &scene->emitters[i];
         if (from->type == MCV_EMITTER_ENVIRONMENT) continue;
-        const uint32_t triangles = scene->meshes[scene->instances[from->instance].mesh].triangle_count;
         mcv_device_emitter *to = &packed->emitters[count];
-        const bool cone = !isnan(mcv_emitter_half_angle(from));
-        *to = (mcv_device_emitter){.type = cone ? MCV_EMITTER_PARALLEL : from->type,
-                                   .instance = from->instance,
-                                   .texture = from->texture,
-                                   .cdf = (uint32_t)next,
-                                   .triangle_count = triangles,
-                                   .area = (float)from->area};
+        *to = (mcv_device_emitter){.type = from->type, .instance = from->instance, .texture = from->texture, .area = (float)from->area};
         for (int k = 0; k < 3; ++k) to->radiance[k] = (float)from->radiance[k];
-        for (uint32_t t = 0; t < triangles; ++t) areas[t] = mcv_scene_triangle_area(scene, from->instance, t);
-        write_cdf(cdf + next, triangles, areas);
-        next += triangles + 1;
-        if (cone) mcv_parallel_prepare(scene, i, &to->parallel);
-        if (from->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) mcv_light_field_emitter_prepare(scene, i, &to->light_field);
-        find_middle(packed, from->instance, to->middle);
-        packed->instances[from->instance].emitter = count;
-        powers[count++] = emitter_power(scene, from);
+        if (mcv_emitter_has_surface(from->type)) {
+            pack_surface(scene, packed, from, count, next, areas);
+            next += to->triangle_count + 1;
+        }
+        prepare_emitter(scene, packed, i, to);
+        powers[count++] = emitter_power(scene, packed, from);
     }
     if (!failed) {
         const double total = write_cdf(cdf, count, powers);
@@ -383,10 +425,14 @@ static uint32_t find_features(const mcv_scene *scene) {
                     feature(MCV_FEATURE_LIGHT_FIELD, emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) |
                     feature(MCV_FEATURE_AREA, emitter->type == MCV_EMITTER_AREA) |
                     feature(MCV_FEATURE_ENVIRONMENT, emitter->type == MCV_EMITTER_ENVIRONMENT) |
+                    feature(MCV_FEATURE_BEAM, emitter->type == MCV_EMITTER_COLLIMATED_BEAM) |
+                    feature(MCV_FEATURE_PUNCTUAL, emitter->type == MCV_EMITTER_POINT || emitter->type == MCV_EMITTER_SPOT ||
+                                                      emitter->type == MCV_EMITTER_DIRECTIONAL) |
                     feature(MCV_FEATURE_TEXTURE, emitter->texture != MCV_NONE);
     }
-    const uint32_t surfaces = 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_LIGHT_FIELD | 1u << MCV_FEATURE_AREA;
-    return features | feature(MCV_FEATURE_NEXT_EVENT, (features >> MCV_FEATURE_DIFFUSE & 1) && (features & surfaces)) |
+    const uint32_t looked_for = 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_LIGHT_FIELD | 1u << MCV_FEATURE_AREA |
+                                1u << MCV_FEATURE_BEAM | 1u << MCV_FEATURE_PUNCTUAL;
+    return features | feature(MCV_FEATURE_NEXT_EVENT, (features >> MCV_FEATURE_DIFFUSE & 1) && (features & looked_for)) |
            feature(MCV_FEATURE_INTERLEAVE, (features >> MCV_FEATURE_DIFFUSE & 1) && scene->triangle_count >= MANY_TRIANGLES);
 }
 
@@ -424,7 +470,9 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error
             continue;
         }
         ++packed->emitter_count;
-        packed->cdf_count += 2 + scene->meshes[scene->instances[emitter->instance].mesh].triangle_count;
+        packed->cdf_count += 1;
+        if (mcv_emitter_has_surface(emitter->type))
+            packed->cdf_count += 1 + scene->meshes[scene->instances[emitter->instance].mesh].triangle_count;
     }
     find_centre(packed->boxes, scene->instance_count, packed->centre);
 

@@ -9,12 +9,20 @@ double mcv_emitter_half_angle(const mcv_emitter *emitter) {
     return (double)NAN;
 }
 
+bool mcv_emitter_has_surface(uint32_t type) {
+    return type != MCV_EMITTER_ENVIRONMENT && type != MCV_EMITTER_POINT && type != MCV_EMITTER_SPOT && type != MCV_EMITTER_DIRECTIONAL;
+}
+
 mcv_result mcv_emitter_check(const mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
     if (mcv_emitter_half_angle(emitter) == 0) {
         const mcv_place here = mcv_place_key(place, "halfAngle");
-        return mcv_fail_at(&here, error, "0 would be a collimated beam, which no ray of sight can meet by chance: give an angle above 0");
+        return mcv_fail_at(&here, error, "0 would be a collimated beam: use the type \"collimatedBeam\", or give an angle above 0");
     }
-    return mcv_params_check(mcv_emitter_table(emitter->type), &emitter->as, place, error);
+    MCV_TRY(mcv_params_check(mcv_emitter_table(emitter->type), &emitter->as, place, error));
+    if (emitter->type != MCV_EMITTER_SPOT || emitter->as.spot.innerConeAngle < emitter->as.spot.outerConeAngle) return MCV_OK;
+    const mcv_place here = mcv_place_key(place, "innerConeAngle");
+    return mcv_fail_at(&here, error, "%g rad must be smaller than outerConeAngle %g rad", emitter->as.spot.innerConeAngle,
+                       emitter->as.spot.outerConeAngle);
 }
 
 static void *parameter(mcv_emitter *emitter, const char *key) {
@@ -28,11 +36,27 @@ double *mcv_emitter_parameter(mcv_emitter *emitter, const char *key) { return pa
 
 uint32_t *mcv_emitter_image(mcv_emitter *emitter) { return parameter(emitter, "image"); }
 
+bool mcv_emitter_mirrors(const mcv_emitter *emitter) {
+    mcv_emitter own = *emitter;
+    const int *mirror = parameter(&own, "mirror");
+    return mirror && *mirror;
+}
+
+static const struct { const char *key, *unit; } brightnesses[] = {{"radiance", "W/(m² sr)"}, {"irradiance", "W/m²"}, {"intensity", "W/sr"}};
+
+const char *mcv_emitter_brightness(const mcv_emitter *emitter, const char **unit) {
+    mcv_emitter own = *emitter;
+    int i = 0;
+    while (i < 2 && !parameter(&own, brightnesses[i].key)) ++i;
+    *unit = brightnesses[i].unit;
+    return brightnesses[i].key;
+}
+
 mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
     mcv_emitter own = *emitter;
     const uint32_t *image = mcv_emitter_image(&own);
     const mcv_place here = mcv_place_key(place, "image");
-    if (!image) return MCV_OK;
+    if (!image || *image == MCV_NONE) return MCV_OK;
     if (*image >= scene->texture_count) return mcv_fail_at(&here, error, "texture %u does not exist", *image);
     const mcv_mesh *mesh = scene->meshes + scene->instances[emitter->instance].mesh;
     if (mesh->triangle_count != 2 || !mesh->texcoords)
@@ -63,10 +87,37 @@ static double direction_share(const mcv_light_field_emitter_params *p, uint32_t 
     return disk_share(x1, y1) - disk_share(x0, y1) - disk_share(x1, y0) + disk_share(x0, y0);
 }
 
+static double clamped(double x) { return fmin(fmax(x, -1), 1); }
+
+/* Radius of the disk that a beam leaves, or infinite. */
+static double beam_radius(const mcv_collimated_beam_params *p) {
+    return p->aperture == MCV_APERTURE_CIRCLE ? fmin(p->size[0], p->size[1]) / 2 : INFINITY;
+}
+
+/* A pixel's share of the disk that a beam leaves; 1 for the whole rectangle. */
+static double aperture_share(const mcv_collimated_beam_params *p, const mcv_texture *texture, uint32_t column, uint32_t row) {
+    const double radius = beam_radius(p), w = p->size[0] / (2 * radius), h = p->size[1] / (2 * radius);
+    if (isinf(radius)) return 1;
+    const double x0 = clamped(w * (2.0 * column / texture->width - 1)), x1 = clamped(w * (2.0 * (column + 1) / texture->width - 1));
+    const double y0 = clamped(h * (2.0 * row / texture->height - 1)), y1 = clamped(h * (2.0 * (row + 1) / texture->height - 1));
+    return disk_share(x1, y1) - disk_share(x0, y1) - disk_share(x1, y0) + disk_share(x0, y0);
+}
+
+/* What a pixel sends at equal values, in any unit. */
+static double pixel_share(const mcv_emitter *emitter, const mcv_texture *texture, uint32_t column, uint32_t row) {
+    const mcv_light_field_emitter_params *p = &emitter->as.light_field_emitter;
+    switch (emitter->type) {
+    case MCV_EMITTER_LIGHT_FIELD_EMITTER:
+        return direction_share(p, column % p->angularResolution[0], row % p->angularResolution[1]);
+    case MCV_EMITTER_COLLIMATED_BEAM:
+        return aperture_share(&emitter->as.collimated_beam, texture, column, row);
+    default:
+        return 1;
+    }
+}
+
 void mcv_emitter_image_mean(const mcv_scene *scene, const mcv_emitter *emitter, double mean[3]) {
     mcv_emitter own = *emitter;
-    const mcv_light_field_emitter_params *p = &emitter->as.light_field_emitter;
-    const bool light_field = emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER;
     double sum[3] = {0, 0, 0}, total = 0, decoded[256];
     for (int i = 0; i < 3; ++i) mean[i] = 1;
     if (!mcv_emitter_image(&own) || emitter->texture == MCV_NONE) return;
@@ -75,7 +126,7 @@ void mcv_emitter_image_mean(const mcv_scene *scene, const mcv_emitter *emitter, 
     for (uint32_t row = 0; row < texture->height; ++row)
         for (uint32_t column = 0; column < texture->width; ++column) {
             const size_t texel = (size_t)row * texture->width + column;
-            const double weight = light_field ? direction_share(p, column % p->angularResolution[0], row % p->angularResolution[1]) : 1;
+            const double weight = pixel_share(emitter, texture, column, row);
             for (size_t i = 0; i < 3; ++i)
                 sum[i] += weight * (texture->rgba ? decoded[texture->rgba[4 * texel + i]] : texture->linear[3 * texel + i]);
             total += weight;
@@ -85,14 +136,15 @@ void mcv_emitter_image_mean(const mcv_scene *scene, const mcv_emitter *emitter, 
 
 double mcv_emitter_solid_angle(const mcv_emitter *emitter) {
     if (emitter->type == MCV_EMITTER_AREA) return 2 * M_PI;
-    if (emitter->type == MCV_EMITTER_ENVIRONMENT) return 4 * M_PI;
+    if (emitter->type == MCV_EMITTER_ENVIRONMENT || emitter->type == MCV_EMITTER_POINT) return 4 * M_PI;
+    if (emitter->type == MCV_EMITTER_COLLIMATED_BEAM || emitter->type == MCV_EMITTER_DIRECTIONAL) return 0;
     if (emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) {
         const double a = emitter->as.light_field_emitter.angularRange;
         /* The hemisphere without four caps, which no longer meet from a = sin 45° on. */
         if (2 * a * a >= 1) return 2 * M_PI - 4 * M_PI * (1 - a);
         return 8 * a * asin(a / sqrt(1 - a * a)) - 4 * atan(a * a / sqrt(1 - 2 * a * a));
     }
-    const double s = sin(mcv_emitter_half_angle(emitter) / 2);
+    const double s = sin((emitter->type == MCV_EMITTER_SPOT ? emitter->as.spot.outerConeAngle : mcv_emitter_half_angle(emitter)) / 2);
     return 4 * M_PI * s * s;
 }
 
@@ -105,25 +157,49 @@ double mcv_emitter_projected_solid_angle(const mcv_emitter *emitter) {
     return isnan(beta) ? M_PI : M_PI * sin(beta) * sin(beta);
 }
 
+/* sin²(θ/2) */
+static double half_sine_squared(double angle) {
+    const double s = sin(angle / 2);
+    return s * s;
+}
+
+double mcv_emitter_unit_power(const mcv_emitter *emitter) {
+    const mcv_collimated_beam_params *beam = &emitter->as.collimated_beam;
+    const mcv_spot_params *spot = &emitter->as.spot;
+    switch (emitter->type) {
+    case MCV_EMITTER_ENVIRONMENT:
+    case MCV_EMITTER_DIRECTIONAL:
+        return (double)NAN;
+    case MCV_EMITTER_POINT:
+        return 4 * M_PI;
+    case MCV_EMITTER_SPOT: /* 1 - cosθ = 2 sin²(θ/2) */
+        return 4 * M_PI / 3 * (2 * half_sine_squared(spot->innerConeAngle) + half_sine_squared(spot->outerConeAngle));
+    case MCV_EMITTER_COLLIMATED_BEAM:
+        return beam->aperture == MCV_APERTURE_CIRCLE ? M_PI * beam_radius(beam) * beam_radius(beam) : emitter->area;
+    default:
+        return mcv_emitter_projected_solid_angle(emitter) * emitter->area;
+    }
+}
+
 mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
-    const double *radiance = mcv_emitter_parameter(emitter, "radiance");
+    const char *unit, *key = mcv_emitter_brightness(emitter, &unit);
+    const double *brightness = mcv_emitter_parameter(emitter, key);
     const double *power = mcv_emitter_parameter(emitter, "power");
     const bool has_power = power && !isnan(power[0]);
-    if (isnan(radiance[0]) && !has_power) return mcv_fail_at(place, error, "needs radiance [W/(m² sr)] or power [W]");
-    if (!isnan(radiance[0]) && has_power)
-        return mcv_fail_at(place, error, "has both radiance %g and power %g: give one, the other follows", radiance[0], power[0]);
+    if (isnan(brightness[0]) && !has_power) return mcv_fail_at(place, error, "needs %s [%s] or power [W]", key, unit);
+    if (!isnan(brightness[0]) && has_power)
+        return mcv_fail_at(place, error, "has both %s %g and power %g: give one, the other follows", key, brightness[0], power[0]);
     if (!has_power) {
-        memcpy(emitter->radiance, radiance, sizeof emitter->radiance);
+        memcpy(emitter->radiance, brightness, sizeof emitter->radiance);
         return MCV_OK;
     }
     double mean[3];
     mcv_emitter_image_mean(scene, emitter, mean);
     for (int i = 0; i < 3; ++i) {
         if (power[i] > 0 && mean[i] == 0)
-            return mcv_fail_at(place, error,
-                               "its image is black in channel %c, so that no radiance gives a power of %g W there: give radiance", "RGB"[i],
-                               power[i]);
-        emitter->radiance[i] = power[i] > 0 ? power[i] / (mcv_emitter_projected_solid_angle(emitter) * emitter->area * mean[i]) : 0;
+            return mcv_fail_at(place, error, "its image is black in channel %c, so that no %s gives a power of %g W there: give %s",
+                               "RGB"[i], key, power[i], key);
+        emitter->radiance[i] = power[i] > 0 ? power[i] / (mcv_emitter_unit_power(emitter) * mean[i]) : 0;
     }
     if (isfinite(emitter->radiance[0] + emitter->radiance[1] + emitter->radiance[2])) return MCV_OK;
     return mcv_fail_at(place, error, "an area of %g m² with this cone is too small for a power of %g W", emitter->area, power[0]);
@@ -168,4 +244,40 @@ void mcv_light_field_emitter_prepare(const mcv_scene *scene, uint32_t index, mcv
         device->x[i] = (float)(m[3 * i] / p->angularRange);
         device->y[i] = (float)(m[3 * i + 1] / p->angularRange);
     }
+}
+
+/* The direction of the node's -z in the world. */
+static void forward(const mcv_transform *rigid, float axis[3]) {
+    for (int i = 0; i < 3; ++i) axis[i] = (float)-rigid->m[3 * i + 2];
+}
+
+void mcv_collimated_beam_prepare(const mcv_scene *scene, uint32_t index, mcv_collimated_beam *device) {
+    const mcv_collimated_beam_params *p = &scene->emitters[index].as.collimated_beam;
+    const mcv_transform *to_world = &scene->instances[scene->emitters[index].instance].to_world;
+    *device = (mcv_collimated_beam){.half_width = (float)(p->size[0] / 2),
+                                    .half_height = (float)(p->size[1] / 2),
+                                    .radius_squared = (float)(beam_radius(p) * beam_radius(p))};
+    for (int i = 0; i < 3; ++i) {
+        device->x[i] = (float)to_world->m[3 * i];
+        device->y[i] = (float)to_world->m[3 * i + 1];
+    }
+    forward(to_world, device->axis);
+}
+
+void mcv_spot_prepare(const mcv_scene *scene, uint32_t index, const double centre[3], mcv_spot *device) {
+    const mcv_emitter *emitter = scene->emitters + index;
+    const mcv_spot_params *p = &emitter->as.spot;
+    const bool point = emitter->type == MCV_EMITTER_POINT;
+    const double range = point ? emitter->as.point.range : p->range;
+    const double outer = half_sine_squared(p->outerConeAngle), inner = half_sine_squared(p->innerConeAngle);
+    *device = (mcv_spot){.edge = point ? 2 : (float)outer,
+                         .slope = point ? 1 : (float)(1 / (outer - inner)),
+                         .inverse_range_4 = isnan(range) ? 0 : (float)pow(range, -4)};
+    for (int i = 0; i < 3; ++i) device->position[i] = (float)(emitter->to_world.m[9 + i] - centre[i]);
+    forward(&emitter->to_world, device->axis);
+}
+
+void mcv_directional_prepare(const mcv_scene *scene, uint32_t index, double size, mcv_directional *device) {
+    device->reach = (float)(2 * size); /* twice: nothing touches its end by rounding */
+    forward(&scene->emitters[index].to_world, device->axis);
 }

@@ -6,17 +6,26 @@
 #include "scene/place.h"
 #include "scene/scene.h"
 
+/* Does this type emit from the surface of an instance? */
+bool mcv_emitter_has_surface(uint32_t type);
+
 /* Checks parameters by the table; names the collimated beam where a cone's half-angle is 0. */
 mcv_result mcv_emitter_check(const mcv_emitter *emitter, const mcv_place *place, mcv_error *error);
 
 /* Does the parameter `image` fit: a texture of the scene on a rectangle, M·J x N·K pixels for a light field? */
 mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_place *place, mcv_error *error);
 
-/* emitter->radiance from its parameters, area and image: exactly one of radiance and power must be given. */
+/* emitter->radiance from its parameters, area and image: exactly one of radiance (irradiance, intensity) and power must be given. */
 mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter, const mcv_place *place, mcv_error *error);
 
 /* The member `radiance`, `power` or `size` of the parameters, or NULL where this type has none. */
 double *mcv_emitter_parameter(mcv_emitter *emitter, const char *key);
+
+/* What says how bright it is apart from `power`: "radiance", "irradiance" or "intensity"; *unit is its unit. */
+const char *mcv_emitter_brightness(const mcv_emitter *emitter, const char **unit);
+
+/* Are its image's columns flipped? */
+bool mcv_emitter_mirrors(const mcv_emitter *emitter);
 
 /* The parameter `image`, or NULL where this type has none. */
 uint32_t *mcv_emitter_image(mcv_emitter *emitter);
@@ -39,11 +48,19 @@ double mcv_emitter_solid_angle(const mcv_emitter *emitter);
  */
 double mcv_emitter_projected_solid_angle(const mcv_emitter *emitter);
 
+/* Its power at radiance (irradiance, intensity) 1 and image mean 1; NaN where it has none: environment and directional light. */
+double mcv_emitter_unit_power(const mcv_emitter *emitter);
+
 /*
  * The device struct of emitters[index]; the projector's is that of the parallel emitter. A cone of up to 30° about one common normal is
  * sampled from the receiver: a wider one looks like a hemisphere, where sampling by area is as good.
  */
 void mcv_parallel_prepare(const mcv_scene *scene, uint32_t index, mcv_parallel *device);
 void mcv_light_field_emitter_prepare(const mcv_scene *scene, uint32_t index, mcv_light_field_emitter *device);
+void mcv_collimated_beam_prepare(const mcv_scene *scene, uint32_t index, mcv_collimated_beam *device);
+
+/* Point and spot lights, in a world whose origin is moved to `centre`; directional ones, where surfaces are at most `size` apart. */
+void mcv_spot_prepare(const mcv_scene *scene, uint32_t index, const double centre[3], mcv_spot *device);
+void mcv_directional_prepare(const mcv_scene *scene, uint32_t index, double size, mcv_directional *device);
 
 #endif

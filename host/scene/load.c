@@ -9,10 +9,10 @@
 #include <stdlib.h>
 
 /* Extensions that are read; a file may require no other. */
-static const char *const known_extensions[] = {"MCVISI_sensors",       "MCVISI_emitters",   "MCVISI_materials",
-                                               "MCVISI_assets",        "MCVISI_pose",       "KHR_materials_transmission",
-                                               "KHR_materials_volume", "KHR_materials_ior", "KHR_materials_emissive_strength",
-                                               "KHR_mesh_quantization"};
+static const char *const known_extensions[] = {"MCVISI_sensors",       "MCVISI_emitters",      "MCVISI_materials",
+                                               "MCVISI_assets",        "MCVISI_pose",          "KHR_materials_transmission",
+                                               "KHR_materials_volume", "KHR_materials_ior",    "KHR_materials_emissive_strength",
+                                               "KHR_lights_punctual",  "KHR_mesh_quantization"};
 static bool is_known(const char *name) {
     for (size_t i = 0; i < sizeof known_extensions / sizeof known_extensions[0]; ++i)
         if (strcmp(known_extensions[i], name) == 0) return true;
@@ -117,6 +117,7 @@ static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transf
         }
     }
     MCV_TRY(mcv_load_emitter(loader, node, &to_world, first, loader->scene->instance_count, &here, error));
+    MCV_TRY(mcv_load_light(loader, node, &to_world, &here, error));
     MCV_TRY(mcv_load_sensors(loader, node, &to_world, &here, error));
     mcv_loader *asset;
     MCV_TRY(mcv_load_asset_of(loader, node, &asset, &here, error));
@@ -261,6 +262,7 @@ mcv_result mcv_load_open(mcv_loader *loader, mcv_overrides overrides, mcv_error 
     if (!loader->images || !loader->textures || !loader->emission || !loader->meshes) return mcv_fail_memory(&loader->file, error);
     for (size_t i = 0; i < textures; ++i) loader->textures[i] = MCV_NONE;
     if (!loader->is_asset) MCV_TRY(mcv_load_definitions(loader, error));
+    if (!loader->is_asset) MCV_TRY(mcv_load_lights(loader, error));
     MCV_TRY(open_data(loader, error));
     MCV_TRY(mcv_load_materials(loader, error));
     MCV_TRY(mcv_load_emitter_images(loader, error));
@@ -283,6 +285,7 @@ void mcv_load_finish(mcv_loader *loader) {
     free(loader->images);
     free(loader->sensors);
     free(loader->emitters);
+    free(loader->lights);
     free(loader->sensor_uses);
     free(loader->emitter_uses);
     mcv_gltf_close(loader->gltf);

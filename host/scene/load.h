@@ -38,6 +38,8 @@ typedef struct mcv_loader {
     mcv_emitter *emitters;
     uint32_t *sensor_uses, *emitter_uses; /* nodes that refer to them */
     size_t sensor_count, emitter_count;
+    mcv_emitter *lights; /* of KHR_lights_punctual */
+    size_t light_count;
     struct mcv_loader *assets; /* MCVISI_assets */
     char **asset_paths;
     size_t asset_count;
@@ -57,6 +59,10 @@ mcv_result mcv_load_need_image(mcv_loader *loader, uint32_t source, uint32_t *co
 /* load_images.c: marks the images that emitters project as needed; then makes textures of them and sets `image` in loader->emitters. */
 mcv_result mcv_load_needed_emitter_images(mcv_loader *loader, uint32_t *count, mcv_error *error);
 mcv_result mcv_load_emitter_images(mcv_loader *loader, mcv_error *error);
+
+/* load_lights.c: the lights of KHR_lights_punctual, and the one that a node places. */
+mcv_result mcv_load_lights(mcv_loader *loader, mcv_error *error);
+mcv_result mcv_load_light(mcv_loader *loader, const json_t *node, const mcv_transform *to_world, const mcv_place *place, mcv_error *error);
 
 /* load_meshes.c: the primitives of meshes[index], read when first asked for. */
 mcv_result mcv_load_mesh(mcv_loader *loader, uint32_t index, mcv_error *error);

@@ -162,7 +162,8 @@ mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_tr
     if (index == MCV_NONE) return add_emissive(loader, first, last, error);
     mcv_emitter emitter = loader->emitters[index];
     ++loader->emitter_uses[index];
-    if (emitter.type == MCV_EMITTER_ENVIRONMENT) {
+    if (!mcv_emitter_has_surface(emitter.type)) {
+        if (!mcv_transform_rigid(to_world, &emitter.to_world)) return mcv_fail_at(place, error, "its scale must not be 0");
         MCV_TRY(mcv_scene_add_emitter(loader->scene, &emitter, error));
         return add_emissive(loader, first, last, error);
     }
@@ -175,8 +176,7 @@ mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_tr
     if (!json_object_get(node, "mesh")) {
         if (!rectangle)
             return mcv_fail_at(&here, error, "needs size, because its node \"%s\" has no mesh to emit from", mcv_json_name(node));
-        const bool mirror = emitter.type == MCV_EMITTER_TELECENTRIC_PROJECTOR && emitter.as.telecentric_projector.mirror;
-        MCV_TRY(add_rectangle(loader, mcv_json_name(node), size, mirror, to_world, place, error));
+        MCV_TRY(add_rectangle(loader, mcv_json_name(node), size, mcv_emitter_mirrors(&emitter), to_world, place, error));
         last = first + 1;
     }
     if (first == last) return mcv_fail_at(&here, error, "the mesh of its node \"%s\" has no triangles to emit from", mcv_json_name(node));

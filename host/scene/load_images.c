@@ -52,7 +52,8 @@ mcv_result mcv_load_needed_emitter_images(mcv_loader *loader, uint32_t *count, m
         const mcv_place here = mcv_place_element(&place, loader->emitters[i].name, i);
         uint32_t source;
         const char *uri;
-        if (!mcv_emitter_image(loader->emitters + i)) continue;
+        const uint32_t *image = mcv_emitter_image(loader->emitters + i);
+        if (!image || *image == MCV_NONE) continue;
         MCV_TRY(find_image(loader, json_array_get(emitters, i), &source, &uri, &here, error));
         if (source != MCV_NONE) MCV_TRY(mcv_load_need_image(loader, source, count, error));
     }
@@ -102,7 +103,7 @@ mcv_result mcv_load_emitter_images(mcv_loader *loader, mcv_error *error) {
         mcv_texture texture = {.wrap_s = CLAMP_TO_EDGE, .wrap_t = CLAMP_TO_EDGE, .nearest = true};
         uint32_t source, *image = mcv_emitter_image(loader->emitters + i);
         const char *uri;
-        if (!image) continue;
+        if (!image || *image == MCV_NONE) continue;
         MCV_TRY(find_image(loader, json_array_get(emitters, i), &source, &uri, &element, error));
         mcv_result result = MCV_OK;
         if (uri)

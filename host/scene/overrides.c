@@ -32,6 +32,11 @@ static const struct {
     {"materials", "extensions/KHR_materials_volume", "attenuationDistance", NULL},
     {"materials", "extensions/KHR_materials_volume", "attenuationColor", "[1,1,1]"},
     {"materials", "extensions/KHR_materials_emissive_strength", "emissiveStrength", NULL},
+    {"lights", "", "intensity", "1"},
+    {"lights", "", "color", "[1,1,1]"},
+    {"lights", "", "range", NULL},
+    {"lights", "spot", "innerConeAngle", NULL},
+    {"lights", "spot", "outerConeAngle", NULL},
     {"cameras", "perspective", "yfov", NULL},
     {"cameras", "perspective", "aspectRatio", NULL},
 };
@@ -225,14 +230,16 @@ static mcv_result find_element(const setting *set, const json_t *array, char **r
 
 static mcv_result follow(setting *set, json_t *root) {
     static const char *const collections[] = {"sensors", "emitters", "assets",   "materials", "nodes",
-                                              "cameras", "meshes",   "textures", "images"};
+                                              "cameras", "meshes",   "textures", "images",    "lights"};
     char *rest = set->path;
     set->collection = cut(&rest);
     char extension[64];
+    const bool lights = strcmp(set->collection, "lights") == 0;
     snprintf(extension, sizeof extension, "MCVISI_%.32s", set->collection);
+    if (lights) strcpy(extension, "KHR_lights_punctual");
     set->own =
         strcmp(set->collection, "sensors") == 0 || strcmp(set->collection, "emitters") == 0 || strcmp(set->collection, "assets") == 0;
-    json_t *array = json_object_get(set->own ? mcv_json_extension(root, extension) : root, set->collection);
+    json_t *array = json_object_get(set->own || lights ? mcv_json_extension(root, extension) : root, set->collection);
     if (!json_is_array(array) || json_array_size(array) == 0) {
         const size_t n = sizeof collections / sizeof collections[0];
         const char *nearest = mcv_nearest_word(set->collection, collections, n);

@@ -191,10 +191,10 @@ mcv_result mcv_scene_add_instance(mcv_scene *scene, const mcv_instance *instance
 }
 
 static mcv_result check_emitter_instance(const mcv_scene *scene, mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
-    if (emitter->type == MCV_EMITTER_ENVIRONMENT) {
+    if (!mcv_emitter_has_surface(emitter->type)) {
         emitter->instance = MCV_NONE;
         emitter->area = 0;
-        for (uint32_t i = 0; i < scene->emitter_count; ++i)
+        for (uint32_t i = 0; i < scene->emitter_count && emitter->type == MCV_EMITTER_ENVIRONMENT; ++i)
             if (scene->emitters[i].type == MCV_EMITTER_ENVIRONMENT)
                 return mcv_fail_at(place, error, "\"%s\" is an environment already: a scene has one at most", scene->emitters[i].name);
         return MCV_OK;

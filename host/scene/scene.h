@@ -14,9 +14,13 @@
 #include "mcvisi/params.h"
 
 #include "mcvisi/emitters/area.h"
+#include "mcvisi/emitters/collimated_beam.h"
+#include "mcvisi/emitters/directional.h"
 #include "mcvisi/emitters/environment.h"
 #include "mcvisi/emitters/light_field.h"
 #include "mcvisi/emitters/parallel.h"
+#include "mcvisi/emitters/point.h"
+#include "mcvisi/emitters/spot.h"
 #include "mcvisi/emitters/telecentric_projector.h"
 #include "mcvisi/materials/absorber.h"
 #include "mcvisi/materials/beam_splitter.h"
@@ -84,14 +88,15 @@ typedef struct mcv_instance {
     mcv_transform to_world; /* may mirror: then the winding turns, the normal stays on the front side */
 } mcv_instance;
 
-/* An emitter belongs to exactly one instance; the environment to none. */
+/* An emitter with a surface belongs to exactly one instance, any other to none. */
 typedef struct mcv_emitter {
     char *name;
-    uint32_t type;      /* MCV_EMITTER_… */
-    uint32_t instance;  /* whose triangles emit, or MCV_NONE for the environment */
-    uint32_t texture;   /* multiplies the radiance (glTF emissive texture, parameter `image`), or MCV_NONE */
-    double radiance[3]; /* resolved from radiance or power [W/(m² sr)] */
-    double area;        /* of the instance in the world [m²]; 0 for the environment */
+    uint32_t type;          /* MCV_EMITTER_… */
+    uint32_t instance;      /* whose triangles emit, or MCV_NONE */
+    uint32_t texture;       /* multiplies the radiance (glTF emissive texture, parameter `image`), or MCV_NONE */
+    double radiance[3];     /* resolved from it or power [W/(m² sr)]; an irradiance [W/m²] or intensity [W/sr] where its type has that */
+    double area;            /* of the instance in the world [m²]; 0 without one */
+    mcv_transform to_world; /* where there is no instance: the node's rotation and translation; it shines along -z */
     union {
 #define MCV_X(name, key, NAME) mcv_##name##_params name;
         MCV_EMITTERS(MCV_X)

@@ -17,7 +17,11 @@
     X(telecentric_projector, "telecentricProjector", TELECENTRIC_PROJECTOR) \
     X(light_field_emitter, "lightField", LIGHT_FIELD_EMITTER) \
     X(area, "area", AREA) \
-    X(environment, "environment", ENVIRONMENT)
+    X(environment, "environment", ENVIRONMENT) \
+    X(collimated_beam, "collimatedBeam", COLLIMATED_BEAM) \
+    X(point, "point", POINT) \
+    X(spot, "spot", SPOT) \
+    X(directional, "directional", DIRECTIONAL)
 
 #define MCV_MATERIALS(X) \
     X(diffuse, "diffuse", DIFFUSE) \

@@ -20,7 +20,9 @@
     X(LIGHT_FIELD, "light-field", "a light field emitter shines") \
     X(AREA, "area", "a diffuse area emitter shines") \
     X(ENVIRONMENT, "environment", "the environment shines") \
-    X(NEXT_EVENT, "next-event", "surfaces that spread light look for emitters with a surface") \
+    X(BEAM, "collimated-beam", "a collimated beam shines") \
+    X(PUNCTUAL, "punctual", "a point, spot or directional light shines") \
+    X(NEXT_EVENT, "next-event", "surfaces that spread light look for emitters") \
     X(INTERLEAVE, "interleave", "diffuse surfaces among so many triangles that rays take turns while others wait for memory")
 
 enum {

@@ -13,6 +13,13 @@
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_FIELD
 #include "mcvisi/emitters/light_field.h"
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_BEAM
+#include "mcvisi/emitters/collimated_beam.h"
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_PUNCTUAL
+#include "mcvisi/emitters/spot.h"
+#include "mcvisi/emitters/directional.h"
+#endif
 
 /* Media that can be told apart along one path. Medium 0 is the surrounding vacuum, bit i of a path's set is medium i + 1. */
 #define MCV_MAX_MEDIA 32
@@ -79,15 +86,15 @@ typedef struct mcv_device_interface {
 MCV_ASSERT_SIZE(mcv_device_interface, 8);
 
 typedef struct mcv_device_emitter {
-    uint type;     /* MCV_EMITTER_…; a telecentric projector is a parallel emitter with a texture */
-    uint instance; /* whose triangles emit */
+    uint type;     /* MCV_EMITTER_…; a telecentric projector is a parallel emitter with a texture, a point light a spot light */
+    uint instance; /* whose triangles emit, or MCV_NONE */
     uint texture;  /* or MCV_NONE */
     uint cdf;      /* where its triangle_count + 1 entries begin in the table of cumulative shares, 2^31 = 1 */
     uint triangle_count;
     float probability; /* that next-event estimation chooses it */
-    float radiance[3];
-    float middle[3]; /* of its box [m] */
-    float area;      /* [m²] */
+    float radiance[3]; /* or irradiance or intensity, by its type */
+    float middle[3];   /* of its box [m] */
+    float area;        /* [m²] */
     uint padding[3];
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
     mcv_parallel parallel;
@@ -99,8 +106,19 @@ typedef struct mcv_device_emitter {
 #else
     uint no_light_field[12];
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_BEAM
+    mcv_collimated_beam beam;
+#else
+    uint no_beam[12];
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_PUNCTUAL
+    mcv_spot spot;
+    mcv_directional directional;
+#else
+    uint no_punctual[16];
+#endif
 } mcv_device_emitter;
-MCV_ASSERT_SIZE(mcv_device_emitter, 144);
+MCV_ASSERT_SIZE(mcv_device_emitter, 256);
 
 typedef struct mcv_device_texture {
     uint width, height;

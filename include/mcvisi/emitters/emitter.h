@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What all emitters share. An emitter is a set of triangles (a mesh, or the rectangle that `size` spans in the node's xy plane,
+ * What all emitters share. Most are a set of triangles (a mesh, or the rectangle that `size` spans in the node's xy plane,
  * facing -z) that emits radiance from its front side only, by the interpolated normal. Sizes do not scale with the node.
- * Rectangles absorb what falls on them; meshes keep their material.
+ * Rectangles absorb what falls on them; meshes keep their material. Environment, point, spot and directional light have no
+ * surface; these and the collimated beam no ray meets by chance, but for the environment: surfaces look for them.
  *
  * An emitter is one header with
  *     MCV_<NAME>_PARAMS(X)      its parameters (mcvisi/params.h)
  *     mcv_<name>                what the device needs of them, 4-byte scalars
  *     mcv_<name>_evaluate       the share of its radiance that leaves a point in a direction (q_d, q_n unit)
+ * and for what only surfaces find, what they need to look for it;
  * and one line in MCV_EMITTERS (mcvisi/elements.h); host/scene/emitters.c resolves and prepares.
  */
 #ifndef MCVISI_EMITTERS_EMITTER_H
@@ -21,6 +23,12 @@
     X(spectrum, radiance, MCV_UNSET, 0, 1e30, "radiance L in its cone [W/(m² sr)]") \
     X(spectrum, power, MCV_UNSET, 0, 1e30, "power of the whole emitter, in place of radiance [W]") \
     X(length2, size, MCV_UNSET, MCV_POSITIVE, 1e6, "width and height of the rectangle, for a node without a mesh [m]")
+
+/* The same for a light without extent. */
+#define MCV_INTENSITY_PARAMS(X) \
+    X(spectrum, intensity, MCV_UNSET, 0, 1e30, "radiant intensity I [W/sr]") \
+    X(spectrum, power, MCV_UNSET, 0, 1e30, "power of the whole light, in place of intensity [W]") \
+    X(length, range, MCV_UNSET, MCV_POSITIVE, 1e6, "distance at which its light ends, instead of never [m]")
 
 /* The same for an emitter whose radiance an image modulates; it is always a rectangle. */
 #define MCV_IMAGE_PARAMS(X) \

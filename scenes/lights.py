@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lights that no ray of sight meets: collimated beams, and the points, spots and suns that Blender exports."""
+
+from basics import box, diffuse
+from gltf import Scene, facing
+from images import stripes
+
+
+def beam():
+    """A light sheet of 0.2 mm falls at 45° on a step, which breaks its line; beside it a round beam throws an image."""
+    scene = Scene("A light sheet breaks at a step; a round collimated beam throws an image without blur.")
+    scene.node("plate", mesh=scene.mesh("plate", diffuse(scene, "plate", 0.6), [(-0.05, -0.05, 0), (0.05, -0.05, 0), (0.05, 0.05, 0), (-0.05, 0.05, 0)],
+                                        [(0, 1, 2), (0, 2, 3)]))
+    scene.node("block", mesh=scene.mesh("block", diffuse(scene, "block", 0.6), *box((-0.008, -0.01, 0), (0.008, 0.01, 0.005))),
+               translation=[-0.012, 0, 0])
+    scene.node("sheet", translation=[-0.012, -0.08, 0.08], rotation=facing((0, 0.08, -0.08), up=(0, 0, 1)),
+               emitter={"type": "collimatedBeam", "size": ["40mm", "0.2mm"], "irradiance": 20})
+    scene.node("beam", translation=[0.022, -0.08, 0.08], rotation=facing((0, 0.08, -0.08), up=(0, 0, 1)),
+               emitter={"type": "collimatedBeam", "size": ["16mm", "16mm"], "aperture": "circle", "image": scene.image("pattern", stripes(40, 40)),
+                        "power": 0.001})
+    scene.node("sky", emitter={"type": "environment", "radiance": 0.1})
+    scene.node("camera", translation=[0, 0, 0.15],
+               sensor={"type": "telecentric", "magnification": 0.2, "workingDistance": "150mm", "fNumber": 8, "resolution": [320, 240],
+                       "pixelSize": "48um"})
+    return scene.gltf()
+
+
+def punctual():
+    """A desk under a spot, a point and a directional light of KHR_lights_punctual, in candela and lux."""
+    scene = Scene("A spot, a point and a directional light as Blender exports them (KHR_lights_punctual).")
+    scene.node("desk", mesh=scene.mesh("desk", diffuse(scene, "desk", 0.6), [(-0.5, 0, -0.5), (-0.5, 0, 0.5), (0.5, 0, 0.5), (0.5, 0, -0.5)],
+                                       [(0, 1, 2), (0, 2, 3)]))
+    scene.node("block", mesh=scene.mesh("block", diffuse(scene, "block", 0.5), *box((-0.05, 0, -0.05), (0.05, 0.12, 0.05))),
+               rotation=facing((0.4, 0, -1)))
+    scene.node("spot", translation=[-0.3, 0.5, 0.2], rotation=facing((0.35, -0.5, -0.1)),
+               light={"type": "spot", "color": [1, 0.8, 0.6], "intensity": 683, "spot": {"innerConeAngle": 0.2, "outerConeAngle": 0.35}})
+    scene.node("point", translation=[0.25, 0.15, 0.1], light={"type": "point", "color": [0.5, 0.7, 1], "intensity": 40, "range": 1.5})
+    scene.node("sun", rotation=facing((-0.3, -1, -0.5)), light={"type": "directional", "intensity": 400})
+    scene.node("camera", translation=[0, 0.45, 0.7], rotation=facing((0, -0.4, -0.7)),
+               sensor={"type": "pinhole", "imageDistance": "12mm", "resolution": [320, 240], "pixelSize": "30um"})
+    return scene.gltf()
+
+
+def files():
+    return {"beam.gltf": beam(), "punctual.gltf": punctual()}
