@@ -12,6 +12,7 @@
 #endif
 #include "shade_surfaces.cl"
 #include "accumulate_film.cl"
+#include "clock.h"
 
 /*
  * The stages that intersect, over the paths of a slice. Rays that have been scattered take turns where the scene is large; those
@@ -82,15 +83,18 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void render_tile(MCV_WOR
     mcv_slot slot;
     slot.base = paths + (size_t)slice * (MCV_PATH_WORDS * MCV_SLICE);
     slot.capacity = MCV_SLICE;
+    MCV_CLOCK_BEGIN
 
     for (uint i = 0; i < count; ++i) {
         slot.index = i;
         if (mcv_generate_ray(world, slot, mcv_identify(world.frame, first + i))) active[alive++] = i;
     }
     counts[MCV_COUNTER_paths] = alive;
+    MCV_CLOCK_STAGE(generate_rays)
     for (uint depth = 0; depth < world.frame->depth && alive > 0; ++depth) {
         counts[MCV_COUNTER_rays] += alive;
         mcv_intersect_paths(world, slot, active, alive, depth);
+        MCV_CLOCK_STAGE(intersect_closest)
 #if MCV_WITH_NEXT_EVENT
         /* An emitter is a surface too: the last surface a path may meet does not look for one. */
         if (depth + 1 < world.frame->depth) {
@@ -101,7 +105,9 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void render_tile(MCV_WOR
                 if (mcv_sample_emitter(world, slot, mcv_identify(world.frame, first + slot.index), depth))
                     shadows[shadow_count++] = slot.index;
             }
+            MCV_CLOCK_STAGE(sample_emitters)
             mcv_intersect_shadows(world, slot, shadows, shadow_count);
+            MCV_CLOCK_STAGE(intersect_shadow)
             counts[MCV_COUNTER_shadow_rays] += shadow_count;
         }
 #endif
@@ -113,6 +119,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void render_tile(MCV_WOR
             }
         }
         alive = next;
+        MCV_CLOCK_STAGE(shade_surfaces)
     }
 
     for (uint a = 0; a < alive; ++a) {
@@ -126,5 +133,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void render_tile(MCV_WOR
         mcv_accumulate_block(world, slot, block, sums + (size_t)((first + slot.index) / block) * (2 * MCV_CHANNELS),
                              &counts[MCV_COUNTER_nonfinite]);
     }
+    MCV_CLOCK_STAGE(accumulate_film)
+    MCV_CLOCK_END(counters + get_num_groups(0) * MCV_COUNTER_COUNT + slice * MCV_CLOCK_COUNT)
     for (uint i = 0; i < MCV_COUNTER_COUNT; ++i) counters[slice * MCV_COUNTER_COUNT + i] = counts[i];
 }

@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "drive.h"
+
+#include <dirent.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/sensor.h"
+#include "scene/sensors.h"
+
+const char *const stage_names[STAGE_COUNT] = {
+#define MCV_X(stage, runs) #stage,
+    MCV_STAGES(MCV_X)
+#undef MCV_X
+};
+
+/* --- scenes ----------------------------------------------------------------------------------------------------- */
+
+static int is_scene(const struct dirent *entry) {
+    const char *ending = strrchr(entry->d_name, '.');
+    /* The part is no scene of its own. */
+    return ending && (strcmp(ending, ".gltf") == 0 || strcmp(ending, ".glb") == 0) && strcmp(entry->d_name, "2CylinderEngine.glb") != 0;
+}
+
+mcv_result shipped_scenes(char *names[MAX_SCENES], size_t *count, mcv_error *error) {
+    struct dirent **entries;
+    *count = 0;
+    const int found = scandir(MCV_SOURCE_DIR "/scenes", &entries, is_scene, alphasort);
+    if (found < 0) return mcv_fail(error, MCV_FAILED, "%s: cannot be read", MCV_SOURCE_DIR "/scenes");
+    for (int i = 0; i < found; ++i) {
+        if (*count < MAX_SCENES) names[(*count)++] = strdup(entries[i]->d_name);
+        free(entries[i]);
+    }
+    free(entries);
+    return MCV_OK;
+}
+
+mcv_result load_shipped(const char *name, double pixels, mcv_scene **scene, mcv_error *error) {
+    char path[1024];
+    uint32_t film[2];
+    snprintf(path, sizeof path, "%s/scenes/%s", MCV_SOURCE_DIR, name);
+    MCV_TRY(mcv_scene_load(path, (mcv_overrides){NULL, 0}, scene, error));
+    if ((*scene)->sensor_count == 0) return mcv_fail(error, MCV_BAD_INPUT, "%s: has no sensor", path);
+    mcv_sensor *sensor = (*scene)->sensors;
+    mcv_sensor_film_size(sensor, film, film + 1);
+    const mcv_readout readout = mcv_sensor_readout(sensor);
+    const double factor = sqrt(pixels / ((double)film[0] * film[1]));
+    return mcv_sensor_resize(sensor, (uint64_t)lround(fmax(1, readout.size[0] * factor)),
+                             (uint64_t)lround(fmax(1, readout.size[1] * factor)), *scene, error);
+}
+
+/* --- launches --------------------------------------------------------------------------------------------------- */
+
+drive_options drive_defaults(uint32_t schedule) {
+    return (drive_options){.schedule = schedule, .log2_samples = 2, .first_sample = 4, .depth = mcv_render_defaults().depth};
+}
+
+/* All that has no cost where it is not met. Whether rays take turns is a choice, not an element; emitters there must be to look for. */
+static uint32_t all_features(const mcv_packed *packed) {
+    uint32_t features = ((1u << MCV_FEATURE_COUNT) - 1) & ~(1u << MCV_FEATURE_INTERLEAVE);
+    if (packed->emitter_count == 0) features &= ~(1u << MCV_FEATURE_NEXT_EVENT);
+    return features | packed->features;
+}
+
+/* Builds the program again, with its clock, and makes room for what it tells. */
+static mcv_result add_clock(drive *d, const mcv_render_options *options, mcv_error *error) {
+    char defines[1024];
+    mcv_schedule *s = &d->schedule;
+    const mcv_packed *packed = &d->device.packed;
+    mcv_feature_options(packed->features, packed->channels, d->scene->sensors[0].type, options->sampler, s->slice, defines, sizeof defines);
+    strncat(defines, " -DMCV_CLOCK", sizeof defines - strlen(defines) - 1);
+    clReleaseKernel(s->kernels[0]);
+    s->kernels[0] = NULL;
+    clReleaseProgram(s->program);
+    s->program = NULL;
+    mcv_cl_release(&s->counters);
+    MCV_TRY(mcv_cl_build(d->cl, "tile", defines, &s->program, error));
+    MCV_TRY(mcv_cl_kernel(s->program, "render_tile", &s->kernels[0], error));
+    const size_t slices = s->capacity / s->slice;
+    return mcv_cl_buffer(d->cl, "the counters", sizeof(cl_uint) * slices * (MCV_COUNTER_COUNT + STAGE_COUNT), NULL, &s->counters, error);
+}
+
+mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options, drive *d, mcv_error *error) {
+    mcv_render_options render = mcv_render_defaults();
+    render.schedule = options.schedule;
+    render.depth = options.depth;
+    memset(d, 0, sizeof *d);
+    d->cl = cl;
+    d->scene = scene;
+    MCV_TRY(mcv_device_scene_open(cl, scene, 0, &d->device, error));
+    mcv_packed *packed = &d->device.packed;
+    if (options.all_features) {
+        packed->features = all_features(packed);
+        packed->channels = 3;
+    }
+    MCV_TRY(mcv_schedule_open(cl, &d->device, scene->sensors[0].type, &render, &d->schedule, error));
+    if (options.clock) MCV_TRY(add_clock(d, &render, error));
+    d->clock = options.clock;
+
+    uint32_t film[2];
+    mcv_sensor_film_size(scene->sensors, film, film + 1);
+    const uint32_t sets = (film[0] + 7) / 8 * ((film[1] + 7) / 8) * 64 * DRIVE_REPLICATES;
+    d->frame = (mcv_frame){.width = film[0],
+                           .height = film[1],
+                           .replicates = DRIVE_REPLICATES,
+                           .log2_samples = options.log2_samples,
+                           .first_sample = options.first_sample,
+                           .path_count = sets << options.log2_samples,
+                           .depth = options.depth};
+    if (d->frame.path_count > d->schedule.capacity)
+        return mcv_fail(error, MCV_FAILED, "%s: %u paths are more than a launch holds", scene->path, d->frame.path_count);
+    const uint32_t block = 1u << options.log2_samples < MCV_BLOCK ? 1u << options.log2_samples : MCV_BLOCK;
+    d->sum_count = (size_t)2 * d->frame.path_count / block * packed->channels;
+    d->sums = malloc(d->sum_count * sizeof *d->sums);
+    if (!d->sums) return mcv_fail(error, MCV_FAILED, "no memory for the sums of a launch");
+    return mcv_device_scene_place(cl, scene, 0, &d->device, &d->frame, error);
+}
+
+void drive_close(drive *d) {
+    mcv_schedule_close(&d->schedule);
+    mcv_device_scene_close(&d->device);
+    free(d->sums);
+    d->sums = NULL;
+}
+
+mcv_result drive_run(void *user, mcv_error *error) {
+    drive *d = user;
+    memset(&d->stats, 0, sizeof d->stats);
+    MCV_TRY(mcv_schedule_start(&d->schedule, &d->frame, &d->stats, error));
+    MCV_TRY(mcv_schedule_wait(&d->schedule, &d->stats, error));
+    return mcv_cl_read(d->cl, d->schedule.sums, 0, d->sum_count * sizeof *d->sums, d->sums, error);
+}
+
+/* Each stage's share of the ticks of all slices, of the seconds that the launch took. */
+static mcv_result clock_seconds(drive *d, double seconds[STAGE_COUNT], mcv_error *error) {
+    const size_t slices = (d->frame.path_count + d->schedule.slice - 1) / d->schedule.slice;
+    const size_t count = slices * STAGE_COUNT;
+    cl_uint *ticks = malloc(count * sizeof *ticks);
+    if (!ticks) return mcv_fail(error, MCV_FAILED, "no memory for the ticks");
+    const mcv_result result =
+        mcv_cl_read(d->cl, d->schedule.counters, sizeof *ticks * slices * MCV_COUNTER_COUNT, count * sizeof *ticks, ticks, error);
+    double total = 0;
+    for (size_t i = 0; result == MCV_OK && i < count; ++i) {
+        seconds[i % STAGE_COUNT] += ticks[i];
+        total += ticks[i];
+    }
+    for (int i = 0; i < STAGE_COUNT && total > 0; ++i) seconds[i] *= d->stats.stages[0].seconds / total;
+    free(ticks);
+    return result;
+}
+
+mcv_result drive_stage_seconds(drive *d, double seconds[STAGE_COUNT], mcv_error *error) {
+    for (int i = 0; i < STAGE_COUNT; ++i) seconds[i] = 0;
+    if (d->clock) return clock_seconds(d, seconds, error);
+    for (uint32_t i = 0; i < d->stats.stage_count; ++i) {
+        for (int k = 0; k < STAGE_COUNT; ++k) {
+            if (strcmp(d->stats.stages[i].name, stage_names[k]) == 0) seconds[k] = d->stats.stages[i].seconds;
+        }
+    }
+    return MCV_OK;
+}

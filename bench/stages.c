@@ -1,0 +1,474 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Where the time of a render goes: bench_stages [--quick] [OUTPUT.json].
+ *
+ * For each scene that ships, at fewer pixels on the same field of view, one launch of the samples 4 … 7 of four replicates:
+ *   - seconds, items and bytes of path state of each stage, in the tile schedule (ticks of the processor, kernels/clock.h) and as its
+ *     peer in the stream schedule (one launch a stage);
+ *   - the rays of that launch, taken from the stream schedule, in the order and the way (one by one or in turns) of the tile schedule,
+ * through kernels/intersect.cl and nothing else: rays per second as the peer of the stages that intersect;
+ *   - the second half of a render of eight samples, which begins those very paths, with all that the host does then: its rays per second
+ *     over those of the bare traversal are the share of the time that the render has for what it is about. All cores.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../kernels/path.h"
+#include "drive.h"
+#include "harness.h"
+#include "rays.h"
+
+/* The first rays, the later ones, shadow rays to a point and those that must meet their emitter. */
+enum { FIRST, LATER, SHADOW_ANY, SHADOW_CLOSEST, KINDS };
+
+/* --- layout of the state ------------------------------------------------------------------------------------------ */
+
+#define MCV_X(field, words) FIELD_##field,
+enum { MCV_PATH_FIELDS(MCV_X) FIELD_COUNT };
+#undef MCV_X
+
+static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
+    const uint32_t features = packed->features;
+#define MCV_CHANNELS packed->channels
+#define MCV_WITH_DIELECTRIC (features >> MCV_FEATURE_DIELECTRIC & 1)
+#define MCV_WITH_NEXT_EVENT (features >> MCV_FEATURE_NEXT_EVENT & 1)
+#define MCV_X(field, count) words[FIELD_##field] = (count);
+    MCV_PATH_FIELDS(MCV_X)
+#undef MCV_X
+#undef MCV_CHANNELS
+#undef MCV_WITH_DIELECTRIC
+#undef MCV_WITH_NEXT_EVENT
+}
+
+/* What each stage reads and writes of a path (the heads of kernels/<stage>.cl), -1 at the end. */
+static const int traffic[STAGE_COUNT][16] = {
+    [STAGE_generate_rays] = {FIELD_origin, FIELD_direction, FIELD_weight, FIELD_throughput, FIELD_radiance, FIELD_media, FIELD_density, -1},
+    [STAGE_intersect_closest] = {FIELD_origin, FIELD_direction, FIELD_hit, -1},
+    [STAGE_sample_emitters] = {FIELD_hit, FIELD_direction, FIELD_throughput, FIELD_media, FIELD_shadow_origin, FIELD_shadow_direction,
+                               FIELD_shadow_target, FIELD_shadow_light, -1},
+    [STAGE_intersect_shadow] = {FIELD_shadow_origin, FIELD_shadow_direction, FIELD_shadow_target, FIELD_shadow_light, FIELD_radiance,
+                                FIELD_radiance, -1},
+    [STAGE_shade_surfaces] = {FIELD_hit, FIELD_origin, FIELD_direction, FIELD_direction, FIELD_throughput, FIELD_throughput, FIELD_radiance,
+                              FIELD_radiance, FIELD_media, FIELD_media, FIELD_density, FIELD_density, -1},
+    [STAGE_accumulate_film] = {FIELD_weight, FIELD_radiance, -1},
+};
+
+static double bytes_per_item(const mcv_packed *packed, int stage) {
+    uint32_t words[FIELD_COUNT], sum = 0;
+    field_words(packed, words);
+    for (const int *field = traffic[stage]; *field >= 0; ++field) sum += words[*field];
+    return 4.0 * sum;
+}
+
+/* --- the rays of a launch ------------------------------------------------------------------------------------------ */
+
+typedef struct ray_list {
+    batch_ray *rays;
+    mcv_hit *hits; /* what the render found; of shadow rays nothing */
+    uint32_t *paths;
+    size_t count, capacity;
+} ray_list;
+
+static mcv_result list_reserve(ray_list *list, size_t more, mcv_error *error) {
+    if (list->count + more <= list->capacity) return MCV_OK;
+    list->capacity = 2 * list->capacity > list->count + more ? 2 * list->capacity : list->count + more;
+    batch_ray *rays = realloc(list->rays, list->capacity * sizeof *rays);
+    if (rays) list->rays = rays;
+    mcv_hit *hits = realloc(list->hits, list->capacity * sizeof *hits);
+    if (hits) list->hits = hits;
+    uint32_t *paths = realloc(list->paths, list->capacity * sizeof *paths);
+    if (paths) list->paths = paths;
+    return rays && hits && paths ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the rays of a launch");
+}
+
+static void list_free(ray_list *list) {
+    free(list->rays);
+    free(list->hits);
+    free(list->paths);
+    *list = (ray_list){0};
+}
+
+/* From depth after depth to slice after slice, in which depth after depth. */
+static mcv_result list_by_slice(ray_list *list, uint32_t slice, uint32_t slices, mcv_error *error) {
+    ray_list sorted = {0};
+    size_t *next = calloc(slices + 1, sizeof *next);
+    mcv_result result = list_reserve(&sorted, list->count, error);
+    if (!next) result = mcv_fail(error, MCV_FAILED, "no memory to sort rays");
+    for (size_t i = 0; result == MCV_OK && i < list->count; ++i) ++next[list->paths[i] / slice + 1];
+    for (uint32_t i = 0; result == MCV_OK && i < slices; ++i) next[i + 1] += next[i];
+    for (size_t i = 0; result == MCV_OK && i < list->count; ++i) {
+        const size_t place = next[list->paths[i] / slice]++;
+        sorted.rays[place] = list->rays[i];
+        sorted.hits[place] = list->hits[i];
+        sorted.paths[place] = list->paths[i];
+    }
+    free(next);
+    sorted.count = list->count;
+    list_free(list);
+    *list = sorted;
+    return result;
+}
+
+/* The stream schedule of a drive, stage by stage. */
+typedef struct recorder {
+    drive *d;
+    uint32_t offsets[FIELD_COUNT]; /* words */
+    uint32_t *queue, *rows;        /* room for a queue and for seven rows of the state */
+    ray_list *lists;
+    mcv_error *error;
+} recorder;
+
+static mcv_result run_stage(const recorder *r, uint32_t kernel, cl_uint depth) {
+    mcv_schedule *s = &r->d->schedule;
+    mcv_arg arguments[MCV_SCENE_ARGUMENTS + 7];
+    mcv_device_scene_arguments(s->scene, arguments);
+    const mcv_arg own[] = {MCV_ARG(s->paths),   MCV_ARG(s->sums),     MCV_ARG(s->counters), MCV_ARG(s->queues),
+                           MCV_ARG(s->lengths), MCV_ARG(s->capacity), MCV_ARG(depth)};
+    memcpy(arguments + MCV_SCENE_ARGUMENTS, own, sizeof own);
+    return mcv_cl_launch(s->cl, s->kernels[kernel], r->d->frame.path_count, 64, arguments, MCV_SCENE_ARGUMENTS + 7, NULL, r->error);
+}
+
+static int by_number(const void *a, const void *b) {
+    const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* The paths of a queue, in their order. */
+static mcv_result read_queue(const recorder *r, uint32_t queue, uint32_t length_at, uint32_t *count) {
+    const mcv_schedule *s = &r->d->schedule;
+    MCV_TRY(mcv_cl_read(s->cl, s->lengths, sizeof *count * length_at, sizeof *count, count, r->error));
+    MCV_TRY(mcv_cl_read(s->cl, s->queues, sizeof(cl_uint) * queue * s->capacity, sizeof(cl_uint) * *count, r->queue, r->error));
+    qsort(r->queue, *count, sizeof *r->queue, by_number);
+    return MCV_OK;
+}
+
+static mcv_result read_rows(const recorder *r, int field, uint32_t words, uint32_t row) {
+    const mcv_schedule *s = &r->d->schedule;
+    const size_t paths = r->d->frame.path_count;
+    for (uint32_t k = 0; k < words; ++k) {
+        MCV_TRY(mcv_cl_read(s->cl, s->paths, sizeof(cl_uint) * (r->offsets[field] + k) * s->capacity, sizeof(cl_uint) * paths,
+                            r->rows + (row + k) * paths, r->error));
+    }
+    return MCV_OK;
+}
+
+/* Appends the rays that rows 0 … 5 hold for the paths in the queue. Shadow rays with the target in row 6 are of two kinds. */
+static mcv_result append_rays(const recorder *r, uint32_t count, bool shadow, int kind) {
+    const size_t paths = r->d->frame.path_count;
+    for (int k = 0; k < KINDS; ++k) MCV_TRY(list_reserve(r->lists + k, count, r->error));
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t path = r->queue[i];
+        const bool any = shadow && r->rows[6 * paths + path] == MCV_NONE;
+        ray_list *list = r->lists + (shadow ? any ? SHADOW_ANY : SHADOW_CLOSEST : kind);
+        batch_ray *ray = list->rays + list->count;
+        for (size_t k = 0; k < 3; ++k) {
+            memcpy(ray->origin + k, r->rows + k * paths + path, 4);
+            memcpy(ray->direction + k, r->rows + (3 + k) * paths + path, 4);
+        }
+        ray->t_max = any ? 1.0f : INFINITY;
+        list->paths[list->count++] = path;
+    }
+    return MCV_OK;
+}
+
+/* The hits of the `count` rays that were appended last. */
+static mcv_result append_hits(const recorder *r, uint32_t count, int kind) {
+    const size_t paths = r->d->frame.path_count;
+    ray_list *list = r->lists + kind;
+    MCV_TRY(read_rows(r, FIELD_hit, 4, 0));
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t words[4];
+        for (size_t k = 0; k < 4; ++k) words[k] = r->rows[k * paths + r->queue[i]];
+        memcpy(list->hits + list->count - count + i, words, sizeof words);
+    }
+    return MCV_OK;
+}
+
+static mcv_result record_depth(const recorder *r, uint32_t depth, uint32_t *count) {
+    const drive *d = r->d;
+    const int kind = depth > 0 ? LATER : FIRST;
+    MCV_TRY(read_queue(r, depth & 1, depth, count));
+    if (*count == 0) return MCV_OK;
+    MCV_TRY(read_rows(r, FIELD_origin, 3, 0));
+    MCV_TRY(read_rows(r, FIELD_direction, 3, 3));
+    MCV_TRY(append_rays(r, *count, false, kind));
+    MCV_TRY(run_stage(r, MCV_KERNEL_intersect_closest, depth));
+    MCV_TRY(append_hits(r, *count, kind));
+    if (d->schedule.kernels[MCV_KERNEL_sample_emitters] && depth + 1 < d->frame.depth) {
+        uint32_t shadows;
+        MCV_TRY(run_stage(r, MCV_KERNEL_sample_emitters, depth));
+        MCV_TRY(read_queue(r, 2, d->frame.depth + 1 + depth, &shadows));
+        MCV_TRY(read_rows(r, FIELD_shadow_origin, 3, 0));
+        MCV_TRY(read_rows(r, FIELD_shadow_direction, 3, 3));
+        MCV_TRY(read_rows(r, FIELD_shadow_target, 1, 6));
+        MCV_TRY(append_rays(r, shadows, true, 0));
+    }
+    return run_stage(r, MCV_KERNEL_shade_surfaces, depth);
+}
+
+static mcv_result record(recorder *r) {
+    mcv_schedule *s = &r->d->schedule;
+    const cl_uint nothing = 0;
+    const size_t lengths = 2 * sizeof(cl_uint) * (s->depth + 1);
+    uint32_t words[FIELD_COUNT], offset = 0, count = 1;
+    field_words(&r->d->device.packed, words);
+    for (int i = 0; i < FIELD_COUNT; offset += words[i++]) r->offsets[i] = offset;
+    MCV_TRY(mcv_cl_write(s->cl, s->scene->frame, 0, sizeof r->d->frame, &r->d->frame, r->error));
+    MCV_TRY_CL(clEnqueueFillBuffer(s->cl->queue, s->lengths, &nothing, sizeof nothing, 0, lengths, 0, NULL, NULL), r->error);
+    MCV_TRY(run_stage(r, MCV_KERNEL_generate_rays, 0));
+    for (uint32_t depth = 0; depth < s->depth && count > 0; ++depth) MCV_TRY(record_depth(r, depth, &count));
+    return MCV_OK;
+}
+
+/* The rays of a stream drive's frame as a tile schedule with these slices would follow them. */
+static mcv_result record_rays(drive *d, uint32_t slice, ray_list lists[KINDS], mcv_error *error) {
+    const size_t paths = d->frame.path_count;
+    recorder r = {.d = d, .lists = lists, .error = error, .queue = malloc(4 * paths), .rows = malloc(7 * 4 * paths)};
+    mcv_result result = r.queue && r.rows ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory to record rays");
+    if (result == MCV_OK) result = record(&r);
+    free(r.queue);
+    free(r.rows);
+    for (int k = 0; k < KINDS && result == MCV_OK; ++k)
+        result = list_by_slice(lists + k, slice, (uint32_t)((paths + slice - 1) / slice), error);
+    return result;
+}
+
+/* --- bare traversal --------------------------------------------------------------------------------------------- */
+
+typedef struct replay {
+    mcv_cl *cl;
+    const mcv_device_scene *scene;
+    cl_program program;
+    cl_kernel kernels[KINDS];
+    cl_mem rays[KINDS], hits[KINDS];
+    cl_uint counts[KINDS];
+    int only; /* of the stages: 0 the closest, 1 the shadow rays */
+} replay;
+
+static const char *const kernel_names[2][KINDS] = {
+    {"intersect_closest", "intersect_closest", "intersect_any", "intersect_closest"},
+    {"intersect_closest", "intersect_closest_list", "intersect_any_list", "intersect_closest_list"}};
+
+static mcv_result replay_open(const drive *d, const ray_list lists[KINDS], replay *r, mcv_error *error) {
+    const bool turns = d->device.packed.features >> MCV_FEATURE_INTERLEAVE & 1;
+    *r = (replay){.cl = d->cl, .scene = &d->device};
+    MCV_TRY(mcv_cl_build(r->cl, "intersect", "", &r->program, error));
+    for (int k = 0; k < KINDS; ++k) {
+        r->counts[k] = (cl_uint)lists[k].count;
+        MCV_TRY(mcv_cl_kernel(r->program, kernel_names[turns][k], &r->kernels[k], error));
+        MCV_TRY(mcv_cl_buffer(r->cl, "the rays", lists[k].count * sizeof(batch_ray), lists[k].rays, &r->rays[k], error));
+        MCV_TRY(mcv_cl_buffer(r->cl, "the hits", lists[k].count * sizeof(mcv_hit), NULL, &r->hits[k], error));
+    }
+    return MCV_OK;
+}
+
+static void replay_close(replay *r) {
+    for (int k = 0; k < KINDS; ++k) {
+        if (r->kernels[k]) clReleaseKernel(r->kernels[k]);
+        mcv_cl_release(&r->rays[k]);
+        mcv_cl_release(&r->hits[k]);
+    }
+    if (r->program) clReleaseProgram(r->program);
+}
+
+static mcv_result replay_run(void *user, mcv_error *error) {
+    replay *r = user;
+    const cl_uint slice = RAYS_PER_GROUP;
+    for (int k = 0; k < KINDS; ++k) {
+        if (r->counts[k] == 0 || (r->only == 0 ? k >= SHADOW_ANY : k < SHADOW_ANY)) continue;
+        MCV_TRY(MCV_LAUNCH(r->cl, r->kernels[k], (r->counts[k] + slice - 1) / slice, 1, error, MCV_ARG(r->scene->nodes),
+                           MCV_ARG(r->scene->leaves), MCV_ARG(r->rays[k]), MCV_ARG(r->hits[k]), MCV_ARG(r->counts[k]), MCV_ARG(slice)));
+    }
+    return mcv_cl_finish(r->cl, error);
+}
+
+/* The bare traversal finds what the render found. */
+static mcv_result replay_check(replay *r, const ray_list lists[KINDS], mcv_error *error) {
+    r->only = 0;
+    MCV_TRY(replay_run(r, error));
+    for (int k = FIRST; k <= LATER; ++k) {
+        mcv_hit *hits = malloc((lists[k].count + 1) * sizeof *hits);
+        if (!hits) return mcv_fail(error, MCV_FAILED, "no memory to compare hits");
+        mcv_result result = mcv_cl_read(r->cl, r->hits[k], 0, lists[k].count * sizeof *hits, hits, error);
+        for (size_t i = 0; result == MCV_OK && i < lists[k].count; ++i) {
+            if (memcmp(hits + i, lists[k].hits + i, sizeof *hits) != 0)
+                result =
+                    mcv_fail(error, MCV_FAILED, "ray %zu of path %u hits triangle %u at %a in the render, %u at %a by itself", i,
+                             lists[k].paths[i], lists[k].hits[i].triangle, (double)lists[k].hits[i].t, hits[i].triangle, (double)hits[i].t);
+        }
+        free(hits);
+        MCV_TRY(result);
+    }
+    return MCV_OK;
+}
+
+/* --- a whole render --------------------------------------------------------------------------------------------- */
+
+/* The second half of it: from when half of the samples are there. */
+typedef struct half_render {
+    const mcv_scene *scene;
+    uint64_t samples; /* per replicate */
+    mcv_render_stats stats;
+    bench_seconds begin, end;
+    uint64_t rays_at_begin, rays_at_end;
+} half_render;
+
+static bool note_progress(void *user, double fraction, double seconds, double error) {
+    half_render *h = user;
+    (void)seconds, (void)error;
+    h->end = bench_now();
+    h->rays_at_end = h->stats.rays + h->stats.shadow_rays;
+    if (fraction > 0.5) return true;
+    h->begin = h->end;
+    h->rays_at_begin = h->rays_at_end;
+    return true;
+}
+
+static mcv_result render_half(half_render *h, bench_seconds *seconds, mcv_error *error) {
+    mcv_render_options options = mcv_render_defaults();
+    mcv_film film;
+    options.replicates = DRIVE_REPLICATES;
+    options.last = h->samples;
+    options.progress = note_progress;
+    options.user = h;
+    MCV_TRY(mcv_render(h->scene, 0, &options, &film, &h->stats, error));
+    mcv_film_free(&film);
+    for (int c = 0; c < 2; ++c) seconds->by[c] = h->end.by[c] - h->begin.by[c];
+    return MCV_OK;
+}
+
+/* --- a scene ---------------------------------------------------------------------------------------------------- */
+
+/* A drive whose stages are timed each by itself. */
+typedef struct staged {
+    drive drive;
+    bench_side stages[STAGE_COUNT];
+    int runs; /* the first is not counted */
+} staged;
+
+static mcv_result run_staged(void *user, mcv_error *error) {
+    staged *s = user;
+    double seconds[STAGE_COUNT];
+    MCV_TRY(drive_run(&s->drive, error));
+    MCV_TRY(drive_stage_seconds(&s->drive, seconds, error));
+    for (int i = 0; i < STAGE_COUNT && s->runs > 0; ++i) s->stages[i].seconds[s->runs - 1].by[BENCH_WALL] = seconds[i];
+    ++s->runs;
+    return MCV_OK;
+}
+
+typedef struct scene_bench {
+    bench *b;
+    const char *name;
+    staged tile, stream;
+    ray_list lists[KINDS];
+    replay replay;
+    bench_mean *share, *share_of_processor;
+    mcv_error *error;
+} scene_bench;
+
+static void items_of(const mcv_render_stats *stats, double items[STAGE_COUNT]) {
+    items[STAGE_generate_rays] = items[STAGE_accumulate_film] = (double)stats->paths;
+    items[STAGE_intersect_closest] = items[STAGE_sample_emitters] = items[STAGE_shade_surfaces] = (double)stats->rays;
+    items[STAGE_intersect_shadow] = (double)stats->shadow_rays;
+}
+
+static mcv_result bench_schedules(scene_bench *s) {
+    bench_side sides[] = {{run_staged, &s->tile, {{{0}}}}, {run_staged, &s->stream, {{{0}}}}};
+    drive *tile = &s->tile.drive, *stream = &s->stream.drive;
+    double items[STAGE_COUNT];
+    MCV_TRY(drive_run(tile, s->error));
+    MCV_TRY(drive_run(stream, s->error));
+    if (memcmp(tile->sums, stream->sums, tile->sum_count * sizeof *tile->sums) != 0)
+        return mcv_fail(s->error, MCV_FAILED, "%s: the schedules give different images", s->name);
+    MCV_TRY(bench_time(s->b, sides, 2, s->error));
+    items_of(&tile->stats, items);
+    for (int i = 0; i < STAGE_COUNT; ++i) {
+        if (!stream->schedule.kernels[i]) continue; /* the stages come first and in this order */
+        bench_row(s->b, BENCH_WALL, s->tile.stages + i, s->stream.stages + i, 0, "s", "%s, %s", s->name, stage_names[i]);
+        bench_more(s->b, "items", items[i]);
+        bench_more(s->b, "bytes", items[i] * bytes_per_item(&tile->device.packed, i));
+        bench_more(s->b, "nanoseconds", 1e9 * bench_side_median(s->b, s->tile.stages + i, BENCH_WALL) / items[i]);
+    }
+    bench_row(s->b, BENCH_WALL, sides, sides + 1, 0, "s", "%s, whole launch", s->name);
+    bench_more(s->b, "items", (double)tile->stats.paths);
+    bench_more(s->b, "bytes", (double)tile->stats.paths * 4 * mcv_path_words(tile->device.packed.features, tile->device.packed.channels));
+    return MCV_OK;
+}
+
+/* Renders and bare traversals in turns. */
+static mcv_result bench_share(scene_bench *s) {
+    bench *b = s->b;
+    half_render half = {.scene = s->tile.drive.scene, .samples = 2 * s->tile.drive.frame.first_sample};
+    bench_side render = {0}, bare = {0}, bare_stages[2] = {0};
+    const double closest = (double)s->lists[FIRST].count + (double)s->lists[LATER].count;
+    const double shadow = (double)s->lists[SHADOW_ANY].count + (double)s->lists[SHADOW_CLOSEST].count;
+    MCV_TRY(replay_check(&s->replay, s->lists, s->error));
+    for (int r = -1; r < b->repetitions; ++r) { /* the first does not count */
+        const int at = r < 0 ? 0 : r;
+        MCV_TRY(render_half(&half, &render.seconds[at], s->error));
+        if ((double)(half.rays_at_end - half.rays_at_begin) != closest + shadow)
+            return mcv_fail(s->error, MCV_FAILED, "%s: %.0f rays were recorded, the render followed %.0f", s->name, closest + shadow,
+                            (double)(half.rays_at_end - half.rays_at_begin));
+        for (int stage = 0; stage < 2; ++stage) {
+            s->replay.only = stage;
+            const bench_seconds start = bench_now();
+            MCV_TRY(replay_run(&s->replay, s->error));
+            bare_stages[stage].seconds[at] = bench_since(start);
+        }
+        for (int c = 0; c < 2; ++c) bare.seconds[at].by[c] = bare_stages[0].seconds[at].by[c] + bare_stages[1].seconds[at].by[c];
+    }
+    bench_row(b, BENCH_WALL, s->tile.stages + STAGE_intersect_closest, bare_stages, closest, "Mrays/s", "%s, closest, bare", s->name);
+    if (shadow > 0)
+        bench_row(b, BENCH_WALL, s->tile.stages + STAGE_intersect_shadow, bare_stages + 1, shadow, "Mrays/s", "%s, shadow, bare", s->name);
+    bench_mean_add(s->share, bench_row(b, BENCH_WALL, &render, &bare, closest + shadow, "Mrays/s", "%s, render share", s->name));
+    bench_mean_add(s->share_of_processor,
+                   bench_row(b, BENCH_CPU, &render, &bare, closest + shadow, "Mrays/s", "%s, render share of processor time", s->name));
+    return MCV_OK;
+}
+
+static mcv_result bench_loaded(scene_bench *s, const mcv_scene *scene) {
+    drive_options tile = drive_defaults(MCV_SCHEDULE_TILE), stream = drive_defaults(MCV_SCHEDULE_STREAM);
+    tile.clock = true;
+    MCV_TRY(drive_open(&s->b->cl, scene, tile, &s->tile.drive, s->error));
+    MCV_TRY(drive_open(&s->b->cl, scene, stream, &s->stream.drive, s->error));
+    MCV_TRY(bench_schedules(s));
+    MCV_TRY(record_rays(&s->stream.drive, s->tile.drive.schedule.slice, s->lists, s->error));
+    MCV_TRY(replay_open(&s->stream.drive, s->lists, &s->replay, s->error));
+    return bench_share(s);
+}
+
+static mcv_result bench_scene(bench *b, const char *name, bench_mean *share, bench_mean *share_of_processor, mcv_error *error) {
+    mcv_scene *scene = NULL;
+    scene_bench *s = calloc(1, sizeof *s);
+    if (!s) return mcv_fail(error, MCV_FAILED, "no memory");
+    *s = (scene_bench){.b = b, .name = name, .share = share, .share_of_processor = share_of_processor, .error = error};
+    mcv_result result = load_shipped(name, b->quick ? 1 << 12 : 1 << 14, &scene, error);
+    if (result == MCV_OK) result = bench_loaded(s, scene);
+    replay_close(&s->replay);
+    for (int k = 0; k < KINDS; ++k) list_free(s->lists + k);
+    drive_close(&s->tile.drive);
+    drive_close(&s->stream.drive);
+    mcv_scene_free(scene);
+    free(s);
+    return result;
+}
+
+static mcv_result run(bench *b, mcv_error *error) {
+    char *names[MAX_SCENES];
+    size_t count;
+    bench_mean share = {0}, share_of_processor = {0};
+    MCV_TRY(shipped_scenes(names, &count, error));
+    bench_title("Stages: tile (ours) and stream schedule (peer); rays in a render (ours) and bare (peer)");
+    mcv_result result = MCV_OK;
+    for (size_t i = 0; i < count; ++i) {
+        if (result == MCV_OK) result = bench_scene(b, names[i], &share, &share_of_processor, error);
+        free(names[i]);
+    }
+    MCV_TRY(result);
+    bench_summary(b, "render_share", bench_mean_value(&share));
+    bench_summary(b, "render_share_of_processor", bench_mean_value(&share_of_processor));
+    return MCV_OK;
+}
+
+int main(int argc, char **argv) { return bench_main(argc, argv, "stages", run); }
