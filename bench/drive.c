@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "cli/sensor.h"
+#include "harness.h"
 #include "scene/sensors.h"
 
 const char *const stage_names[STAGE_COUNT] = {
@@ -94,8 +95,13 @@ mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options,
     if (options.all_features) {
         packed->features = all_features(packed);
         packed->channels = 3;
+        if (!d->device.media) MCV_TRY(mcv_cl_buffer(cl, "the media", sizeof packed->media, packed->media, &d->device.media, error));
+        if (!d->device.interfaces)
+            MCV_TRY(mcv_cl_buffer(cl, "the interfaces", sizeof packed->interfaces, packed->interfaces, &d->device.interfaces, error));
     }
+    const bench_seconds begun = bench_now();
     MCV_TRY(mcv_schedule_open(cl, &d->device, scene->sensors[0].type, &render, &d->schedule, error));
+    d->seconds_program = bench_since(begun).by[BENCH_WALL];
     if (options.clock) MCV_TRY(add_clock(d, &render, error));
     d->clock = options.clock;
 

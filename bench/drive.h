@@ -23,7 +23,8 @@ typedef struct drive {
     mcv_render_stats stats; /* of the last run */
     float *sums;            /* of the last run */
     size_t sum_count;
-    bool clock; /* the program counts ticks: see kernels/clock.h */
+    double seconds_program; /* to build it */
+    bool clock;             /* the program counts ticks: see kernels/clock.h */
 } drive;
 
 typedef struct drive_options {
