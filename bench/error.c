@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Error against time: bench_error [OUTPUT.json], by default beside the program; the plot stands beside it as .png.
+ * Error against time: bench_error [--quick] [OUTPUT.json], by default beside the program; the plot stands beside it as .png. The quick
+ * one leaves out the reference.
  *
  * Two scenes at few pixels, rendered by the device with random and with Owen-scrambled Sobol' points, and by the reference, which has
  * random points only; 1 to 16384 samples a pixel.
@@ -8,9 +9,10 @@
  * compiled; one image a point. The summary holds the slopes of RMSE over samples: -1/2 for random numbers.
  */
 #include "convergence.h"
+#include "harness.h"
 #include "output/figure.h"
 
-#include <jansson.h>
+#include <ctype.h>
 #include <stdio.h>
 
 enum { SCENES = 2, SERIES = 3 };
@@ -27,6 +29,7 @@ static const struct {
                     {"reference", "random", true, MCV_SAMPLER_RANDOM, 0.9, 0.62, 0}};
 
 typedef struct results {
+    int series; /* shown: the first … */
     double mean[SCENES];
     convergence_point points[SCENES][SERIES][CONVERGENCE_STEPS];
 } results;
@@ -70,7 +73,7 @@ static double abscissa(const convergence_point *p, bool over_time) { return over
 static void draw_scene(cairo_t *page, const results *r, int scene, bool over_time, double x, double y) {
     axes a = {x, y, 330, 250, {INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
     char title[128];
-    for (int s = 0; s < SERIES; ++s) {
+    for (int s = 0; s < r->series; ++s) {
         for (int i = 0; i < CONVERGENCE_STEPS; ++i) {
             const convergence_point *p = &r->points[scene][s][i];
             const double decades[2] = {log10(abscissa(p, over_time)), log10(p->errors.rmse / r->mean[scene])};
@@ -82,7 +85,7 @@ static void draw_scene(cairo_t *page, const results *r, int scene, bool over_tim
     }
     snprintf(title, sizeof title, "%s: RMSE / mean", scene_files[scene]);
     draw_axes(page, &a, title, over_time ? "seconds" : "samples per pixel");
-    for (int s = 0; s < SERIES; ++s) {
+    for (int s = 0; s < r->series; ++s) {
         cairo_set_source_rgb(page, series[s].red, series[s].green, series[s].blue);
         cairo_set_line_width(page, 2);
         for (int i = 0; i < CONVERGENCE_STEPS; ++i) {
@@ -92,7 +95,7 @@ static void draw_scene(cairo_t *page, const results *r, int scene, bool over_tim
         cairo_stroke(page);
         if (over_time) continue;
         snprintf(title, sizeof title, "%s, %s: slope %.2f", series[s].renderer, series[s].sampler, slope_of_rmse(r->points[scene][s]));
-        mcv_page_text(page, a.x + 8, a.y + a.height - 8 - 16 * (SERIES - 1 - s), 0, title);
+        mcv_page_text(page, a.x + 8, a.y + a.height - 8 - 16 * (r->series - 1 - s), 0, title);
     }
     cairo_set_source_rgb(page, 0, 0, 0);
 }
@@ -108,22 +111,25 @@ static mcv_result draw(const results *r, const char *path, mcv_error *error) {
 
 /* --- measurement ------------------------------------------------------------------------------------------------ */
 
-static void note_series(json_t *rows, json_t *slopes, int scene, int s, const convergence_point points[CONVERGENCE_STEPS]) {
+/* A row for each number of samples: ours are Sobol' points, their peer the random ones of the same renderer. */
+static void note_series(bench *b, const results *r, int scene, int s, const convergence_point points[CONVERGENCE_STEPS]) {
+    char key[64];
     for (int i = 0; i < CONVERGENCE_STEPS; ++i) {
-        json_array_append_new(rows,
-                              json_pack("{s:s, s:s, s:s, s:I, s:f, s:f, s:f}", "scene", scene_files[scene], "renderer", series[s].renderer,
-                                        "sampler", series[s].sampler, "samples", (json_int_t)points[i].samples, "seconds",
-                                        points[i].seconds, "rmse", points[i].errors.rmse, "relative_mse", points[i].errors.relative_mse));
+        const bool sobol = series[s].sampler_id == MCV_SAMPLER_SOBOL;
+        const double random = r->points[scene][0][i].errors.rmse / r->mean[scene];
+        bench_number(b, points[i].errors.rmse / r->mean[scene], sobol ? random : NAN, "RMSE/mean", "%s, %s %s, %llu samples",
+                     scene_files[scene], series[s].renderer, series[s].sampler, (unsigned long long)points[i].samples);
+        bench_more(b, "samples", (double)points[i].samples);
+        bench_more(b, "seconds", points[i].seconds);
+        bench_more(b, "relative_mse", points[i].errors.relative_mse);
     }
-    const convergence_point *last = &points[CONVERGENCE_STEPS - 1];
-    printf("%-20s %-10s %-7s slope %6.3f, RMSE %.3g after %llu samples, %.3g s\n", scene_files[scene], series[s].renderer,
-           series[s].sampler, slope_of_rmse(points), last->errors.rmse, (unsigned long long)last->samples, last->seconds);
-    fflush(stdout);
-    json_array_append_new(slopes, json_pack("{s:s, s:s, s:s, s:f}", "scene", scene_files[scene], "renderer", series[s].renderer, "sampler",
-                                            series[s].sampler, "slope", slope_of_rmse(points)));
+    snprintf(key, sizeof key, "slope %.*s %s %s", (int)strcspn(scene_files[scene], "."), scene_files[scene], series[s].renderer,
+             series[s].sampler);
+    for (char *c = key; *c; ++c) *c = isalnum((unsigned char)*c) ? *c : '_';
+    bench_summary(b, key, slope_of_rmse(points));
 }
 
-static mcv_result measure_scene(results *r, int scene, json_t *rows, json_t *slopes, json_t *truths, mcv_error *error) {
+static mcv_result measure_scene(bench *b, results *r, int scene, mcv_error *error) {
     mcv_scene *loaded;
     mcv_film truth;
     mcv_render_stats stats;
@@ -132,16 +138,11 @@ static mcv_result measure_scene(results *r, int scene, json_t *rows, json_t *slo
     mcv_result result = render_truth(loaded, &truth, &stats, error);
     if (result == MCV_OK) {
         r->mean[scene] = mcv_film_mean(&truth);
-        json_array_append_new(truths,
-                              json_pack("{s:s, s:I, s:I, s:I, s:f, s:f, s:f, s:s, s:s}", "scene", scene_files[scene], "width",
-                                        (json_int_t)truth.width, "height", (json_int_t)truth.height, "samples", (json_int_t)TRUTH_SAMPLES,
-                                        "mean", r->mean[scene], "standard_error", mcv_film_relative_error(&truth) * r->mean[scene],
-                                        "seconds", stats.seconds_render, "device", stats.device, "driver", stats.driver));
         printf("%-20s truth: %u x %u pixels, %llu samples, mean %.4g, standard error %.2g, %.1f s, %s\n", scene_files[scene], truth.width,
                truth.height, (unsigned long long)truth.samples * truth.replicates, r->mean[scene],
                mcv_film_relative_error(&truth) * r->mean[scene], stats.seconds_render, stats.device);
     }
-    for (int s = 0; s < SERIES && result == MCV_OK; ++s) {
+    for (int s = 0; s < r->series && result == MCV_OK; ++s) {
         convergence_point *points = r->points[scene][s];
         if (!series[s].reference) {
             mcv_render_options warm = mcv_render_defaults();
@@ -152,34 +153,21 @@ static mcv_result measure_scene(results *r, int scene, json_t *rows, json_t *slo
             mcv_film_free(&film);
         }
         if (result == MCV_OK) result = converge(loaded, series[s].reference, series[s].sampler_id, &truth, points, error);
-        if (result == MCV_OK) note_series(rows, slopes, scene, s, points);
+        if (result == MCV_OK) note_series(b, r, scene, s, points);
     }
     mcv_film_free(&truth);
     mcv_scene_free(loaded);
     return result;
 }
 
-static mcv_result write_report(const char *path, json_t *report, mcv_error *error) {
-    if (json_dump_file(report, path, JSON_INDENT(1) | JSON_REAL_PRECISION(6)) == 0) return MCV_OK;
-    return mcv_fail(error, MCV_FAILED, "%s: cannot be written", path);
+static mcv_result run(bench *b, mcv_error *error) {
+    static results r;
+    char plot[sizeof b->stem + 8];
+    snprintf(plot, sizeof plot, "%s.png", b->stem);
+    r.series = b->quick ? SERIES - 1 : SERIES;
+    bench_title("Error: Sobol' points (ours) and random ones (peer)");
+    for (int scene = 0; scene < SCENES; ++scene) MCV_TRY(measure_scene(b, &r, scene, error));
+    return draw(&r, plot, error);
 }
 
-int main(int argc, char **argv) {
-    static results r;
-    mcv_error error = {""};
-    char path[1024], plot[1024];
-    const char *name = argc > 1 ? argv[1] : argv[0];
-    const size_t length = strlen(name);
-    const int stem = (int)(length > 5 && strcmp(name + length - 5, ".json") == 0 ? length - 5 : length);
-    snprintf(path, sizeof path, "%.*s.json", stem, name);
-    snprintf(plot, sizeof plot, "%.*s.png", stem, name);
-    json_t *rows = json_array(), *slopes = json_array(), *truths = json_array();
-    mcv_result result = MCV_OK;
-    for (int scene = 0; scene < SCENES && result == MCV_OK; ++scene) result = measure_scene(&r, scene, rows, slopes, truths, &error);
-    json_t *report = json_pack("{s:o, s:{s:o, s:o}}", "rows", rows, "summary", "slopes", slopes, "truths", truths);
-    if (result == MCV_OK) result = write_report(path, report, &error);
-    if (result == MCV_OK) result = draw(&r, plot, &error);
-    json_decref(report);
-    if (result != MCV_OK) fprintf(stderr, "bench_error: %s\n", error.text);
-    return result;
-}
+int main(int argc, char **argv) { return bench_main(argc, argv, "error", run); }
