@@ -25,17 +25,17 @@ static int is_scene(const struct dirent *entry) {
     return ending && (strcmp(ending, ".gltf") == 0 || strcmp(ending, ".glb") == 0) && strcmp(entry->d_name, "2CylinderEngine.glb") != 0;
 }
 
-mcv_result shipped_scenes(char *names[MAX_SCENES], size_t *count, mcv_error *error) {
+mcv_result shipped_scenes(const char *only, char *names[MAX_SCENES], size_t *count, mcv_error *error) {
     struct dirent **entries;
     *count = 0;
     const int found = scandir(MCV_SOURCE_DIR "/scenes", &entries, is_scene, alphasort);
     if (found < 0) return mcv_fail(error, MCV_FAILED, "%s: cannot be read", MCV_SOURCE_DIR "/scenes");
     for (int i = 0; i < found; ++i) {
-        if (*count < MAX_SCENES) names[(*count)++] = strdup(entries[i]->d_name);
+        if (*count < MAX_SCENES && (!only || strstr(entries[i]->d_name, only))) names[(*count)++] = strdup(entries[i]->d_name);
         free(entries[i]);
     }
     free(entries);
-    return MCV_OK;
+    return *count > 0 ? MCV_OK : mcv_fail(error, MCV_USAGE, "no scene has \"%s\" in its name", only ? only : "");
 }
 
 mcv_result load_shipped(const char *name, double pixels, mcv_scene **scene, mcv_error *error) {

@@ -209,6 +209,8 @@ int bench_main(int argc, char **argv, const char *name, mcv_result (*run)(bench 
         if (strcmp(argv[i], "--quick") == 0) {
             b.quick = true;
             b.repetitions = BENCH_QUICK_REPETITIONS;
+        } else if (strcmp(argv[i], "--only") == 0 && i + 1 < argc) {
+            b.only = argv[++i];
         } else {
             output = argv[i];
         }

@@ -20,7 +20,8 @@ enum { BENCH_REPETITIONS = 7, BENCH_QUICK_REPETITIONS = 5 };
 typedef enum bench_clock { BENCH_WALL, BENCH_CPU } bench_clock;
 
 typedef struct bench {
-    bool quick; /* --quick: smaller cases, for development */
+    bool quick;       /* --quick: smaller cases, for development */
+    const char *only; /* --only TEXT: only scenes of such a name; NULL: all */
     int repetitions;
     mcv_cl cl; /* the first device, all of its cores */
     json_t *rows, *summary;
@@ -39,8 +40,8 @@ typedef struct bench_side {
 } bench_side;
 
 /*
- * main of a benchmark: PROGRAM [--quick] [OUTPUT.json], by default beside the program. Opens the device, runs, and writes rows, summary,
- * device, driver, compiler, commit, cores and the load that the machine had at the beginning.
+ * main of a benchmark: PROGRAM [--quick] [--only TEXT] [OUTPUT.json], by default beside the program. Opens the device, runs, and writes
+ * rows, summary, device, driver, compiler, commit, cores and the load that the machine had at the beginning.
  */
 int bench_main(int argc, char **argv, const char *name, mcv_result (*run)(bench *b, mcv_error *error));
 

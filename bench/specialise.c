@@ -213,7 +213,7 @@ static mcv_result run(bench *b, mcv_error *error) {
     char *names[MAX_SCENES];
     size_t count;
     bench_mean mean = {0}, of_processor = {0};
-    MCV_TRY(shipped_scenes(names, &count, error));
+    MCV_TRY(shipped_scenes(b->only, names, &count, error));
     bench_title("Programs: what the scene needs (ours) and all features (peer)");
     mcv_result result = MCV_OK;
     for (size_t i = 0; i < count; ++i) {

@@ -458,7 +458,7 @@ static mcv_result run(bench *b, mcv_error *error) {
     char *names[MAX_SCENES];
     size_t count;
     bench_mean share = {0}, share_of_processor = {0};
-    MCV_TRY(shipped_scenes(names, &count, error));
+    MCV_TRY(shipped_scenes(b->only, names, &count, error));
     bench_title("Stages: tile (ours) and stream schedule (peer); rays in a render (ours) and bare (peer)");
     mcv_result result = MCV_OK;
     for (size_t i = 0; i < count; ++i) {
