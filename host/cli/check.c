@@ -100,7 +100,7 @@ static void report_place(mcv_report *report, const mcv_transform *to_world) {
 /* Less of a pupil, or of the directions, is likely not meant. */
 static const double little = 0.5;
 
-/* What the parallel emitters before a sensor light of its pupil, or of its directions. */
+/* What the emitters of a cone before a sensor light of its pupil, or of its directions. */
 static mcv_result report_fillings(mcv_report *report, mcv_scene *scene, uint32_t index, mcv_error *error) {
     const mcv_sensor *sensor = scene->sensors + index;
     const bool directions = sensor->type == MCV_SENSOR_LIGHT_FIELD;
