@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Ring, bar and dome: the power and the irradiance that their manual pages promise, by closed forms; what is refused. */
+/* Ring, bar, dome and coaxial: the power and the irradiance that their manual pages promise, by closed forms; what is refused. */
 #include "reference_checks.h"
 #include "scene_files.h"
 
@@ -41,6 +41,12 @@ static void look_at_plate(mcv_scene *scene, double h, double size, const double 
     add_spot_camera(scene, eye, target, 1e-4);
 }
 
+/* Rays that meet the light by chance only need many. */
+static uint64_t samples_of(const char *emitter) {
+    if (!strstr(emitter, "coaxial")) return 1 << 10;
+    return strstr(emitter, "halfAngle") ? 1 << 16 : 1 << 14;
+}
+
 /* Both renderers must see ρ E/π, E being known within `slack`, its relative error. */
 static void expect_irradiance(const char *emitter, double h, double size, const double from[3], double irradiance, double slack,
                               const char *what) {
@@ -53,7 +59,7 @@ static void expect_irradiance(const char *emitter, double h, double size, const 
         mcv_film film = {0};
         char name[96];
         options.replicates = REPLICATES;
-        options.last = 1024;
+        options.last = samples_of(emitter);
         options.seed = 1;
         BUILD((reference ? mcv_reference_render : mcv_render)(scene, 0, &options, &film, &stats, &builder_error));
         const mcv_estimate estimate = film_estimate(&film, 0, 1);
@@ -154,6 +160,39 @@ static void test_dome(void **state) {
     mcv_scene_free(scene);
 }
 
+/*
+ * The half mirror shows the panel turned, 0.55 of the height above the window's middle, and cuts off nothing: E is r times a rectangle's
+ * there. Beside it the plate sees the panel itself, upright at the distance d and from z1 to z2 above the plate: the view factor of a
+ * rectangle that stands on the plane is that of half-width a up to z2 less that up to z1. A cone that both leave whole: E = r π L sin²β.
+ * Rays find the panel in the mirror by chance only.
+ */
+static void test_coaxial(void **state) {
+    static const double aside[3] = {0.3, 0, 0.1}, above[3] = {0.002, 0.001, 0.3};
+    const double width = 0.04, height = 0.05, h = 0.06, d = 0.55 * height, depth = h + d, x = width / 2 / depth, y = height / 2 / depth;
+    const double p = sqrt(1 + x * x), q = sqrt(1 + y * y), turned = 2 * (x / p * atan(y / p) + y / q * atan(x / q));
+    const double low = hypot(d, h - height / 2), high = hypot(d, h + height / 2);
+    const double upright = d / low * atan(width / 2 / low) - d / high * atan(width / 2 / high);
+    (void)state;
+    expect_irradiance("\"type\":\"coaxial\",\"size\":[0.04,0.05],\"reflectance\":0.3,\"transmittance\":0.6,\"radiance\":2", h, 0.5, aside,
+                      2 * (0.3 * turned + upright), 1e-6, "coaxial");
+    expect_irradiance("\"type\":\"coaxial\",\"size\":[0.04,0.05],\"power\":2", h, 0.5, aside,
+                      2 / (M_PI * width * height) * (0.5 * turned + upright), 1e-6, "coaxial of 2 W");
+    expect_irradiance("\"type\":\"coaxial\",\"size\":[0.04,0.05],\"power\":2,\"halfAngle\":0.2", h, 0.5, aside, 0.5 * 2 / (width * height),
+                      1e-6, "directed coaxial of 2 W");
+
+    mcv_scene *scene =
+        load("\"type\":\"coaxial\",\"size\":[0.04,0.05],\"reflectance\":0.3,\"transmittance\":0.6,\"radiance\":2,\"halfAngle\":0.1");
+    double eye[3], target[3];
+    mcv_render_stats stats;
+    in_world(above, eye);
+    in_world((const double[3]){0.002, 0.001, -h}, target);
+    const mcv_material silver = {.as.mirror.reflectance = {1, 1, 1}};
+    add_rectangle(scene, 0.1, 0.1, add_material(scene, MCV_MATERIAL_MIRROR, &silver), looking(target, sides[2], sides[1]));
+    add_spot_camera(scene, eye, target, 1e-4);
+    check_mean("a mirror under a coaxial light", render_mean(scene, 4096, 8, true, &stats), 0.3 * 0.6 * 2, 0);
+    mcv_scene_free(scene);
+}
+
 /* exitance π sin²β L times area: what all of it emits. */
 static void test_power(void **state) {
     static const struct {
@@ -188,7 +227,7 @@ static void test_bad_input(void **state) {
         const char *emitter, *node, *says;
     } cases[] = {
         {"\"type\":\"rign\"", "", "emitters/e/type: unknown type \"rign\": did you mean \"ring\"?"},
-        {"\"type\":\"hemisphericalSpot\"", "", "ring, bar, dome"},
+        {"\"type\":\"hemisphericalSpot\"", "", "ring, bar, dome, coaxial"},
         {"\"type\":\"ring\",\"radiance\":1", "", "emitters/e/innerDiameter: is missing"},
         {"\"type\":\"ring\",\"innerDiameter\":0.1,\"outerDiameter\":0.1,\"radiance\":1", "",
          "emitters/e/innerDiameter: 0.1 m must be less than outerDiameter, 0.1 m"},
@@ -201,6 +240,8 @@ static void test_bad_input(void **state) {
          "emitters/e/halfAngle: 0 would be"},
         {"\"type\":\"bar\",\"length\":0.1,\"width\":0.2,\"radiance\":1,\"halfAngle\":\"91deg\"", "", "emitters/e/halfAngle: "},
         {"\"type\":\"bar\",\"length\":0.1,\"width\":0,\"radiance\":1", "", "emitters/e/width: 0 must be above 0"},
+        {"\"type\":\"coaxial\",\"radiance\":1", "", "emitters/e/size: is missing"},
+        {"\"type\":\"coaxial\",\"size\":0.1,\"reflectance\":0.6,\"radiance\":1", "", "emitters/e/transmittance: 0.5 and reflectance 0.6"},
         {"\"type\":\"dome\",\"diameter\":0.1,\"holeDiameter\":0.2,\"radiance\":1", "",
          "emitters/e/holeDiameter: 0.2 m must be less than diameter"},
         {"\"type\":\"dome\",\"diameter\":0.1,\"holeDiameter\":0.02,\"radiance\":1,\"halfAngle\":1", "", "unknown key \"halfAngle\""},
@@ -232,8 +273,8 @@ static void test_bad_input(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_power), cmocka_unit_test(test_ring),      cmocka_unit_test(test_bar),
-        cmocka_unit_test(test_dome),  cmocka_unit_test(test_bad_input),
+        cmocka_unit_test(test_power), cmocka_unit_test(test_ring),    cmocka_unit_test(test_bar),
+        cmocka_unit_test(test_dome),  cmocka_unit_test(test_coaxial), cmocka_unit_test(test_bad_input),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -23,6 +23,11 @@ static mcv_result check_shape(const mcv_preset *preset, const mcv_place *place, 
     const mcv_dome_params *dome = &preset->as.dome;
     if (preset->type == MCV_PRESET_RING)
         return check_diameters(ring->innerDiameter, ring->outerDiameter, "innerDiameter", "outerDiameter", place, error);
+    if (preset->type == MCV_PRESET_COAXIAL) {
+        const mcv_place here = mcv_place_key(place, "transmittance");
+        const double r = preset->as.coaxial.reflectance, t = preset->as.coaxial.transmittance;
+        if (r + t > 1) return mcv_fail_at(&here, error, "%g and reflectance %g are more than 1 together", t, r);
+    }
     if (preset->type == MCV_PRESET_DOME)
         return check_diameters(dome->holeDiameter, dome->diameter, "holeDiameter", "diameter", place, error);
     return MCV_OK;
@@ -115,6 +120,34 @@ static mcv_result add_dome(mcv_loader *loader, const mcv_dome_params *p, const c
 static mcv_result add_bar(mcv_loader *loader, const mcv_bar_params *p, const char *name, const mcv_transform *to_world,
                           const mcv_place *place, mcv_error *error) {
     return mcv_load_rectangle(loader, name, (const double[2]){p->length, p->width}, false, to_world, place, error);
+}
+
+static mcv_result add_half_mirror(mcv_loader *loader, const mcv_coaxial_params *p, const char *name, const mcv_transform *to_world,
+                                  const mcv_place *place, mcv_error *error) {
+    mcv_material material = {.name = (char *)name, .type = MCV_MATERIAL_BEAM_SPLITTER, .texture = MCV_NONE};
+    for (int k = 0; k < 3; ++k) {
+        material.as.beam_splitter.reflectance[k] = p->reflectance;
+        material.as.beam_splitter.transmittance[k] = p->transmittance;
+    }
+    MCV_TRY(mcv_load_rectangle(loader, name, (const double[2]){p->size[0], M_SQRT2 * p->size[1]}, false, to_world, place, error));
+    loader->scene->instances[loader->scene->instance_count - 1].material = loader->scene->material_count;
+    return mcv_scene_add_material(loader->scene, &material, error);
+}
+
+/* The panel first: it is what shines. */
+static mcv_result add_coaxial(mcv_loader *loader, const mcv_coaxial_params *p, const char *name, const mcv_transform *to_world,
+                              const mcv_place *place, mcv_error *error) {
+    const double y = 0.55 * p->size[1], s = M_SQRT1_2;
+    mcv_transform frame;
+    if (!mcv_transform_rigid(to_world, &frame)) return mcv_fail_at(place, error, "its scale must not be 0");
+    /* By columns: each rectangle's x, y and z, and where its middle is; it faces its -z. */
+    const mcv_transform panel = {{1, 0, 0, 0, 0, 1, 0, -1, 0, 0, y, 0}}, wall = {{1, 0, 0, 0, 0, -1, 0, 1, 0, 0, -y, 0}};
+    const mcv_transform mirror = {{1, 0, 0, 0, s, -s, 0, s, s, 0, 0, 0}};
+    const mcv_transform parts[] = {mcv_transform_compose(&frame, &panel), mcv_transform_compose(&frame, &wall),
+                                   mcv_transform_compose(&frame, &mirror)};
+    MCV_TRY(mcv_load_rectangle(loader, name, p->size, false, parts, place, error));
+    MCV_TRY(mcv_load_rectangle(loader, name, p->size, false, parts + 1, place, error));
+    return add_half_mirror(loader, p, name, parts + 2, place, error);
 }
 
 mcv_result mcv_load_preset(mcv_loader *loader, const mcv_preset *preset, const char *name, const mcv_transform *to_world,

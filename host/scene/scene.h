@@ -30,6 +30,7 @@
 #include "mcvisi/materials/sheet.h"
 #include "mcvisi/pattern.h"
 #include "mcvisi/presets/bar.h"
+#include "mcvisi/presets/coaxial.h"
 #include "mcvisi/presets/dome.h"
 #include "mcvisi/presets/ring.h"
 #include "mcvisi/sensors/light_field.h"

@@ -27,7 +27,8 @@
 #define MCV_PRESETS(X) \
     X(ring, "ring", RING) \
     X(bar, "bar", BAR) \
-    X(dome, "dome", DOME)
+    X(dome, "dome", DOME) \
+    X(coaxial, "coaxial", COAXIAL)
 
 #define MCV_MATERIALS(X) \
     X(diffuse, "diffuse", DIFFUSE) \
