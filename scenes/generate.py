@@ -16,6 +16,7 @@ import images
 import lights
 import part
 import report
+import setups
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 
@@ -24,7 +25,9 @@ def main(arguments):
     if len(arguments) > 1 or arguments[:1] in (["-h"], ["--help"]):
         print(__doc__.strip())
         return 0 if len(arguments) == 1 else 2
-    files = {**report.files(), **part.files(), **basics.files(), **images.files(), **lights.files()}
+    files = {}
+    for module in (report, part, basics, images, lights, setups):
+        files.update(module.files())
     if arguments == ["--check"]:
         return check(files)
     for name, data in files.items():

@@ -48,7 +48,7 @@ class Scene:
         self.asset = {"version": "2.0", "generator": "scenes/generate.py", "extras": {"note": note}}
         self.nodes, self.meshes, self.materials = [], [], []
         self.accessors, self.views, self.binary = [], [], bytearray()
-        self.images, self.lights = [], []
+        self.images, self.textures, self.lights = [], [], []
         self.elements = {}  # "sensor" or "emitter" -> its root array
         self.extensions = set()
 
@@ -60,6 +60,15 @@ class Scene:
                                **more, "extensions": extensions})
         return len(self.materials) - 1
 
+    def metal(self, name, roughness, image=None, colour=1):
+        """A core glTF metal, of one grey or as an image has it; returns its index."""
+        pbr = {"metallicFactor": 1, "roughnessFactor": roughness, "baseColorFactor": [colour, colour, colour, 1]}
+        if image:
+            pbr["baseColorTexture"] = {"index": len(self.textures)}
+            self.textures.append({"source": [i["name"] for i in self.images].index(image)})
+        self.materials.append({"name": name, "pbrMetallicRoughness": pbr})
+        return len(self.materials) - 1
+
     def _accessor(self, data, component, kind, count, target, bounds=None):
         self.binary += bytes(-len(self.binary) % 4)
         self.views.append({"buffer": 0, "byteOffset": len(self.binary), "byteLength": len(data), "target": target})
@@ -68,7 +77,7 @@ class Scene:
                                **(bounds or {})})
         return len(self.accessors) - 1
 
-    def mesh(self, name, material, positions, triangles, normals=None):
+    def mesh(self, name, material, positions, triangles, normals=None, texcoords=None):
         """An indexed triangle mesh; without normals it is flat. Returns its index."""
         pack = struct.Struct("<3f").pack
         low = [rounded(min(p[i] for p in positions)) for i in range(3)]
@@ -77,6 +86,8 @@ class Scene:
                                                  {"min": low, "max": high})}
         if normals:
             attributes["NORMAL"] = self._accessor(b"".join(pack(*n) for n in normals), FLOAT, "VEC3", len(normals), VERTICES)
+        if texcoords:
+            attributes["TEXCOORD_0"] = self._accessor(b"".join(struct.pack("<2f", *t) for t in texcoords), FLOAT, "VEC2", len(texcoords), VERTICES)
         wide = len(positions) > 65535  # 65535 itself is reserved
         flat = [i for triangle in triangles for i in triangle]
         indices = self._accessor(struct.pack("<%d%s" % (len(flat), "I" if wide else "H"), *flat), U32 if wide else U16, "SCALAR",
@@ -93,9 +104,9 @@ class Scene:
         self.images.append({"name": name, "mimeType": "image/png", "bufferView": len(self.views) - 1})
         return name
 
-    def node(self, name, sensor=None, emitter=None, light=None, **more):
-        """A node, with a sensor, an emitter or a light of KHR_lights_punctual of its own if given; returns its index."""
-        extensions = {}
+    def node(self, name, sensor=None, emitter=None, light=None, pose=None, **more):
+        """A node, with a sensor, an emitter or a light of KHR_lights_punctual of its own and an MCVISI_pose if given; returns its index."""
+        extensions = {"MCVISI_pose": pose} if pose else {}
         if light:
             extensions["KHR_lights_punctual"] = {"light": len(self.lights)}
             self.lights.append(dict({"name": name}, **light))
@@ -115,7 +126,8 @@ class Scene:
             extensions["KHR_lights_punctual"] = {"lights": self.lights}
         tree = {"asset": self.asset, "scene": 0, "scenes": [{"nodes": roots}], "extensionsUsed": sorted(self.extensions),
                 "extensions": extensions,
-                "nodes": self.nodes, "materials": self.materials, "meshes": self.meshes, "images": self.images, "accessors": self.accessors,
+                "nodes": self.nodes, "materials": self.materials, "meshes": self.meshes, "images": self.images, "textures": self.textures,
+                "accessors": self.accessors,
                 "bufferViews": self.views}
         return {key: value for key, value in tree.items() if value != [] and value != {}}
 

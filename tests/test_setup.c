@@ -63,9 +63,45 @@ static void test_emitter_that_lights_nothing(void **state) {
     add_panel(scene, looking_down_z(0, 0, 0));
     expect(scene, "lights nothing", 0, "a panel beside the lens");
 
+    /* A panel of 0.1 m to the side, parallel light of 20 mrad: at 0.3 m it reaches 70.7 + 6 mm from its axis. The box's ball has 1.7 mm. */
+    static const double asides[] = {0.076, 0.080};
+    for (int i = 0; i < 2; ++i) {
+        scene = with_camera(looking((const double[3]){0, 0, 0.1}, (const double[3]){0, 0, 1}, (const double[3]){0, 1, 0}));
+        add_panel(scene, looking_down_z(0, 0, 0));
+        add_box(scene, half, add_diffuse(scene, 0.5), looking_up_z(asides[i], 0, -0.3));
+        expect(scene, "emitter \"emitter\" lights nothing", i, "a panel whose beam passes a part");
+    }
+
     scene = with_camera(looking_down_z(0, 0, 0));
     add_emitter(scene, MCV_EMITTER_AREA, add_sphere(scene, 0.01, 8, add_absorber(scene), looking_up_z(0, 0, 0.2)), 1, 0);
     expect(scene, "lights nothing", 0, "a sphere shines everywhere");
+}
+
+static void test_sensor_that_sees_nothing(void **state) {
+    const double half[3] = {1e-3, 1e-3, 1e-3};
+    (void)state;
+    /* Its lens has a diameter of 10 √2 mm + 2 · 0.25 m/64, NA 1/64: at 0.2 m it sees 14.1 mm from its axis. The box's ball has 1.7 mm. */
+    static const struct {
+        double x, z;
+        int expected;
+    } cases[] = {{0, -0.2, 0}, {0, 0.2, 1}, {0.0157, -0.2, 0}, {0.0159, -0.2, 1}, {0.0159, -0.9, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        mcv_scene *scene = with_camera(looking_down_z(0, 0, 0));
+        add_box(scene, half, add_diffuse(scene, 0.5), looking_up_z(cases[i].x, 0, cases[i].z));
+        expect(scene, "sensor \"sensor\" sees nothing", cases[i].expected, "a camera and a box");
+    }
+    mcv_scene *scene = with_camera(looking_down_z(0, 0, 0));
+    add_environment(scene, 1);
+    expect(scene, "sees nothing", 0, "a camera under the sky");
+    /* A pinhole of full field 1 at distance 1 sees its corner under tan = √½. */
+    scene = mcv_scene_new("pinhole");
+    add_pinhole(scene, 8, 1, looking_down_z(0, 0, 0));
+    add_box(scene, half, add_diffuse(scene, 0.5), looking_up_z(0.8, 0, -1));
+    expect(scene, "sees nothing", 1, "a box beside a pinhole's view");
+    scene = mcv_scene_new("pinhole");
+    add_pinhole(scene, 8, 1, looking_down_z(0, 0, 0));
+    add_box(scene, half, add_diffuse(scene, 0.5), looking_up_z(0.49, 0.49, -1));
+    expect(scene, "sees nothing", 0, "a box in the corner of a pinhole's view");
 }
 
 /* A box without its last triangles, in two primitives of one node. */
@@ -179,6 +215,57 @@ static void test_pupil(void **state) {
     mcv_scene_free(scene);
 }
 
+/* An emitter with an image of one white pixel, on a rectangle that faces the camera; the scene takes its other parameters from `values`. */
+static mcv_scene *before_picture(mcv_emitter *values, double f_number) {
+    static const uint8_t white[4] = {255, 255, 255, 255};
+    mcv_scene *scene = mcv_scene_new("picture");
+    const mcv_sensor sensor = telecentric(f_number);
+    const mcv_texture texture = {
+        .name = (char *)"white", .width = 1, .height = 1, .wrap_s = 33071, .wrap_t = 33071, .nearest = true, .rgba = (uint8_t *)white};
+    float positions[] = {-0.05f, -0.05f, 0, 0.05f, -0.05f, 0, 0.05f, 0.05f, 0, -0.05f, 0.05f, 0}, texcoords[] = {0, 1, 1, 1, 1, 0, 0, 0};
+    uint32_t indices[] = {0, 2, 1, 0, 3, 2};
+    const mcv_mesh mesh = {.vertex_count = 4, .triangle_count = 2, .positions = positions, .texcoords = texcoords, .indices = indices};
+    add_sensor(scene, MCV_SENSOR_TELECENTRIC, &sensor, looking_down_z(0, 0, 0));
+    BUILD(mcv_scene_add_texture(scene, &texture, &builder_error));
+    values->name = (char *)"picture";
+    values->texture = MCV_NONE;
+    values->instance = add_instance(scene, &mesh, add_absorber(scene), looking_up_z(0, 0, -0.3));
+    BUILD(mcv_scene_add_emitter(scene, values, &builder_error));
+    return scene;
+}
+
+/*
+ * A projector's cone fills a pupil as the parallel emitter's does. A light field emitter's directions are a square in the pupil, of
+ * half-width a f for sines up to a (the tangents of NA 1/64 are longer by 1.2e-4): of the stop's area it takes (2 a/NA)²/π while its
+ * corners lie inside. 65536 rays in 4096 strata, of which at most 4 · 64 + 1 of a pixel's 256 straddle an edge: bounds as above.
+ */
+static void test_pupil_before_pictures(void **state) {
+    const double aperture = 0.25 / 16, inside = 5 * sqrt(4096 / 4.0) / 65536;
+    (void)state;
+    mcv_emitter projector = {.type = MCV_EMITTER_TELECENTRIC_PROJECTOR};
+    mcv_params_set_defaults(mcv_emitter_table(projector.type), &projector.as);
+    mcv_telecentric_projector_params *p = &projector.as.telecentric_projector;
+    p->image = 0;
+    p->halfAngle = 0.01;
+    p->size[0] = p->size[1] = 0.1;
+    for (int k = 0; k < 3; ++k) p->radiance[k] = 1;
+    mcv_scene *scene = before_picture(&projector, 8);
+    check("share of the pupil before a projector", filling_of(scene), pow(tan(0.01) / aperture, 2), inside);
+    mcv_scene_free(scene);
+
+    mcv_emitter display = {.type = MCV_EMITTER_LIGHT_FIELD_EMITTER};
+    mcv_params_set_defaults(mcv_emitter_table(display.type), &display.as);
+    mcv_light_field_emitter_params *q = &display.as.light_field_emitter;
+    q->image = 0;
+    for (int k = 0; k < 2; ++k) q->spatialResolution[k] = q->angularResolution[k] = 1;
+    q->angularRange = 0.6 * aperture;
+    q->size[0] = q->size[1] = 0.1;
+    for (int k = 0; k < 3; ++k) q->radiance[k] = 1;
+    scene = before_picture(&display, 8);
+    check("share of the pupil before a light field emitter", filling_of(scene), 1.44 / M_PI, 2 * inside + 1.44 / M_PI * 3e-4);
+    mcv_scene_free(scene);
+}
+
 /*
  * One macro pixel on the axis sees under κ|o|. A cone that reaches 1.1 directions from the middle lights the middle and its eight
  * neighbours (the sixteenth of a corner one nearest to the middle ends at 0.75 √2 < 1.1, the next direction begins at 1.5).
@@ -206,9 +293,11 @@ static void test_directions(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_emitter_that_lights_nothing),
+        cmocka_unit_test(test_sensor_that_sees_nothing),
         cmocka_unit_test(test_open_bodies),
         cmocka_unit_test(test_units),
         cmocka_unit_test(test_pupil),
+        cmocka_unit_test(test_pupil_before_pictures),
         cmocka_unit_test(test_directions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

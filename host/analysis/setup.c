@@ -1,11 +1,31 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "analysis/setup.h"
 
+#include "scene/emitters.h"
 #include "scene/sensors.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+static void vertex_in_world(const mcv_scene *scene, uint32_t instance, size_t vertex, double world[3]) {
+    const float *p = scene->meshes[scene->instances[instance].mesh].positions + 3 * vertex;
+    mcv_transform_point(&scene->instances[instance].to_world, (const double[3]){p[0], p[1], p[2]}, world);
+}
+
+/* The instance's box in the world. */
+static void box_of(const mcv_scene *scene, uint32_t instance, double lower[3], double upper[3]) {
+    const mcv_mesh *mesh = scene->meshes + scene->instances[instance].mesh;
+    for (int k = 0; k < 3; ++k) lower[k] = INFINITY, upper[k] = -INFINITY;
+    for (size_t v = 0; v < mesh->vertex_count; ++v) {
+        double world[3];
+        vertex_in_world(scene, instance, v, world);
+        for (int k = 0; k < 3; ++k) {
+            lower[k] = fmin(lower[k], world[k]);
+            upper[k] = fmax(upper[k], world[k]);
+        }
+    }
+}
 
 /* --- emitters that light nothing -------------------------------------------------------------------------------- */
 
@@ -66,28 +86,100 @@ static double lens_radius(const mcv_sensor *sensor) {
     }
 }
 
-static double height_above(const double normal[3], const double point[3], const double p[3]) {
-    return dot(normal, (const double[3]){p[0] - point[0], p[1] - point[1], p[2] - point[2]});
+/* What lies before a disk within `tangent` of its edge, per depth: what a light can reach, or a sensor see, at the very most. */
+typedef struct beam {
+    double centre[3], axis[3]; /* unit */
+    double radius, tangent;
+} beam;
+
+/* Does any of a ball lie in the beam? Close to its edge the answer may be yes for no. */
+static bool meets_ball(const beam *b, const double centre[3], double radius) {
+    const double from[3] = {centre[0] - b->centre[0], centre[1] - b->centre[1], centre[2] - b->centre[2]};
+    const double depth = dot(from, b->axis), aside = sqrt(fmax(dot(from, from) - depth * depth, 0));
+    if (depth + radius <= 0) return false;
+    return !isfinite(b->tangent) || aside - b->radius - b->tangent * depth <= radius * hypot(1, b->tangent);
+}
+
+/* The middle of an instance's box in the world, and the distance of the farthest vertex from there. */
+static void ball_of(const mcv_scene *scene, uint32_t instance, double centre[3], double *radius) {
+    double lower[3], upper[3], world[3];
+    const mcv_mesh *mesh = scene->meshes + scene->instances[instance].mesh;
+    box_of(scene, instance, lower, upper);
+    for (int k = 0; k < 3; ++k) centre[k] = (lower[k] + upper[k]) / 2;
+    *radius = 0;
+    for (size_t v = 0; v < mesh->vertex_count; ++v) {
+        vertex_in_world(scene, instance, v, world);
+        for (int k = 0; k < 3; ++k) world[k] -= centre[k];
+        *radius = fmax(*radius, sqrt(dot(world, world)));
+    }
+}
+
+static bool meets_a_part(const beam *b, const mcv_scene *scene, uint32_t except) {
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        double centre[3], radius;
+        if (i == except) continue;
+        ball_of(scene, i, centre, &radius);
+        if (meets_ball(b, centre, radius)) return true;
+    }
+    return false;
+}
+
+/* The tangent of the widest angle from the normal at which it emits; infinite where it knows no such bound. */
+static double widest(const mcv_emitter *emitter) {
+    const double half_angle = mcv_emitter_half_angle(emitter);
+    if (emitter->type != MCV_EMITTER_LIGHT_FIELD_EMITTER) return half_angle < M_PI / 2 ? tan(half_angle) : INFINITY; /* NaN: no cone */
+    const double sine = M_SQRT2 * emitter->as.light_field_emitter.angularRange; /* in the corner of the J x K directions */
+    return sine < 1 ? sine / sqrt(1 - sine * sine) : INFINITY;
 }
 
 static bool lights_nothing(const mcv_scene *scene, const mcv_emitter *emitter) {
-    double normal[3], point[3];
+    double point[3];
+    beam b = {.tangent = widest(emitter)};
     if (emitter->instance == MCV_NONE) return false;
     if (!is_flat(scene->meshes + scene->instances[emitter->instance].mesh)) return false;
-    if (!plane_of(scene, emitter->instance, normal, point)) return false;
+    if (!plane_of(scene, emitter->instance, b.axis, point)) return false;
+    ball_of(scene, emitter->instance, b.centre, &b.radius);
     for (uint32_t i = 0; i < scene->sensor_count; ++i)
-        if (height_above(normal, point, scene->sensors[i].to_world.m + 9) + lens_radius(scene->sensors + i) > 0) return false;
-    for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        const mcv_mesh *mesh = scene->meshes + scene->instances[i].mesh;
-        if (i == emitter->instance) continue;
-        for (size_t v = 0; v < mesh->vertex_count; ++v) {
-            const float *p = mesh->positions + 3 * v;
-            double world[3];
-            mcv_transform_point(&scene->instances[i].to_world, (const double[3]){p[0], p[1], p[2]}, world);
-            if (height_above(normal, point, world) > 0) return false;
-        }
+        if (meets_ball(&b, scene->sensors[i].to_world.m + 9, lens_radius(scene->sensors + i))) return false;
+    return !meets_a_part(&b, scene, emitter->instance);
+}
+
+/* --- sensors that see nothing ----------------------------------------------------------------------------------- */
+
+/* The slopes of all rays that enter a lens: of the chief rays, at most in a corner, and of the others to them. */
+static double steepest(const mcv_sensor *sensor) {
+    const mcv_readout readout = mcv_sensor_readout(sensor);
+    double corner[2], b = 0, kappa = 0;
+    for (int i = 0; i < 2; ++i) {
+        const double edge = readout.centre[i] - readout.first[i], read = (double)readout.size[i] * readout.binning[i];
+        corner[i] = fmax(fabs(edge), fabs(read - edge)) * readout.pitch[i];
     }
-    return true;
+    switch (sensor->type) {
+    case MCV_SENSOR_TELECENTRIC:
+        return sensor->as.telecentric.stopDiameter / (2 * sensor->as.telecentric.focalLength);
+    case MCV_SENSOR_THIN_LENS:
+        b = sensor->as.thin_lens.imageDistance;
+        kappa = mcv_kappa(sensor->as.thin_lens.focalLength, b);
+        break;
+    case MCV_SENSOR_LIGHT_FIELD:
+        b = sensor->as.light_field.imageDistance;
+        kappa = mcv_kappa(sensor->as.light_field.focalLength, b);
+        break;
+    case MCV_SENSOR_PINHOLE:
+        b = sensor->as.pinhole.imageDistance;
+        break;
+    default:
+        return INFINITY;
+    }
+    return hypot(corner[0], corner[1]) / b + fabs(kappa) * lens_radius(sensor);
+}
+
+static bool sees_nothing(const mcv_scene *scene, const mcv_sensor *sensor) {
+    const double *m = sensor->to_world.m;
+    const beam b = {{m[9], m[10], m[11]}, {-m[2], -m[5], -m[8]}, lens_radius(sensor), steepest(sensor)};
+    for (uint32_t i = 0; i < scene->emitter_count; ++i)
+        if (scene->emitters[i].type == MCV_EMITTER_ENVIRONMENT) return false;
+    return !meets_a_part(&b, scene, MCV_NONE);
 }
 
 /* --- parts of another unit -------------------------------------------------------------------------------------- */
@@ -102,17 +194,8 @@ static const char *in_words(double metres, char text[32]) {
 
 /* The longest side of the instance's box in the world. */
 static double width_of(const mcv_scene *scene, uint32_t instance) {
-    const mcv_mesh *mesh = scene->meshes + scene->instances[instance].mesh;
-    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (size_t v = 0; v < mesh->vertex_count; ++v) {
-        const float *p = mesh->positions + 3 * v;
-        double world[3];
-        mcv_transform_point(&scene->instances[instance].to_world, (const double[3]){p[0], p[1], p[2]}, world);
-        for (int k = 0; k < 3; ++k) {
-            lower[k] = fmin(lower[k], world[k]);
-            upper[k] = fmax(upper[k], world[k]);
-        }
-    }
+    double lower[3], upper[3];
+    box_of(scene, instance, lower, upper);
     return fmax(upper[0] - lower[0], fmax(upper[1] - lower[1], upper[2] - lower[2]));
 }
 
@@ -179,8 +262,13 @@ static mcv_result warn_of_open_bodies(mcv_scene *scene, mcv_error *error) {
 mcv_result mcv_setup_warn(mcv_scene *scene, mcv_error *error) {
     for (uint32_t i = 0; i < scene->emitter_count; ++i)
         if (lights_nothing(scene, scene->emitters + i))
-            MCV_TRY(mcv_scene_warn(scene, error, "emitter \"%s\" lights nothing: no part and no sensor lies before its front (-z): turn it",
-                                   scene->emitters[i].name));
+            MCV_TRY(mcv_scene_warn(
+                scene, error, "emitter \"%s\" lights nothing: no part and no sensor lies where it shines, before its front (-z): turn it",
+                scene->emitters[i].name));
+    for (uint32_t i = 0; i < scene->sensor_count; ++i)
+        if (sees_nothing(scene, scene->sensors + i))
+            MCV_TRY(mcv_scene_warn(scene, error, "sensor \"%s\" sees nothing: no part and no emitter lies where it looks (-z): turn it",
+                                   scene->sensors[i].name));
     MCV_TRY(warn_of_open_bodies(scene, error));
     return warn_of_units(scene, error);
 }

@@ -10,8 +10,10 @@
 
 /*
  * Adds a warning to the scene for each
- * - emitter that lights nothing: flat (its mesh has no thickness along one axis of its node), and no corner of any other mesh and no
- *   sensor's lens lies before its plane. Emitters of other shapes are not judged;
+ * - emitter that lights nothing: flat (its mesh has no thickness along one axis of its node), and neither the ball about any other mesh
+ *   nor a sensor's lens reaches into the beam of its cone (projectors, light fields: of all their directions). Emitters of other shapes
+ *   are not judged;
+ * - sensor that sees nothing: there is no environment, and the ball about no mesh reaches into the beam of what its lens takes in;
  * - node with an open dielectric: its triangles of all materials, welded where positions are equal, have edges that are not run as
  *   often in one direction as in the other, so that a ray may enter the body and never leave it;
  * - part (no emitter) more than 100 times as wide as the field in focus of a sensor, or all parts together smaller than its pixel

@@ -61,6 +61,7 @@ static void report_parameters(mcv_report *report, mcv_param_table table, const v
         case MCV_PARAM_number:
             mcv_report_number(report, p->key, "", *(const double *)field);
             break;
+        case MCV_PARAM_integer:
         case MCV_PARAM_int2:
         case MCV_PARAM_int4: {
             const uint32_t *values = field;
@@ -80,7 +81,8 @@ static void report_parameters(mcv_report *report, mcv_param_table table, const v
             mcv_report_spectrum(report, p->key, "", field);
             break;
         case MCV_PARAM_flag:
-        case MCV_PARAM_image: /* of emitters only, which report_emitter describes */
+        case MCV_PARAM_image:
+        case MCV_PARAM_pattern: /* of emitters only, which report_emitter describes */
             break;
         case MCV_PARAM_choice:
             mcv_report_text(report, p->key, mcv_param_options(p->key)[*(const int *)field]);
@@ -98,7 +100,7 @@ static void report_place(mcv_report *report, const mcv_transform *to_world) {
 /* Less of a pupil, or of the directions, is likely not meant. */
 static const double little = 0.5;
 
-/* What the parallel emitters before a sensor light of its pupil, or of its directions. */
+/* What the emitters of a cone before a sensor light of its pupil, or of its directions. */
 static mcv_result report_fillings(mcv_report *report, mcv_scene *scene, uint32_t index, mcv_error *error) {
     const mcv_sensor *sensor = scene->sensors + index;
     const bool directions = sensor->type == MCV_SENSOR_LIGHT_FIELD;

@@ -126,11 +126,12 @@ static uint32_t sensor_attributes(const mcv_sensor *sensor, mcv_attribute *attri
         const uint32_t *integers = field;
         const double *numbers = field;
         mcv_attribute a = {.name = names[count], .count = (uint32_t)mcv_param_components(param->kind)};
-        if (param->kind == MCV_PARAM_choice || param->kind == MCV_PARAM_flag || param->kind == MCV_PARAM_image) continue; /* of the scene */
+        if (param->kind == MCV_PARAM_choice || param->kind == MCV_PARAM_flag || param->kind == MCV_PARAM_image ||
+            param->kind == MCV_PARAM_pattern)
+            continue; /* of the scene */
         if (mcv_param_unset(param, &sensor->as)) continue;
         snprintf(names[count], sizeof names[count], "mcvisi:%s", param->key);
-        for (uint32_t k = 0; k < a.count; ++k)
-            a.numbers[k] = param->kind == MCV_PARAM_int2 || param->kind == MCV_PARAM_int4 ? integers[k] : numbers[k];
+        for (uint32_t k = 0; k < a.count; ++k) a.numbers[k] = mcv_param_integral(param->kind) ? integers[k] : numbers[k];
         attributes[count++] = a;
     }
     return count;

@@ -16,17 +16,34 @@ typedef struct tally {
     bool seen_now, lit_now; /* in the pixel at work */
 } tally;
 
+/* Is it dark from some directions? */
+static bool has_cone(const mcv_emitter *emitter) {
+    return emitter->type == MCV_EMITTER_PARALLEL || emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR ||
+           emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER;
+}
+
+/* Does it emit along `direction` from where it has this normal, whatever its image says? */
+static bool in_cone(const mcv_scene *scene, const mcv_emitter *emitter, ref_vec direction, ref_vec normal) {
+    const double *m = scene->instances[emitter->instance].to_world.m;
+    if (emitter->type == MCV_EMITTER_PARALLEL) return ref_angle(direction, normal) <= emitter->as.parallel.halfAngle;
+    if (emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR)
+        return ref_angle(direction, normal) <= emitter->as.telecentric_projector.halfAngle;
+    const double range = emitter->as.light_field_emitter.angularRange;
+    const ref_vec right = {m[0], m[3], m[6]}, up = {m[1], m[4], m[7]};
+    return fabs(ref_dot(direction, right)) <= range && fabs(ref_dot(direction, up)) <= range;
+}
+
 /* Follows one ray of sight to the first surface. */
 static void look(const ref_geometry *geometry, ref_sight sight, tally *tallies) {
     const mcv_scene *scene = geometry->scene;
     ref_hit hit;
     if (!(sight.weight > 0) || !ref_closest_hit(geometry, sight.origin, sight.direction, MCV_NONE, &hit)) return;
     const uint32_t number = scene->instances[hit.triangle->instance].emitter;
-    if (number == MCV_NONE || scene->emitters[number].type != MCV_EMITTER_PARALLEL) return;
+    if (number == MCV_NONE || !has_cone(scene->emitters + number)) return;
     const ref_surface surface = ref_surface_at(geometry, &hit);
     const ref_vec back = ref_scale(-1, sight.direction);
     if (!(ref_dot(back, surface.geometric) > 0)) return; /* behind it there is nothing to face */
-    const bool lit = ref_angle(back, surface.normal) <= scene->emitters[number].as.parallel.halfAngle;
+    const bool lit = in_cone(scene, scene->emitters + number, back, surface.normal);
     tallies[number].seen_now = true;
     tallies[number].lit_now = tallies[number].lit_now || lit;
 }
@@ -84,11 +101,11 @@ static void look_from_macro_pixels(const ref_geometry *geometry, const mcv_senso
 }
 
 mcv_result ref_sensor_fillings(const mcv_scene *scene, uint32_t sensor, ref_filling **fillings, uint32_t *filling_count, mcv_error *error) {
-    bool parallel = false;
+    bool any = false;
     *fillings = NULL;
     *filling_count = 0;
-    for (uint32_t i = 0; i < scene->emitter_count; ++i) parallel = parallel || scene->emitters[i].type == MCV_EMITTER_PARALLEL;
-    if (!parallel) return MCV_OK;
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) any = any || has_cone(scene->emitters + i);
+    if (!any) return MCV_OK;
     ref_geometry geometry;
     MCV_TRY(ref_geometry_new(scene, &geometry, error));
     tally *tallies = calloc(scene->emitter_count, sizeof *tallies);

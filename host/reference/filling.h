@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How much of a sensor's pupil, or of a light field camera's directions, a parallel emitter fills. */
+/* How much of a sensor's pupil, or of a light field camera's directions, an emitter that shines into a cone fills. */
 #ifndef MCVISI_HOST_REFERENCE_FILLING_H
 #define MCVISI_HOST_REFERENCE_FILLING_H
 
@@ -16,8 +16,8 @@ typedef struct ref_filling {
 } ref_filling;
 
 /*
- * The sensor's fillings, one for each parallel emitter that it faces; the caller frees them. At most some 10^5 rays, random in a
- * fixed order, so a share below 10^-4 may read 0. Fails only without memory.
+ * The sensor's fillings, one for each parallel emitter, telecentric projector and light field emitter that it faces; the caller frees them.
+ * At most some 10^5 rays, random in a fixed order, so a share below 10^-4 may read 0. Fails only without memory.
  */
 mcv_result ref_sensor_fillings(const mcv_scene *scene, uint32_t sensor, ref_filling **fillings, uint32_t *count, mcv_error *error);
 

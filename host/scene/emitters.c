@@ -52,6 +52,10 @@ const char *mcv_emitter_brightness(const mcv_emitter *emitter, const char **unit
     return brightnesses[i].key;
 }
 
+mcv_pattern *mcv_emitter_pattern(mcv_emitter *emitter) { return parameter(emitter, "pattern"); }
+
+uint32_t *mcv_emitter_index(mcv_emitter *emitter) { return parameter(emitter, "index"); }
+
 mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
     mcv_emitter own = *emitter;
     const uint32_t *image = mcv_emitter_image(&own);

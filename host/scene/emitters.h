@@ -27,8 +27,10 @@ const char *mcv_emitter_brightness(const mcv_emitter *emitter, const char **unit
 /* Are its image's columns flipped? */
 bool mcv_emitter_mirrors(const mcv_emitter *emitter);
 
-/* The parameter `image`, or NULL where this type has none. */
+/* The parameter `image`, `pattern` or `index`, or NULL where this type has none. */
 uint32_t *mcv_emitter_image(mcv_emitter *emitter);
+mcv_pattern *mcv_emitter_pattern(mcv_emitter *emitter);
+uint32_t *mcv_emitter_index(mcv_emitter *emitter);
 
 /* Half-angle β of its emission cone [rad]; NaN where the type has none. */
 double mcv_emitter_half_angle(const mcv_emitter *emitter);

@@ -286,6 +286,7 @@ void mcv_load_finish(mcv_loader *loader) {
     free(loader->sensors);
     free(loader->emitters);
     free(loader->lights);
+    free(loader->presets);
     free(loader->sensor_uses);
     free(loader->emitter_uses);
     mcv_gltf_close(loader->gltf);

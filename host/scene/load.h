@@ -4,6 +4,7 @@
 #define MCVISI_HOST_SCENE_LOAD_H
 
 #include "scene/accessor.h"
+#include "scene/presets.h"
 #include "scene/scene.h"
 #include "mcvisi/pose.h"
 
@@ -36,6 +37,7 @@ typedef struct mcv_loader {
     uint32_t plain, absorber; /* the scene's number of the material where none is given, of rectangles; or MCV_NONE */
     mcv_sensor *sensors;      /* the definitions in MCVISI_sensors and MCVISI_emitters */
     mcv_emitter *emitters;
+    mcv_preset *presets;                  /* of the emitters */
     uint32_t *sensor_uses, *emitter_uses; /* nodes that refer to them */
     size_t sensor_count, emitter_count;
     mcv_emitter *lights; /* of KHR_lights_punctual */
@@ -73,6 +75,15 @@ mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_tr
                             const mcv_place *place, mcv_error *error);
 mcv_result mcv_load_sensors(mcv_loader *loader, const json_t *node, const mcv_transform *to_world, const mcv_place *place,
                             mcv_error *error);
+
+/* The scene's number of a rectangle in the node's xy plane whose front faces -z, as a new instance; an image's left is its right if
+ * mirrored. */
+mcv_result mcv_load_rectangle(mcv_loader *loader, const char *name, const double size[2], bool mirror, const mcv_transform *to_world,
+                              const mcv_place *place, mcv_error *error);
+
+/* load_presets.c: the preset's instances; the first emits. */
+mcv_result mcv_load_preset(mcv_loader *loader, const mcv_preset *preset, const char *name, const mcv_transform *to_world,
+                           const mcv_place *place, mcv_error *error);
 
 /*
  * load_pose.c: a node's transform below its parent; by its MCVISI_pose, if it has one, in the document's frame; or, by way of

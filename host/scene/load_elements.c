@@ -45,13 +45,36 @@ static mcv_result define_sensor(const json_t *object, mcv_sensor *sensor, const 
     return mcv_sensor_resolve(sensor, place, error);
 }
 
-static mcv_result define_emitter(const mcv_scene *scene, const json_t *object, mcv_emitter *emitter, const mcv_place *place,
-                                 mcv_error *error) {
-    MCV_TRY(mcv_element_type(object, mcv_emitter_types, MCV_EMITTER_COUNT, &emitter->type, place, error));
-    const mcv_param_table table = mcv_emitter_table(emitter->type);
-    mcv_params_set_defaults(table, &emitter->as);
-    MCV_TRY(mcv_params_parse(table, object, element_keys, &emitter->as, place, error));
+/* A projector shows an image or a pattern. */
+static mcv_result check_picture(mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+    const mcv_pattern *pattern = mcv_emitter_pattern(emitter);
+    const mcv_place image = mcv_place_key(place, "image"), index = mcv_place_key(place, "index");
+    if (!pattern) return MCV_OK;
+    if (pattern->type == MCV_NONE && *mcv_emitter_image(emitter) == MCV_NONE)
+        return mcv_fail_at(&image, error, "is missing: index or name of one of the file's images, {\"uri\": FILE.exr}, or give a pattern");
+    if (pattern->type != MCV_NONE && *mcv_emitter_image(emitter) != MCV_NONE)
+        return mcv_fail_at(place, error, "has both image and pattern: give one of them");
+    if (pattern->type == MCV_NONE && *mcv_emitter_index(emitter) != 0)
+        return mcv_fail_at(&index, error, "counts the images of a pattern, but there is none");
+    return MCV_OK;
+}
+
+static mcv_result define_emitter(const mcv_scene *scene, const json_t *object, mcv_emitter *emitter, mcv_preset *preset,
+                                 const mcv_place *place, mcv_error *error) {
+    uint32_t type;
+    MCV_TRY(mcv_element_type(object, mcv_emitter_types, MCV_EMITTER_TYPE_COUNT, &type, place, error));
+    const mcv_param_table table = mcv_emitter_table(type);
+    const bool is_preset = type >= MCV_EMITTER_COUNT;
+    preset->type = is_preset ? type : MCV_NONE;
+    void *params = is_preset ? (void *)&preset->as : (void *)&emitter->as;
+    mcv_params_set_defaults(table, params);
+    MCV_TRY(mcv_params_parse(table, object, element_keys, params, place, error));
     emitter->name = (char *)mcv_json_name(object);
+    emitter->type = type;
+    if (is_preset)
+        MCV_TRY(mcv_preset_resolve(preset, emitter, place, error));
+    else
+        MCV_TRY(check_picture(emitter, place, error));
     emitter->texture = MCV_NONE;
     emitter->area = 1; /* of no account yet: only that radiance or power is given */
     MCV_TRY(mcv_emitter_check(emitter, place, error));
@@ -66,9 +89,10 @@ mcv_result mcv_load_definitions(mcv_loader *loader, mcv_error *error) {
     loader->emitter_count = json_array_size(emitters);
     loader->sensors = calloc(loader->sensor_count + 1, sizeof *loader->sensors);
     loader->emitters = calloc(loader->emitter_count + 1, sizeof *loader->emitters);
+    loader->presets = calloc(loader->emitter_count + 1, sizeof *loader->presets);
     loader->sensor_uses = calloc(loader->sensor_count + 1, sizeof *loader->sensor_uses);
     loader->emitter_uses = calloc(loader->emitter_count + 1, sizeof *loader->emitter_uses);
-    if (!loader->sensors || !loader->emitters || !loader->sensor_uses || !loader->emitter_uses)
+    if (!loader->sensors || !loader->emitters || !loader->presets || !loader->sensor_uses || !loader->emitter_uses)
         return mcv_fail_memory(&loader->file, error);
     const mcv_place sensors_place = mcv_place_key(&loader->file, "sensors"), emitters_place = mcv_place_key(&loader->file, "emitters");
     for (size_t i = 0; i < loader->sensor_count; ++i) {
@@ -79,7 +103,7 @@ mcv_result mcv_load_definitions(mcv_loader *loader, mcv_error *error) {
     for (size_t i = 0; i < loader->emitter_count; ++i) {
         const json_t *object = json_array_get(emitters, i);
         const mcv_place here = mcv_place_element(&emitters_place, mcv_json_name(object), i);
-        MCV_TRY(define_emitter(loader->scene, object, loader->emitters + i, &here, error));
+        MCV_TRY(define_emitter(loader->scene, object, loader->emitters + i, loader->presets + i, &here, error));
     }
     return MCV_OK;
 }
@@ -105,8 +129,8 @@ mcv_result mcv_load_reference(const json_t *node, const char *extension, const c
  * Two triangles in the node's xy plane that face -z, where the emitter looks; as large as `size` says, whatever the node's scale. An
  * image's upper left corner lies at -x, +y, or mirrored at +x, +y.
  */
-static mcv_result add_rectangle(mcv_loader *loader, const char *name, const double size[2], bool mirror, const mcv_transform *to_world,
-                                const mcv_place *place, mcv_error *error) {
+mcv_result mcv_load_rectangle(mcv_loader *loader, const char *name, const double size[2], bool mirror, const mcv_transform *to_world,
+                              const mcv_place *place, mcv_error *error) {
     const float x = (float)(size[0] / 2), y = (float)(size[1] / 2);
     float positions[] = {-x, -y, 0, x, -y, 0, x, y, 0, -x, y, 0};
     const float left = mirror ? 1 : 0;
@@ -168,6 +192,13 @@ mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_tr
         return add_emissive(loader, first, last, error);
     }
     const mcv_place emitters = mcv_place_key(&loader->file, "emitters"), here = mcv_place_element(&emitters, emitter.name, index);
+    if (loader->presets[index].type != MCV_NONE) {
+        if (json_object_get(node, "mesh"))
+            return mcv_fail_at(&here, error, "a %s has a shape of its own, but node \"%s\" has a mesh: put it on another node",
+                               mcv_emitter_types[loader->presets[index].type], mcv_json_name(node));
+        MCV_TRY(mcv_load_preset(loader, loader->presets + index, mcv_json_name(node), to_world, place, error));
+        return add_emitters(loader, &emitter, first, first + 1, error);
+    }
     const double *size = mcv_emitter_parameter(&emitter, "size");
     const bool rectangle = !isnan(size[0]);
     if (json_object_get(node, "mesh") && rectangle)
@@ -176,7 +207,7 @@ mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_tr
     if (!json_object_get(node, "mesh")) {
         if (!rectangle)
             return mcv_fail_at(&here, error, "needs size, because its node \"%s\" has no mesh to emit from", mcv_json_name(node));
-        MCV_TRY(add_rectangle(loader, mcv_json_name(node), size, mcv_emitter_mirrors(&emitter), to_world, place, error));
+        MCV_TRY(mcv_load_rectangle(loader, mcv_json_name(node), size, mcv_emitter_mirrors(&emitter), to_world, place, error));
         last = first + 1;
     }
     if (first == last) return mcv_fail_at(&here, error, "the mesh of its node \"%s\" has no triangles to emit from", mcv_json_name(node));

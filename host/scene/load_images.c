@@ -5,6 +5,7 @@
 #include "output/exr.h"
 #include "scene/emitters.h"
 #include "scene/params.h"
+#include "scene/pattern.h"
 
 #include <stdlib.h>
 
@@ -44,6 +45,17 @@ static mcv_result find_image(const mcv_loader *loader, const json_t *emitter, ui
     return *uri ? MCV_OK : mcv_fail_at(&here, error, "must have the \"uri\" of an OpenEXR file");
 }
 
+static bool shows_pattern(mcv_emitter *emitter) {
+    const mcv_pattern *pattern = mcv_emitter_pattern(emitter);
+    return pattern && pattern->type != MCV_NONE;
+}
+
+/* A pattern's texture counts as its image from when it is made. */
+static bool shows_image(mcv_emitter *emitter) {
+    const uint32_t *image = mcv_emitter_image(emitter);
+    return image && *image != MCV_NONE && !shows_pattern(emitter);
+}
+
 mcv_result mcv_load_needed_emitter_images(mcv_loader *loader, uint32_t *count, mcv_error *error) {
     const mcv_place place = mcv_place_key(&loader->file, "emitters");
     json_t *emitters;
@@ -52,8 +64,7 @@ mcv_result mcv_load_needed_emitter_images(mcv_loader *loader, uint32_t *count, m
         const mcv_place here = mcv_place_element(&place, loader->emitters[i].name, i);
         uint32_t source;
         const char *uri;
-        const uint32_t *image = mcv_emitter_image(loader->emitters + i);
-        if (!image || *image == MCV_NONE) continue;
+        if (!shows_image(loader->emitters + i)) continue;
         MCV_TRY(find_image(loader, json_array_get(emitters, i), &source, &uri, &here, error));
         if (source != MCV_NONE) MCV_TRY(mcv_load_need_image(loader, source, count, error));
     }
@@ -93,28 +104,38 @@ static mcv_result load_exr(const mcv_loader *loader, const char *uri, mcv_textur
     return result;
 }
 
+/* Makes the picture that the emitter shows a texture of the scene. */
+static mcv_result load_picture(mcv_loader *loader, const json_t *object, mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+    mcv_texture texture = {.wrap_s = CLAMP_TO_EDGE, .wrap_t = CLAMP_TO_EDGE, .nearest = true};
+    const mcv_place here = mcv_place_key(place, "image");
+    uint32_t source;
+    const char *uri;
+    mcv_result result = MCV_OK;
+    if (shows_pattern(emitter)) {
+        MCV_TRY(mcv_pattern_image(mcv_emitter_pattern(emitter), *mcv_emitter_index(emitter), &texture, place, error));
+    } else {
+        MCV_TRY(find_image(loader, object, &source, &uri, place, error));
+        if (uri)
+            result = load_exr(loader, uri, &texture, &here, error);
+        else
+            texture.rgba = (uint8_t *)mcv_gltf_image(loader->gltf, loader->images[source], &texture.width, &texture.height);
+        texture.name = (char *)(uri ? uri : mcv_json_name(json_array_get(json_object_get(loader->root, "images"), source)));
+    }
+    if (result == MCV_OK) result = mcv_scene_add_texture(loader->scene, &texture, error);
+    free(texture.linear);
+    if (result == MCV_OK) *mcv_emitter_image(emitter) = loader->scene->texture_count - 1;
+    return result;
+}
+
 mcv_result mcv_load_emitter_images(mcv_loader *loader, mcv_error *error) {
     const mcv_place place = mcv_place_key(&loader->file, "emitters");
     json_t *emitters;
     if (loader->is_asset) return MCV_OK;
     MCV_TRY(mcv_load_array(loader, "MCVISI_emitters", "emitters", &emitters, error));
     for (size_t i = 0; i < loader->emitter_count; ++i) {
-        const mcv_place element = mcv_place_element(&place, loader->emitters[i].name, i), here = mcv_place_key(&element, "image");
-        mcv_texture texture = {.wrap_s = CLAMP_TO_EDGE, .wrap_t = CLAMP_TO_EDGE, .nearest = true};
-        uint32_t source, *image = mcv_emitter_image(loader->emitters + i);
-        const char *uri;
-        if (!image || *image == MCV_NONE) continue;
-        MCV_TRY(find_image(loader, json_array_get(emitters, i), &source, &uri, &element, error));
-        mcv_result result = MCV_OK;
-        if (uri)
-            result = load_exr(loader, uri, &texture, &here, error);
-        else
-            texture.rgba = (uint8_t *)mcv_gltf_image(loader->gltf, loader->images[source], &texture.width, &texture.height);
-        texture.name = (char *)(uri ? uri : mcv_json_name(json_array_get(json_object_get(loader->root, "images"), source)));
-        if (result == MCV_OK) result = mcv_scene_add_texture(loader->scene, &texture, error);
-        free(texture.linear);
-        MCV_TRY(result);
-        *image = loader->scene->texture_count - 1;
+        const mcv_place here = mcv_place_element(&place, loader->emitters[i].name, i);
+        if (shows_image(loader->emitters + i) || shows_pattern(loader->emitters + i))
+            MCV_TRY(load_picture(loader, json_array_get(emitters, i), loader->emitters + i, &here, error));
     }
     return MCV_OK;
 }

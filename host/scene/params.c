@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "scene/params.h"
 
+#include "scene/pattern.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -13,16 +15,17 @@
     }
 MCV_SENSORS(MCV_TABLE)
 MCV_EMITTERS(MCV_TABLE)
+MCV_PRESETS(MCV_TABLE)
 MCV_MATERIALS(MCV_TABLE)
 
 #define MCV_CALL(name, key, NAME) name##_table,
 #define MCV_TYPE(name, key, NAME) key,
 typedef mcv_param_table table_of(void);
 static table_of *const sensor_tables[] = {MCV_SENSORS(MCV_CALL)};
-static table_of *const emitter_tables[] = {MCV_EMITTERS(MCV_CALL)};
+static table_of *const emitter_tables[] = {MCV_EMITTERS(MCV_CALL) MCV_PRESETS(MCV_CALL)};
 static table_of *const material_tables[] = {MCV_MATERIALS(MCV_CALL)};
 const char *const mcv_sensor_types[] = {MCV_SENSORS(MCV_TYPE)};
-const char *const mcv_emitter_types[] = {MCV_EMITTERS(MCV_TYPE)};
+const char *const mcv_emitter_types[] = {MCV_EMITTERS(MCV_TYPE) MCV_PRESETS(MCV_TYPE)};
 const char *const mcv_material_types[] = {MCV_MATERIALS(MCV_TYPE)};
 
 mcv_param_table mcv_sensor_table(uint32_t type) { return sensor_tables[type](); }
@@ -55,21 +58,24 @@ size_t mcv_param_components(mcv_param_kind kind) {
     }
 }
 
-static bool integral(mcv_param_kind kind) { return kind == MCV_PARAM_int2 || kind == MCV_PARAM_int4; }
+bool mcv_param_integral(mcv_param_kind kind) { return kind == MCV_PARAM_integer || kind == MCV_PARAM_int2 || kind == MCV_PARAM_int4; }
+
+/* Does its field begin with a number that is MCV_NONE where it is unset? */
+static bool numbered(mcv_param_kind kind) { return kind == MCV_PARAM_image || kind == MCV_PARAM_pattern; }
 
 static double get(const mcv_param *param, const void *params, size_t i) {
     const char *field = (const char *)params + param->offset;
-    if (integral(param->kind)) return ((const uint32_t *)(const void *)field)[i];
-    if (param->kind == MCV_PARAM_image) return *(const uint32_t *)(const void *)field;
+    if (mcv_param_integral(param->kind)) return ((const uint32_t *)(const void *)field)[i];
+    if (numbered(param->kind)) return *(const uint32_t *)(const void *)field;
     if (param->kind == MCV_PARAM_choice || param->kind == MCV_PARAM_flag) return *(const int *)(const void *)field;
     return ((const double *)(const void *)field)[i];
 }
 
 static void set(const mcv_param *param, void *params, size_t i, double value) {
     char *field = (char *)params + param->offset;
-    if (integral(param->kind))
+    if (mcv_param_integral(param->kind))
         ((uint32_t *)(void *)field)[i] = (uint32_t)value;
-    else if (param->kind == MCV_PARAM_image)
+    else if (numbered(param->kind))
         *(uint32_t *)(void *)field = (uint32_t)value;
     else if (param->kind == MCV_PARAM_choice || param->kind == MCV_PARAM_flag)
         *(int *)(void *)field = (int)value;
@@ -82,8 +88,9 @@ void mcv_params_set_defaults(mcv_param_table table, void *params) {
     for (size_t i = 0; i < table.count; ++i) {
         const mcv_param *param = table.params + i;
         const bool given = param->default_value != MCV_REQUIRED && param->default_value != MCV_UNSET;
-        const bool number = param->kind == MCV_PARAM_int4 || param->kind == MCV_PARAM_image;
-        const double unset = param->kind == MCV_PARAM_int2 ? 0 : number ? MCV_NONE : (double)NAN;
+        const bool number = param->kind == MCV_PARAM_int4 || numbered(param->kind);
+        const bool counts = param->kind == MCV_PARAM_integer || param->kind == MCV_PARAM_int2;
+        const double unset = counts ? 0 : number ? MCV_NONE : (double)NAN;
         const double value = given ? param->default_value : unset;
         for (size_t j = 0; j < mcv_param_components(param->kind); ++j) set(param, params, j, value);
     }
@@ -91,8 +98,8 @@ void mcv_params_set_defaults(mcv_param_table table, void *params) {
 
 bool mcv_param_unset(const mcv_param *param, const void *params) {
     const double first = get(param, params, 0);
-    if (param->kind == MCV_PARAM_int2) return first == 0;
-    if (param->kind == MCV_PARAM_int4 || param->kind == MCV_PARAM_image) return first == MCV_NONE;
+    if (param->kind == MCV_PARAM_integer || param->kind == MCV_PARAM_int2) return first == 0;
+    if (param->kind == MCV_PARAM_int4 || numbered(param->kind)) return first == MCV_NONE;
     return param->kind != MCV_PARAM_choice && param->kind != MCV_PARAM_flag && isnan(first);
 }
 
@@ -131,6 +138,7 @@ static const char *example(mcv_param_kind kind) {
         return "a length in metres, or with a unit as in \"25mm\" (nm, um, mm, cm, m)";
     case MCV_PARAM_angle:
         return "an angle in radians, or with a unit as in \"0.5deg\" (deg, mrad, rad)";
+    case MCV_PARAM_integer:
     case MCV_PARAM_int2:
     case MCV_PARAM_int4:
         return "an integer";
@@ -141,13 +149,13 @@ static const char *example(mcv_param_kind kind) {
 
 static mcv_result parse_number(const mcv_param *param, const json_t *value, double *number, const mcv_place *place, mcv_error *error) {
     const mcv_param_kind kind = param->kind == MCV_PARAM_length2 ? MCV_PARAM_length : param->kind;
-    if (json_is_string(value) && !integral(param->kind) && param->kind != MCV_PARAM_spectrum) {
+    if (json_is_string(value) && !mcv_param_integral(param->kind) && param->kind != MCV_PARAM_spectrum) {
         if (mcv_parse_quantity(json_string_value(value), kind, number)) return MCV_OK;
         return mcv_fail_at(place, error, "\"%s\" must be %s", json_string_value(value), example(kind));
     }
     if (!json_is_number(value)) return mcv_fail_at(place, error, "must be %s", example(kind));
     *number = json_number_value(value);
-    if (!integral(param->kind)) return MCV_OK;
+    if (!mcv_param_integral(param->kind)) return MCV_OK;
     /* Checked here because it must fit the field. */
     if (!(*number >= param->min && *number <= param->max) || *number != floor(*number))
         return mcv_fail_at(place, error, "%g must be an integer from %g to %g", *number, param->min, param->max);
@@ -186,6 +194,8 @@ static mcv_result parse_value(const mcv_param *param, const json_t *value, void 
     if (param->kind == MCV_PARAM_choice) return parse_choice(param, value, params, place, error);
     if (param->kind == MCV_PARAM_image) return parse_image(param, value, params, place, error);
     if (param->kind == MCV_PARAM_flag) return parse_flag(param, value, params, place, error);
+    if (param->kind == MCV_PARAM_pattern)
+        return mcv_pattern_parse(value, (mcv_pattern *)(void *)((char *)params + param->offset), place, error);
     const size_t n = mcv_param_components(param->kind);
     if (json_is_array(value) && (n == 1 || json_array_size(value) != n)) {
         if (n == 1) return mcv_fail_at(place, error, "must be %s, not an array", example(param->kind));
@@ -254,7 +264,7 @@ mcv_result mcv_params_check(mcv_param_table table, const void *params, const mcv
 
 mcv_result mcv_element_type(const json_t *object, const char *const *types, uint32_t count, uint32_t *type, const mcv_place *place,
                             mcv_error *error) {
-    char list[256] = "";
+    char list[512] = "";
     const char *name = NULL;
     const mcv_place here = mcv_place_key(place, "type");
     MCV_TRY(mcv_json_string(object, "type", &name, place, error));

@@ -29,6 +29,9 @@ mcv_result mcv_params_parse(mcv_param_table table, const json_t *object, const c
 /* Are all required parameters given and all given ones in range? */
 mcv_result mcv_params_check(mcv_param_table table, const void *params, const mcv_place *place, mcv_error *error);
 
+/* Does a kind hold integers? */
+bool mcv_param_integral(mcv_param_kind kind);
+
 /* How many numbers a kind holds. */
 size_t mcv_param_components(mcv_param_kind kind);
 
@@ -42,7 +45,7 @@ const char *const *mcv_param_options(const char *key);
 mcv_result mcv_element_type(const json_t *object, const char *const *types, uint32_t count, uint32_t *type, const mcv_place *place,
                             mcv_error *error);
 extern const char *const mcv_sensor_types[MCV_SENSOR_COUNT];
-extern const char *const mcv_emitter_types[MCV_EMITTER_COUNT];
+extern const char *const mcv_emitter_types[MCV_EMITTER_TYPE_COUNT]; /* presets too */
 extern const char *const mcv_material_types[MCV_MATERIAL_COUNT];
 
 #endif

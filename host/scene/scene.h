@@ -28,6 +28,11 @@
 #include "mcvisi/materials/diffuse.h"
 #include "mcvisi/materials/mirror.h"
 #include "mcvisi/materials/sheet.h"
+#include "mcvisi/pattern.h"
+#include "mcvisi/presets/bar.h"
+#include "mcvisi/presets/coaxial.h"
+#include "mcvisi/presets/dome.h"
+#include "mcvisi/presets/ring.h"
 #include "mcvisi/sensors/light_field.h"
 #include "mcvisi/sensors/pinhole.h"
 #include "mcvisi/sensors/telecentric.h"
@@ -40,6 +45,7 @@
     } mcv_##name##_params;
 MCV_SENSORS(MCV_X)
 MCV_EMITTERS(MCV_X)
+MCV_PRESETS(MCV_X)
 MCV_MATERIALS(MCV_X)
 #undef MCV_X
 
@@ -163,7 +169,7 @@ typedef struct mcv_param_table {
     size_t struct_size;
 } mcv_param_table;
 mcv_param_table mcv_sensor_table(uint32_t type);
-mcv_param_table mcv_emitter_table(uint32_t type);
+mcv_param_table mcv_emitter_table(uint32_t type); /* presets too */
 mcv_param_table mcv_material_table(uint32_t type);
 void mcv_params_set_defaults(mcv_param_table table, void *params);
 

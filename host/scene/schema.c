@@ -2,6 +2,7 @@
 #include "scene/schema.h"
 
 #include "scene/params.h"
+#include "scene/pattern.h"
 
 const char *const mcv_schema_names[] = {"MCVISI_sensors", "MCVISI_emitters", "MCVISI_materials", "MCVISI_assets", "MCVISI_pose", NULL};
 
@@ -15,14 +16,15 @@ static json_t *scalar_schema(const mcv_param *param) {
         json_object_set_new(schema, "type", json_pack("[s, s]", "number", "string"));
         json_object_set_new(schema, "pattern", json_sprintf("^[-+.0-9eE]+ *(%s)?$", units));
     } else {
-        json_object_set_new(schema, "type",
-                            json_string(param->kind == MCV_PARAM_int2 || param->kind == MCV_PARAM_int4 ? "integer" : "number"));
+        json_object_set_new(schema, "type", json_string(mcv_param_integral(param->kind) ? "integer" : "number"));
     }
     json_object_set_new(schema, "minimum", json_real(param->min == MCV_POSITIVE ? 0 : param->min));
     if (param->min == MCV_POSITIVE) json_object_set_new(schema, "exclusiveMinimum", json_true());
     json_object_set_new(schema, "maximum", json_real(param->max));
     return schema;
 }
+
+static json_t *pattern_schema(void);
 
 static json_t *param_schema(const mcv_param *param) {
     json_t *schema = json_object();
@@ -44,6 +46,10 @@ static json_t *param_schema(const mcv_param *param) {
         json_object_set_new(schema, "anyOf",
                             json_pack("[{s:s, s:i}, {s:s}, {s:s, s:{s:{s:s}}, s:[s]}]", "type", "integer", "minimum", 0, "type", "string",
                                       "type", "object", "properties", "uri", "type", "string", "required", "uri"));
+        return schema;
+    }
+    if (param->kind == MCV_PARAM_pattern) {
+        json_object_set_new(schema, "oneOf", pattern_schema());
         return schema;
     }
     const int n = (int)mcv_param_components(param->kind);
@@ -73,6 +79,14 @@ static json_t *object_schema(json_t *properties, json_t *required, mcv_param_tab
 static json_t *element_schema(const char *type, mcv_param_table table) {
     return object_schema(json_pack("{s:{s:[s]}, s:{s:s}}", "type", "enum", type, "name", "type", "string"), json_pack("[s]", "type"),
                          table);
+}
+
+static json_t *pattern_schema(void) {
+    json_t *choice = json_array();
+    for (uint32_t type = 0; type < MCV_PATTERN_COUNT; ++type)
+        json_array_append_new(choice, object_schema(json_pack("{s:{s:[s]}}", "type", "enum", mcv_pattern_types[type]),
+                                                    json_pack("[s]", "type"), mcv_pattern_table(type)));
+    return choice;
 }
 
 static json_t *asset_schema(void) {
@@ -114,8 +128,8 @@ mcv_result mcv_schema_write(FILE *stream, const char *name, mcv_error *error) {
         schema = indexed_schema("sensors", "sensor", any_element(definitions, mcv_sensor_types, MCV_SENSOR_COUNT, mcv_sensor_table),
                                 definitions);
     else if (strcmp(name, "MCVISI_emitters") == 0)
-        schema = indexed_schema("emitters", "emitter", any_element(definitions, mcv_emitter_types, MCV_EMITTER_COUNT, mcv_emitter_table),
-                                definitions);
+        schema = indexed_schema("emitters", "emitter",
+                                any_element(definitions, mcv_emitter_types, MCV_EMITTER_TYPE_COUNT, mcv_emitter_table), definitions);
     else if (strcmp(name, "MCVISI_materials") == 0)
         schema =
             json_pack("{s:s, s:o, s:o}", "type", "object", "oneOf",

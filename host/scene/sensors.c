@@ -19,17 +19,17 @@ static film light_field_film(const mcv_light_field_params *p) {
                   p->principalPoint,    p->pixelSize,        {p->angularResolution[0], p->angularResolution[1]}};
 }
 
+static const void *parameter(const mcv_sensor *sensor, const char *key) {
+    const mcv_param_table table = mcv_sensor_table(sensor->type);
+    for (size_t i = 0; i < table.count; ++i)
+        if (strcmp(table.params[i].key, key) == 0) return (const char *)&sensor->as + table.params[i].offset;
+    return NULL;
+}
+
 static film film_of(const mcv_sensor *sensor) {
-    switch (sensor->type) {
-    case MCV_SENSOR_PINHOLE:
-        return MCV_FILM(&sensor->as.pinhole);
-    case MCV_SENSOR_THIN_LENS:
-        return MCV_FILM(&sensor->as.thin_lens);
-    case MCV_SENSOR_TELECENTRIC:
-        return MCV_FILM(&sensor->as.telecentric);
-    default:
-        return light_field_film(&sensor->as.light_field);
-    }
+    if (sensor->type == MCV_SENSOR_LIGHT_FIELD) return light_field_film(&sensor->as.light_field);
+    return (film){parameter(sensor, "resolution"),     parameter(sensor, "regionOfInterest"), parameter(sensor, "binning"),
+                  parameter(sensor, "principalPoint"), parameter(sensor, "pixelSize"),        {1, 1}};
 }
 
 static mcv_readout read_out(film f) {

@@ -23,6 +23,13 @@
     X(spot, "spot", SPOT) \
     X(directional, "directional", DIRECTIONAL)
 
+/* Types of emitters that the loader makes of geometry and the elements above: kernels know nothing of them. */
+#define MCV_PRESETS(X) \
+    X(ring, "ring", RING) \
+    X(bar, "bar", BAR) \
+    X(dome, "dome", DOME) \
+    X(coaxial, "coaxial", COAXIAL)
+
 #define MCV_MATERIALS(X) \
     X(diffuse, "diffuse", DIFFUSE) \
     X(dielectric, "dielectric", DIELECTRIC) \
@@ -33,9 +40,11 @@
 
 #define MCV_SENSOR_ENUM(name, key, NAME) MCV_SENSOR_##NAME,
 #define MCV_EMITTER_ENUM(name, key, NAME) MCV_EMITTER_##NAME,
+#define MCV_PRESET_ENUM(name, key, NAME) MCV_PRESET_##NAME,
 #define MCV_MATERIAL_ENUM(name, key, NAME) MCV_MATERIAL_##NAME,
 enum { MCV_SENSORS(MCV_SENSOR_ENUM) MCV_SENSOR_COUNT };
 enum { MCV_EMITTERS(MCV_EMITTER_ENUM) MCV_EMITTER_COUNT };
+enum { MCV_PRESET_BEFORE = MCV_EMITTER_COUNT - 1, MCV_PRESETS(MCV_PRESET_ENUM) MCV_EMITTER_TYPE_COUNT }; /* presets number on */
 enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 
 #endif

@@ -4,12 +4,13 @@
  *
  *     X(kind, key, default, min, max, "doc [unit]")
  *
- * with kinds length, angle, number, int2, int4, length2, number2, spectrum, choice, flag, image. The list generates the struct that the
- * host works with (SI, double), the parser, --set, `mcvisi check`, the help and the JSON schema. Both ends of [min, max] are
- * allowed; MCV_POSITIVE as min reads "above 0". A default of MCV_REQUIRED must be given; one of MCV_UNSET is NaN (0 for int2, MCV_NONE for
- * int4 and image) until the element's resolve function derives it or leaves it out. For a choice the default is the name of the first
- * option and min/max are 0 and the last index; its options stand in MCV_CHOICES below. A flag is true or false, 1 or 0. An image is the
- * index or the name of one of the file's images or {"uri": FILE.exr}; the loader sets it to the number of a texture.
+ * with kinds length, angle, number, integer, int2, int4, length2, number2, spectrum, choice, flag, image, pattern. The list generates the
+ * struct that the host works with (SI, double), the parser, --set, `mcvisi check`, the help and the JSON schema. Both ends of [min, max]
+ * are allowed; MCV_POSITIVE as min reads "above 0". A default of MCV_REQUIRED must be given; one of MCV_UNSET is NaN (0 for integer and
+ * int2, MCV_NONE for int4, image and pattern) until the element's resolve function derives it or leaves it out. For a choice the default is
+ * the name of the first option and min/max are 0 and the last index; its options stand in MCV_CHOICES below. A flag is true or false, 1 or
+ * 0. An image is the index or the name of one of the file's images or {"uri": FILE.exr}; the loader sets it to the number of a texture. A
+ * pattern is an object (mcvisi/pattern.h).
  */
 #ifndef MCVISI_PARAMS_H
 #define MCVISI_PARAMS_H
@@ -29,6 +30,7 @@
 #define MCV_FIELD_length(key) double key;
 #define MCV_FIELD_angle(key) double key;
 #define MCV_FIELD_number(key) double key;
+#define MCV_FIELD_integer(key) uint32_t key;
 #define MCV_FIELD_int2(key) uint32_t key[2];
 #define MCV_FIELD_int4(key) uint32_t key[4];
 #define MCV_FIELD_length2(key) double key[2];
@@ -37,21 +39,25 @@
 #define MCV_FIELD_choice(key) int key;
 #define MCV_FIELD_flag(key) int key;
 #define MCV_FIELD_image(key) uint32_t key; /* of the scene's textures */
+#define MCV_FIELD_pattern(key) mcv_pattern key;
 
 #define MCV_DEFINE_FIELD(kind, key, default_value, min, max, doc) MCV_FIELD_##kind(key)
 
 /* X(key, "option 0", "option 1" …): the options of each choice key, in the order of its enum. */
 #define MCV_CHOICES(X) \
     X(radiometry, "radiance", "irradiance") \
-    X(aperture, "square", "circle")
+    X(aperture, "square", "circle") \
+    X(orientation, "vertical", "horizontal")
 
 enum { MCV_RADIOMETRY_RADIANCE, MCV_RADIOMETRY_IRRADIANCE };
 enum { MCV_APERTURE_SQUARE, MCV_APERTURE_CIRCLE };
+enum { MCV_ORIENTATION_VERTICAL, MCV_ORIENTATION_HORIZONTAL };
 
 typedef enum mcv_param_kind {
     MCV_PARAM_length,
     MCV_PARAM_angle,
     MCV_PARAM_number,
+    MCV_PARAM_integer,
     MCV_PARAM_int2,
     MCV_PARAM_int4,
     MCV_PARAM_length2,
@@ -60,7 +66,17 @@ typedef enum mcv_param_kind {
     MCV_PARAM_choice,
     MCV_PARAM_flag,
     MCV_PARAM_image,
+    MCV_PARAM_pattern,
 } mcv_param_kind;
+
+/* A sequence of patterns; what its type has no parameter for is 0. */
+typedef struct mcv_pattern {
+    uint32_t type; /* MCV_PATTERN_…, or MCV_NONE: none is given */
+    uint32_t steps;
+    double periods;
+    int orientation;
+    uint32_t resolution[2];
+} mcv_pattern;
 
 /* One row of an element's parameter table; `offset` points into its parameter struct. */
 typedef struct mcv_param {

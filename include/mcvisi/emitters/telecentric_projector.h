@@ -8,8 +8,8 @@
  * it reads right for who stands behind the projector, and mirrored for who looks into it. "mirror": true flips the columns.
  *
  * `image` is the index or the name of one of the file's images (PNG or JPEG, decoded from sRGB to linear values 0 to 1), or
- * {"uri": "pattern.exr"} beside the scene (linear, any value from 0). Power is that of the whole rectangle, per channel:
- * Φ = π L sin²β A times the image's mean.
+ * {"uri": "pattern.exr"} beside the scene (linear, any value from 0); `pattern` with `index` takes its place (mcvisi/pattern.h). Power is
+ * that of the whole rectangle, per channel: Φ = π L sin²β A times the image's mean.
  *
  *     {"type": "telecentricProjector", "image": "stripes", "size": ["32mm", "20mm"], "halfAngle": "0.5deg", "radiance": 1}
  *
@@ -22,7 +22,7 @@
 
 #define MCV_TELECENTRIC_PROJECTOR_PARAMS(X) \
     X(angle, halfAngle, MCV_REQUIRED, MCV_POSITIVE, 1.5707963267948966, "half-angle β of the emission cone [rad]") \
-    MCV_IMAGE_PARAMS(X) \
+    MCV_PATTERN_PARAMS(X) \
     X(flag, mirror, 0, 0, 1, "column 0 at +x instead of -x")
 
 #endif

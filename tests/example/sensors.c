@@ -1,0 +1,20 @@
+
+/* --- line scan: what the example adds to host/scene/sensors.c --------------------------------------------------- */
+
+/* Derives what follows from other parameters (here nothing), and refuses what the sensor cannot do; ranges are checked already. */
+mcv_result mcv_line_scan_resolve(mcv_line_scan_params *params, const mcv_place *place, mcv_error *error) {
+    const mcv_place here = mcv_place_key(place, "radiometry");
+    if (params->radiometry == MCV_RADIOMETRY_RADIANCE) return MCV_OK;
+    return mcv_fail_at(&here, error, "a line scan camera has no aperture here, so no irradiance: use \"radiance\"");
+}
+
+/* The device's struct, in double up to the last rounding. */
+void mcv_line_scan_prepare(const mcv_line_scan_params *params, mcv_line_scan *device) {
+    const mcv_readout readout = read_out(MCV_FILM(params));
+    *device = (mcv_line_scan){
+        .centre_x = centre(&readout, 0, readout.binning[0]),
+        .centre_y = centre(&readout, 1, readout.binning[1]),
+        .slope_x = (float)(readout.binning[0] * params->pixelSize[0] / params->imageDistance),
+        .pitch = (float)(readout.binning[1] * params->linePitch),
+    };
+}

@@ -1,0 +1,286 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The gallery of wrong and right set-ups.
+ *
+ *     gallery list                  a line for each render that it needs: STEM ARGUMENTS of `mcvisi render`
+ *     gallery draw RENDERS PICTURES reads RENDERS/STEM.exr and .png, writes PICTURES/NAME.png and the section of scenes/README.md to stdout
+ *
+ * Each number is computed from the float image, as its function here says.
+ */
+#include "output/exr.h"
+#include "output/figure.h"
+#include "scene/scene.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_IMAGES = 4, MAX_PANELS = 3, TEXT = 128 };
+
+/* --- numbers ---------------------------------------------------------------------------------------------------- */
+
+/* The images of one panel, one channel each: the mean of what there were. */
+typedef struct images {
+    mcv_image of[MAX_IMAGES];
+} images;
+
+static double value(const mcv_image *image, uint32_t column, uint32_t row) { return image->pixels[(size_t)row * image->width + column]; }
+
+static double mean_of_column(const mcv_image *image, uint32_t column, uint32_t first_row, uint32_t last_row) {
+    double sum = 0;
+    for (uint32_t row = first_row; row < last_row; ++row) sum += value(image, column, row);
+    return sum / (last_row - first_row);
+}
+
+/* Where rows' mean falls through half the backlight, walking from one column to another; between columns linearly. */
+static double edge_from(const mcv_image *image, int from, int to, uint32_t first_row, uint32_t last_row) {
+    const int step = from < to ? 1 : -1;
+    const double level = 0.5 * mean_of_column(image, (uint32_t)from, first_row, last_row);
+    double before = 2 * level;
+    for (int column = from; column != to; column += step) {
+        const double here = mean_of_column(image, (uint32_t)column, first_row, last_row);
+        if (here < level) return column - step * (level - here) / (before - here);
+        before = here;
+    }
+    return NAN;
+}
+
+/* The plain part of the shanks, in rows 78 to 87: the near one is in the left half, the far one in the right. */
+static void say_widths(const images *seen, char *text) {
+    const mcv_image *image = seen->of;
+    const int middle = (int)image->width / 2, last = (int)image->width - 1;
+    const double near = edge_from(image, middle, 0, 78, 87) - edge_from(image, 0, middle, 78, 87);
+    const double far = edge_from(image, last, middle, 78, 87) - edge_from(image, middle, last, 78, 87);
+    snprintf(text, TEXT, "near %.2f px, far %.2f px: %+.2f px", near, far, near - far);
+}
+
+/* Which of two regions a place on the part belongs to [m]; what is in neither does not count. */
+typedef enum region { REGION_NONE, REGION_DEFECT, REGION_SURROUNDINGS } region;
+typedef region region_of(double x, double y);
+
+/* Contrast to noise |μ1 - μ2|/√((σ1² + σ2²)/2) of two regions; noise is all that is uneven in them. The axis is in the middle. */
+static double contrast_to_noise(const mcv_image *image, double pitch, region_of *classify) {
+    double n[3] = {0}, sum[3] = {0}, squares[3] = {0};
+    for (uint32_t row = 0; row < image->height; ++row)
+        for (uint32_t column = 0; column < image->width; ++column) {
+            const double v = value(image, column, row);
+            const region r = classify((column + 0.5 - 0.5 * image->width) * pitch, (0.5 * image->height - row - 0.5) * pitch);
+            n[r] += 1;
+            sum[r] += v;
+            squares[r] += v * v;
+        }
+    double mean[3], variance[3];
+    for (int r = REGION_DEFECT; r <= REGION_SURROUNDINGS; ++r) {
+        mean[r] = sum[r] / n[r];
+        variance[r] = squares[r] / n[r] - mean[r] * mean[r];
+    }
+    return fabs(mean[REGION_DEFECT] - mean[REGION_SURROUNDINGS]) / sqrt((variance[REGION_DEFECT] + variance[REGION_SURROUNDINGS]) / 2);
+}
+
+static const double part_pitch = 51e-6; /* of the cameras in scenes/setups.py: 25.5 µm at m = 1/2 */
+
+/* The scratch's middle line as scenes/setups.py cuts it, within 40 µm; beside it from 0.3 to 2 mm. */
+static region about_scratch(double x, double y) {
+    const double off = fabs(y - (0.25 * x + 25 * x * x - 0.0008));
+    if (fabs(x) > 0.0045) return REGION_NONE;
+    return off < 40e-6 ? REGION_DEFECT : off > 0.3e-3 && off < 2e-3 ? REGION_SURROUNDINGS : REGION_NONE;
+}
+
+/* The letters' strokes and what is around them, 0.2 mm off every edge. Cells are millimetres, as in scenes/setups.py. */
+static region about_letters(double x, double y) {
+    static const char *const letters[] = {"X...X..XX", "X...X.X.X", "X...X...X", "XXXXX...X", "X...X...X", "X...X...X", "X...X...X"};
+    const double across = x / 1e-3 + 4.5, down = 3.5 - y / 1e-3;
+    bool all = true, any = false;
+    if (across < -1 || across > 10 || down < -1 || down > 8) return REGION_NONE;
+    for (int corner = 0; corner < 4; ++corner) {
+        const int column = (int)floor(across + (corner & 1 ? 0.2 : -0.2)), row = (int)floor(down + (corner & 2 ? 0.2 : -0.2));
+        const bool milled = column >= 0 && column < 9 && row >= 0 && row < 7 && letters[row][column] == 'X';
+        all = all && milled;
+        any = any || milled;
+    }
+    return all ? REGION_DEFECT : any ? REGION_NONE : REGION_SURROUNDINGS;
+}
+
+static void say_scratch(const images *seen, char *text) {
+    snprintf(text, TEXT, "contrast to noise %.1f", contrast_to_noise(seen->of, part_pitch, about_scratch));
+}
+
+static void say_letters(const images *seen, char *text) {
+    snprintf(text, TEXT, "contrast to noise %.1f", contrast_to_noise(seen->of, part_pitch, about_letters));
+}
+
+/* The phase of the pattern from its four steps. */
+static double phase(const images *seen, uint32_t column, uint32_t row) {
+    return atan2(value(seen->of + 1, column, row) - value(seen->of + 3, column, row),
+                 value(seen->of, column, row) - value(seen->of + 2, column, row));
+}
+
+/*
+ * How far the step, 4 mm high, shifts the pattern against the plate: the mean phase between a row of the step and one of the plate in the
+ * same columns, over the phase from column to column on the plate.
+ */
+static void say_shift(const images *seen, char *text) {
+    enum { FIRST = 95, LAST = 185, STEP_ROW = 145, PLATE_ROW = 60, ROWS = 30 };
+    double shift[2] = {0, 0}, slope[2] = {0, 0};
+    for (uint32_t i = 0; i < ROWS; ++i)
+        for (uint32_t column = FIRST; column < LAST; ++column) {
+            const double plate = phase(seen, column, PLATE_ROW + i), step = phase(seen, column, STEP_ROW - ROWS / 2 + i);
+            const double next = phase(seen, column + 1, PLATE_ROW + i);
+            shift[0] += cos(step - plate), shift[1] += sin(step - plate);
+            slope[0] += cos(next - plate), slope[1] += sin(next - plate);
+        }
+    snprintf(text, TEXT, "the step shifts the stripes by %.1f px", fabs(atan2(shift[1], shift[0]) / atan2(slope[1], slope[0])));
+}
+
+/* --- the gallery ------------------------------------------------------------------------------------------------ */
+
+typedef struct panel {
+    const char *caption;
+    const char *arguments; /* of mcvisi render, without -o */
+    const char *each;      /* the --set that tells its images apart, without the number; NULL: one image */
+} panel;
+
+typedef struct entry {
+    const char *name, *title, *text;
+    panel panels[MAX_PANELS];
+    void (*say)(const images *seen, char *text);
+} entry;
+
+static const entry entries[] = {
+    {"bolts",
+     "Entocentric and telecentric",
+     "Two equal bolts, one 20 mm nearer. A lens shows the nearer one larger, a telecentric lens both alike: widths of the plain shank.",
+     {{"wrong: entocentric lens", "scenes/bolts.gltf --sensor entocentric --spp 256", NULL},
+      {"right: telecentric lens", "scenes/bolts.gltf --sensor telecentric --spp 256", NULL}},
+     say_widths},
+    {"scratch",
+     "Bright field and dark field",
+     "A scratch 100 µm wide in stained steel. Light from where the camera looks shows stains and scratch, light from low around "
+     "it the scratch alone.",
+     {{"wrong: bright field (coaxial light)", "scenes/scratch.gltf --set emitters/ring/radiance=0 --spp 1024", NULL},
+      {"right: dark field (low ring)", "scenes/scratch.gltf --set emitters/coaxial/radiance=0 --spp 256", NULL}},
+     say_scratch},
+    {"engraved",
+     "Ring, dome and coaxial light",
+     "Engraved steel, ground and not quite even. A ring light glares where the surface mirrors it; a dome lights evenly, letters too; a "
+     "coaxial light is mirrored by what is flat and lost in what is milled.",
+     {{"wrong: ring light", "scenes/engraved-ring.gltf --spp 256", NULL},
+      {"better: dome light", "scenes/engraved-dome.gltf --spp 256", NULL},
+      {"right: coaxial light", "scenes/engraved-coaxial.gltf --spp 1024", NULL}},
+     say_letters},
+    {"structured-light",
+     "Where a projector stands",
+     "A step 4 mm high under the first of four phase-shifted patterns. What a height does to the stripes grows with the tangent of the "
+     "angle between "
+     "projector and camera; the numbers come from the phase of all four.",
+     {{"wrong: 2° beside the camera", "scenes/structured-light.gltf --set nodes/projector/azimuth=-2deg --spp 256",
+       "emitters/projector/index"},
+      {"right: 30° beside it", "scenes/structured-light.gltf --spp 256", "emitters/projector/index"}},
+     say_shift},
+};
+enum { ENTRIES = sizeof entries / sizeof entries[0] };
+
+static int count_panels(const entry *e) {
+    int count = 0;
+    while (count < MAX_PANELS && e->panels[count].caption) ++count;
+    return count;
+}
+
+static int count_images(const panel *p) { return p->each ? MAX_IMAGES : 1; }
+
+static void list(void) {
+    for (int i = 0; i < ENTRIES; ++i)
+        for (int k = 0; k < count_panels(entries + i); ++k) {
+            const panel *p = entries[i].panels + k;
+            for (int n = 0; n < count_images(p); ++n) {
+                printf("%s-%d-%d %s", entries[i].name, k, n, p->arguments);
+                if (p->each) printf(" --set %s=%d", p->each, n);
+                putchar('\n');
+            }
+        }
+}
+
+/* The mean of its channels. */
+static mcv_result read_grey(const char *path, mcv_image *grey, mcv_error *error) {
+    mcv_exr exr;
+    MCV_TRY(mcv_exr_read(path, &exr, error));
+    const mcv_image *image = &exr.parts[0].image;
+    const size_t pixels = (size_t)image->width * image->height;
+    const mcv_result result = mcv_image_new(grey, image->width, image->height, 1, error);
+    for (size_t i = 0; result == MCV_OK && i < pixels; ++i) {
+        double sum = 0;
+        for (uint32_t c = 0; c < image->channels; ++c) sum += image->pixels[c * pixels + i];
+        grey->pixels[i] = (float)(sum / image->channels);
+    }
+    mcv_exr_free(&exr);
+    return result;
+}
+
+static mcv_result say_number(const entry *e, int number, const char *renders, char *text, mcv_error *error) {
+    images seen = {0};
+    mcv_result result = MCV_OK;
+    for (int n = 0; n < count_images(e->panels + number) && result == MCV_OK; ++n) {
+        char path[4096];
+        snprintf(path, sizeof path, "%s/%s-%d-%d.exr", renders, e->name, number, n);
+        result = read_grey(path, seen.of + n, error);
+    }
+    if (result == MCV_OK) e->say(&seen, text);
+    for (int n = 0; n < MAX_IMAGES; ++n) mcv_image_free(seen.of + n);
+    return result;
+}
+
+enum { WIDTH = 280, HEIGHT = 210, MARGIN = 8, LINES = 44 };
+
+static mcv_result draw_panel(cairo_t *page, int x, const entry *e, int number, const char *renders, const char *text, mcv_error *error) {
+    char path[4096];
+    snprintf(path, sizeof path, "%s/%s-%d-0.png", renders, e->name, number);
+    cairo_surface_t *picture = cairo_image_surface_create_from_png(path);
+    const cairo_status_t status = cairo_surface_status(picture);
+    cairo_save(page);
+    cairo_translate(page, x, MARGIN);
+    cairo_scale(page, (double)WIDTH / cairo_image_surface_get_width(picture), (double)HEIGHT / cairo_image_surface_get_height(picture));
+    cairo_set_source_surface(page, picture, 0, 0);
+    cairo_pattern_set_filter(cairo_get_source(page), CAIRO_FILTER_NEAREST);
+    cairo_paint(page);
+    cairo_restore(page);
+    cairo_surface_destroy(picture);
+    mcv_page_text(page, x + WIDTH / 2.0, MARGIN + HEIGHT + 18, 0.5, e->panels[number].caption);
+    mcv_page_text(page, x + WIDTH / 2.0, MARGIN + HEIGHT + 36, 0.5, text);
+    return status == CAIRO_STATUS_SUCCESS ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: cairo: %s", path, cairo_status_to_string(status));
+}
+
+static mcv_result draw(const entry *e, const char *renders, const char *pictures, mcv_error *error) {
+    const int panels = count_panels(e);
+    char texts[MAX_PANELS][TEXT], path[4096];
+    cairo_t *page;
+    for (int k = 0; k < panels; ++k) MCV_TRY(say_number(e, k, renders, texts[k], error));
+    MCV_TRY(mcv_page_new(&page, (uint32_t)(MARGIN + panels * (WIDTH + MARGIN)), HEIGHT + MARGIN + LINES, 13, error));
+    mcv_result result = MCV_OK;
+    for (int k = 0; k < panels && result == MCV_OK; ++k)
+        result = draw_panel(page, MARGIN + k * (WIDTH + MARGIN), e, k, renders, texts[k], error);
+    snprintf(path, sizeof path, "%s/%s.png", pictures, e->name);
+    if (result == MCV_OK)
+        MCV_TRY(mcv_page_write(page, path, error));
+    else
+        cairo_destroy(page);
+    printf("\n### %s\n\n%s\n\n![%s](../%s)\n\n", e->title, e->text, e->title, path);
+    for (int k = 0; k < panels; ++k) printf("- %s: %s (`mcvisi render %s`)\n", e->panels[k].caption, texts[k], e->panels[k].arguments);
+    return result;
+}
+
+int main(int argc, char **argv) {
+    mcv_error error = {""};
+    mcv_result result = MCV_OK;
+    if (argc == 2 && strcmp(argv[1], "list") == 0) {
+        list();
+        return MCV_OK;
+    }
+    if (argc != 4 || strcmp(argv[1], "draw") != 0) {
+        fputs("gallery list\ngallery draw RENDERS PICTURES\n", stderr);
+        return MCV_USAGE;
+    }
+    for (int i = 0; i < ENTRIES && result == MCV_OK; ++i) result = draw(entries + i, argv[2], argv[3], &error);
+    if (result != MCV_OK) fprintf(stderr, "gallery: %s\n", error.text);
+    return (int)result;
+}
