@@ -2,13 +2,7 @@
 /* Stage: begins a path at the sensor. writes ray, weight, throughput 1, radiance 0 */
 #include "identity.h"
 #include "path.h"
-
-/* The directions x, y, z of the optical frame, rows of world coordinates last. */
-MCV_FUNCTION mcv_vec3 mcv_to_world(__constant const mcv_frame *frame, mcv_vec3 v) {
-    __constant const float *m = frame->to_world;
-    return mcv_vec(mcv_fma(m[0], v.x, mcv_fma(m[1], v.y, m[2] * v.z)), mcv_fma(m[3], v.x, mcv_fma(m[4], v.y, m[5] * v.z)),
-                   mcv_fma(m[6], v.x, mcv_fma(m[7], v.y, m[8] * v.z)));
-}
+#include "sight.h"
 
 /* 1 if the path has begun. */
 static int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_identity id) {
@@ -22,17 +16,19 @@ static int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_identity id) {
         film.row = id.row;
         film.x = inside.x;
         film.y = inside.y;
+#if MCV_WITH_AIM
+        sight = mcv_aimed_sight(world, film, aperture);
+#else
         sight = mcv_sensor_sample(world.sensor, film, aperture.x, aperture.y);
+#endif
     }
     MCV_STORE(slot, weight, 0, sight.weight);
     MCV_STORE_COLOR(slot, radiance, mcv_grey(0.0f));
     if (!(sight.weight > 0.0f)) return 0;
 
-    __constant const float *m = world.frame->to_world;
-    const mcv_vec3 origin = mcv_add(mcv_to_world(world.frame, sight.origin), mcv_vec(m[9], m[10], m[11]));
-    const mcv_vec3 direction = mcv_normalize(mcv_to_world(world.frame, sight.direction));
-    MCV_STORE_3(slot, origin, origin);
-    MCV_STORE_3(slot, direction, direction);
+    const mcv_ray ray = mcv_place_sight(world.frame, sight);
+    MCV_STORE_3(slot, origin, ray.origin);
+    MCV_STORE_3(slot, direction, ray.direction);
     MCV_STORE_COLOR(slot, throughput, mcv_grey(1.0f));
 #if MCV_WITH_DIELECTRIC
     MCV_WORD(slot, media, 0) = world.frame->initial_media;

@@ -8,6 +8,9 @@
  * frame's depth + 1 of them, shadow rays at each depth.
  */
 #include "world.h"
+#if MCV_WITH_AIM
+#include "aim_pupils.cl"
+#endif
 #include "generate_rays.cl"
 #include "intersect_closest.cl"
 #if MCV_WITH_NEXT_EVENT
@@ -33,6 +36,15 @@ MCV_FUNCTION mcv_slot mcv_stream_slot(__global uint *paths, uint capacity, uint 
     slot.index = index;
     return slot;
 }
+
+#if MCV_WITH_AIM
+/* One work-item per pixel. */
+__kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void aim_pupils(MCV_WORLD_PARAMETERS __global mcv_device_aim *out) {
+    MCV_MAKE_WORLD(world)
+    const uint pixel = get_global_id(0);
+    if (pixel < world.frame->width * world.frame->height) mcv_aim_pupil(world, pixel, out + pixel);
+}
+#endif
 
 MCV_STAGE_KERNEL(generate_rays) {
     MCV_MAKE_WORLD(world)

@@ -4,6 +4,9 @@
  * cache, through all stages.
  */
 #include "world.h"
+#if MCV_WITH_AIM
+#include "aim_pupils.cl"
+#endif
 #include "generate_rays.cl"
 #include "intersect_closest.cl"
 #if MCV_WITH_NEXT_EVENT
@@ -68,6 +71,16 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
         mcv_intersect_shadow(world, slot);
     }
 #endif
+}
+#endif
+
+#if MCV_WITH_AIM
+/* One work-item per slice of pixels. */
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void aim_pupils(MCV_WORLD_PARAMETERS __global mcv_device_aim *out) {
+    MCV_MAKE_WORLD(world)
+    const uint first = (uint)get_group_id(0) * MCV_SLICE;
+    const uint last = min(first + MCV_SLICE, world.frame->width * world.frame->height);
+    for (uint pixel = first; pixel < last; ++pixel) mcv_aim_pupil(world, pixel, out + pixel);
 }
 #endif
 

@@ -46,6 +46,9 @@
 /* MCV_SENSOR is the sensor's name: its struct and its sample function follow. */
 typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
 #define mcv_sensor_sample MCV_JOIN(mcv_, MCV_SENSOR, _sample)
+#if MCV_WITH_AIM
+#define mcv_sensor_through MCV_JOIN(mcv_, MCV_SENSOR, _through)
+#endif
 
 #define MCV_WORLD(X) \
     X(__constant const mcv_frame, frame) \
@@ -63,7 +66,8 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
     X(__global const mcv_device_emitter, emitters) \
     X(__global const uint, emitter_cdf) \
     X(__global const mcv_device_texture, textures) \
-    X(__global const uint, texels) /* RGBA, 8 bits each */
+    X(__global const uint, texels)         /* RGBA, 8 bits each */ \
+    X(__global const mcv_device_aim, aims) /* of the pixels, row by row */
 
 #define MCV_WORLD_FIELD(type, name) type *name;
 #define MCV_WORLD_PARAMETER(type, name) type *name,

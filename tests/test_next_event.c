@@ -6,6 +6,7 @@
 #include "scene_builder.h"
 
 #include "render/render.h"
+#include "uneven_panel.h"
 
 enum { REPLICATES = 16, SAMPLES = 64, PIXELS = 16 };
 static const double rho = 0.5;
@@ -99,7 +100,59 @@ static void test_lamp_within_the_cone(void **state) {
     }
 }
 
+/*
+ * A parallel panel of 100 mm whose cone has 0.5° in all (half-angle 0.25°), 100 mm over a diffuse floor: the variance of independent
+ * samples, directions chosen in the cone against points chosen on the panel. The panel's edge lies over x = 0: inside the light, and in the
+ * penumbra, 100 mm tan 0.25° = 0.44 mm to both sides, where the cone's share on the panel falls from 1 to 0. Averaged over the penumbra the
+ * variance is that of a hit or a miss within the cone, the mean of s(1 - s) over shares s from 0 to 1, about 1/6; on the panel a hit has
+ * the probability p = π tan²β h²/A = 6e-5 of one within the cone and 1/p times its value: the ratio is some 1/(2p)/(1/6) = 5e4 and
+ * more. Inside the light only cosines and what the floor finds by chance vary.
+ */
+static double variance_at(double x, double width, bool even) {
+    enum { SAMPLES_PER_PIXEL = 64 };
+    const double beta = 0.25 * M_PI / 180;
+    mcv_render_options options = mcv_render_defaults();
+    mcv_render_stats stats;
+    mcv_film film;
+    mcv_scene *scene = mcv_scene_new("panel");
+    add_rectangle(scene, 0.2, 0.2, add_diffuse(scene, rho), looking_up_z(0, 0, 0));
+    add_emitter(scene, MCV_EMITTER_PARALLEL, add_panel(scene, 0.1, 0.1, even, looking_down_z(-0.05, 0, 0.1)), 3, beta);
+    /* A spot of `width` seen from 50 mm above: the camera is a point. */
+    add_pinhole(scene, PIXELS, width / 0.05, looking_down_z(x, 0, 0.05));
+    options.sampler = MCV_SAMPLER_RANDOM;
+    options.replicates = 64;
+    options.last = SAMPLES_PER_PIXEL;
+    BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
+    const size_t pixels = (size_t)film.width * film.height;
+    double sum = 0;
+    /* Of one sample of a pixel, from the spread of the replicates. */
+    for (size_t i = 0; i < pixels; ++i) {
+        double mean = 0, squares = 0;
+        for (uint32_t r = 0; r < film.replicates; ++r) mean += film.sums[r * pixels + i] / film.replicates;
+        for (uint32_t r = 0; r < film.replicates; ++r) squares += pow(film.sums[r * pixels + i] - mean, 2);
+        sum += squares / (film.replicates - 1) / SAMPLES_PER_PIXEL;
+    }
+    mcv_film_free(&film);
+    mcv_scene_free(scene);
+    return sum / (double)pixels;
+}
+
+static void test_variance_of_a_narrow_panel(void **state) {
+    static const struct {
+        const char *what;
+        double x, width, least;
+    } cases[] = {{"inside the light", -0.05, 1e-3, 1e4}, {"in the penumbra", 0, 0.8e-3, 1e3}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const double cone = variance_at(cases[i].x, cases[i].width, true);
+        const double area = variance_at(cases[i].x, cases[i].width, false);
+        print_message("%s: variance %.3g by the cone, %.3g by area, ratio %.3g\n", cases[i].what, cone, area, area / cone);
+        if (!(area / cone >= cases[i].least)) fail_msg("%s: the variance falls by %g only", cases[i].what, area / cone);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_cone_within_the_lamp), cmocka_unit_test(test_lamp_within_the_cone)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_cone_within_the_lamp), cmocka_unit_test(test_lamp_within_the_cone),
+                                       cmocka_unit_test(test_variance_of_a_narrow_panel)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -219,15 +219,14 @@ static void report_work(mcv_report *report, const mcv_packed *packed) {
         if (packed->features >> i & 1) mcv_report_text(report, words[i], reasons[i]);
     mcv_report_close(report);
     mcv_report_open(report, "stages");
-#define MCV_WITH_NEXT_EVENT (packed->features >> MCV_FEATURE_NEXT_EVENT & 1)
-#define MCV_X(stage, runs) \
-    mcv_report_text(report, #stage, \
-                    !(runs)                   ? "left out: no diffuse surface looks for an emitter" \
-                    : strcmp(#runs, "1") == 0 ? "runs always" \
-                                              : "runs: diffuse surfaces look for emitters");
+#define MCV_X(NAME, word, why) \
+    const uint32_t MCV_WITH_##NAME = packed->features >> MCV_FEATURE_##NAME & 1; \
+    (void)MCV_WITH_##NAME;
+    MCV_FEATURES(MCV_X)
+#undef MCV_X
+#define MCV_X(stage, runs) mcv_report_text(report, #stage, strcmp(#runs, "1") == 0 ? "runs always" : (runs) ? "runs" : "left out");
     MCV_STAGES(MCV_X)
 #undef MCV_X
-#undef MCV_WITH_NEXT_EVENT
     mcv_report_close(report);
     mcv_report_number(report, "channels", "", packed->channels);
     mcv_report_number(report, "bytes_per_path", "", 4.0 * mcv_path_words(packed->features, packed->channels));
@@ -271,6 +270,8 @@ static mcv_result check_scene(const mcv_command *command, mcv_scene *scene, mcv_
                         scene->path);
     if (command->sensor) MCV_TRY(mcv_sensor_find(scene, command->sensor, &sensor, error));
     MCV_TRY(mcv_pack(scene, &packed, error));
+    for (uint32_t i = 0; i < scene->sensor_count; ++i)
+        if (i == sensor || (!command->sensor && !command->defines)) packed.features = mcv_sensor_features(&packed, &scene->sensors[i]);
     mcv_result result = MCV_OK;
     if (command->defines)
         print_defines(packed.features, packed.channels, scene->sensors[sensor].type);
@@ -284,7 +285,11 @@ mcv_result mcv_verb_check(const mcv_command *command, mcv_error *error) {
     mcv_scene *scene;
     if (!command->argument) {
         if (!command->defines) return mcv_fail(error, MCV_USAGE, "SCENE is missing: `mcvisi check SCENE`");
-        print_defines((1u << MCV_FEATURE_COUNT) - 1, 3, MCV_SENSOR_LIGHT_FIELD);
+        for (uint32_t type = 0; type < MCV_SENSOR_COUNT; ++type) {
+            const bool disk = type == MCV_SENSOR_THIN_LENS || type == MCV_SENSOR_TELECENTRIC; /* only in a disk a pixel aims */
+            const uint32_t all = (1u << MCV_FEATURE_COUNT) - 1;
+            print_defines(disk ? all : all & ~(1u << MCV_FEATURE_AIM), 3, type);
+        }
         return MCV_OK;
     }
     MCV_TRY(mcv_scene_load(command->argument, (mcv_overrides){command->set.items, command->set.count}, &scene, error));

@@ -120,6 +120,10 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
     frame->sensor_index_squared = filling > 0 ? 1.0f / packed->media[filling].inverse_index_squared : 1.0f;
     memcpy(frame->environment, packed->environment, sizeof frame->environment);
     mcv_pack_placement(packed, &from->to_world, frame->to_world);
+    if (packed->features >> MCV_FEATURE_AIM & 1) {
+        const size_t bytes = sizeof(mcv_device_aim) * frame->width * frame->height;
+        MCV_TRY(mcv_cl_buffer(cl, "the aims of the pixels", bytes, NULL, &device->aims, error));
+    }
     return mcv_cl_write(cl, device->sensor, 0, sizeof prepared, &prepared, error);
 }
 

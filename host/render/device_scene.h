@@ -23,7 +23,8 @@
     X(emitters) \
     X(emitter_cdf) \
     X(textures) \
-    X(texels)
+    X(texels) \
+    X(aims)
 #define MCV_X(name) +1
 enum { MCV_SCENE_ARGUMENTS = 0 MCV_SCENE_BUFFERS(MCV_X) };
 #undef MCV_X

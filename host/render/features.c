@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
 #include <stdio.h>
 
 #include "../../kernels/path.h"
 #include "render/pack.h"
 #include "render/render.h"
+#include "scene/sensors.h"
 
 static const char *const feature_words[] = {
 #define MCV_X(NAME, word, why) word,
@@ -40,6 +42,34 @@ void mcv_feature_options(uint32_t features, uint32_t channels, uint32_t sensor_t
                  MCV_FEATURES(MCV_X)
 #undef MCV_X
     );
+}
+
+/* The largest angle between the rays of sight of a pixel and the chief one, at the sensor; 0 where no disk is the pupil. */
+static double pupil_half_angle(const mcv_sensor *sensor, bool through_optics) {
+    const mcv_telecentric_params *t = &sensor->as.telecentric;
+    const mcv_thin_lens_params *l = &sensor->as.thin_lens;
+    if (sensor->type == MCV_SENSOR_TELECENTRIC) return atan(t->stopDiameter / 2 / t->focalLength);
+    if (sensor->type != MCV_SENSOR_THIN_LENS) return 0;
+    /* Optics in between may part rays that are parallel here: assume about as strong ones as the camera's. */
+    const double power = through_optics ? 1 / l->focalLength : fabs(mcv_kappa(l->focalLength, l->imageDistance));
+    return atan(l->lensDiameter / 2 * power);
+}
+
+uint32_t mcv_sensor_features(const mcv_packed *packed, const mcv_sensor *sensor) {
+    const bool through_optics = packed->features & (1u << MCV_FEATURE_DIELECTRIC | 1u << MCV_FEATURE_MIRROR);
+    /* The same optics may spread what the pupil collects over some larger angle. */
+    const double alpha = (through_optics ? 4 : 1) * pupil_half_angle(sensor, through_optics);
+    const double *m = sensor->to_world.m;
+    for (uint32_t i = 0; i < packed->emitter_count; ++i) {
+        const mcv_device_emitter *e = &packed->emitters[i];
+        if (e->type != MCV_EMITTER_PARALLEL || !e->parallel.from_receiver) continue;
+        const double beta = 2 * asin(e->parallel.sin_half);
+        /* Of the emitter's axis and the node's z: both point towards where the light goes. */
+        const double apart = acos(fmin(fmax(e->parallel.axis[0] * m[2] + e->parallel.axis[1] * m[5] + e->parallel.axis[2] * m[8], -1), 1));
+        const bool facing = through_optics || sensor->type != MCV_SENSOR_TELECENTRIC || apart <= alpha + beta;
+        if (beta < alpha && facing) return packed->features | 1u << MCV_FEATURE_AIM;
+    }
+    return packed->features;
 }
 
 uint32_t mcv_path_words(uint32_t features, uint32_t channels) {

@@ -46,6 +46,12 @@ uint32_t mcv_media_around(const mcv_scene *scene, const mcv_packed *packed, cons
 /* Where the sensor is, as the device wants it: the optical frame to the re-centred world. */
 void mcv_pack_placement(const mcv_packed *packed, const mcv_transform *to_world, float placement[12]);
 
+/*
+ * The packed scene's features with those that depend on the sensor, too: AIM where its pupil sees a parallel emitter at larger angles than
+ * the emitter's cone.
+ */
+uint32_t mcv_sensor_features(const mcv_packed *packed, const mcv_sensor *sensor);
+
 /* "dielectric normals parallel": the names of a set of features. */
 void mcv_feature_names(uint32_t features, char *names, size_t size);
 

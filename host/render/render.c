@@ -85,7 +85,8 @@ static mcv_result open_renderer(renderer *r, const mcv_scene *scene, uint32_t se
     memcpy(r->stats->device, r->cl.name, sizeof r->stats->device);
     memcpy(r->stats->driver, r->cl.version, sizeof r->stats->driver);
     MCV_TRY(mcv_device_scene_open(&r->cl, scene, r->options->threads, &r->scene, r->error));
-    const mcv_packed *packed = &r->scene.packed;
+    mcv_packed *packed = &r->scene.packed;
+    packed->features = mcv_sensor_features(packed, &scene->sensors[sensor]);
     mcv_feature_names(packed->features, r->stats->features, sizeof r->stats->features);
     r->stats->seconds_build = now() - start;
 
@@ -98,7 +99,8 @@ static mcv_result open_renderer(renderer *r, const mcv_scene *scene, uint32_t se
                            .replicates = r->film->replicates,
                            .seed = r->options->seed,
                            .depth = r->options->depth};
-    return mcv_device_scene_place(&r->cl, scene, sensor, &r->scene, &r->frame, r->error);
+    MCV_TRY(mcv_device_scene_place(&r->cl, scene, sensor, &r->scene, &r->frame, r->error));
+    return mcv_schedule_aim(&r->schedule, &r->frame, r->stats, r->error);
 }
 
 static void close_renderer(renderer *r) {

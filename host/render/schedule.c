@@ -18,12 +18,16 @@ static uint32_t fitting_paths(const mcv_cl *cl, size_t bytes_per_path, uint32_t 
     return fitting < most ? (uint32_t)fitting : most;
 }
 
+static bool aims(const mcv_schedule *s) { return s->scene->packed.features >> MCV_FEATURE_AIM & 1; }
+
 static mcv_result open_tile(mcv_schedule *s, const char *options, mcv_error *error) {
     MCV_TRY(mcv_cl_build(s->cl, "tile", options, &s->program, error));
-    return mcv_cl_kernel(s->program, "render_tile", &s->kernels[0], error);
+    if (aims(s)) MCV_TRY(mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
+    return mcv_cl_kernel(s->program, "render_tile", &s->kernels[MCV_KERNEL_generate_rays], error);
 }
 
 static mcv_result open_stream(mcv_schedule *s, const char *options, mcv_error *error) {
+    const uint32_t MCV_WITH_AIM = aims(s);
     const uint32_t MCV_WITH_NEXT_EVENT = s->scene->packed.features >> MCV_FEATURE_NEXT_EVENT & 1;
     MCV_TRY(mcv_cl_build(s->cl, "stream", options, &s->program, error));
 #define MCV_X(stage, runs) \
@@ -109,7 +113,8 @@ static void add_times(mcv_schedule *s, mcv_render_stats *stats) {
 #undef MCV_X
     };
     for (uint32_t i = 0; i < s->launch_count; ++i) {
-        const char *name = s->kind == MCV_SCHEDULE_TILE ? "render_tile" : names[s->launched[i]];
+        const bool tile = s->kind == MCV_SCHEDULE_TILE && s->launched[i] == MCV_KERNEL_generate_rays;
+        const char *name = tile ? "render_tile" : names[s->launched[i]];
         uint32_t stage = 0;
         while (stage < stats->stage_count && strcmp(stats->stages[stage].name, name) != 0) ++stage;
         if (stage == stats->stage_count) stats->stages[stats->stage_count++].name = name;
@@ -125,7 +130,7 @@ static mcv_result start_tile(mcv_schedule *s, const mcv_frame *frame, mcv_error 
     arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->sums);
     arguments[MCV_SCENE_ARGUMENTS + 2] = MCV_ARG(s->counters);
     s->counter_sets = (frame->path_count + s->slice - 1) / s->slice;
-    return launch(s, 0, s->counter_sets, 1, arguments, MCV_SCENE_ARGUMENTS + 3, error);
+    return launch(s, MCV_KERNEL_generate_rays, s->counter_sets, 1, arguments, MCV_SCENE_ARGUMENTS + 3, error);
 }
 
 static mcv_result zero(mcv_cl *cl, cl_mem buffer, size_t bytes, mcv_error *error) {
@@ -171,6 +176,22 @@ static mcv_result start_stream(mcv_schedule *s, const mcv_frame *frame, mcv_rend
     MCV_RUN(count_rays, 1);
 #undef MCV_RUN
     s->counter_sets = 1;
+    return MCV_OK;
+}
+
+mcv_result mcv_schedule_aim(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
+    mcv_schedule *s = schedule;
+    mcv_arg arguments[MCV_SCENE_ARGUMENTS + 1];
+    if (!aims(s)) return MCV_OK;
+    const bool tile = s->kind == MCV_SCHEDULE_TILE;
+    const size_t pixels = (size_t)frame->width * frame->height;
+    MCV_TRY(mcv_cl_write(s->cl, s->scene->frame, 0, sizeof *frame, frame, error));
+    mcv_device_scene_arguments(s->scene, arguments);
+    arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->scene->aims);
+    MCV_TRY(launch(s, MCV_KERNEL_aim_pupils, tile ? (pixels + s->slice - 1) / s->slice : pixels, tile ? 1 : STREAM_GROUP, arguments,
+                   MCV_SCENE_ARGUMENTS + 1, error));
+    MCV_TRY(mcv_cl_finish(s->cl, error));
+    add_times(s, stats);
     return MCV_OK;
 }
 

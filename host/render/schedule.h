@@ -26,7 +26,8 @@ typedef struct mcv_schedule {
     uint32_t slice;    /* paths per slice (tile) */
     uint32_t depth;
     cl_program program;
-    cl_kernel kernels[MCV_STREAM_KERNEL_COUNT]; /* tile: the first only; stream: NULL where the scene needs no such stage */
+    cl_kernel
+        kernels[MCV_STREAM_KERNEL_COUNT]; /* tile: for generate_rays that of all stages; stream: NULL where the scene needs no such stage */
     cl_mem paths, sums, counters;
     uint32_t counter_sets;               /* of the launch under way */
     cl_mem queues, lengths;              /* stream */
@@ -39,6 +40,9 @@ typedef struct mcv_schedule {
 mcv_result mcv_schedule_open(mcv_cl *cl, const mcv_device_scene *scene, uint32_t sensor_type, const mcv_render_options *options,
                              mcv_schedule *schedule, mcv_error *error);
 void mcv_schedule_close(mcv_schedule *schedule);
+
+/* Before the first start with features that aim: fills in the pixels' aims. */
+mcv_result mcv_schedule_aim(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error);
 
 /* Begins to render the frame's paths; the caller may do other work until it waits. */
 mcv_result mcv_schedule_start(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error);

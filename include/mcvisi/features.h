@@ -23,6 +23,7 @@
     X(BEAM, "collimated-beam", "a collimated beam shines") \
     X(PUNCTUAL, "punctual", "a point, spot or directional light shines") \
     X(NEXT_EVENT, "next-event", "surfaces that spread light look for emitters") \
+    X(AIM, "aim", "a sensor sees a parallel emitter whose cone is narrower than its pupil") \
     X(INTERLEAVE, "interleave", "diffuse surfaces among so many triangles that rays take turns while others wait for memory")
 
 enum {
@@ -34,6 +35,7 @@ enum {
 
 /* X(stage, whether it runs, in the terms of MCV_WITH_…): one file kernels/<stage>.cl each, in the order in which they run. */
 #define MCV_STAGES(X) \
+    X(aim_pupils, MCV_WITH_AIM) \
     X(generate_rays, 1) \
     X(intersect_closest, 1) \
     X(sample_emitters, MCV_WITH_NEXT_EVENT) \

@@ -129,6 +129,19 @@ typedef struct mcv_device_texture {
 } mcv_device_texture;
 MCV_ASSERT_SIZE(mcv_device_texture, 32);
 
+/*
+ * Where in the pupil, in its radii, a pixel's rays of sight meet a parallel emitter within its cone, to first order: about
+ * centre + shift · (place in the pixel from its middle) in the ellipse spread · (unit disk). Matrices row by row.
+ */
+typedef struct mcv_device_aim {
+    float centre[2];
+    float shift[4];
+    float spread[4];
+    float advantage; /* density of the points in the ellipse over that of the pupil's: 1/|det spread|; 0: the pixel does not aim */
+    uint padding;
+} mcv_device_aim;
+MCV_ASSERT_SIZE(mcv_device_aim, 48);
+
 /* What a launch counts, per slice or in all, for the host to add up; lost energy in units of 2^-11 paths. */
 #define MCV_COUNTERS(X) X(paths) X(rays) X(shadow_rays) X(depth_cut) X(lost) X(nonfinite) X(unmatched)
 enum {

@@ -21,9 +21,9 @@
  *     MCV_<NAME>_PARAMS(X)    its parameters (mcvisi/params.h)
  *     mcv_<name>              what the device needs of them, 4-byte scalars
  *     mcv_<name>_sample       pixel and aperture sample -> ray of sight
- * one line in MCV_SENSORS (mcvisi/elements.h), and in host/scene/sensors.c
- *     mcv_<name>_resolve      fills in parameters that follow from others, refuses contradictions
- *     mcv_<name>_prepare      parameters -> device struct, in double
+ *     mcv_<name>_through      pixel and point of the pupil in its radii -> ray of sight; where the pupil is a disk that each pixel sees
+ * whole one line in MCV_SENSORS (mcvisi/elements.h), and in host/scene/sensors.c mcv_<name>_resolve      fills in parameters that follow
+ * from others, refuses contradictions mcv_<name>_prepare      parameters -> device struct, in double
  */
 #ifndef MCVISI_SENSORS_SENSOR_H
 #define MCVISI_SENSORS_SENSOR_H

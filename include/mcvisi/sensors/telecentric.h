@@ -42,12 +42,11 @@ typedef struct mcv_telecentric {
 } mcv_telecentric;
 MCV_ASSERT_SIZE(mcv_telecentric, 48);
 
-MCV_FUNCTION mcv_sight mcv_telecentric_sample(MCV_CONSTANT const mcv_telecentric *sensor, mcv_film_sample film, float xi, float eta) {
+/* The ray of sight through a point of the stop, in stop radii. */
+MCV_FUNCTION mcv_sight mcv_telecentric_through(MCV_CONSTANT const mcv_telecentric *sensor, mcv_film_sample film, float p_x, float p_y) {
     mcv_sight sight;
-    float cosine, sine;
-    const float r = sensor->stop_radius * mcv_disk(xi, eta, &cosine, &sine);
-    const float a_x = r * cosine;
-    const float a_y = r * sine;
+    const float a_x = sensor->stop_radius * p_x;
+    const float a_y = sensor->stop_radius * p_y;
     /* o = a b/(b - f) - s f/(b - f), both factors from double: no cancellation in a - s. */
     const float o_x = mcv_fma(a_x, sensor->stop_to_lens, -mcv_from_centre(sensor->centre_x, film.column, film.x) * sensor->pixel_x);
     const float o_y = mcv_fma(a_y, sensor->stop_to_lens, mcv_from_centre(sensor->centre_y, film.row, film.y) * sensor->pixel_y);
@@ -57,6 +56,12 @@ MCV_FUNCTION mcv_sight mcv_telecentric_sample(MCV_CONSTANT const mcv_telecentric
                        ? 0.0f
                        : mcv_sight_weight(sensor->etendue, sight.direction);
     return sight;
+}
+
+MCV_FUNCTION mcv_sight mcv_telecentric_sample(MCV_CONSTANT const mcv_telecentric *sensor, mcv_film_sample film, float xi, float eta) {
+    float cosine, sine;
+    const float r = mcv_disk(xi, eta, &cosine, &sine);
+    return mcv_telecentric_through(sensor, film, r * cosine, r * sine);
 }
 
 #endif

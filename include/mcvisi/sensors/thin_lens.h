@@ -29,16 +29,21 @@ typedef struct mcv_thin_lens {
 } mcv_thin_lens;
 MCV_ASSERT_SIZE(mcv_thin_lens, 48);
 
-MCV_FUNCTION mcv_sight mcv_thin_lens_sample(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_film_sample film, float xi, float eta) {
+/* The ray of sight through a point of the lens, in lens radii. */
+MCV_FUNCTION mcv_sight mcv_thin_lens_through(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_film_sample film, float p_x, float p_y) {
     mcv_sight sight;
-    float cosine, sine;
-    const float r = sensor->radius * mcv_disk(xi, eta, &cosine, &sine);
-    sight.origin = mcv_vec(r * cosine, r * sine, 0.0f);
+    sight.origin = mcv_vec(sensor->radius * p_x, sensor->radius * p_y, 0.0f);
     sight.direction =
         mcv_vec(-mcv_fma(mcv_from_centre(sensor->centre_x, film.column, film.x), sensor->slope_x, sensor->kappa * sight.origin.x),
                 mcv_fma(mcv_from_centre(sensor->centre_y, film.row, film.y), sensor->slope_y, -sensor->kappa * sight.origin.y), 1.0f);
     sight.weight = mcv_sight_weight(sensor->etendue, sight.direction);
     return sight;
+}
+
+MCV_FUNCTION mcv_sight mcv_thin_lens_sample(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_film_sample film, float xi, float eta) {
+    float cosine, sine;
+    const float r = mcv_disk(xi, eta, &cosine, &sine);
+    return mcv_thin_lens_through(sensor, film, r * cosine, r * sine);
 }
 
 #endif

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rays of sight in the world. */
+#ifndef MCVISI_KERNELS_SIGHT_H
+#define MCVISI_KERNELS_SIGHT_H
+
+#include "sampler.h"
+#include "world.h"
+
+typedef struct mcv_ray {
+    mcv_vec3 origin, direction; /* unit */
+} mcv_ray;
+
+/* The directions x, y, z of the optical frame, rows of world coordinates last. */
+MCV_FUNCTION mcv_vec3 mcv_to_world(__constant const mcv_frame *frame, mcv_vec3 v) {
+    __constant const float *m = frame->to_world;
+    return mcv_vec(mcv_fma(m[0], v.x, mcv_fma(m[1], v.y, m[2] * v.z)), mcv_fma(m[3], v.x, mcv_fma(m[4], v.y, m[5] * v.z)),
+                   mcv_fma(m[6], v.x, mcv_fma(m[7], v.y, m[8] * v.z)));
+}
+
+MCV_FUNCTION mcv_ray mcv_place_sight(__constant const mcv_frame *frame, mcv_sight sight) {
+    __constant const float *m = frame->to_world;
+    mcv_ray ray;
+    ray.origin = mcv_add(mcv_to_world(frame, sight.origin), mcv_vec(m[9], m[10], m[11]));
+    ray.direction = mcv_normalize(mcv_to_world(frame, sight.direction));
+    return ray;
+}
+
+#if MCV_WITH_AIM
+/*
+ * A ray of sight of a pixel: half of the samples take the whole pupil, half the ellipse of the pixel's aim; weighed by the balance
+ * heuristic, density of the pupil over that of the mixture.
+ */
+MCV_FUNCTION mcv_sight mcv_aimed_sight(mcv_world world, mcv_film_sample film, mcv_pair pair) {
+    __global const mcv_device_aim *aim = world.aims + (size_t)film.row * world.frame->width + film.column;
+    mcv_sight sight;
+    float cosine, sine;
+    if (!(aim->advantage > 0.0f)) return mcv_sensor_sample(world.sensor, film, pair.x, pair.y);
+    const int aims = pair.x >= 0.5f;
+    const float r = mcv_disk(mcv_fma(2.0f, pair.x, aims ? -1.0f : 0.0f), pair.y, &cosine, &sine);
+    const float x = film.x - 0.5f;
+    const float y = film.y - 0.5f;
+    const float centre_x = mcv_fma(aim->shift[0], x, mcv_fma(aim->shift[1], y, aim->centre[0]));
+    const float centre_y = mcv_fma(aim->shift[2], x, mcv_fma(aim->shift[3], y, aim->centre[1]));
+    float p_x = r * cosine;
+    float p_y = r * sine;
+    float inside = 1.0f;
+    if (aims) {
+        const float e_x = p_x;
+        p_x = mcv_fma(aim->spread[0], e_x, mcv_fma(aim->spread[1], p_y, centre_x));
+        p_y = mcv_fma(aim->spread[2], e_x, mcv_fma(aim->spread[3], p_y, centre_y));
+    } else {
+        /* |spread⁻¹ (p - centre)| */
+        const float d_x = p_x - centre_x;
+        const float d_y = p_y - centre_y;
+        const float e_x = mcv_difference_of_products(aim->spread[3], d_x, aim->spread[1], d_y) * aim->advantage;
+        const float e_y = mcv_difference_of_products(aim->spread[0], d_y, aim->spread[2], d_x) * aim->advantage;
+        inside = mcv_fma(e_x, e_x, e_y * e_y) <= 1.0f ? 1.0f : 0.0f;
+    }
+    sight = mcv_sensor_through(world.sensor, film, p_x, p_y);
+    sight.weight = mcv_fma(p_x, p_x, p_y * p_y) <= 1.0f || !aims ? sight.weight * 2.0f / mcv_fma(inside, aim->advantage, 1.0f) : 0.0f;
+    return sight;
+}
+#endif
+
+#endif
