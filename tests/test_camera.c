@@ -8,7 +8,6 @@
 #include <cmocka.h>
 
 #include <math.h>
-#include <png.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +15,7 @@
 
 #include "analysis/camera.h"
 #include "analysis/noise.h"
-#include "output/png.h"
+#include "output/values.h"
 
 /* --- random numbers --------------------------------------------------------------------------------------------- */
 
@@ -150,7 +149,7 @@ static mcv_image flat(uint32_t side, float value) {
 static mcv_exposure expose(const mcv_camera *camera, const mcv_image *light) {
     mcv_exposure exposure;
     mcv_error error = {""};
-    if (mcv_camera_expose(camera, light, &exposure, &error) != MCV_OK) fail_msg("%s", error.text);
+    if (mcv_camera_expose(camera, light, NULL, &exposure, &error) != MCV_OK) fail_msg("%s", error.text);
     return exposure;
 }
 
@@ -177,7 +176,7 @@ static void test_mean_and_variance_laws(void **state) {
     (void)state;
     for (int g = 0; g < 2; ++g) {
         for (int i = 0; i < 5; ++i) {
-            const mcv_camera camera = {.electrons_per_unit = 1000,
+            const mcv_camera camera = {.electrons_per_unit = {1000, 1000, 1000},
                                        .full_well = 20000,
                                        .gain = gains[g],
                                        .read_noise = 5,
@@ -200,7 +199,7 @@ static void test_mean_and_variance_laws(void **state) {
             if (fabs(variance - expected) > allowed)
                 fail_msg("%g e-, K = %g: variance %g instead of %g +- %g", mu, gains[g], variance, expected, allowed);
             assert_true(exposure.saturated == 0 && exposure.below_zero == 0);
-            mcv_image_free(&exposure.grey);
+            mcv_exposure_free(&exposure);
             mcv_image_free(&light);
         }
     }
@@ -211,7 +210,7 @@ static void test_mean_and_variance_laws(void **state) {
 static void test_photon_transfer_gives_the_gain(void **state) {
     enum { LEVELS = 8 };
     const mcv_camera camera = {
-        .electrons_per_unit = 1, .full_well = 20000, .gain = 0.2, .read_noise = 4, .bits = 12, .black_level = 64, .seed = 7};
+        .electrons_per_unit = {1, 1, 1}, .full_well = 20000, .gain = 0.2, .read_noise = 4, .bits = 12, .black_level = 64, .seed = 7};
     double x[LEVELS], y[LEVELS], mx = 0, my = 0, xy = 0, xx = 0;
     (void)state;
     for (int i = 0; i < LEVELS; ++i) {
@@ -220,7 +219,7 @@ static void test_photon_transfer_gives_the_gain(void **state) {
         moments(&exposure.grey, &x[i], &y[i]);
         mx += x[i] / LEVELS;
         my += y[i] / LEVELS;
-        mcv_image_free(&exposure.grey);
+        mcv_exposure_free(&exposure);
         mcv_image_free(&light);
     }
     for (int i = 0; i < LEVELS; ++i) {
@@ -233,7 +232,7 @@ static void test_photon_transfer_gives_the_gain(void **state) {
 
 /* Without noise a grey value is the line, rounded: within half a grey value, to the rounding of the doubles. */
 static void test_linear_without_noise(void **state) {
-    const mcv_camera camera = {.electrons_per_unit = 30000,
+    const mcv_camera camera = {.electrons_per_unit = {30000, 30000, 30000},
                                .full_well = 30000,
                                .gain = 65000.0 / 30000,
                                .read_noise = 9,
@@ -251,12 +250,13 @@ static void test_linear_without_noise(void **state) {
     }
     assert_true(exposure.saturated == 0);
     assert_true(exposure.brightest == 30000 * 65535.0 / 65536);
-    mcv_image_free(&exposure.grey);
+    mcv_exposure_free(&exposure);
     mcv_image_free(&light);
 }
 
 static void test_same_seed_same_bits(void **state) {
-    mcv_camera camera = {.electrons_per_unit = 500, .full_well = 1e4, .gain = 1, .read_noise = 5, .bits = 14, .black_level = 50, .seed = 3};
+    mcv_camera camera = {
+        .electrons_per_unit = {500, 500, 500}, .full_well = 1e4, .gain = 1, .read_noise = 5, .bits = 14, .black_level = 50, .seed = 3};
     mcv_image light = flat(64, 1);
     (void)state;
     mcv_exposure a = expose(&camera, &light), b = expose(&camera, &light);
@@ -273,16 +273,17 @@ static void test_same_seed_same_bits(void **state) {
     for (size_t i = 0; i < 64 * 64; ++i) same += a.grey.pixels[i] == d.grey.pixels[i];
     /* Chance meetings of a normal distribution: 1/(2 √pi sigma) = 1.2 % at sigma = √525; 4 % is 15 standard deviations beyond it. */
     if (same > 0.04 * 64 * 64) fail_msg("another seed left %g of 4096 grey values", same);
-    mcv_image_free(&a.grey);
-    mcv_image_free(&b.grey);
-    mcv_image_free(&c.grey);
-    mcv_image_free(&d.grey);
+    mcv_exposure_free(&a);
+    mcv_exposure_free(&b);
+    mcv_exposure_free(&c);
+    mcv_exposure_free(&d);
     mcv_image_free(&light);
 }
 
 /* The noise of neighbours and of channels is independent: correlations within 5/√N. */
 static void test_noise_is_white(void **state) {
-    const mcv_camera camera = {.electrons_per_unit = 500, .full_well = 1e4, .gain = 1, .read_noise = 5, .bits = 14, .black_level = 50};
+    const mcv_camera camera = {
+        .electrons_per_unit = {500, 500, 500}, .full_well = 1e4, .gain = 1, .read_noise = 5, .bits = 14, .black_level = 50};
     mcv_image light;
     mcv_error error = {""};
     (void)state;
@@ -299,7 +300,7 @@ static void test_noise_is_white(void **state) {
         const double correlation = product / (double)count / variance;
         if (fabs(correlation) > 5 / sqrt((double)count)) fail_msg("pixels %zu apart are correlated by %g", steps[s], correlation);
     }
-    mcv_image_free(&exposure.grey);
+    mcv_exposure_free(&exposure);
     mcv_image_free(&light);
 }
 
@@ -307,7 +308,8 @@ static void test_saturation_and_black_level(void **state) {
     /* Pixels of 0, 1/2 and 2 full wells; gain so that the full well is 200 of 255. */
     float pixels[] = {0, 0.5F, 2};
     const mcv_image light = {.width = 3, .height = 1, .channels = 1, .pixels = pixels};
-    mcv_camera camera = {.electrons_per_unit = 1000, .full_well = 1000, .gain = 0.19, .bits = 8, .black_level = 10, .noise_free = true};
+    mcv_camera camera = {
+        .electrons_per_unit = {1000, 1000, 1000}, .full_well = 1000, .gain = 0.19, .bits = 8, .black_level = 10, .noise_free = true};
     (void)state;
     mcv_exposure exposure = expose(&camera, &light);
     assert_true(exposure.grey.pixels[0] == 10);
@@ -315,30 +317,30 @@ static void test_saturation_and_black_level(void **state) {
     assert_true(exposure.grey.pixels[2] == 200);
     assert_int_equal(exposure.saturated, 1);
     assert_true(exposure.brightest == 2000);
-    mcv_image_free(&exposure.grey);
+    mcv_exposure_free(&exposure);
 
     /* The converter's range ends before the full well. */
     camera.gain = 1;
     exposure = expose(&camera, &light);
     assert_true(exposure.grey.pixels[1] == 255 && exposure.grey.pixels[2] == 255);
     assert_int_equal(exposure.saturated, 2);
-    mcv_image_free(&exposure.grey);
+    mcv_exposure_free(&exposure);
 
     /* With noise a full pixel stays full, even where its Poisson number would be beyond every integer. */
     pixels[2] = 1e30F;
-    camera = (mcv_camera){.electrons_per_unit = 1000, .full_well = 1000, .gain = 0.19, .bits = 8, .black_level = 10};
+    camera = (mcv_camera){.electrons_per_unit = {1000, 1000, 1000}, .full_well = 1000, .gain = 0.19, .bits = 8, .black_level = 10};
     exposure = expose(&camera, &light);
     assert_true(exposure.grey.pixels[2] == 200);
-    mcv_image_free(&exposure.grey);
+    mcv_exposure_free(&exposure);
 
     /* Black level 0: a dark pixel lies below it where 2 Z, Z being standard normal, rounds below 0: Z < -1/4. */
     mcv_image dark = flat(SIDE, 0);
-    camera = (mcv_camera){.electrons_per_unit = 1, .full_well = 1000, .gain = 1, .read_noise = 2, .bits = 8};
+    camera = (mcv_camera){.electrons_per_unit = {1, 1, 1}, .full_well = 1000, .gain = 1, .read_noise = 2, .bits = 8};
     exposure = expose(&camera, &dark);
     const double share = (double)exposure.below_zero / ((double)SIDE * SIDE), expected = 0.5 * erfc(0.25 / sqrt(2));
     if (fabs(share - expected) > 5 * sqrt(expected * (1 - expected)) / SIDE)
         fail_msg("%g of the dark pixels are below zero instead of %g", share, expected);
-    mcv_image_free(&exposure.grey);
+    mcv_exposure_free(&exposure);
     mcv_image_free(&dark);
 }
 
@@ -350,37 +352,161 @@ static void test_photons_as_in_the_standard(void **state) {
     if (fabs(ours / standard - 1) > 0.005 / 50.34) fail_msg("%g electrons instead of %g", ours, standard);
 }
 
-static void test_png_round_trip(void **state) {
-    static const char path[] = "test_camera.png";
-    mcv_image light = flat(64, 0);
-    mcv_error error = {""};
-    const mcv_camera camera = {.electrons_per_unit = 16, .full_well = 65000, .gain = 1, .read_noise = 3, .bits = 16, .seed = 9};
-    uint16_t read[64 * 64];
+/* Covariance of the two images' values, over count - 1. */
+static double covariance(const mcv_image *a, const mcv_image *b) {
+    const size_t count = (size_t)a->width * a->height;
+    double mean_a, mean_b, unused, sum = 0;
+    moments(a, &mean_a, &unused);
+    moments(b, &mean_b, &unused);
+    for (size_t i = 0; i < count; ++i) sum += (a->pixels[i] - mean_a) * (b->pixels[i] - mean_b);
+    return sum / ((double)count - 1);
+}
+
+/*
+ * What two exposures have in common is the fixed pattern: its variance is K² (DSNU² + PRNU² mu_e²), the temporal one K² (mu_e + mu_d +
+ * sigma_d0²) + 1/12, half the variance of their difference. A covariance of N pairs has the standard error √((v² + c²)/N), v the variance
+ * of each and c the covariance; a variance of N normal values v √(2/N).
+ */
+static void test_fixed_pattern_and_dark_current(void **state) {
+    static const double electrons[] = {0, 4000};
+    const double count = (double)SIDE * SIDE, k2 = 0.5 * 0.5;
     (void)state;
-    for (size_t i = 0; i < 64 * 64; ++i) light.pixels[i] = (float)i;
-    mcv_exposure exposure = expose(&camera, &light);
-    assert_int_equal(mcv_png_write_values(path, &exposure.grey, 16, &error), MCV_OK);
+    for (int i = 0; i < 2; ++i) {
+        mcv_camera camera = {.electrons_per_unit = {1, 1, 1},
+                             .dark_electrons = 60,
+                             .full_well = 20000,
+                             .gain = 0.5,
+                             .read_noise = 5,
+                             .dsnu = 8,
+                             .prnu = 0.01,
+                             .bits = 16,
+                             .black_level = 100,
+                             .specimen = 3,
+                             .seed = 1};
+        mcv_image light = flat(SIDE, (float)electrons[i]);
+        mcv_exposure a = expose(&camera, &light);
+        camera.seed = 2;
+        mcv_exposure b = expose(&camera, &light);
+        camera.specimen = 4;
+        mcv_exposure other = expose(&camera, &light);
+        const double pattern = k2 * (64 + pow(0.01 * electrons[i], 2)), temporal = k2 * (electrons[i] + 60 + 25) + 1.0 / 12;
+        const double sum = pattern + temporal;
+        double mean, variance;
+        moments(&a.grey, &mean, &variance);
+        const double expected = 100 + 0.5 * (electrons[i] + 60);
+        if (fabs(mean - expected) > 5 * sqrt(sum / count)) fail_msg("%g e-: mean %g instead of %g", electrons[i], mean, expected);
+        const double fixed = covariance(&a.grey, &b.grey), allowed = 5 * sqrt((sum * sum + pattern * pattern) / count);
+        if (fabs(fixed - pattern) > allowed) fail_msg("%g e-: the pattern's variance is %g instead of %g", electrons[i], fixed, pattern);
+        if (fabs(variance - sum) > 5 * sum * sqrt(2.1 / count)) fail_msg("%g e-: variance %g instead of %g", electrons[i], variance, sum);
+        const double strange = covariance(&a.grey, &other.grey);
+        if (fabs(strange) > 5 * sum / sqrt(count)) fail_msg("two cameras share a pattern: covariance %g", strange);
+        /* The stated uncertainty, the same all over, is that of the model. */
+        assert_true(fabs(a.uncertainty.pixels[0] - sqrt(sum)) < 1e-6 * sqrt(sum));
+        mcv_exposure_free(&a);
+        mcv_exposure_free(&b);
+        mcv_exposure_free(&other);
+        mcv_image_free(&light);
+    }
+}
+
+/* K R SE adds to the camera's own part. */
+static void test_uncertainty_of_the_light(void **state) {
+    float value = 3, se = 0.25F;
+    const mcv_image light = {.width = 1, .height = 1, .channels = 1, .pixels = &value};
+    const mcv_image light_error = {.width = 1, .height = 1, .channels = 1, .pixels = &se};
+    const mcv_camera camera = {.electrons_per_unit = {100, 1, 1}, .full_well = 1000, .gain = 2, .read_noise = 7, .bits = 12};
+    mcv_exposure exposure;
+    mcv_error error = {""};
+    (void)state;
+    assert_int_equal(mcv_camera_expose(&camera, &light, &light_error, &exposure, &error), MCV_OK);
+    const double expected = sqrt(4 * (300 + 49 + 625) + 1.0 / 12);
+    assert_true(fabs(exposure.uncertainty.pixels[0] / expected - 1) < 1e-6);
+    mcv_exposure_free(&exposure);
+}
+
+/* Each pixel of the mosaic reads its colour's channel with its colour's sensitivity; grey light falls on all. */
+static void test_bayer_patterns(void **state) {
+    float pixels[3 * 16];
+    (void)state;
+    for (int i = 0; i < 48; ++i) pixels[i] = (float)(10 * (i / 16 + 1));
+    for (uint32_t bayer = MCV_BAYER_RGGB; bayer <= MCV_BAYER_GBRG; ++bayer) {
+        for (uint32_t channels = 1; channels <= 3; channels += 2) {
+            const mcv_image light = {.width = 4, .height = 4, .channels = channels, .pixels = pixels};
+            const mcv_camera camera = {
+                .electrons_per_unit = {1, 2, 3}, .full_well = 1000, .gain = 1, .bits = 8, .bayer = bayer, .noise_free = true};
+            mcv_exposure exposure = expose(&camera, &light);
+            assert_int_equal(exposure.grey.channels, 1);
+            for (int i = 0; i < 16; ++i) {
+                const char letter = mcv_bayer_patterns[bayer][i / 4 % 2 * 2 + i % 2];
+                const int colour = letter == 'R' ? 0 : letter == 'G' ? 1 : 2;
+                const double expected = (colour + 1) * (channels == 1 ? 10 : 10 * (colour + 1));
+                if (exposure.grey.pixels[i] != expected)
+                    fail_msg("%s, pixel %d: %g instead of %g", mcv_bayer_patterns[bayer], i, exposure.grey.pixels[i], expected);
+            }
+            mcv_exposure_free(&exposure);
+        }
+    }
+}
+
+/* --- files ------------------------------------------------------------------------------------------------------ */
+
+static void round_trip(const char *path, uint32_t channels, int bits) {
+    mcv_image written, read;
+    mcv_error error = {""};
+    assert_int_equal(mcv_image_new(&written, 61, 37, channels, &error), MCV_OK);
+    const size_t count = (size_t)61 * 37 * channels;
+    for (size_t i = 0; i < count; ++i) written.pixels[i] = (float)(i * 7919 % (bits == 8 ? 256 : 65536));
+    if (mcv_values_write(path, &written, bits, &error) != MCV_OK) fail_msg("%s", error.text);
+    if (mcv_values_read(path, &read, &error) != MCV_OK) fail_msg("%s", error.text);
+    assert_int_equal(read.width, 61);
+    assert_int_equal(read.height, 37);
+    assert_int_equal(read.channels, channels);
+    for (size_t i = 0; i < count; ++i)
+        if (read.pixels[i] != written.pixels[i])
+            fail_msg("%s: value %zu: %g was written as %g", path, i, read.pixels[i], written.pixels[i]);
+    mcv_image_free(&written);
+    mcv_image_free(&read);
+}
+
+/* Each beginning of the file is refused by a sentence with its name, or holds all of the pixels. */
+static void expect_truncation_noticed(const char *path) {
+    static char bytes[65536];
     FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
-    png_infop info = png_create_info_struct(png);
-    png_init_io(png, file);
-    png_read_png(png, info, PNG_TRANSFORM_SWAP_ENDIAN, NULL);
-    assert_int_equal(png_get_bit_depth(png, info), 16);
-    for (size_t row = 0; row < 64; ++row) memcpy(read + 64 * row, png_get_rows(png, info)[row], sizeof *read * 64);
-    png_destroy_read_struct(&png, &info, NULL);
+    const size_t size = fread(bytes, 1, sizeof bytes, file);
     fclose(file);
-    unlink(path);
-    for (size_t i = 0; i < 64 * 64; ++i)
-        if ((float)read[i] != exposure.grey.pixels[i]) fail_msg("pixel %zu: %u was written as %g", i, read[i], exposure.grey.pixels[i]);
-    mcv_image_free(&exposure.grey);
-    mcv_image_free(&light);
+    for (size_t length = 0; length < size; length = length < 300 ? length + 1 : length + 97) {
+        mcv_image read = {0};
+        mcv_error error = {""};
+        file = fopen(path, "wb");
+        assert_int_equal(fwrite(bytes, 1, length, file), length);
+        fclose(file);
+        if (mcv_values_read(path, &read, &error) == MCV_OK)
+            assert_int_equal(read.width, 61);
+        else if (!strstr(error.text, path))
+            fail_msg("%zu bytes of %s: %s", length, path, error.text);
+        mcv_image_free(&read);
+    }
+}
+
+static void test_files_of_values(void **state) {
+    static const char *const paths[] = {"test_camera.png", "test_camera.tif", "test_camera.npy"};
+    mcv_image read;
+    mcv_error error = {""};
+    (void)state;
+    for (int i = 0; i < 3; ++i) {
+        for (uint32_t channels = 1; channels <= 3; channels += 2)
+            for (int bits = 8; bits <= 16; bits += 8) round_trip(paths[i], channels, bits);
+        expect_truncation_noticed(paths[i]);
+        unlink(paths[i]);
+        assert_int_equal(mcv_values_read(paths[i], &read, &error), MCV_BAD_INPUT);
+    }
+    assert_int_equal(mcv_values_read("x.jpg", &read, &error), MCV_USAGE);
 }
 
 static void expect_refused(const mcv_camera *camera, const mcv_image *light, mcv_result code, const char *part) {
     mcv_exposure exposure;
     mcv_error error = {""};
-    assert_int_equal(mcv_camera_expose(camera, light, &exposure, &error), code);
+    assert_int_equal(mcv_camera_expose(camera, light, NULL, &exposure, &error), code);
     if (!strstr(error.text, part)) fail_msg("\"%s\" is missing in: %s", part, error.text);
     assert_null(exposure.grey.pixels);
 }
@@ -388,7 +514,7 @@ static void expect_refused(const mcv_camera *camera, const mcv_image *light, mcv
 static void test_bad_input(void **state) {
     float pixels[] = {1, 1, 1, 1};
     const mcv_image light = {.width = 2, .height = 2, .channels = 1, .pixels = pixels};
-    const mcv_camera good = {.electrons_per_unit = 1, .full_well = 1000, .gain = 1, .bits = 8};
+    const mcv_camera good = {.electrons_per_unit = {1, 1, 1}, .full_well = 1000, .gain = 1, .bits = 8};
     (void)state;
     const float bad[] = {NAN, INFINITY, -1e-9F};
     for (int i = 0; i < 3; ++i) {
@@ -423,7 +549,10 @@ int main(void) {
         cmocka_unit_test(test_noise_is_white),
         cmocka_unit_test(test_saturation_and_black_level),
         cmocka_unit_test(test_photons_as_in_the_standard),
-        cmocka_unit_test(test_png_round_trip),
+        cmocka_unit_test(test_fixed_pattern_and_dark_current),
+        cmocka_unit_test(test_uncertainty_of_the_light),
+        cmocka_unit_test(test_bayer_patterns),
+        cmocka_unit_test(test_files_of_values),
         cmocka_unit_test(test_bad_input),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

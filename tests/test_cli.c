@@ -27,7 +27,7 @@
 
 #define PROGRAM MCV_BINARY_DIR "/mcvisi"
 
-enum { MAX_ARGUMENTS = 24, MAX_TEXT = 65536 };
+enum { MAX_ARGUMENTS = 24, MAX_TEXT = 1 << 18 };
 
 static char folder[64]; /* the working folder of the program, emptied before each test */
 static char out[MAX_TEXT], err[MAX_TEXT];
@@ -581,10 +581,11 @@ static void test_camera_bad_input(void **state) {
     mcv_error error = {""};
     assert_int_equal(mcv_exr_write("nan.exr", &part, 1, &radiance, 1, &error), MCV_OK);
     assert_int_equal(mcv_exr_write("bare.exr", &part, 1, NULL, 0, &error), MCV_OK);
+    pixels[1] = 1;
     assert_int_equal(mcv_exr_write("sizeless.exr", &part, 1, &irradiance, 1, &error), MCV_OK);
     EXPECT_FAILURE("camera", 2, "IMAGE.exr");
     EXPECT_FAILURE("camera s.exr", 2, "--output is missing");
-    EXPECT_FAILURE("camera s.exr -o x.tif --expose-to 1", 2, "x.tif", ".png or .exr");
+    EXPECT_FAILURE("camera s.exr -o x.jpg --expose-to 1", 2, "x.jpg", ".exr, .png, .tif, .tiff or .npy");
     EXPECT_FAILURE("camera s.exr -o s.exr --expose-to 1", 2, "s.exr is the image");
     EXPECT_FAILURE("camera s.exr -o x.png", 2, "--exposure-time, --electrons-per-unit or --expose-to");
     EXPECT_FAILURE("camera s.exr -o x.png --expose-to 1 --electrons-per-unit 4", 2, "once");
@@ -599,6 +600,149 @@ static void test_camera_bad_input(void **state) {
     EXPECT_FAILURE("camera dark.exr -o x.png --expose-to 1", 3, "dark.exr", "dark everywhere");
     EXPECT_FAILURE("camera missing.exr -o x.png --expose-to 1", 3, "missing.exr");
     EXPECT_FAILURE("camera s.exr -o absent/x.png --expose-to 1", 3, "absent/x.png");
+}
+
+/* --- measure ---------------------------------------------------------------------------------------------------- */
+
+static double measured(const json_t *object, const char *key, double *uncertainty) {
+    const json_t *quantity = json_object_get(object, key);
+    if (!quantity) fail_msg("%s is missing in: %s", key, out);
+    if (uncertainty) *uncertainty = json_number_value(json_object_get(quantity, "uncertainty"));
+    return json_number_value(json_object_get(quantity, "value"));
+}
+
+/* A panel of 4 mm x 3 mm, turned by 5° about the axis, in the focus of a telecentric camera whose pixels see 40 µm. */
+static const char bar_scene[] =
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"
+    "\"extensionsUsed\":[\"MCVISI_sensors\",\"MCVISI_emitters\"],\"extensions\":{"
+    "\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"cam\",\"type\":\"telecentric\",\"magnification\":0.1,\"workingDistance\":%s,"
+    "\"fNumber\":2,\"resolution\":[160,128],\"pixelSize\":\"4um\",\"radiometry\":\"irradiance\"}]},"
+    "\"MCVISI_emitters\":{\"emitters\":[{\"name\":\"panel\",\"type\":\"area\",\"size\":[0.004,0.003],\"radiance\":2}]}},"
+    "\"nodes\":[{\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},"
+    "{\"translation\":[0,0,-0.1],\"rotation\":[-0.0436193874,0.9990482216,0,0],\"extensions\":{\"MCVISI_emitters\":{\"emitter\":0}}}]}";
+
+static void write_bar_scene(const char *distance) {
+    char text[2048];
+    assert_true(snprintf(text, sizeof text, bar_scene, distance) < (int)sizeof text);
+    write_text("bar.gltf", text);
+}
+
+static double bessel_mtf(double radius, double frequency) {
+    const double x = 2 * M_PI * radius * frequency;
+    return x == 0 ? 1 : 2 * j1(x) / x;
+}
+
+/* The MTF of an edge of the panel, from the JSON, against box pixel and blur of this radius [pixel], up to Nyquist. */
+static void expect_mtf(const json_t *edge, double radius) {
+    const json_t *frequency = json_object_get(edge, "frequency"), *mtf = json_object_get(edge, "mtf");
+    const double tilt = 5 * M_PI / 180;
+    assert_true(json_array_size(frequency) == 65);
+    for (size_t i = 1; i <= 32; ++i) {
+        const double f = json_number_value(json_array_get(frequency, i)), a = M_PI * f * cos(tilt), b = M_PI * f * sin(tilt);
+        const double truth = fabs(sin(a) / a * sin(b) / b * bessel_mtf(radius, f)), found = json_number_value(json_array_get(mtf, i));
+        if (fabs(found - truth) > 0.01) fail_msg("blur %g: MTF(%g) is %g instead of %g", radius, f, found, truth);
+    }
+}
+
+/*
+ * What is rendered has the size and the sharpness that it should: length within a hundredth of a pixel, MTF within 0.01, in focus and 4 mm
+ * out of it, where a point is blurred to a disc of radius m NA Δz = 0.1 · 0.1/(2·2) · 4 mm = 10 µm, 2.5 pixels.
+ */
+static void test_measure_a_render(void **state) {
+    static const char *const distances[] = {"0.1", "0.096"};
+    (void)state;
+    for (int i = 0; i < 2; ++i) {
+        double u;
+        write_bar_scene(distances[i]);
+        run_well("render bar.gltf --spp 1024");
+        run_well("measure bar.exr --edge left=2,34,56,60 --edge right=102,34,56,60 --edge top=50,2,60,46 --json");
+        json_t *report = json_loads(out, 0, NULL);
+        assert_non_null(report);
+        const json_t *edges = json_object_get(report, "edges"), *distances_found = json_object_get(report, "distances");
+        const double pixel = json_number_value(json_array_get(json_object_get(report, "object_pixel"), 0));
+        assert_true(fabs(pixel - 40e-6) < 1e-12);
+        const double length = measured(json_array_get(distances_found, 0), "length", &u);
+        if (fabs(fabs(length) - 0.004) > 0.01 * 40e-6) fail_msg("length %.9g ± %g m", length, u);
+        assert_true(u > 0 && u < 0.01 * 40e-6);
+        const double tilt = measured(json_array_get(edges, 0), "tilt", &u);
+        if (fabs(fabs(tilt) - 5 * M_PI / 180) > 1e-4 + 3 * u) fail_msg("tilt %g ± %g", tilt, u);
+        for (size_t k = 0; k < 3; ++k) expect_mtf(json_array_get(edges, k), i ? 2.5 : 0);
+        json_decref(report);
+    }
+}
+
+static void test_measure(void **state) {
+    double u, v;
+    (void)state;
+    write_bar_scene("0.1");
+    run_well("render bar.gltf --spp 64 --camera grey.exr --expose-to 0.8 --read-noise 5 --bits 12 --black-level 40");
+    assert_non_null(strstr(out, "grey.exr"));
+    /* The same as by `camera`. */
+    run_well("camera bar.exr -o again.exr --expose-to 0.8 --read-noise 5 --bits 12 --black-level 40");
+    run_well("measure grey.exr --minus again.exr --json");
+    json_t *report = json_loads(out, 0, NULL);
+    const json_t *all = json_array_get(json_object_get(report, "regions"), 0);
+    assert_string_equal(json_string_value(json_object_get(all, "name")), "image");
+    assert_true(measured(all, "mean", NULL) == 0 && measured(all, "deviation", NULL) == 0);
+    json_decref(report);
+    /* Another exposure differs by noise alone; K = (4095 - 40)/10000. */
+    run_well("camera bar.exr -o other.exr --expose-to 0.8 --read-noise 5 --bits 12 --black-level 40 --seed 5");
+    run_well("measure grey.exr --minus other.exr --region 70,54,20,20 --json");
+    report = json_loads(out, 0, NULL);
+    all = json_array_get(json_object_get(report, "regions"), 0);
+    const double deviation = measured(all, "deviation", &u), noise = json_number_value(json_object_get(all, "noise"));
+    /* The render's own error, which both share, is in the noise that is stated, but small here. */
+    if (fabs(deviation - noise) > 4 * u + 0.02 * noise) fail_msg("deviation %g ± %g, noise %g", deviation, u, noise);
+    if (fabs(measured(all, "mean", &u)) > 4 * u) fail_msg("the mean difference is %s", out);
+    json_decref(report);
+    /* PNG: the noise by the camera's numbers, and by estimate; and the scale by the scene. */
+    run_well("camera bar.exr -o grey.png --expose-to 0.8 --read-noise 5 --bits 12 --black-level 40");
+    run_well("measure grey.png --gain 0.4055 --read-noise 5 --black-level 40 --region p=70,54,20,20 --background 2,2,20,20 --scene "
+             "bar.gltf --json");
+    report = json_loads(out, 0, NULL);
+    all = json_array_get(json_object_get(report, "regions"), 0);
+    const double cnr = measured(all, "contrast_to_noise", NULL), mean = measured(all, "mean", &u);
+    /* 0.8 of 4055 above 5 e- of noise, 2.03 DN, and the rounding: √(4.11 + 1/12) = 2.05. */
+    if (fabs(cnr - 0.8 * 4055 / 2.05) > 0.2 * cnr) fail_msg("contrast to noise %g", cnr);
+    assert_true(fabs(json_number_value(json_array_get(json_object_get(report, "object_pixel"), 1)) - 40e-6) < 1e-12);
+    json_decref(report);
+    run_well("measure grey.png --region p=70,54,20,20 --json");
+    report = json_loads(out, 0, NULL);
+    all = json_array_get(json_object_get(report, "regions"), 0);
+    assert_true(measured(all, "mean", &v) == mean);
+    if (fabs(v / u - 1) > 0.4) fail_msg("the uncertainty is estimated as %g instead of %g", v, u);
+    json_decref(report);
+    run_well("measure grey.png");
+    assert_non_null(strstr(out, "uniformity"));
+    assert_non_null(strstr(out, " ± "));
+}
+
+static void test_measure_bad_input(void **state) {
+    (void)state;
+    write_scene("s.gltf", pinhole, panel);
+    run_well("render s.gltf --spp 4");
+    run_well("camera s.exr -o g.png --expose-to 0.8");
+    EXPECT_FAILURE("measure", 2, "IMAGE");
+    EXPECT_FAILURE("measure g.jpg", 2, "g.jpg", ".png");
+    EXPECT_FAILURE("measure missing.png", 3, "missing.png");
+    EXPECT_FAILURE("measure s.exr --region 20,10,5,5", 2, "20,10,5,5", "24 x 16");
+    EXPECT_FAILURE("measure s.exr --region a=1,2,3", 2, "a=1,2,3", "X,Y,W,H");
+    EXPECT_FAILURE("measure s.exr --background absent.png", 3, "absent.png");
+    EXPECT_FAILURE("measure s.exr --edge 0,0,24,17", 2, "24 x 16");
+    EXPECT_FAILURE("measure s.exr --edge 8,4,8,8", 1, "edge 1", "no edge");
+    EXPECT_FAILURE("measure s.exr --edge 0,0,8,8", 1, "edge 1", "room");
+    EXPECT_FAILURE("measure s.exr --minus missing.exr", 3, "missing.exr");
+    EXPECT_FAILURE("measure s.exr --channel green", 2, "1 channel");
+    EXPECT_FAILURE("measure s.exr --metric mtf", 2, "--metric");
+    EXPECT_FAILURE("measure g.png --scene s.gltf", 3, "s.gltf", "no plane in focus");
+    EXPECT_FAILURE("measure g.png --scene s.gltf --set sensors/cam/resolution=[12,8]", 3, "24 x 16", "12 x 8");
+    EXPECT_FAILURE("render s.gltf --expose-to 1", 2, "--camera");
+    EXPECT_FAILURE("render s.gltf --camera g.png --exposure-time 1", 3, "measures radiance", "--expose-to");
+    EXPECT_FAILURE("render s.gltf --camera g.jpg --expose-to 1", 2, "g.jpg");
+    EXPECT_FAILURE("render s.gltf -o x.exr --camera x.exr --expose-to 1", 2, "x.exr");
+    EXPECT_FAILURE("camera s.exr -o x.png --expose-to 1 --quantum-efficiency 0.5,0.5", 2, "one number or three");
+    EXPECT_FAILURE("camera s.exr -o x.png --expose-to 1 --dark-current 10", 2, "--exposure-time");
+    EXPECT_FAILURE("camera s.exr -o x.png --expose-to 1 --lens-mtf missing.csv", 3, "missing.csv");
 }
 
 /* The verdict in JSON; the exit code must say the same. */
@@ -809,6 +953,9 @@ int main(void) {
         TEST(test_trace),
         TEST(test_camera),
         TEST(test_camera_bad_input),
+        TEST(test_measure_a_render),
+        TEST(test_measure),
+        TEST(test_measure_bad_input),
         TEST(test_compare),
         TEST(test_compare_bad_input),
         TEST(test_light_field_views),

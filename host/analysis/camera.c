@@ -10,6 +10,14 @@ double mcv_camera_electrons_per_irradiance(double exposure_time, double quantum_
     return quantum_efficiency * pixel_area * exposure_time * wavelength / (planck * light_speed);
 }
 
+const char *const mcv_bayer_patterns[] = {
+#define MCV_X(NAME, pattern) pattern,
+    MCV_BAYER_PATTERNS(MCV_X)
+#undef MCV_X
+};
+
+static bool is_amount(double value) { return value >= 0 && isfinite(value); }
+
 static mcv_result check_camera(const mcv_camera *c, mcv_error *error) {
     if (c->bits < 1 || c->bits > MCV_CAMERA_MAX_BITS)
         return mcv_fail(error, MCV_USAGE, "a camera of %u bits: must be 1 to %d", c->bits, MCV_CAMERA_MAX_BITS);
@@ -21,14 +29,19 @@ static mcv_result check_camera(const mcv_camera *c, mcv_error *error) {
         return mcv_fail(error, MCV_USAGE, "a full well of %g e- and a gain of %g DN/e-: must be above 0 and at most 1e12, and above 0",
                         c->full_well, c->gain);
     }
-    if (!(c->read_noise >= 0 && isfinite(c->read_noise) && c->electrons_per_unit >= 0 && isfinite(c->electrons_per_unit))) {
-        return mcv_fail(error, MCV_USAGE, "a read noise of %g e- and a scale of %g e- per unit: both must be at least 0 and finite",
-                        c->read_noise, c->electrons_per_unit);
+    if (!is_amount(c->read_noise) || !is_amount(c->dark_electrons) || !is_amount(c->dsnu) || !is_amount(c->prnu)) {
+        return mcv_fail(error, MCV_USAGE,
+                        "a read noise of %g e-, %g dark electrons, a DSNU of %g e- and a PRNU of %g: must be at least 0 and finite",
+                        c->read_noise, c->dark_electrons, c->dsnu, c->prnu);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (is_amount(c->electrons_per_unit[i])) continue;
+        return mcv_fail(error, MCV_USAGE, "a scale of %g e- per unit: must be at least 0 and finite", c->electrons_per_unit[i]);
     }
     return MCV_OK;
 }
 
-static mcv_result check_light(const mcv_image *light, mcv_error *error) {
+mcv_result mcv_camera_check_light(const mcv_image *light, mcv_error *error) {
     const size_t plane = (size_t)light->width * light->height;
     for (size_t i = 0; i < plane * light->channels; ++i) {
         if (light->pixels[i] >= 0 && isfinite(light->pixels[i])) continue;
@@ -38,6 +51,32 @@ static mcv_result check_light(const mcv_image *light, mcv_error *error) {
     return MCV_OK;
 }
 
+/* Which channel of the light a pixel of a channel of the grey values reads, and with which colour's sensitivity. */
+typedef struct site {
+    uint32_t channel, colour;
+} site;
+
+static site site_of(const mcv_camera *c, const mcv_image *light, uint32_t channel, size_t pixel) {
+    uint32_t colour = light->channels == 1 || channel > 2 ? 0 : channel;
+    if (c->bayer != MCV_BAYER_NONE) {
+        const char letter = mcv_bayer_patterns[c->bayer][pixel / light->width % 2 * 2 + pixel % light->width % 2];
+        colour = letter == 'R' ? 0 : letter == 'G' ? 1 : 2;
+        channel = light->channels > colour ? colour : 0;
+    }
+    return (site){channel, colour};
+}
+
+/* The pixel's own offset [e-] and sensitivity; drawn apart from every exposure. */
+static void draw_pattern(const mcv_camera *c, uint32_t channel, size_t pixel, double *offset, double *sensitivity) {
+    *offset = 0;
+    *sensitivity = 1;
+    if (c->noise_free || (c->dsnu == 0 && c->prnu == 0)) return;
+    mcv_noise noise = mcv_noise_begin(c->specimen, channel, pixel);
+    noise.key[1] = 1;
+    *offset = c->dsnu * mcv_noise_normal(&noise);
+    *sensitivity = fmax(0, 1 + c->prnu * mcv_noise_normal(&noise));
+}
+
 /* Electrons that are read from a pixel. */
 static double collect(const mcv_camera *c, double mean, mcv_noise *noise) {
     /* Far above any full well the noise does not matter, and its doubles are no whole numbers any more. */
@@ -45,25 +84,56 @@ static double collect(const mcv_camera *c, double mean, mcv_noise *noise) {
     return fmin(mcv_noise_poisson(noise, mean), c->full_well);
 }
 
-mcv_result mcv_camera_expose(const mcv_camera *camera, const mcv_image *light, mcv_exposure *exposure, mcv_error *error) {
+/* Standard uncertainty of a grey value as a measure of mu_e: noise, fixed pattern, rounding, and the light's own error. */
+static double uncertainty_of(const mcv_camera *c, double light_electrons, double error_electrons) {
+    const double electrons = fmin(light_electrons + c->dark_electrons, c->full_well);
+    const double temporal = electrons + c->read_noise * c->read_noise;
+    const double spatial = c->dsnu * c->dsnu + pow(c->prnu * fmin(light_electrons, c->full_well), 2);
+    const double own = c->noise_free ? 0 : temporal + spatial;
+    return sqrt(c->gain * c->gain * (own + error_electrons * error_electrons) + 1.0 / 12);
+}
+
+static void expose_pixel(const mcv_camera *c, const mcv_image *light, const mcv_image *light_error, uint32_t channel, size_t pixel,
+                         mcv_exposure *exposure) {
+    const size_t plane = (size_t)light->width * light->height, to = channel * plane + pixel;
+    const site s = site_of(c, light, channel, pixel);
+    const size_t from = s.channel * plane + pixel;
+    const double per_unit = c->electrons_per_unit[s.colour], mean = per_unit * (double)light->pixels[from];
+    const double largest = (double)((1u << c->bits) - 1);
+    double offset, sensitivity;
+    draw_pattern(c, channel, pixel, &offset, &sensitivity);
+    mcv_noise noise = mcv_noise_begin(c->seed, channel, pixel);
+    const double electrons = collect(c, sensitivity * mean + c->dark_electrons, &noise);
+    const double dark = c->noise_free || c->read_noise == 0 ? 0 : c->read_noise * mcv_noise_normal(&noise);
+    const double grey = floor(c->black_level + c->gain * (electrons + offset + dark) + 0.5);
+    exposure->grey.pixels[to] = (float)fmin(fmax(grey, 0), largest);
+    exposure->uncertainty.pixels[to] = (float)uncertainty_of(c, mean, light_error ? per_unit * (double)light_error->pixels[from] : 0);
+    exposure->electrons += mean;
+    exposure->brightest = fmax(exposure->brightest, mean);
+    exposure->saturated += electrons >= c->full_well || grey >= largest;
+    exposure->below_zero += grey < 0;
+}
+
+mcv_result mcv_camera_expose(const mcv_camera *camera, const mcv_image *light, const mcv_image *light_error, mcv_exposure *exposure,
+                             mcv_error *error) {
     *exposure = (mcv_exposure){0};
     MCV_TRY(check_camera(camera, error));
-    MCV_TRY(check_light(light, error));
-    MCV_TRY(mcv_image_new(&exposure->grey, light->width, light->height, light->channels, error));
-    const double largest = (double)((1u << camera->bits) - 1);
-    const size_t plane = (size_t)light->width * light->height;
-    for (size_t i = 0; i < plane * light->channels; ++i) {
-        mcv_noise noise = mcv_noise_begin(camera->seed, (uint32_t)(i / plane), i % plane);
-        const double mean = camera->electrons_per_unit * (double)light->pixels[i];
-        const double electrons = collect(camera, mean, &noise);
-        const double dark = camera->noise_free || camera->read_noise == 0 ? 0 : camera->read_noise * mcv_noise_normal(&noise);
-        const double grey = floor(camera->black_level + camera->gain * (electrons + dark) + 0.5);
-        exposure->grey.pixels[i] = (float)fmin(fmax(grey, 0), largest);
-        exposure->electrons += mean;
-        exposure->brightest = fmax(exposure->brightest, mean);
-        exposure->saturated += electrons >= camera->full_well || grey >= largest;
-        exposure->below_zero += grey < 0;
+    MCV_TRY(mcv_camera_check_light(light, error));
+    const uint32_t channels = camera->bayer == MCV_BAYER_NONE ? light->channels : 1;
+    mcv_result result = mcv_image_new(&exposure->grey, light->width, light->height, channels, error);
+    if (result == MCV_OK) result = mcv_image_new(&exposure->uncertainty, light->width, light->height, channels, error);
+    if (result != MCV_OK) {
+        mcv_exposure_free(exposure);
+        return result;
     }
-    exposure->electrons /= (double)(plane * light->channels);
+    const size_t plane = (size_t)light->width * light->height;
+    for (uint32_t channel = 0; channel < channels; ++channel)
+        for (size_t pixel = 0; pixel < plane; ++pixel) expose_pixel(camera, light, light_error, channel, pixel, exposure);
+    exposure->electrons /= (double)(plane * channels);
     return MCV_OK;
+}
+
+void mcv_exposure_free(mcv_exposure *exposure) {
+    mcv_image_free(&exposure->grey);
+    mcv_image_free(&exposure->uncertainty);
 }

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi camera: the grey values that a camera reads from a rendered image. */
+/* mcvisi camera: the grey values that a camera reads from a rendered image. Beyond the camera itself: the scale of light, the lens, files.
+ */
+#include "cli/camera.h"
+
+#include "analysis/blur.h"
 #include "analysis/camera.h"
-#include "cli/options.h"
 #include "cli/report.h"
 #include "output/exr.h"
 #include "output/file.h"
-#include "output/png.h"
+#include "output/values.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -17,88 +20,173 @@ static bool ends_with(const char *path, const char *ending) {
     return length > strlen(ending) && strcmp(path + length - strlen(ending), ending) == 0;
 }
 
-static mcv_result check_command(const mcv_command *command, mcv_error *error) {
-    if (!command->grey) return mcv_fail(error, MCV_USAGE, "--output is missing: give the file of the grey values, as in -o grey.png");
-    if (!ends_with(command->grey, ".png") && !ends_with(command->grey, ".exr"))
-        return mcv_fail(error, MCV_USAGE, "--output %s: its name must end in .png or .exr", command->grey);
-    if (mcv_same_file(command->grey, command->argument))
-        return mcv_fail(error, MCV_USAGE, "%s is the image: give the grey values another name", command->grey);
-    if ((command->exposure_time > 0) + (command->electrons_per_unit > 0) + (command->expose_to > 0) != 1)
+mcv_result mcv_camera_check(const mcv_command *command, const char *grey, mcv_error *error) {
+    if (!mcv_values_named(grey) && !ends_with(grey, ".exr"))
+        return mcv_fail(error, MCV_USAGE, "%s: the name of grey values must end in .exr, " MCV_VALUES_ENDINGS, grey);
+    const int scales = (command->electrons_per_unit[0] > 0) + (command->expose_to > 0);
+    if (scales > 1 || (scales == 0 && command->exposure_time == 0))
         return mcv_fail(error, MCV_USAGE,
                         "the scale from light to electrons must be given once: by --exposure-time, --electrons-per-unit or --expose-to");
+    if (command->dark_current > 0 && command->exposure_time == 0)
+        return mcv_fail(error, MCV_USAGE, "--dark-current needs the time that it flows: give --exposure-time");
     if (command->black_level >> command->bits)
         return mcv_fail(error, MCV_USAGE, "--black-level %llu: must be below %u, the grey values of %llu bits",
                         (unsigned long long)command->black_level, 1u << command->bits, (unsigned long long)command->bits);
-    return mcv_output_check(command->grey, error);
+    return mcv_output_check(grey, error);
 }
 
 /* Only light makes electrons. */
-static mcv_result check_quantity(const mcv_command *command, const mcv_exr *exr, const char **unit, mcv_error *error) {
+static mcv_result check_quantity(const mcv_command *command, const char *path, const mcv_exr *exr, const char **unit, mcv_error *error) {
     const mcv_attribute *quantity = mcv_exr_attribute(exr, "mcvisi:quantity");
     const char *name = quantity && quantity->text ? quantity->text : NULL;
     const bool irradiance = name && strcmp(name, "irradiance") == 0;
     if (!irradiance && !(name && strcmp(name, "radiance") == 0))
         return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: mcvisi:quantity in its header is %s: must be irradiance or radiance, as `mcvisi render` writes it",
-                        command->argument, name ? name : "missing");
-    if (command->exposure_time > 0 && !irradiance)
+                        "%s: mcvisi:quantity in its header is %s: must be irradiance or radiance, as `mcvisi render` writes it", path,
+                        name ? name : "missing");
+    if (!irradiance && command->electrons_per_unit[0] == 0 && command->expose_to == 0)
         return mcv_fail(
             error, MCV_BAD_INPUT,
             "%s: is radiance, which --exposure-time cannot turn into electrons: render it with \"radiometry\": \"irradiance\", or give "
             "--electrons-per-unit or --expose-to",
-            command->argument);
+            path);
     *unit = irradiance ? "W/m^2" : "W/(m^2 sr)";
     return MCV_OK;
 }
 
-static mcv_result scale_light(const mcv_command *command, const mcv_exr *exr, double *electrons_per_unit, mcv_error *error) {
+/* --- the header ------------------------------------------------------------------------------------------------- */
+
+static const double *header_numbers(const mcv_exr *exr, const char *name, uint32_t count) {
+    const mcv_attribute *a = mcv_exr_attribute(exr, name);
+    return a && !a->text && a->count == count ? a->numbers : NULL;
+}
+
+/* Width and height of a pixel of the image [m]: of binned ones, all together. */
+static bool pixel_size(const mcv_exr *exr, double size[2]) {
+    const double *one = header_numbers(exr, "mcvisi:pixelSize", 2), *binning = header_numbers(exr, "mcvisi:binning", 2);
+    for (int i = 0; one && i < 2; ++i) size[i] = one[i] * (binning ? binning[i] : 1);
+    return one;
+}
+
+/* --- light ------------------------------------------------------------------------------------------------------ */
+
+static mcv_result scale_light(const mcv_command *command, const char *path, const mcv_exr *exr, double per_unit[3], mcv_error *error) {
     const mcv_image *light = &exr->parts[0].image;
-    if (command->exposure_time > 0) {
-        const mcv_attribute *size = mcv_exr_attribute(exr, "mcvisi:pixelSize");
-        if (!size || size->text || size->count != 2)
+    double size[2], brightest = 0;
+    if (command->electrons_per_unit[0] > 0) {
+        memcpy(per_unit, command->electrons_per_unit, 3 * sizeof *per_unit);
+        return MCV_OK;
+    }
+    if (command->expose_to == 0) {
+        if (!pixel_size(exr, size))
             return mcv_fail(error, MCV_BAD_INPUT,
                             "%s: mcvisi:pixelSize [m] is missing in its header: render the image again, or give --electrons-per-unit",
-                            command->argument);
-        const mcv_attribute *binning = mcv_exr_attribute(exr, "mcvisi:binning");
-        const double binned = binning && !binning->text && binning->count == 2 ? binning->numbers[0] * binning->numbers[1] : 1;
-        *electrons_per_unit = mcv_camera_electrons_per_irradiance(command->exposure_time, command->quantum_efficiency, command->wavelength,
-                                                                  size->numbers[0] * size->numbers[1] * binned);
-    } else if (command->electrons_per_unit > 0) {
-        *electrons_per_unit = command->electrons_per_unit;
-    } else {
-        float brightest = 0;
-        for (size_t i = 0; i < (size_t)light->width * light->height * light->channels; ++i) brightest = fmaxf(brightest, light->pixels[i]);
-        if (!(brightest > 0))
-            return mcv_fail(error, MCV_BAD_INPUT, "%s: is dark everywhere: --expose-to has nothing to scale by", command->argument);
-        *electrons_per_unit = command->expose_to * command->full_well / (double)brightest;
+                            path);
+        for (int c = 0; c < 3; ++c)
+            per_unit[c] = mcv_camera_electrons_per_irradiance(command->exposure_time, command->quantum_efficiency[c],
+                                                              command->wavelength[c], size[0] * size[1]);
+        return MCV_OK;
     }
+    /* Electrons for equal energy go as eta lambda. */
+    for (int c = 0; c < 3; ++c) per_unit[c] = command->quantum_efficiency[c] * command->wavelength[c];
+    const size_t plane = (size_t)light->width * light->height;
+    for (size_t i = 0; i < plane * light->channels; ++i)
+        brightest = fmax(brightest, (double)light->pixels[i] * per_unit[i / plane < 3 ? i / plane : 2]);
+    if (!(brightest > 0)) return mcv_fail(error, MCV_BAD_INPUT, "%s: is dark everywhere: --expose-to has nothing to scale by", path);
+    for (int c = 0; c < 3; ++c) per_unit[c] *= command->expose_to * command->full_well / brightest;
     return MCV_OK;
 }
+
+/* The standard error that a render has as its second part, or NULL. */
+static mcv_image *error_of(const mcv_exr *exr) {
+    const mcv_image *light = &exr->parts[0].image;
+    for (uint32_t i = 1; i < exr->part_count; ++i) {
+        mcv_image *image = &exr->parts[i].image;
+        if (strcmp(exr->parts[i].name, "error") == 0 && image->width == light->width && image->height == light->height &&
+            image->channels == light->channels)
+            return image;
+    }
+    return NULL;
+}
+
+/* --- the lens --------------------------------------------------------------------------------------------------- */
+
+enum { WIDEST_DIFFRACTION = 100 };
+
+/*
+ * Says in words what was done, "" for nothing. A light field image is left alone: neighbouring pixels see through different parts of the
+ * pupil. So is a stop whose diffraction would fill the image: that of a glTF camera, which stands for none.
+ */
+static mcv_result blur(const mcv_command *command, const char *path, mcv_exr *exr, char words[128], mcv_error *error) {
+    const double *f_number = header_numbers(exr, "mcvisi:fNumber", 1);
+    const bool table = strcmp(command->lens_mtf, "diffraction") != 0;
+    double size[2], widest = 0;
+    mcv_lens_mtf mtf[3];
+    mcv_mtf_row *rows = NULL;
+    size_t row_count = 0;
+    words[0] = '\0';
+    if (strcmp(command->lens_mtf, "none") == 0 || mcv_exr_attribute(exr, "mcvisi:angularResolution")) return MCV_OK;
+    if (!pixel_size(exr, size)) {
+        if (!table) return MCV_OK;
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: mcvisi:pixelSize [m] is missing in its header, without which --lens-mtf has no scale",
+                        path);
+    }
+    if (!table && !f_number) return MCV_OK;
+    for (int c = 0; c < 3; ++c) {
+        mtf[c] = (mcv_lens_mtf){.f_number = f_number ? *f_number : 0, .wavelength = command->wavelength[c]};
+        widest = fmax(widest, mtf[c].f_number * mtf[c].wavelength / fmin(size[0], size[1]));
+    }
+    if (!table && widest > WIDEST_DIFFRACTION) return MCV_OK;
+    if (table) MCV_TRY(mcv_mtf_read(command->lens_mtf, &rows, &row_count, error));
+    for (int c = 0; c < 3; ++c) {
+        mtf[c].rows = rows;
+        mtf[c].row_count = row_count;
+    }
+    if (table)
+        snprintf(words, 128, "table %.100s", command->lens_mtf);
+    else
+        snprintf(words, 128, "diffraction at f/%g", *f_number);
+    const mcv_result result = mcv_blur(&exr->parts[0].image, error_of(exr), mtf, size, error);
+    free(rows);
+    return result;
+}
+
+/* --- what comes out --------------------------------------------------------------------------------------------- */
 
 static mcv_attribute number_attribute(const char *name, double number) {
     return (mcv_attribute){.name = name, .numbers = {number}, .count = 1};
 }
 
+static mcv_attribute text_attribute(const char *name, const char *text) { return (mcv_attribute){.name = name, .text = text}; }
+
 /* The image's header, but what the values are, and the camera. */
-static mcv_result write_exr(const mcv_command *command, const mcv_exr *exr, const mcv_camera *camera, const mcv_exposure *exposure,
-                            mcv_error *error) {
+static mcv_result write_exr(const mcv_command *command, const char *path, const mcv_exr *exr, const mcv_camera *camera,
+                            const mcv_exposure *exposure, const char *lens, mcv_error *error) {
     const mcv_attribute own[] = {
-        {.name = "mcvisi:quantity", .text = "grey value"},
-        {.name = "mcvisi:unit", .text = "DN"},
-        number_attribute("mcvisi:electronsPerUnit", camera->electrons_per_unit),
+        text_attribute("mcvisi:quantity", "grey value"),
+        text_attribute("mcvisi:unit", "DN"),
+        text_attribute("mcvisi:lensMTF", lens[0] ? lens : "none"),
+        text_attribute("mcvisi:bayer", mcv_bayer_patterns[camera->bayer]),
+        number_attribute("mcvisi:electronsPerUnit", camera->electrons_per_unit[0]),
+        number_attribute("mcvisi:electronsPerUnitGreen", camera->electrons_per_unit[1]),
+        number_attribute("mcvisi:electronsPerUnitBlue", camera->electrons_per_unit[2]),
         number_attribute("mcvisi:fullWell", camera->full_well),
         number_attribute("mcvisi:gain", camera->gain),
         number_attribute("mcvisi:readNoise", camera->noise_free ? 0 : camera->read_noise),
+        number_attribute("mcvisi:darkElectrons", camera->dark_electrons),
+        number_attribute("mcvisi:DSNU1288", camera->dsnu),
+        number_attribute("mcvisi:PRNU1288", camera->prnu),
         number_attribute("mcvisi:noiseFree", camera->noise_free),
         number_attribute("mcvisi:bits", camera->bits),
         number_attribute("mcvisi:blackLevel", camera->black_level),
-        number_attribute("mcvisi:cameraSeed", camera->seed),
+        number_attribute("mcvisi:exposureSeed", camera->seed),
+        number_attribute("mcvisi:cameraSeed", camera->specimen),
         number_attribute("expTime", command->exposure_time),
     };
     /* expTime, the last, is known in seconds only where it was given. */
     const uint32_t own_count = sizeof own / sizeof own[0] - (command->exposure_time == 0);
     mcv_attribute *attributes = malloc((exr->attribute_count + own_count) * sizeof *attributes);
-    if (!attributes) return mcv_fail(error, MCV_FAILED, "%s: no memory for its header", command->grey);
+    if (!attributes) return mcv_fail(error, MCV_FAILED, "%s: no memory for its header", path);
     uint32_t count = own_count;
     memcpy(attributes, own, own_count * sizeof *own);
     for (uint32_t i = 0; i < exr->attribute_count; ++i) {
@@ -106,27 +194,35 @@ static mcv_result write_exr(const mcv_command *command, const mcv_exr *exr, cons
         for (uint32_t k = 0; k < own_count; ++k) replaced = replaced || strcmp(exr->attributes[i].name, own[k].name) == 0;
         if (!replaced) attributes[count++] = exr->attributes[i];
     }
-    const mcv_exr_part part = {.name = exr->parts[0].name, .image = exposure->grey, .channel_names = exr->parts[0].channel_names};
-    const mcv_result result = mcv_exr_write(command->grey, &part, 1, attributes, count, error);
+    const char **names = camera->bayer == MCV_BAYER_NONE ? exr->parts[0].channel_names : NULL;
+    const mcv_exr_part parts[] = {{.name = exr->parts[0].name, .image = exposure->grey, .channel_names = names},
+                                  {.name = "error", .image = exposure->uncertainty, .channel_names = names}};
+    const mcv_result result = mcv_exr_write(path, parts, 2, attributes, count, error);
     free(attributes);
     return result;
 }
 
-static mcv_result report_exposure(const mcv_command *command, const mcv_camera *camera, const mcv_exposure *exposure, const char *unit,
-                                  mcv_error *error) {
+static mcv_result report_exposure(const mcv_command *command, const char *path, const mcv_camera *camera, const mcv_exposure *exposure,
+                                  const char *unit, const char *lens, mcv_error *error) {
     const mcv_image *grey = &exposure->grey;
     const size_t count = (size_t)grey->width * grey->height * grey->channels;
     char per_unit[64];
     double mean = 0;
     for (size_t i = 0; i < count; ++i) mean += (double)grey->pixels[i] / (double)count;
     snprintf(per_unit, sizeof per_unit, "e-/(%s)", unit);
+    const double *e = camera->electrons_per_unit;
     mcv_report report;
     mcv_report_begin(&report, command->json);
-    mcv_report_text(&report, "image", command->grey);
+    mcv_report_text(&report, "image", path);
     mcv_report_numbers(&report, "size", "", " x ", (const double[]){grey->width, grey->height}, 2);
     mcv_report_number(&report, "channels", "", grey->channels);
-    mcv_report_number(&report, "electrons_per_unit", per_unit, camera->electrons_per_unit);
+    mcv_report_text(&report, "lens_mtf", lens[0] ? lens : "none");
+    if (e[0] == e[1] && e[1] == e[2])
+        mcv_report_number(&report, "electrons_per_unit", per_unit, e[0]);
+    else
+        mcv_report_spectrum(&report, "electrons_per_unit", per_unit, e);
     mcv_report_number(&report, "electrons", "e-", exposure->electrons);
+    mcv_report_number(&report, "dark_electrons", "e-", camera->dark_electrons);
     mcv_report_number(&report, "brightest", "e-", exposure->brightest);
     mcv_report_number(&report, "full_well", "e-", camera->full_well);
     mcv_report_number(&report, "gain", "DN/e-", camera->gain);
@@ -136,47 +232,69 @@ static mcv_result report_exposure(const mcv_command *command, const mcv_camera *
     return mcv_report_end(&report, error);
 }
 
-static void warn(const mcv_command *command, const mcv_exposure *exposure) {
+static void warn(const char *path, const mcv_camera *camera, const mcv_exposure *exposure) {
     const double count = (double)exposure->grey.width * exposure->grey.height * exposure->grey.channels;
     if (exposure->saturated == 0) return;
     fprintf(stderr, "mcvisi: warning: %s: %llu of %.0f values (%.2g %%) are saturated; the brightest has %.4g of %.4g e- on average\n",
-            command->grey, (unsigned long long)exposure->saturated, count, 100 * (double)exposure->saturated / count, exposure->brightest,
-            command->full_well);
+            path, (unsigned long long)exposure->saturated, count, 100 * (double)exposure->saturated / count, exposure->brightest,
+            camera->full_well);
 }
 
-static mcv_result expose(const mcv_command *command, const mcv_exr *exr, mcv_error *error) {
-    const char *unit = NULL;
-    mcv_exposure exposure;
-    mcv_camera camera = {.full_well = command->full_well,
+/* --- the whole -------------------------------------------------------------------------------------------------- */
+
+static mcv_camera camera_of(const mcv_command *command) {
+    mcv_camera camera = {.dark_electrons = command->dark_current * command->exposure_time,
+                         .full_well = command->full_well,
                          .gain = command->gain,
                          .read_noise = command->read_noise,
+                         .dsnu = command->dsnu,
+                         .prnu = command->prnu,
                          .bits = (uint32_t)command->bits,
                          .black_level = (uint32_t)command->black_level,
+                         .bayer = (uint32_t)command->bayer,
+                         .specimen = (uint32_t)command->camera_seed,
                          .seed = (uint32_t)command->seed,
                          .noise_free = command->noise_free};
     if (camera.gain == 0) camera.gain = ((1u << camera.bits) - 1 - camera.black_level) / camera.full_well;
-    MCV_TRY(check_quantity(command, exr, &unit, error));
-    MCV_TRY(scale_light(command, exr, &camera.electrons_per_unit, error));
+    return camera;
+}
+
+static mcv_result expose(const mcv_command *command, const char *path, mcv_exr *exr, const char *grey, bool told, mcv_error *error) {
+    const char *unit = NULL;
+    char lens[128];
+    mcv_exposure exposure;
+    mcv_camera camera = camera_of(command);
+    mcv_image *light = &exr->parts[0].image;
     mcv_error detail = {""};
-    mcv_result result = mcv_camera_expose(&camera, &exr->parts[0].image, &exposure, &detail);
-    if (result != MCV_OK) return mcv_fail(error, result, "%s: %s", command->argument, detail.text);
-    if (ends_with(command->grey, ".png"))
-        result = mcv_png_write_values(command->grey, &exposure.grey, camera.bits > 8 ? 16 : 8, error);
+    MCV_TRY(check_quantity(command, path, exr, &unit, error));
+    mcv_result result = mcv_camera_check_light(light, &detail);
+    if (result != MCV_OK) return mcv_fail(error, result, "%s: %s", path, detail.text);
+    MCV_TRY(blur(command, path, exr, lens, error));
+    MCV_TRY(scale_light(command, path, exr, camera.electrons_per_unit, error));
+    result = mcv_camera_expose(&camera, light, error_of(exr), &exposure, &detail);
+    if (result != MCV_OK) return mcv_fail(error, result, "%s: %s", path, detail.text);
+    if (ends_with(grey, ".exr"))
+        result = write_exr(command, grey, exr, &camera, &exposure, lens, error);
     else
-        result = write_exr(command, exr, &camera, &exposure, error);
-    if (result == MCV_OK) {
-        warn(command, &exposure);
-        result = report_exposure(command, &camera, &exposure, unit, error);
-    }
-    mcv_image_free(&exposure.grey);
+        result = mcv_values_write(grey, &exposure.grey, camera.bits > 8 ? 16 : 8, error);
+    if (result == MCV_OK) warn(grey, &camera, &exposure);
+    if (result == MCV_OK && told) result = report_exposure(command, grey, &camera, &exposure, unit, lens, error);
+    mcv_exposure_free(&exposure);
+    return result;
+}
+
+mcv_result mcv_camera_write(const mcv_command *command, const char *image, const char *grey, bool told, mcv_error *error) {
+    mcv_exr exr;
+    MCV_TRY(mcv_exr_read(image, &exr, error));
+    const mcv_result result = expose(command, image, &exr, grey, told, error);
+    mcv_exr_free(&exr);
     return result;
 }
 
 mcv_result mcv_verb_camera(const mcv_command *command, mcv_error *error) {
-    mcv_exr exr;
-    MCV_TRY(check_command(command, error));
-    MCV_TRY(mcv_exr_read(command->argument, &exr, error));
-    const mcv_result result = expose(command, &exr, error);
-    mcv_exr_free(&exr);
-    return result;
+    if (!command->grey) return mcv_fail(error, MCV_USAGE, "--output is missing: give the file of the grey values, as in -o grey.png");
+    if (mcv_same_file(command->grey, command->argument))
+        return mcv_fail(error, MCV_USAGE, "%s is the image: give the grey values another name", command->grey);
+    MCV_TRY(mcv_camera_check(command, command->grey, error));
+    return mcv_camera_write(command, command->argument, command->grey, true, error);
 }

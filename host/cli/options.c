@@ -13,6 +13,7 @@ typedef enum option_kind {
     KIND_text,
     KIND_list,
     KIND_number,
+    KIND_channels,
     KIND_count,
     KIND_size,
     KIND_range,
@@ -68,6 +69,27 @@ static bool parse_number(const char *text, double *value) {
     return end != text && *end == '\0' && isfinite(*value);
 }
 
+static bool parse_number_in(const char *text, double min, double max, double *value) {
+    return parse_number(text, value) && *value > min && *value <= max;
+}
+
+/* One number for all channels, or three with commas between them. */
+static bool parse_channels(const char *text, double min, double max, double values[3]) {
+    char part[64];
+    size_t count = 0;
+    for (;; ++count, ++text) {
+        const size_t length = strcspn(text, ",");
+        if (count == 3 || length >= sizeof part) return false;
+        memcpy(part, text, length);
+        part[length] = '\0';
+        if (!parse_number_in(part, min, max, values + count)) return false;
+        text += length;
+        if (*text == '\0') break;
+    }
+    if (count == 0) values[1] = values[2] = values[0];
+    return count != 1;
+}
+
 /* The index of text in "first|second|…". */
 static bool parse_choice(const char *text, const char *words, uint64_t *index) {
     const size_t length = strlen(text);
@@ -90,11 +112,15 @@ static mcv_result set_value(const option *o, const char *text, mcv_command *comm
         *(const char **)field = text;
         return MCV_OK;
     case KIND_list:
-        command->set.items[command->set.count++] = text;
+        ((mcv_list *)field)->items[((mcv_list *)field)->count++] = text;
         return MCV_OK;
     case KIND_number:
-        if (parse_number(text, field) && *(double *)field > o->min && *(double *)field <= o->max) return MCV_OK;
+        if (parse_number_in(text, o->min, o->max, field)) return MCV_OK;
         return mcv_fail(error, MCV_USAGE, "--%s %s: must be a number above %g and at most %g", o->name, text, o->min, o->max);
+    case KIND_channels:
+        if (parse_channels(text, o->min, o->max, field)) return MCV_OK;
+        return mcv_fail(error, MCV_USAGE, "--%s %s: must be one number or three with commas, each above %g and at most %g", o->name, text,
+                        o->min, o->max);
     case KIND_count: {
         const char *rest = text;
         if (parse_count(&rest, '\0', o->min, o->max, field)) return MCV_OK;
@@ -196,8 +222,12 @@ mcv_result mcv_command_parse(int argc, char **argv, mcv_command *command, mcv_er
     memset(command, 0, sizeof *command);
     if (argc < 2) return mcv_fail(error, MCV_USAGE, "a verb is missing, as in `mcvisi render SCENE`: `mcvisi help` lists the verbs");
     MCV_TRY(mcv_verb_find(argv[1], &command->verb, error));
-    command->set.items = malloc((size_t)argc * sizeof *command->set.items);
-    if (!command->set.items) return mcv_fail(error, MCV_FAILED, "no memory for the command line");
+    for (size_t i = 0; i < OPTION_COUNT; ++i) {
+        mcv_list *list = (mcv_list *)((char *)command + options[i].offset);
+        if (options[i].kind != KIND_list) continue;
+        list->items = malloc((size_t)argc * sizeof *list->items);
+        if (!list->items) return mcv_fail(error, MCV_FAILED, "no memory for the command line");
+    }
     for (size_t i = 0; i < OPTION_COUNT; ++i)
         if (options[i].preset) MCV_TRY(set_value(options + i, options[i].preset, command, error));
 
@@ -228,8 +258,12 @@ mcv_result mcv_command_parse(int argc, char **argv, mcv_command *command, mcv_er
 }
 
 void mcv_command_free(mcv_command *command) {
-    free(command->set.items);
-    command->set.items = NULL;
+    for (size_t i = 0; i < OPTION_COUNT; ++i) {
+        mcv_list *list = (mcv_list *)((char *)command + options[i].offset);
+        if (options[i].kind != KIND_list) continue;
+        free(list->items);
+        *list = (mcv_list){NULL, 0};
+    }
 }
 
 /* --- help ------------------------------------------------------------------------------------------------------- */

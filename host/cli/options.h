@@ -13,6 +13,7 @@
     X(compare, COMPARE, "A.exr B.exr", \
       "tell whether two renders of the same picture differ by more than their noise; exit code 1 if they do") \
     X(camera, CAMERA, "IMAGE.exr", "turn irradiance or radiance into the grey values of a camera, with its noise (EMVA 1288)") \
+    X(measure, MEASURE, "IMAGE", "measure in an image: regions, contrasts, edges and their sharpness, each with its standard uncertainty") \
     X(lightfield, LIGHTFIELD, "views|emd-gradient IMAGE.exr", \
       "show a light field image as its sub-aperture views, or by its Earth Mover's gradient, in which defects stand out") \
     X(devices, DEVICES, "", "list the OpenCL devices and their numbers") \
@@ -30,14 +31,15 @@ enum {
 #define MCV_X(verb, VERB, argument, doc) MCV_IN_##VERB = 1 << MCV_VERB_##VERB,
     MCV_VERBS(MCV_X)
 #undef MCV_X
+        MCV_IN_GREY = MCV_IN_RENDER | MCV_IN_CAMERA
 };
 
 /*
  * X(kind, field, "name", letter, "argument", verbs, default, min, max, "doc")
  *
- * kinds: flag; text; list (may be repeated); number, above min and at most max; count, an integer from min to max; size, two
- * counts WxH; range, two counts A:B with A < B; choice, one of the words in the argument, kept as its index. The default is
- * written as on the command line; without one the field is zero.
+ * kinds: flag; text; list (may be repeated); number, above min and at most max; channels, one such number or three; count, an integer from
+ * min to max; size, two counts WxH; range, two counts A:B with A < B; choice, one of the words in the argument, kept as its index. The
+ * default is written as on the command line; without one the field is zero.
  */
 #define MCV_OPTIONS(X) \
     X(text, exr, "output", 'o', "F.exr", MCV_IN_RENDER, NULL, 0, 0, \
@@ -47,7 +49,7 @@ enum {
     X(choice, parts, "parts", 0, "error|replicates", MCV_IN_RENDER, "error", 0, 0, \
       "parts of the OpenEXR file beside the image: its standard error; or that and the means of all replicates, with which `mcvisi " \
       "compare` can use rank tests") \
-    X(text, sensor, "sensor", 0, "NAME", MCV_IN_RENDER | MCV_IN_CHECK, NULL, 0, 0, "only this sensor, by name or number") \
+    X(text, sensor, "sensor", 0, "NAME", MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_MEASURE, NULL, 0, 0, "only this sensor, by name or number") \
     X(count, spp, "spp", 0, "N", MCV_IN_RENDER, NULL, 1, 1ull << 37, \
       "stop at N samples per pixel over all replicates; N / replicates is rounded up to a power of two") \
     X(number, error, "error", 0, "E", MCV_IN_RENDER, NULL, 0, 1e9, \
@@ -61,8 +63,7 @@ enum {
     X(count, replicates, "replicates", 0, "R", MCV_IN_RENDER, "4", 1, 64, \
       "independent scrambles of the sample points, from whose spread the standard error comes") \
     X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_RENDER, "sobol", 0, 0, "Owen-scrambled Sobol' points, or independent ones") \
-    X(count, seed, "seed", 0, "S", MCV_IN_RENDER | MCV_IN_CAMERA, "0", 0, UINT32_MAX, \
-      "another seed, another noise; the same seed, the same bits") \
+    X(count, seed, "seed", 0, "S", MCV_IN_GREY, "0", 0, UINT32_MAX, "another seed, another noise; the same seed, the same bits") \
     X(count, depth, "depth", 0, "N", MCV_IN_RENDER | MCV_IN_TRACE, "32", 1, 1000000, "surfaces that a path may meet") \
     X(size, resolution, "resolution", 0, "WxH", MCV_IN_RENDER, NULL, 1, 65536, \
       "other pixels on the same field of view; the macro pixels of a light field camera") \
@@ -76,25 +77,62 @@ enum {
     X(text, paths, "output", 'o', "paths.csv", MCV_IN_TRACE, NULL, 0, 0, "where to write the vertices; by default standard output") \
     X(text, difference, "output", 'o', "DIFF.png", MCV_IN_COMPARE, NULL, 0, 0, \
       "a PNG of the differences A - B in units of their standard error") \
-    X(text, grey, "output", 'o', "F.png|F.exr", MCV_IN_CAMERA, NULL, 0, 0, \
-      "the grey values [DN]: PNG of 8 bits for --bits 8 or fewer, else of 16, the values as they are; OpenEXR with all of the " \
-      "image's header") \
-    X(number, exposure_time, "exposure-time", 0, "T", MCV_IN_CAMERA, NULL, 0, 1e9, \
+    X(text, grey, "output", 'o', "FILE", MCV_IN_CAMERA, NULL, 0, 0, \
+      "the grey values [DN], as they are: .png, .tif or .npy, of 8 bits for --bits 8 or fewer, else of 16; .exr with all of the image's " \
+      "header and the standard uncertainty of each value") \
+    X(text, camera, "camera", 0, "FILE", MCV_IN_RENDER, NULL, 0, 0, \
+      "write the grey values of a camera too, as `mcvisi camera` does from the image; takes its options") \
+    X(number, exposure_time, "exposure-time", 0, "T", MCV_IN_GREY, NULL, 0, 1e9, \
       "EMVA's t_exp [s]: with eta, lambda and the pixel size in the image's header it says how many electrons an irradiance makes; or " \
-      "give --electrons-per-unit or --expose-to") \
-    X(number, quantum_efficiency, "quantum-efficiency", 0, "ETA", MCV_IN_CAMERA, "0.6", 0, 1, "eta: electrons per photon") \
-    X(number, wavelength, "wavelength", 0, "L", MCV_IN_CAMERA, "550e-9", 0, 1e-3, "lambda [m]: the photons' energy is h c / lambda") \
-    X(number, electrons_per_unit, "electrons-per-unit", 0, "N", MCV_IN_CAMERA, NULL, 0, 1e30, \
+      "give --electrons-per-unit or --expose-to, beside which it counts for the dark current only") \
+    X(channels, quantum_efficiency, "quantum-efficiency", 0, "ETA[,ETA,ETA]", MCV_IN_GREY, "0.6", 0, 1, \
+      "eta: electrons per photon, of all channels or of red, green and blue") \
+    X(channels, wavelength, "wavelength", 0, "L[,L,L]", MCV_IN_GREY, "550e-9", 0, 1e-3, \
+      "lambda [m], of all channels or of red, green and blue: the photons' energy is h c / lambda") \
+    X(channels, electrons_per_unit, "electrons-per-unit", 0, "N[,N,N]", MCV_IN_GREY, NULL, 0, 1e30, \
       "mean electrons mu_e for 1 W/m^2 of irradiance or 1 W/(m^2 sr) of radiance") \
-    X(number, expose_to, "expose-to", 0, "F", MCV_IN_CAMERA, NULL, 0, 1000, \
+    X(number, expose_to, "expose-to", 0, "F", MCV_IN_GREY, NULL, 0, 1000, \
       "the exposure at which the brightest value has F times the full well on average") \
-    X(number, full_well, "full-well", 0, "N", MCV_IN_CAMERA, "10000", 0, 1e12, "saturation capacity u_e.sat [e-]") \
-    X(number, gain, "gain", 0, "K", MCV_IN_CAMERA, NULL, 0, 1e12, \
+    X(number, full_well, "full-well", 0, "N", MCV_IN_GREY, "10000", 0, 1e12, "saturation capacity u_e.sat [e-]") \
+    X(number, gain, "gain", 0, "K", MCV_IN_GREY | MCV_IN_MEASURE, NULL, 0, 1e12, \
       "system gain K [DN/e-]; by default the full well is the largest grey value") \
-    X(number, read_noise, "read-noise", 0, "N", MCV_IN_CAMERA, NULL, 0, 1e9, "sigma_d, the temporal dark noise [e-]; by default none") \
-    X(flag, noise_free, "noise-free", 0, NULL, MCV_IN_CAMERA, NULL, 0, 0, "mean grey values, only rounded: no shot and no read noise") \
-    X(count, bits, "bits", 0, "B", MCV_IN_CAMERA, "12", 1, 16, "of a grey value, 0 to 2^B - 1 DN") \
-    X(count, black_level, "black-level", 0, "DN", MCV_IN_CAMERA, "0", 0, 65534, "mu_y.dark, the mean grey value without light") \
+    X(number, read_noise, "read-noise", 0, "N", MCV_IN_GREY | MCV_IN_MEASURE, NULL, 0, 1e9, \
+      "sigma_d0, the temporal dark noise without dark current [e-]; by default none") \
+    X(number, dark_current, "dark-current", 0, "I", MCV_IN_GREY, NULL, 0, 1e12, \
+      "mu_I.dark [e-/s], which --exposure-time multiplies; by default none") \
+    X(number, dsnu, "dsnu", 0, "N", MCV_IN_GREY, NULL, 0, 1e9, \
+      "DSNU1288: standard deviation of the pixels' own offsets [e-]; by default none") \
+    X(number, prnu, "prnu", 0, "F", MCV_IN_GREY, NULL, 0, 1, \
+      "PRNU1288: standard deviation of the pixels' own sensitivities, as a fraction; by default none") \
+    X(count, camera_seed, "camera-seed", 0, "S", MCV_IN_GREY, "0", 0, UINT32_MAX, \
+      "another specimen of the camera, with other offsets and sensitivities of its pixels") \
+    X(flag, noise_free, "noise-free", 0, NULL, MCV_IN_GREY, NULL, 0, 0, "mean grey values, only rounded: no noise and no fixed pattern") \
+    X(count, bits, "bits", 0, "B", MCV_IN_GREY, "12", 1, 16, "of a grey value, 0 to 2^B - 1 DN") \
+    X(count, black_level, "black-level", 0, "DN", MCV_IN_GREY | MCV_IN_MEASURE, "0", 0, 65534, \
+      "the mean grey value without light and without dark current") \
+    X(choice, bayer, "bayer", 0, "none|RGGB|BGGR|GRBG|GBRG", MCV_IN_GREY, "none", 0, 0, \
+      "the colours of the top-left 2 x 2 pixels: one channel of grey values, as a colour camera reads them") \
+    X(text, lens_mtf, "lens-mtf", 0, "diffraction|none|F.csv", MCV_IN_GREY, "diffraction", 0, 0, \
+      "what the lens does beyond geometrical optics: diffraction at the working f-number, where the image's header gives one; or a table " \
+      "of " \
+      "rows `cycles per mm on the sensor, modulation`; never on light field images") \
+    X(list, region, "region", 0, "[NAME=]X,Y,W,H", MCV_IN_MEASURE, NULL, 0, 0, \
+      "where to measure, in pixels from the top-left corner: a rectangle, a polygon X,Y,X,Y,X,Y,… or an image F.png whose pixels above 0 " \
+      "belong to it; may be repeated; by default the whole image") \
+    X(text, background, "background", 0, "REGION", MCV_IN_MEASURE, NULL, 0, 0, \
+      "the region that the others stand out of: gives Weber and Michelson contrast and the contrast-to-noise ratio") \
+    X(list, edge, "edge", 0, "[NAME=]X,Y,W,H", MCV_IN_MEASURE, NULL, 0, 0, \
+      "a rectangle with one straight edge in it: gives its position and, where it is tilted, the modulation transfer function (ISO " \
+      "12233); " \
+      "may be repeated: gives the distances from the first") \
+    X(text, minus, "minus", 0, "OTHER", MCV_IN_MEASURE, NULL, 0, 0, "measure in the difference IMAGE - OTHER") \
+    X(choice, channel, "channel", 0, "mean|red|green|blue", MCV_IN_MEASURE, "mean", 0, 0, "of colour images") \
+    X(number, noise, "noise", 0, "S", MCV_IN_MEASURE, NULL, 0, 1e30, \
+      "standard uncertainty of each value, for images that do not tell; or give --gain with --read-noise and --black-level; by default " \
+      "it is " \
+      "estimated from the differences of neighbours") \
+    X(text, scene, "scene", 0, "SCENE", MCV_IN_MEASURE, NULL, 0, 0, \
+      "the scene of an image whose header does not give the scale: lengths in its plane in focus") \
     X(text, processed, "output", 'o', "F.png|F.exr", MCV_IN_LIGHTFIELD, NULL, 0, 0, \
       "where to write: a picture, or the values as OpenEXR; the views keep their colours, the gradient is shown in pseudo-colours") \
     X(text, picture, "png", 0, "F.png", MCV_IN_LIGHTFIELD, NULL, 0, 0, "the picture beside an OpenEXR output") \
@@ -104,21 +142,24 @@ enum {
       "of the emd-gradient: the value shown in the last colour, to compare pictures; by default 99.5 % of the macro pixels lie below it") \
     X(size, angular, "angular", 0, "JxK", MCV_IN_LIGHTFIELD, NULL, 1, 256, \
       "pixels of a macro pixel, for images whose header does not tell") \
-    X(list, set, "set", 0, "PATH=VALUE", MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_TRACE, NULL, 0, 0, \
+    X(list, set, "set", 0, "PATH=VALUE", MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE, NULL, 0, 0, \
       "change the scene, as in --set sensors/cam/fNumber=8 or --set emitters/back/halfAngle=0.2deg; may be repeated") \
     X(flag, defines, "defines", 0, NULL, MCV_IN_CHECK, NULL, 0, 0, \
       "print the -D options that specialise the scene's OpenCL programs; without a scene, those with all features") \
-    X(flag, json, "json", 0, NULL, MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | MCV_IN_LIGHTFIELD | MCV_IN_DEVICES, \
-      NULL, 0, 0, "print JSON in SI units; render prints one object, on one line, per sensor")
+    X(flag, json, "json", 0, NULL, \
+      MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | MCV_IN_MEASURE | MCV_IN_LIGHTFIELD | MCV_IN_DEVICES, NULL, 0, 0, \
+      "print JSON in SI units; render prints one object, on one line, per sensor")
+
+typedef struct mcv_list {
+    const char **items;
+    size_t count;
+} mcv_list;
 
 #define MCV_OPTION_FIELD_flag(field) bool field;
 #define MCV_OPTION_FIELD_text(field) const char *field;
-#define MCV_OPTION_FIELD_list(field) \
-    struct { \
-        const char **items; \
-        size_t count; \
-    } field;
+#define MCV_OPTION_FIELD_list(field) mcv_list field;
 #define MCV_OPTION_FIELD_number(field) double field;
+#define MCV_OPTION_FIELD_channels(field) double field[3];
 #define MCV_OPTION_FIELD_count(field) uint64_t field;
 #define MCV_OPTION_FIELD_size(field) uint64_t field[2];
 #define MCV_OPTION_FIELD_range(field) uint64_t field[2];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/picture.h"
 
+#include "cli/camera.h"
 #include "cli/sensor.h"
 #include "output/exr.h"
 #include "output/file.h"
@@ -54,12 +55,24 @@ mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, 
     else
         MCV_TRY(make_path(picture->png, picture->exr, NULL, ".png", error));
 
-    const char *const paths[] = {picture->exr, picture->png};
-    for (int i = 0; i < 2; ++i) {
+    picture->grey[0] = '\0';
+    if (command->camera) {
+        MCV_TRY(make_path(picture->grey, command->camera, suffix, NULL, error));
+        MCV_TRY(mcv_camera_check(command, picture->grey, error));
+        if (!irradiance && command->electrons_per_unit[0] == 0 && command->expose_to == 0)
+            return mcv_fail(error, MCV_BAD_INPUT,
+                            "%s: sensor %s measures radiance, which --exposure-time cannot turn into electrons: --set "
+                            "sensors/%s/radiometry=irradiance, or give --electrons-per-unit or --expose-to",
+                            scene->path, label, label);
+    }
+    const char *const paths[] = {picture->exr, picture->png, picture->grey};
+    for (int i = 0; i < (command->camera ? 3 : 2); ++i) {
         if (mcv_same_file(paths[i], scene->path))
             return mcv_fail(error, MCV_USAGE, "%s is the scene: give the image another name", paths[i]);
         MCV_TRY(mcv_output_check(paths[i], error));
     }
+    if (strcmp(picture->grey, picture->exr) == 0 || strcmp(picture->grey, picture->png) == 0)
+        return mcv_fail(error, MCV_USAGE, "%s would be both the image and its grey values: give --camera another name", picture->grey);
     if (strcmp(picture->exr, picture->png) == 0)
         return mcv_fail(error, MCV_USAGE, "%s would be both the image and its preview: give the preview another name by --png",
                         picture->exr);

@@ -14,12 +14,13 @@
 
 typedef struct mcv_picture {
     char exr[PATH_MAX], png[PATH_MAX];
+    char grey[PATH_MAX];         /* of --camera, or "" */
     const char *quantity, *unit; /* "radiance", "W/(m^2 sr)" */
 } mcv_picture;
 
 /*
  * Where the files of a sensor go, which must be writable: SCENE.exr beside the scene or --output, with -SENSOR before the
- * ending where `several` sensors are rendered to; and the same with .png, or --png.
+ * ending where `several` sensors are rendered to; and the same with .png, or --png; the grey values of --camera.
  */
 mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, uint32_t sensor, bool several, mcv_picture *picture,
                             mcv_error *error);

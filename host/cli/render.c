@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi render: every sensor of a scene, or one, into OpenEXR and PNG. */
+#include "cli/camera.h"
 #include "cli/interrupt.h"
 #include "cli/options.h"
 #include "cli/picture.h"
@@ -37,6 +38,8 @@ static mcv_result render_options(const mcv_command *command, mcv_render_options 
     options->seconds = command->time;
     if (command->spp && command->samples[1])
         return mcv_fail(error, MCV_USAGE, "--spp and --samples both say how many samples: give one of them");
+    if (!command->camera && (command->exposure_time > 0 || command->electrons_per_unit[0] > 0 || command->expose_to > 0))
+        return mcv_fail(error, MCV_USAGE, "the exposure is that of --camera FILE: give it, or leave the exposure out");
     if (command->error > 0 && command->replicates < 2)
         return mcv_fail(error, MCV_USAGE, "--error needs replicates to know the error from: give --replicates 2 or more");
     options->first = command->samples[0];
@@ -105,6 +108,7 @@ static mcv_result render_and_print(const mcv_command *command, const mcv_scene *
     mcv_interrupt_watch(false);
     mcv_result result = render_sensor(command, scene, *options, sensor, &picture, &film, &summary, error);
     if (result == MCV_OK) result = print_summary(command, &summary, error);
+    if (result == MCV_OK && picture.grey[0]) result = mcv_camera_write(command, picture.exr, picture.grey, !command->json, error);
     mcv_film_free(&film);
     if (result != MCV_OK || mcv_interrupt_result() == MCV_OK) return result;
     return mcv_fail(error, mcv_interrupt_result(), "interrupted: what was rendered is saved in %s", picture.exr);

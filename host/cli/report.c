@@ -143,6 +143,23 @@ void mcv_report_number(mcv_report *report, const char *key, const char *unit, do
         mcv_report_numbers(report, key, unit, "", &value, 1);
 }
 
+void mcv_report_quantity(mcv_report *report, const char *key, const char *unit, double value, double uncertainty) {
+    if (isnan(value)) return;
+    if (report->json) {
+        json_t *object = json_object();
+        json_object_set_new(object, "value", number(value));
+        json_object_set_new(object, "uncertainty", number(uncertainty));
+        put(report, key, object);
+        return;
+    }
+    double factor;
+    const char *name = handy_unit(unit, &value, 1, &factor);
+    print_label(report, key);
+    printf("%.6g", value * factor + 0.0);
+    if (isfinite(uncertainty)) printf(" ± %.2g", uncertainty * factor);
+    printf("%s%s\n", name[0] ? " " : "", name);
+}
+
 void mcv_report_spectrum(mcv_report *report, const char *key, const char *unit, const double spectrum[3]) {
     const bool grey = spectrum[0] == spectrum[1] && spectrum[1] == spectrum[2];
     mcv_report_numbers(report, key, unit, ", ", spectrum, grey && !report->json ? 1 : 3);

@@ -40,6 +40,9 @@ void mcv_report_flag(mcv_report *report, const char *key, bool value);
 /* unit: "m" and "rad" get handy units for people, "" is none, others follow the number. */
 void mcv_report_number(mcv_report *report, const char *key, const char *unit, double value);
 
+/* A measured number and its standard uncertainty (NaN: not known), {"value": …, "uncertainty": …} in JSON. */
+void mcv_report_quantity(mcv_report *report, const char *key, const char *unit, double value, double uncertainty);
+
 /* Three channels; people read one number where they are equal. */
 void mcv_report_spectrum(mcv_report *report, const char *key, const char *unit, const double spectrum[3]);
 

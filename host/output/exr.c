@@ -3,14 +3,10 @@
 #include "output/exr_header.h"
 #include "output/file.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <openexr.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 /* What the library's callbacks work on: an output file, or a whole file in memory. */
 typedef struct stream {
@@ -246,35 +242,6 @@ mcv_result mcv_exr_write(const char *path, const mcv_exr_part *parts, uint32_t p
     return mcv_output_commit(&output, error);
 }
 
-/* The whole file in memory. A regular file only: a pipe or device has no size. */
-static mcv_result load(const char *path, uint8_t **bytes, size_t *size, mcv_error *error) {
-    *bytes = NULL;
-    const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (descriptor < 0) return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
-    struct stat status;
-    mcv_result result = MCV_OK;
-    if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-        result = mcv_fail(error, MCV_BAD_INPUT, "%s: is not a regular file", path);
-    } else if ((uint64_t)status.st_size > MCV_EXR_MAX_BYTES) {
-        result = mcv_fail(error, MCV_BAD_INPUT, "%s: is larger than 4 GiB, the largest OpenEXR file that is read", path);
-    } else if (!(*bytes = malloc((size_t)status.st_size + 1))) {
-        result = mcv_fail(error, MCV_FAILED, "%s: no memory for its %lld bytes", path, (long long)status.st_size);
-    }
-    *size = 0;
-    while (result == MCV_OK && *size < (size_t)status.st_size) {
-        const ssize_t count = read(descriptor, *bytes + *size, (size_t)status.st_size - *size);
-        if (count < 0 && errno != EINTR) result = mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
-        if (count == 0) break;
-        if (count > 0) *size += (size_t)count;
-    }
-    close(descriptor);
-    if (result != MCV_OK) {
-        free(*bytes);
-        *bytes = NULL;
-    }
-    return result;
-}
-
 /* Makes the part's empty image; R, G, B come first where all three are there. */
 static mcv_result make_part(const mcv_exr_part_header *header, mcv_exr_part *part, mcv_error *error) {
     static const char *const rgb[] = {"R", "G", "B"};
@@ -344,7 +311,7 @@ mcv_result mcv_exr_read(const char *path, mcv_exr *exr, mcv_error *error) {
     *exr = (mcv_exr){0};
     stream s = {.path = path, .error = error};
     uint8_t *bytes;
-    MCV_TRY(load(path, &bytes, &s.size, error));
+    MCV_TRY(mcv_file_load(path, &bytes, &s.size, error));
     s.bytes = bytes;
     mcv_exr_header header;
     mcv_result result = mcv_exr_header_read(path, bytes, s.size, &header, error);

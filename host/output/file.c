@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 enum { MAX_TEMPORARIES = 1000 };
+static const uint64_t MAX_INPUT = (uint64_t)1 << 32;
 
 /* What stands at path may be replaced: nothing, or a regular file that its owner has not protected. */
 static mcv_result check_target(const char *path, mcv_error *error) {
@@ -132,4 +133,32 @@ void mcv_output_discard(mcv_output *output) {
     if (output->descriptor >= 0) close(output->descriptor);
     if (output->temporary) unlink(output->temporary);
     forget(output);
+}
+
+mcv_result mcv_file_load(const char *path, uint8_t **bytes, size_t *size, mcv_error *error) {
+    *bytes = NULL;
+    const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (descriptor < 0) return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+    struct stat status;
+    mcv_result result = MCV_OK;
+    if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
+        result = mcv_fail(error, MCV_BAD_INPUT, "%s: is not a regular file", path);
+    } else if ((uint64_t)status.st_size > MAX_INPUT) {
+        result = mcv_fail(error, MCV_BAD_INPUT, "%s: is larger than 4 GiB, the largest file that is read", path);
+    } else if (!(*bytes = malloc((size_t)status.st_size + 1))) {
+        result = mcv_fail(error, MCV_FAILED, "%s: no memory for its %lld bytes", path, (long long)status.st_size);
+    }
+    *size = 0;
+    while (result == MCV_OK && *size < (size_t)status.st_size) {
+        const ssize_t count = read(descriptor, *bytes + *size, (size_t)status.st_size - *size);
+        if (count < 0 && errno != EINTR) result = mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+        if (count == 0) break;
+        if (count > 0) *size += (size_t)count;
+    }
+    close(descriptor);
+    if (result != MCV_OK) {
+        free(*bytes);
+        *bytes = NULL;
+    }
+    return result;
 }

@@ -35,4 +35,7 @@ mcv_result mcv_output_commit(mcv_output *output, mcv_error *error);
 /* Removes the temporary file and frees. */
 void mcv_output_discard(mcv_output *output);
 
+/* Reads a whole regular file (a pipe or device has no size), at most 4 GiB; the caller frees *bytes. MCV_BAD_INPUT names it. */
+mcv_result mcv_file_load(const char *path, uint8_t **bytes, size_t *size, mcv_error *error);
+
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "output/png.h"
 #include "output/file.h"
+#include "output/values.h"
 
 #include <math.h>
 #include <png.h>
@@ -34,7 +35,7 @@ static void on_warning(png_structp png, png_const_charp message) {
 }
 
 /*
- * Rows are width * channels * bits / 8 bytes, 16-bit values big-endian. text is written as a tEXt chunk; NULL: no text, and the
+ * Rows are width * channels * bits / 8 bytes, 16-bit values in the machine's order. text is written as a tEXt chunk; NULL: no text, and the
  * values are not said to be sRGB. What must outlive a longjmp belongs to the caller.
  */
 static void encode(target *t, const uint8_t *bytes, uint32_t width, uint32_t height, int channels, int bits, png_text *text) {
@@ -55,6 +56,7 @@ static void encode(target *t, const uint8_t *bytes, uint32_t width, uint32_t hei
             png_set_text(png, info, text, 1);
         }
         png_write_info(png, info);
+        if (bits == 16) png_set_swap(png); /* of little-endian words; the host is one */
         const size_t stride = (size_t)width * (size_t)(channels * bits / 8);
         for (uint32_t row = 0; row < height; ++row) png_write_row(png, bytes + row * stride);
         png_write_end(png, info);
@@ -160,22 +162,79 @@ mcv_result mcv_png_write_values(const char *path, const mcv_image *image, int bi
     if (image->channels != 1 && image->channels != 3) {
         return mcv_fail(error, MCV_FAILED, "%s: an image of %u channels is no PNG; 1 or 3 can be written", path, image->channels);
     }
-    const size_t plane = (size_t)image->width * image->height, size = (size_t)bits / 8;
-    uint8_t *bytes = plane > 0 ? malloc(plane * image->channels * size) : NULL;
+    uint8_t *bytes = mcv_values_pack(image, bits);
     if (!bytes) {
         return mcv_fail(error, MCV_FAILED, "%s: %u x %u grey values: nothing to write, or no memory for it", path, image->width,
                         image->height);
     }
-    const float largest = bits == 8 ? 255 : 65535;
-    uint8_t *next = bytes;
-    for (size_t i = 0; i < plane; ++i) {
-        for (uint32_t c = 0; c < image->channels; ++c) {
-            const unsigned value = (unsigned)fminf(fmaxf(image->pixels[c * plane + i] + 0.5F, 0), largest);
-            if (bits == 16) *next++ = (uint8_t)(value >> 8);
-            *next++ = (uint8_t)value;
-        }
-    }
     const mcv_result result = write_file(path, bytes, image->width, image->height, (int)image->channels, bits, NULL, error);
     free(bytes);
     return result;
+}
+
+/* What libpng reads from. */
+typedef struct source {
+    const char *path;
+    uint8_t *bytes;
+    size_t size, at;
+    void *values;
+    uint32_t width, height;
+    int channels, bits;
+    mcv_error *error;
+    mcv_result result;
+} source;
+
+static void on_read(png_structp png, png_bytep to, size_t count) {
+    source *s = png_get_io_ptr(png);
+    if (count > s->size - s->at) png_error(png, "it ends early");
+    memcpy(to, s->bytes + s->at, count);
+    s->at += count;
+}
+
+static void on_bad_input(png_structp png, png_const_charp message) {
+    source *s = png_get_error_ptr(png);
+    if (s->result == MCV_OK) s->result = mcv_fail(s->error, MCV_BAD_INPUT, "%s: damaged PNG file: %s", s->path, message);
+    png_longjmp(png, 1);
+}
+
+/* Interleaved values in the machine's byte order, with alpha where the file has it. */
+static void decode(source *s) {
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, s, on_bad_input, on_warning);
+    png_infop info = png ? png_create_info_struct(png) : NULL;
+    if (!info) {
+        png_destroy_read_struct(&png, NULL, NULL);
+        s->result = mcv_fail(s->error, MCV_FAILED, "%s: no memory for libpng", s->path);
+        return;
+    }
+    if (setjmp(png_jmpbuf(png)) == 0) {
+        png_set_read_fn(png, s, on_read);
+        png_set_user_limits(png, 65536, 65536);
+        png_read_info(png, info);
+        png_set_expand(png);
+        png_set_swap(png);
+        png_set_interlace_handling(png);
+        png_read_update_info(png, info);
+        s->width = png_get_image_width(png, info);
+        s->height = png_get_image_height(png, info);
+        s->channels = png_get_channels(png, info);
+        s->bits = png_get_bit_depth(png, info);
+        const size_t row = png_get_rowbytes(png, info);
+        s->values = malloc(row * s->height);
+        if (!s->values) png_error(png, "no memory for its pixels");
+        const int passes = png_get_interlace_type(png, info) == PNG_INTERLACE_NONE ? 1 : 7;
+        for (int pass = 0; pass < passes; ++pass)
+            for (uint32_t y = 0; y < s->height; ++y) png_read_row(png, (png_bytep)s->values + y * row, NULL);
+    }
+    png_destroy_read_struct(&png, &info, NULL);
+}
+
+mcv_result mcv_png_read_values(const char *path, mcv_image *image, mcv_error *error) {
+    source s = {.path = path, .error = error};
+    MCV_TRY(mcv_file_load(path, &s.bytes, &s.size, error));
+    decode(&s);
+    if (s.result == MCV_OK)
+        s.result = mcv_values_unpack(s.values, s.bits, s.width, s.height, (uint32_t)s.channels, s.channels < 3 ? 1 : 3, image, error);
+    free(s.values);
+    free(s.bytes);
+    return s.result;
 }

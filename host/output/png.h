@@ -29,4 +29,7 @@ mcv_result mcv_png_write_preview(const char *path, const mcv_image *image, const
  */
 mcv_result mcv_png_write_values(const char *path, const mcv_image *image, int bits, mcv_error *error);
 
+/* Reads the values of a PNG of 8 or 16 bits (fewer bits and palettes are widened to 8), grey or RGB; alpha is left out. */
+mcv_result mcv_png_read_values(const char *path, mcv_image *image, mcv_error *error);
+
 #endif

@@ -1,0 +1,391 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "analysis/edge.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+mcv_result mcv_edge_parse(const char *text, size_t number, const mcv_image *image, mcv_edge *edge, mcv_error *error) {
+    double n[4];
+    const char *rest;
+    *edge = (mcv_edge){0};
+    const size_t count = mcv_roi_numbers(text, number, edge->name, &rest, n, 4);
+    bool whole = count == 4;
+    for (int i = 0; whole && i < 4; ++i) whole = n[i] == floor(n[i]) && n[i] >= 0;
+    if (!whole) return mcv_fail(error, MCV_USAGE, "edge %s must be [NAME=]X,Y,W,H in whole pixels", text);
+    if (n[0] + n[2] > image->width || n[1] + n[3] > image->height)
+        return mcv_fail(error, MCV_USAGE, "edge %s reaches to column %g, row %g: the image has %u x %u pixels", text, n[0] + n[2],
+                        n[1] + n[3], image->width, image->height);
+    if (n[2] < 8 || n[3] < 8) return mcv_fail(error, MCV_USAGE, "edge %s must be at least 8 pixels wide and high", text);
+    edge->x = (uint32_t)n[0];
+    edge->y = (uint32_t)n[1];
+    edge->width = (uint32_t)n[2];
+    edge->height = (uint32_t)n[3];
+    return MCV_OK;
+}
+
+/* --- the rectangle, turned so that the edge is nearer to vertical ------------------------------------------------- */
+
+typedef struct patch {
+    const mcv_readings *readings;
+    const mcv_edge *edge;
+    size_t columns, rows;
+} patch;
+
+static size_t index_of(const patch *p, size_t column, size_t row) {
+    const size_t x = p->edge->x + (p->edge->across_rows ? column : row), y = p->edge->y + (p->edge->across_rows ? row : column);
+    return y * p->readings->values.width + x;
+}
+
+static double value_at(const patch *p, size_t column, size_t row) { return p->readings->values.pixels[index_of(p, column, row)]; }
+
+static double variance_at(const patch *p, size_t column, size_t row) {
+    const double u = p->readings->deviation.pixels[index_of(p, column, row)];
+    return u * u;
+}
+
+static patch make_patch(const mcv_readings *readings, const mcv_edge *edge) {
+    patch p = {.readings = readings, .edge = edge, .columns = edge->width, .rows = edge->height};
+    if (!edge->across_rows) {
+        p.columns = edge->height;
+        p.rows = edge->width;
+    }
+    return p;
+}
+
+/* Noise adds alike to both sums. */
+static bool is_across_rows(const mcv_readings *readings, const mcv_edge *edge) {
+    const mcv_image *image = &readings->values;
+    double dx = 0, dy = 0;
+    for (size_t y = edge->y; y < edge->y + edge->height - 1; ++y)
+        for (size_t x = edge->x; x < edge->x + edge->width - 1; ++x) {
+            const float *v = image->pixels + y * image->width + x;
+            dx += pow((double)v[1] - v[0] + v[image->width + 1] - v[image->width], 2);
+            dy += pow((double)v[image->width] - v[0] + v[image->width + 1] - v[1], 2);
+        }
+    return dx >= dy;
+}
+
+/* --- the line --------------------------------------------------------------------------------------------------- */
+
+/* Of the patch: column = at + slope (row - middle), both of pixel centres; `left` and `right` plateaus; window: half of what a row sums. */
+typedef struct line {
+    double at, slope, middle, window;
+    double variance_at, variance_slope;
+    mcv_quantity left, right;
+} line;
+
+static double line_column(const line *l, double row) { return l->at + l->slope * (row - l->middle); }
+
+/* How much of pixel `column` lies between two places. */
+static double overlap(size_t column, double from, double to) { return fmax(0, fmin(to, (double)column + 1) - fmax(from, (double)column)); }
+
+/* Plateaus from the pixels beyond the window. False where either has fewer than the rows. */
+static bool find_plateaus(const patch *p, line *l) {
+    double sums[2] = {0}, variances[2] = {0}, counts[2] = {0};
+    for (size_t row = 0; row < p->rows; ++row) {
+        const double middle = line_column(l, (double)row + 0.5);
+        for (size_t column = 0; column < p->columns; ++column) {
+            const double off = (double)column + 0.5 - middle;
+            if (fabs(off) < l->window + 0.5) continue;
+            sums[off > 0] += value_at(p, column, row);
+            variances[off > 0] += variance_at(p, column, row);
+            ++counts[off > 0];
+        }
+    }
+    l->left = (mcv_quantity){sums[0] / counts[0], sqrt(variances[0]) / counts[0]};
+    l->right = (mcv_quantity){sums[1] / counts[1], sqrt(variances[1]) / counts[1]};
+    return fmin(counts[0], counts[1]) >= (double)p->rows;
+}
+
+/* Where an ideal step would hold the row's light inside the window; its variance by the row's own pixels, and its slopes by the plateaus.
+ */
+static bool find_row(const patch *p, const line *l, size_t row, double *place, double *variance, double by_plateau[2]) {
+    const double middle = line_column(l, (double)row + 0.5), from = middle - l->window, to = middle + l->window;
+    const double step = l->right.value - l->left.value;
+    if (from < 0 || to > (double)p->columns) return false;
+    double bright = 0;
+    *variance = 0;
+    for (size_t column = (size_t)from; column < p->columns && (double)column < to; ++column) {
+        const double share = overlap(column, from, to);
+        bright += share * (value_at(p, column, row) - l->left.value) / step;
+        *variance += share * share * variance_at(p, column, row) / (step * step);
+    }
+    *place = to - bright;
+    by_plateau[0] = (2 * l->window - bright) / step;
+    by_plateau[1] = bright / step;
+    return true;
+}
+
+/* Least squares through the rows' places. False where fewer than half of the rows have room for their window. */
+static bool fit_line(const patch *p, line *l) {
+    double n = 0, sum = 0, rows = 0;
+    double row_variance = 0, plateau[2] = {0}, place, variance, slope[2];
+    for (size_t row = 0; row < p->rows; ++row) {
+        if (!find_row(p, l, row, &place, &variance, slope)) continue;
+        ++n;
+        rows += (double)row + 0.5;
+        sum += place;
+        row_variance += variance;
+        for (int i = 0; i < 2; ++i) plateau[i] += slope[i];
+    }
+    if (2 * n < (double)p->rows || n < 3) return false;
+    const double middle = rows / n;
+    double xx = 0, xy = 0, vxx = 0;
+    for (size_t row = 0; row < p->rows; ++row) {
+        const double off = (double)row + 0.5 - middle;
+        if (!find_row(p, l, row, &place, &variance, slope)) continue;
+        xx += off * off;
+        xy += off * (place - sum / n);
+        vxx += off * off * variance;
+    }
+    *l = (line){.at = sum / n,
+                .slope = xy / xx,
+                .middle = middle,
+                .window = l->window,
+                .variance_at =
+                    row_variance / (n * n) + pow(plateau[0] / n * l->left.uncertainty, 2) + pow(plateau[1] / n * l->right.uncertainty, 2),
+                .variance_slope = vxx / (xx * xx),
+                .left = l->left,
+                .right = l->right};
+    return true;
+}
+
+/* --- the edge spread function ------------------------------------------------------------------------------------- */
+
+/* Bins of 1/4 pixel along the normal, the edge between bins `half - 1` and `half`. */
+typedef struct bins {
+    size_t half;
+    double *count, *sum, *variance, *place, *place2;
+} bins;
+
+static void bins_free(bins *b) { free(b->count); }
+
+/* As far as every row reaches. NULL without memory or room. */
+static bool fill_bins(const patch *p, const line *l, bins *b) {
+    const double cosine = 1 / sqrt(1 + l->slope * l->slope), first = line_column(l, 0.5), last = line_column(l, (double)p->rows - 0.5);
+    const double reach = fmin(fmin(first, last), (double)p->columns - fmax(first, last)) * cosine;
+    *b = (bins){.half = reach > 1 ? (size_t)(reach * MCV_ESF_PER_PIXEL) : 0};
+    b->count = b->half ? calloc(10 * b->half, sizeof *b->count) : NULL;
+    if (!b->count) return false;
+    b->sum = b->count + 2 * b->half;
+    b->variance = b->sum + 2 * b->half;
+    b->place = b->variance + 2 * b->half;
+    b->place2 = b->place + 2 * b->half;
+    for (size_t row = 0; row < p->rows; ++row)
+        for (size_t column = 0; column < p->columns; ++column) {
+            const double off = ((double)column + 0.5 - line_column(l, (double)row + 0.5)) * cosine;
+            const double bin = floor(off * MCV_ESF_PER_PIXEL) + (double)b->half;
+            if (bin < 0 || bin >= 2 * (double)b->half) continue;
+            const size_t i = (size_t)bin;
+            ++b->count[i];
+            b->sum[i] += value_at(p, column, row);
+            b->variance[i] += variance_at(p, column, row);
+            b->place[i] += off;
+            b->place2[i] += off * off;
+        }
+    return true;
+}
+
+/* Where the spread function first passes a level between its plateaus, from the side of the plateau at 0. */
+static mcv_quantity crossing(const bins *b, const line *l, double level) {
+    const double step = l->right.value - l->left.value;
+    double before = NAN, place = NAN, variance = NAN;
+    for (size_t i = 0; i < 2 * b->half; ++i) {
+        if (b->count[i] == 0) continue;
+        const double here = (b->sum[i] / b->count[i] - l->left.value) / step, at = b->place[i] / b->count[i];
+        if (before < level && here >= level) {
+            const double slope = (here - before) / (at - place), own = b->variance[i] / (b->count[i] * b->count[i]);
+            return (mcv_quantity){place + (level - before) / slope, sqrt(fmax(own, variance)) / fabs(slope * step)};
+        }
+        before = here;
+        place = at;
+        variance = b->variance[i] / (b->count[i] * b->count[i]);
+    }
+    return (mcv_quantity){NAN, NAN};
+}
+
+static bool find_width(const patch *p, const line *l, mcv_quantity *width) {
+    bins b;
+    if (!fill_bins(p, l, &b)) return false;
+    const mcv_quantity low = crossing(&b, l, 0.1), high = crossing(&b, l, 0.9);
+    *width = (mcv_quantity){high.value - low.value, hypot(low.uncertainty, high.uncertainty)};
+    bins_free(&b);
+    return isfinite(width->value);
+}
+
+/* --- finding ---------------------------------------------------------------------------------------------------- */
+
+static mcv_result fail_edge(const mcv_edge *edge, mcv_error *error, const char *why) {
+    return mcv_fail(error, MCV_FAILED, "edge %s: %s", edge->name, why);
+}
+
+/* From the outer eighths of each row as plateaus and all between them as the window. */
+static bool begin(const patch *p, line *l) {
+    *l = (line){.at = 0.5 * (double)p->columns, .middle = 0.5 * (double)p->rows, .window = 0.375 * (double)p->columns};
+    return find_plateaus(p, l) && l->left.value != l->right.value && fit_line(p, l);
+}
+
+static mcv_result find_line(const patch *p, line *l, mcv_quantity *width, mcv_error *error) {
+    enum { ROUNDS = 12 };
+    if (!begin(p, l)) return fail_edge(p->edge, error, "no edge crosses the rectangle: it must pass all of its length, near the middle");
+    for (int round = 0; round < ROUNDS; ++round) {
+        if (!find_plateaus(p, l)) return fail_edge(p->edge, error, "too little room beside it: the rectangle must hold more of both sides");
+        const double noise = hypot(l->left.uncertainty, l->right.uncertainty), step = fabs(l->right.value - l->left.value);
+        if (!(step > 5 * noise)) return fail_edge(p->edge, error, "no edge: both sides are equally bright");
+        if (!fit_line(p, l)) return fail_edge(p->edge, error, "too little room beside it: the rectangle must hold more of both sides");
+        if (!find_width(p, l, width)) return fail_edge(p->edge, error, "no edge: its sides have no level between them");
+        const double cosine = 1 / sqrt(1 + l->slope * l->slope);
+        l->window = fmin((1.5 * width->value + 2) / cosine, 0.375 * (double)p->columns);
+    }
+    return MCV_OK;
+}
+
+mcv_result mcv_edge_find(const mcv_readings *readings, mcv_edge *edge, mcv_error *error) {
+    line l;
+    edge->across_rows = is_across_rows(readings, edge);
+    const patch p = make_patch(readings, edge);
+    MCV_TRY(find_line(&p, &l, &edge->width_10_90, error));
+    const int across = edge->across_rows ? 0 : 1;
+    const uint32_t corner[2] = {edge->x, edge->y};
+    const double row = 0.5 * (double)p.rows, off = row - l.middle, cosine = 1 / sqrt(1 + l.slope * l.slope);
+    const double sign = l.right.value > l.left.value ? 1 : -1;
+    edge->point[across] = corner[across] + line_column(&l, row);
+    edge->point[!across] = corner[!across] + row;
+    edge->normal[across] = sign * cosine;
+    edge->normal[!across] = -sign * cosine * l.slope;
+    edge->position = (mcv_quantity){edge->point[across], sqrt(l.variance_at + off * off * l.variance_slope)};
+    edge->tilt = (mcv_quantity){atan(l.slope), sqrt(l.variance_slope) * cosine * cosine};
+    edge->dark = sign > 0 ? l.left : l.right;
+    edge->bright = sign > 0 ? l.right : l.left;
+    return MCV_OK;
+}
+
+mcv_quantity mcv_edge_distance(const mcv_edge *a, const mcv_edge *b) {
+    const double turn = a->normal[0] * b->normal[0] + a->normal[1] * b->normal[1] < 0 ? -1 : 1;
+    const double sum[2] = {a->normal[0] + turn * b->normal[0], a->normal[1] + turn * b->normal[1]}, length = hypot(sum[0], sum[1]);
+    const double off[2] = {b->point[0] - a->point[0], b->point[1] - a->point[1]};
+    const double along = (off[1] * sum[0] - off[0] * sum[1]) / length;
+    /* Positions count along an axis; tilts turn the mean normal by half. */
+    const double pa = a->position.uncertainty * cos(a->tilt.value), pb = b->position.uncertainty * cos(b->tilt.value);
+    const double turned = 0.5 * along * hypot(a->tilt.uncertainty, b->tilt.uncertainty);
+    return (mcv_quantity){(off[0] * sum[0] + off[1] * sum[1]) / length, sqrt(pa * pa + pb * pb + turned * turned)};
+}
+
+/* --- the modulation transfer function ----------------------------------------------------------------------------- */
+
+/* 1 up to three quarters of the reach, from there falling to 0: a hard end would ring. */
+static double window_at(double place, double reach) {
+    const double share = fabs(place) / reach;
+    return share <= 0.75 ? 1 : share >= 1 ? 0 : 0.5 + 0.5 * cos(M_PI * (share - 0.75) / 0.25);
+}
+
+static double sinc(double x) { return x == 0 ? 1 : sin(M_PI * x) / (M_PI * x); }
+
+/* F(ν) = Σ window (E_{k+1} - E_k) e^{-2πi ν x}, linear in the E_k, and what becomes of the bins' variances. */
+static mcv_quantity modulation_at(const mcv_edge_mtf *m, double frequency, double reach, double scatter) {
+    double re = 0, im = 0, total = 0;
+    const size_t n = m->count;
+    for (size_t i = 0; i + 1 < n; ++i) {
+        const double x = 0.5 * (m->place[i] + m->place[i + 1]), d = window_at(x, reach) * (m->esf[i + 1].value - m->esf[i].value);
+        re += d * cos(2 * M_PI * frequency * x);
+        im -= d * sin(2 * M_PI * frequency * x);
+        total += d;
+    }
+    const double length = hypot(re, im);
+    double across = 0, variance = 0, before[3] = {0};
+    for (size_t i = 0; i < n; ++i) {
+        double here[3] = {0};
+        if (i + 1 < n) {
+            const double x = 0.5 * (m->place[i] + m->place[i + 1]), w = window_at(x, reach);
+            here[0] = w * cos(2 * M_PI * frequency * x);
+            here[1] = -w * sin(2 * M_PI * frequency * x);
+            here[2] = w;
+        }
+        const double c[3] = {before[0] - here[0], before[1] - here[1], before[2] - here[2]},
+                     v = m->esf[i].uncertainty * m->esf[i].uncertainty;
+        const double slope = (re * c[0] + im * c[1]) / (length * total) - length * c[2] / (total * total);
+        variance += v * slope * slope;
+        across += v * pow((re * c[1] - im * c[0]) / length, 2);
+        memcpy(before, here, sizeof before);
+    }
+    /* Noise at right angles to F lengthens it; what that leaves uncertain is second order, and all there is where F is no more than noise:
+     * the factor 2 lets the interval of a length without signal (Rayleigh) hold 0 in 95 % of cases. Bins average over places that scatter, differences over the step between bins. */
+    const double corrected = fmax(0, length - across / (2 * length)) / fabs(total);
+    const double loss = (1 - 0.5 * pow(2 * M_PI * frequency, 2) * scatter) * sinc(frequency / MCV_ESF_PER_PIXEL);
+    variance += 2 * pow(across / (length * total), 2);
+    return (mcv_quantity){corrected / loss, sqrt(variance) / loss};
+}
+
+static void find_mtf50(mcv_edge_mtf *m, double reach, double scatter) {
+    m->mtf50 = (mcv_quantity){NAN, NAN};
+    for (int k = 1; k < MCV_MTF_COUNT; ++k) {
+        if (m->modulation[k].value > 0.5) continue;
+        double low = m->frequency[k - 1], high = m->frequency[k];
+        for (int i = 0; i < 40; ++i) {
+            const double middle = 0.5 * (low + high);
+            if (modulation_at(m, middle, reach, scatter).value > 0.5)
+                low = middle;
+            else
+                high = middle;
+        }
+        /* Over half of the way, or the noise would make the slope. */
+        const double slope =
+            (modulation_at(m, 0.75 * low, reach, scatter).value - modulation_at(m, 1.25 * low, reach, scatter).value) / (0.5 * low);
+        m->mtf50 = (mcv_quantity){low, modulation_at(m, low, reach, scatter).uncertainty / fabs(slope)};
+        return;
+    }
+}
+
+static mcv_result spread(const mcv_edge *edge, const bins *b, const line *l, mcv_edge_mtf *m, mcv_error *error) {
+    double scatter = 0;
+    const double step = l->right.value - l->left.value;
+    m->count = 2 * b->half;
+    m->place = calloc(m->count, sizeof *m->place);
+    m->esf = calloc(m->count, sizeof *m->esf);
+    m->lsf = calloc(m->count, sizeof *m->lsf);
+    if (!m->place || !m->esf || !m->lsf) return fail_edge(edge, error, "no memory for its spread function");
+    for (size_t i = 0; i < m->count; ++i) {
+        const double n = b->count[i];
+        if (n == 0) return fail_edge(edge, error, "its tilt leaves phases of the pixel grid unseen: tilt it by 2° to 10°");
+        m->place[i] = b->place[i] / n;
+        m->esf[i] = (mcv_quantity){(b->sum[i] / n - l->left.value) / step, sqrt(b->variance[i]) / (n * fabs(step))};
+        scatter += (b->place2[i] / n - m->place[i] * m->place[i]) / (double)m->count;
+    }
+    for (size_t i = 0; i + 1 < m->count; ++i) m->lsf[i] = (m->esf[i + 1].value - m->esf[i].value) / (m->place[i + 1] - m->place[i]);
+    const double reach = (double)b->half / MCV_ESF_PER_PIXEL;
+    for (int k = 0; k < MCV_MTF_COUNT; ++k) {
+        m->frequency[k] = (double)k / (MCV_MTF_COUNT - 1);
+        m->modulation[k] = modulation_at(m, m->frequency[k], reach, scatter);
+    }
+    m->nyquist = m->modulation[MCV_MTF_COUNT / 2];
+    find_mtf50(m, reach, scatter);
+    return MCV_OK;
+}
+
+mcv_result mcv_edge_spread(const mcv_readings *readings, const mcv_edge *edge, mcv_edge_mtf *mtf, mcv_error *error) {
+    const patch p = make_patch(readings, edge);
+    const double turn = edge->across_rows ? edge->normal[0] : edge->normal[1];
+    const uint32_t corner = edge->across_rows ? edge->x : edge->y;
+    line l = {.at = edge->position.value - corner, .slope = tan(edge->tilt.value), .middle = 0.5 * (double)p.rows};
+    l.left = turn > 0 ? edge->dark : edge->bright;
+    l.right = turn > 0 ? edge->bright : edge->dark;
+    bins b;
+    *mtf = (mcv_edge_mtf){0};
+    if (fabs(l.slope) * (double)p.rows < 1)
+        return fail_edge(edge, error, "it runs along the pixel grid, so its sharpness cannot be seen: tilt it by 2° to 10°");
+    if (!fill_bins(&p, &l, &b)) return fail_edge(edge, error, "too little room beside it for its spread function");
+    const mcv_result result = spread(edge, &b, &l, mtf, error);
+    bins_free(&b);
+    if (result != MCV_OK) mcv_edge_mtf_free(mtf);
+    return result;
+}
+
+void mcv_edge_mtf_free(mcv_edge_mtf *mtf) {
+    free(mtf->place);
+    free(mtf->esf);
+    free(mtf->lsf);
+    mtf->place = mtf->lsf = NULL;
+    mtf->esf = NULL;
+}

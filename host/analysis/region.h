@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Figures of regions of an image, each with its standard uncertainty: that of the pixels, taken as independent, propagated to first order
+ * (Guide to the Expression of Uncertainty in Measurement, JCGM 100:2008, 5.1).
+ */
+#ifndef MCVISI_HOST_ANALYSIS_REGION_H
+#define MCVISI_HOST_ANALYSIS_REGION_H
+
+#include "film/film.h"
+
+/* A measured number and its standard uncertainty, in the same unit. */
+typedef struct mcv_quantity {
+    double value, uncertainty;
+} mcv_quantity;
+
+/* One channel of values and their standard uncertainties. Values that are NaN belong to no region. */
+typedef struct mcv_readings {
+    mcv_image values, deviation;
+    bool estimated; /* the deviations, from the values themselves */
+} mcv_readings;
+
+/* A set of pixels. */
+typedef struct mcv_roi {
+    char name[64];
+    uint32_t width, height; /* of the image */
+    uint8_t *inside;        /* one per pixel */
+    uint64_t count;
+} mcv_roi;
+
+/*
+ * Reads "[NAME=]X,Y,W,H" (a rectangle), "[NAME=]X,Y,X,Y,X,Y,…" (a polygon, even-odd) or "[NAME=]FILE" (an image of the same size, whose
+ * pixels above 0 belong to the region), in pixels from the top-left corner; a pixel belongs where its centre does. Without a name it is
+ * called by its number. MCV_USAGE with a sentence where it reaches outside the image or holds no pixel.
+ */
+mcv_result mcv_roi_parse(const char *text, size_t number, const mcv_image *image, mcv_roi *region, mcv_error *error);
+void mcv_roi_free(mcv_roi *region);
+
+/* The numbers of "[NAME=]A,B,C…", at most `most`: how many, or 0 where the rest is no list of numbers. Name and rest are told apart. */
+size_t mcv_roi_numbers(const char *text, size_t number, char name[64], const char **rest, double *numbers, size_t most);
+
+/*
+ * The noise of a region whose pixels' uncertainties are not known: from second differences of neighbours in both directions, which smooth
+ * shading leaves at 0, by their median, which edges hardly move (after Immerkær, Fast noise variance estimation, 1996). Sets the
+ * deviation of the region's pixels, at least to `least`. NaN where no pixel has all of its neighbours in the region.
+ */
+double mcv_roi_estimate_noise(mcv_readings *readings, const mcv_roi *region, double least);
+
+/*
+ * Of a region: the mean; the deviation of the values from it, noise and all; their noise (the root of the mean of the pixels' variances);
+ * rms_contrast, the deviation that is not noise over the mean; snr, mean over deviation; uniformity, the smallest over the mean of all
+ * means of 8 x 8 cells of the region's frame that lie in it by half: where several cells are equally dark but for their noise, it comes
+ * out too low by up to two of its uncertainties.
+ */
+typedef struct mcv_roi_figures {
+    uint64_t count;
+    double smallest, largest, noise;
+    mcv_quantity mean, deviation, rms_contrast, snr, uniformity;
+} mcv_roi_figures;
+mcv_roi_figures mcv_roi_measure(const mcv_readings *readings, const mcv_roi *region);
+
+/*
+ * Of a region (mean m) before a background (mean b, deviation s): m - b; Weber's contrast (m - b)/b; Michelson's (m - b)/(m + b); the
+ * contrast-to-noise ratio (m - b)/s. Negative where the region is the darker one.
+ */
+typedef struct mcv_contrast_figures {
+    mcv_quantity difference, weber, michelson, contrast_to_noise;
+} mcv_contrast_figures;
+mcv_contrast_figures mcv_roi_contrast(const mcv_readings *readings, const mcv_roi *region, const mcv_roi *background);
+
+#endif

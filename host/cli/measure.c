@@ -1,0 +1,354 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* mcvisi measure: figures of regions and edges of an image. */
+#include "analysis/edge.h"
+#include "cli/options.h"
+#include "cli/report.h"
+#include "cli/sensor.h"
+#include "output/exr.h"
+#include "output/values.h"
+#include "scene/sensors.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The image, and what is known of it. */
+typedef struct subject {
+    const mcv_command *command;
+    mcv_readings readings;
+    const char *noise; /* where the deviations come from; NULL: nowhere yet */
+    bool whole;        /* a file of whole numbers */
+    double largest;    /* grey value, NaN where that is not known */
+    double pixel[2];   /* width and height in the object plane [m], 0: not known */
+    char unit[64];
+    mcv_roi *regions, background; /* background.inside: NULL without one */
+    size_t region_count;
+    mcv_edge *edges;
+} subject;
+
+/* --- reading ---------------------------------------------------------------------------------------------------- */
+
+static const double *header_numbers(const mcv_exr *exr, const char *name, uint32_t count) {
+    const mcv_attribute *a = mcv_exr_attribute(exr, name);
+    return a && !a->text && a->count == count ? a->numbers : NULL;
+}
+
+static void read_scale(const mcv_exr *exr, subject *s) {
+    const double *size = header_numbers(exr, "mcvisi:pixelSize", 2), *binning = header_numbers(exr, "mcvisi:binning", 2);
+    const double *given = header_numbers(exr, "mcvisi:magnification", 1), *f = header_numbers(exr, "mcvisi:focalLength", 1);
+    const double *b = header_numbers(exr, "mcvisi:imageDistance", 1);
+    const double magnification = given ? *given : f && b ? *b / *f - 1 : 0;
+    if (!size || !(magnification > 0) || mcv_exr_attribute(exr, "mcvisi:angularResolution")) return;
+    for (int i = 0; i < 2; ++i) s->pixel[i] = size[i] * (binning ? binning[i] : 1) / magnification;
+}
+
+/* One channel of the image, or the mean of all; of deviations, those of the mean of independent channels. */
+static mcv_result choose_channel(const mcv_command *command, const char *path, const mcv_image *image, bool deviations, mcv_image *out,
+                                 mcv_error *error) {
+    const uint64_t chosen = command->channel;
+    if (chosen > image->channels && chosen > 1)
+        return mcv_fail(error, MCV_USAGE, "%s has %u channel%s: leave out --channel", path, image->channels,
+                        image->channels > 1 ? "s" : "");
+    MCV_TRY(mcv_image_new(out, image->width, image->height, 1, error));
+    const size_t plane = (size_t)image->width * image->height;
+    for (size_t i = 0; i < plane; ++i) {
+        double sum = 0;
+        for (uint32_t c = 0; c < image->channels; ++c) {
+            const double value = image->pixels[c * plane + i];
+            if (chosen == 0 || chosen - 1 == c) sum += deviations ? value * value : value;
+        }
+        const double count = chosen == 0 ? image->channels : 1;
+        out->pixels[i] = (float)((deviations ? sqrt(sum) : sum) / count);
+    }
+    return MCV_OK;
+}
+
+static mcv_result read_exr(const char *path, subject *s, mcv_error *error) {
+    mcv_exr exr;
+    MCV_TRY(mcv_exr_read(path, &exr, error));
+    const mcv_image *image = &exr.parts[0].image;
+    const mcv_attribute *unit = mcv_exr_attribute(&exr, "mcvisi:unit");
+    const double *bits = header_numbers(&exr, "mcvisi:bits", 1);
+    snprintf(s->unit, sizeof s->unit, "%s", unit && unit->text ? unit->text : "");
+    s->largest = bits ? exp2(*bits) - 1 : NAN;
+    read_scale(&exr, s);
+    mcv_result result = choose_channel(s->command, path, image, false, &s->readings.values, error);
+    for (uint32_t i = 1; i < exr.part_count && result == MCV_OK && !s->noise; ++i) {
+        const mcv_image *part = &exr.parts[i].image;
+        if (strcmp(exr.parts[i].name, "error") != 0 || part->width != image->width || part->height != image->height ||
+            part->channels != image->channels)
+            continue;
+        result = choose_channel(s->command, path, part, true, &s->readings.deviation, error);
+        s->noise = "the image's standard errors";
+    }
+    mcv_exr_free(&exr);
+    return result;
+}
+
+static mcv_result read_values(const char *path, subject *s, mcv_error *error) {
+    mcv_image image;
+    MCV_TRY(mcv_values_read(path, &image, error));
+    const mcv_result result = choose_channel(s->command, path, &image, false, &s->readings.values, error);
+    mcv_image_free(&image);
+    s->whole = true;
+    for (size_t i = 0; result == MCV_OK && s->whole && i < (size_t)s->readings.values.width * s->readings.values.height; ++i)
+        s->whole = s->readings.values.pixels[i] == floorf(s->readings.values.pixels[i]);
+    snprintf(s->unit, sizeof s->unit, "DN");
+    return result;
+}
+
+/* What the user says of the noise stands above what the file says. */
+static void set_noise(subject *s) {
+    const mcv_command *c = s->command;
+    if (!(c->noise > 0) && !(c->gain > 0)) return;
+    s->noise = c->noise > 0 ? "--noise" : "the camera's gain and read noise";
+    for (size_t i = 0; i < (size_t)s->readings.values.width * s->readings.values.height; ++i) {
+        const double electrons = fmax(0, s->readings.values.pixels[i] - (double)c->black_level) / fmax(c->gain, 1e-300);
+        const double variance = c->gain * c->gain * (electrons + c->read_noise * c->read_noise) + 1.0 / 12;
+        s->readings.deviation.pixels[i] = (float)(c->noise > 0 ? c->noise : sqrt(variance));
+    }
+}
+
+static mcv_result read_subject(const mcv_command *command, const char *path, subject *s, mcv_error *error) {
+    const size_t length = strlen(path);
+    *s = (subject){.command = command, .largest = NAN};
+    const bool exr = length > 4 && strcmp(path + length - 4, ".exr") == 0;
+    MCV_TRY(exr ? read_exr(path, s, error) : read_values(path, s, error));
+    const mcv_image *values = &s->readings.values;
+    if (!s->readings.deviation.pixels) MCV_TRY(mcv_image_new(&s->readings.deviation, values->width, values->height, 1, error));
+    set_noise(s);
+    return MCV_OK;
+}
+
+static void free_subject(subject *s) {
+    mcv_image_free(&s->readings.values);
+    mcv_image_free(&s->readings.deviation);
+    mcv_roi_free(&s->background);
+    for (size_t i = 0; i < s->region_count; ++i) mcv_roi_free(s->regions + i);
+    free(s->regions);
+    free(s->edges);
+}
+
+static mcv_result subtract(subject *s, mcv_error *error) {
+    subject other;
+    mcv_image *v = &s->readings.values;
+    mcv_result result = read_subject(s->command, s->command->minus, &other, error);
+    if (result == MCV_OK && (other.readings.values.width != v->width || other.readings.values.height != v->height))
+        result = mcv_fail(error, MCV_BAD_INPUT, "%s has %u x %u pixels: it must have the %u x %u of the image", s->command->minus,
+                          other.readings.values.width, other.readings.values.height, v->width, v->height);
+    for (size_t i = 0; result == MCV_OK && i < (size_t)v->width * v->height; ++i) {
+        v->pixels[i] -= other.readings.values.pixels[i];
+        s->readings.deviation.pixels[i] = hypotf(s->readings.deviation.pixels[i], other.readings.deviation.pixels[i]);
+    }
+    if (!other.noise) s->noise = NULL;
+    free_subject(&other);
+    return result;
+}
+
+static mcv_result scale_by_scene(subject *s, mcv_error *error) {
+    const mcv_command *c = s->command;
+    mcv_scene *scene;
+    uint32_t sensor = 0, width, height;
+    MCV_TRY(mcv_scene_load(c->scene, (mcv_overrides){c->set.items, c->set.count}, &scene, error));
+    mcv_result result = scene->sensor_count ? MCV_OK : mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor", c->scene);
+    if (result == MCV_OK && c->sensor) result = mcv_sensor_find(scene, c->sensor, &sensor, error);
+    if (result == MCV_OK) {
+        const mcv_readout readout = mcv_sensor_readout(scene->sensors + sensor);
+        const double magnification = mcv_sensor_optics(scene->sensors + sensor).magnification;
+        mcv_sensor_film_size(scene->sensors + sensor, &width, &height);
+        if (width != s->readings.values.width || height != s->readings.values.height)
+            result = mcv_fail(error, MCV_BAD_INPUT, "%s has %u x %u pixels, but sensor %s of %s %u x %u", c->argument,
+                              s->readings.values.width, s->readings.values.height, scene->sensors[sensor].name, c->scene, width, height);
+        else if (!(magnification > 0))
+            result =
+                mcv_fail(error, MCV_BAD_INPUT, "%s: sensor %s has no plane in focus to measure in", c->scene, scene->sensors[sensor].name);
+        for (int i = 0; i < 2; ++i) s->pixel[i] = readout.pitch[i] * readout.binning[i] / magnification;
+    }
+    mcv_scene_free(scene);
+    return result;
+}
+
+/* --- regions ---------------------------------------------------------------------------------------------------- */
+
+static void put(mcv_report *report, const char *key, const char *unit, mcv_quantity q) {
+    mcv_report_quantity(report, key, unit, q.value, q.uncertainty);
+}
+
+/* Rounding alone makes 1/√12. */
+static void know_noise(subject *s, const mcv_roi *region) {
+    if (!s->noise) mcv_roi_estimate_noise(&s->readings, region, s->whole ? sqrt(1.0 / 12) : 0);
+}
+
+static void report_region(subject *s, mcv_report *report, const mcv_roi *region, const mcv_roi *background) {
+    uint64_t saturated = 0;
+    for (size_t i = 0; i < (size_t)region->width * region->height; ++i)
+        saturated += region->inside[i] && (double)s->readings.values.pixels[i] >= s->largest;
+    if (background) know_noise(s, background);
+    know_noise(s, region);
+    const mcv_roi_figures f = mcv_roi_measure(&s->readings, region);
+    mcv_report_element(report, region->name, "region");
+    mcv_report_number(report, "pixels", "", (double)f.count);
+    put(report, "mean", s->unit, f.mean);
+    put(report, "deviation", s->unit, f.deviation);
+    mcv_report_number(report, "noise", s->unit, f.noise);
+    mcv_report_number(report, "smallest", s->unit, f.smallest);
+    mcv_report_number(report, "largest", s->unit, f.largest);
+    if (isfinite(s->largest)) mcv_report_number(report, "saturated", "", (double)saturated / (double)f.count);
+    put(report, "snr", "", f.snr);
+    put(report, "rms_contrast", "", f.rms_contrast);
+    put(report, "uniformity", "", f.uniformity);
+    if (background) {
+        const mcv_contrast_figures c = mcv_roi_contrast(&s->readings, region, background);
+        put(report, "difference", s->unit, c.difference);
+        put(report, "weber_contrast", "", c.weber);
+        put(report, "michelson_contrast", "", c.michelson);
+        put(report, "contrast_to_noise", "", c.contrast_to_noise);
+    }
+    mcv_report_close(report);
+}
+
+/* The whole image where no region is named and no edge either. */
+static mcv_result parse_regions(subject *s, mcv_error *error) {
+    const mcv_command *c = s->command;
+    const mcv_image *image = &s->readings.values;
+    char all[64];
+    const char *whole = all;
+    snprintf(all, sizeof all, "image=0,0,%u,%u", image->width, image->height);
+    const size_t count = c->region.count ? c->region.count : c->edge.count && !c->background ? 0 : 1;
+    const char *const *texts = c->region.count ? c->region.items : &whole;
+    s->regions = calloc(count + 1, sizeof *s->regions);
+    if (!s->regions) return mcv_fail(error, MCV_FAILED, "no memory for %zu regions", count);
+    if (c->background) MCV_TRY(mcv_roi_parse(c->background, 0, image, &s->background, error));
+    for (; s->region_count < count; ++s->region_count)
+        MCV_TRY(mcv_roi_parse(texts[s->region_count], s->region_count + 1, image, s->regions + s->region_count, error));
+    return MCV_OK;
+}
+
+static void report_regions(subject *s, mcv_report *report) {
+    if (s->region_count == 0) return;
+    mcv_report_list(report, "regions");
+    for (size_t i = 0; i < s->region_count; ++i) report_region(s, report, s->regions + i, s->background.inside ? &s->background : NULL);
+    mcv_report_close(report);
+}
+
+/* --- edges ------------------------------------------------------------------------------------------------------ */
+
+static void report_values(mcv_report *report, const char *key, const mcv_quantity *q, size_t count, bool uncertainties) {
+    double *values = malloc(count * sizeof *values);
+    for (size_t i = 0; values && i < count; ++i) values[i] = uncertainties ? q[i].uncertainty : q[i].value;
+    if (values) mcv_report_numbers(report, key, "", "", values, count);
+    free(values);
+}
+
+/* The curves are for programs. */
+static void report_spread(const subject *s, mcv_report *report, const mcv_edge *edge) {
+    mcv_edge_mtf m;
+    mcv_error why = {""};
+    if (mcv_edge_spread(&s->readings, edge, &m, &why) != MCV_OK) {
+        mcv_report_text(report, "no_mtf", why.text);
+        return;
+    }
+    put(report, "mtf50", "cycles/pixel", m.mtf50);
+    put(report, "mtf_at_nyquist", "", m.nyquist);
+    if (report->json) {
+        mcv_report_numbers(report, "frequency", "", "", m.frequency, MCV_MTF_COUNT);
+        report_values(report, "mtf", m.modulation, MCV_MTF_COUNT, false);
+        report_values(report, "mtf_uncertainty", m.modulation, MCV_MTF_COUNT, true);
+        mcv_report_numbers(report, "place", "", "", m.place, m.count);
+        report_values(report, "esf", m.esf, m.count, false);
+        report_values(report, "esf_uncertainty", m.esf, m.count, true);
+        mcv_report_numbers(report, "lsf", "", "", m.lsf, m.count);
+    }
+    mcv_edge_mtf_free(&m);
+}
+
+/* Metres in the object for a pixel along a direction; NaN where the scale is not known. */
+static double scale_along(const subject *s, const double direction[2]) {
+    return s->pixel[0] > 0 ? hypot(direction[0] * s->pixel[0], direction[1] * s->pixel[1]) : NAN;
+}
+
+static void report_edge(const subject *s, mcv_report *report, const mcv_edge *edge) {
+    const double scale = scale_along(s, edge->normal);
+    mcv_report_element(report, edge->name, "edge");
+    mcv_report_numbers(report, "point", "pixels", ", ", edge->point, 2);
+    put(report, edge->across_rows ? "column" : "row", "pixels", edge->position);
+    put(report, "tilt", "rad", edge->tilt);
+    put(report, "dark", s->unit, edge->dark);
+    put(report, "bright", s->unit, edge->bright);
+    put(report, "width_10_90", "pixels", edge->width_10_90);
+    mcv_report_quantity(report, "width_10_90_length", "m", edge->width_10_90.value * scale, edge->width_10_90.uncertainty * scale);
+    report_spread(s, report, edge);
+    mcv_report_close(report);
+}
+
+static void report_distance(const subject *s, mcv_report *report, const mcv_edge *a, const mcv_edge *b) {
+    const mcv_quantity d = mcv_edge_distance(a, b);
+    const double scale = scale_along(s, a->normal);
+    char name[136];
+    snprintf(name, sizeof name, "%s to %s", a->name, b->name);
+    mcv_report_element(report, name, "distance");
+    put(report, "distance", "pixels", d);
+    mcv_report_quantity(report, "length", "m", d.value * scale, d.uncertainty * scale);
+    mcv_report_close(report);
+}
+
+static mcv_result find_edge(subject *s, const char *text, size_t number, mcv_edge *edge, mcv_error *error) {
+    char box[128];
+    mcv_roi region;
+    MCV_TRY(mcv_edge_parse(text, number, &s->readings.values, edge, error));
+    if (!s->noise) {
+        snprintf(box, sizeof box, "%u,%u,%u,%u", edge->x, edge->y, edge->width, edge->height);
+        MCV_TRY(mcv_roi_parse(box, number, &s->readings.values, &region, error));
+        know_noise(s, &region);
+        mcv_roi_free(&region);
+    }
+    return mcv_edge_find(&s->readings, edge, error);
+}
+
+static mcv_result find_edges(subject *s, mcv_error *error) {
+    const mcv_list *texts = &s->command->edge;
+    s->edges = calloc(texts->count + 1, sizeof *s->edges);
+    if (!s->edges) return mcv_fail(error, MCV_FAILED, "no memory for %zu edges", texts->count);
+    for (size_t i = 0; i < texts->count; ++i) MCV_TRY(find_edge(s, texts->items[i], i + 1, s->edges + i, error));
+    return MCV_OK;
+}
+
+static void report_edges(const subject *s, mcv_report *report) {
+    const size_t count = s->command->edge.count;
+    if (count) mcv_report_list(report, "edges");
+    for (size_t i = 0; i < count; ++i) report_edge(s, report, s->edges + i);
+    if (count) mcv_report_close(report);
+    if (count > 1) mcv_report_list(report, "distances");
+    for (size_t i = 1; i < count; ++i) report_distance(s, report, s->edges, s->edges + i);
+    if (count > 1) mcv_report_close(report);
+}
+
+/* --- the verb --------------------------------------------------------------------------------------------------- */
+
+static mcv_result report_all(subject *s, mcv_error *error) {
+    const mcv_image *image = &s->readings.values;
+    mcv_report report;
+    mcv_report_begin(&report, s->command->json);
+    mcv_report_text(&report, "image", s->command->argument);
+    if (s->command->minus) mcv_report_text(&report, "minus", s->command->minus);
+    mcv_report_numbers(&report, "size", "", " x ", (const double[]){image->width, image->height}, 2);
+    if (s->pixel[0] > 0) mcv_report_numbers(&report, "object_pixel", "m", " x ", s->pixel, 2);
+    mcv_report_text(&report, "noise_from", s->noise ? s->noise : "the differences of neighbours");
+    report_regions(s, &report);
+    report_edges(s, &report);
+    return mcv_report_end(&report, error);
+}
+
+mcv_result mcv_verb_measure(const mcv_command *command, mcv_error *error) {
+    subject s;
+    mcv_result result = read_subject(command, command->argument, &s, error);
+    if (result == MCV_OK && command->minus) result = subtract(&s, error);
+    if (result == MCV_OK && command->scene) result = scale_by_scene(&s, error);
+    /* All that may fail comes before the first word of the report. */
+    if (result == MCV_OK) result = parse_regions(&s, error);
+    if (result == MCV_OK) result = find_edges(&s, error);
+    if (result == MCV_OK) result = report_all(&s, error);
+    free_subject(&s);
+    return result;
+}

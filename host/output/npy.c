@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Grey values as NPY arrays (numpy.lib.format, version 1.0), little-endian. */
+#include "output/file.h"
+#include "output/values.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAGIC = 6, PREAMBLE = 10, ALIGNMENT = 64 };
+static const char magic[] = "\x93NUMPY";
+
+mcv_result mcv_npy_write_values(const char *path, const mcv_image *image, int bits, mcv_error *error) {
+    char header[4 * ALIGNMENT];
+    mcv_output output;
+    snprintf(header, sizeof header, "%s\x01%c%c%c{'descr': '%s', 'fortran_order': False, 'shape': (%u, %u%s), }", magic, 0, 0, 0,
+             bits == 8 ? "|u1" : "<u2", image->height, image->width, image->channels == 3 ? ", 3" : "");
+    /* Blanks and a newline up to a multiple of 64 bytes; two bytes tell the length of what follows them. */
+    const size_t text = strlen(header + PREAMBLE), total = (PREAMBLE + text + 1 + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    memset(header + PREAMBLE + text, ' ', total - PREAMBLE - text);
+    header[total - 1] = '\n';
+    header[8] = (char)(total - PREAMBLE);
+    void *values = mcv_values_pack(image, bits);
+    if (!values) return mcv_fail(error, MCV_FAILED, "%s: no memory for %u x %u grey values", path, image->width, image->height);
+    mcv_result result = mcv_output_open(&output, path, error);
+    if (result == MCV_OK) {
+        result = mcv_output_write(&output, header, total, error);
+        if (result == MCV_OK)
+            result = mcv_output_write(&output, values, (size_t)image->width * image->height * image->channels * (size_t)bits / 8, error);
+        if (result == MCV_OK)
+            result = mcv_output_commit(&output, error);
+        else
+            mcv_output_discard(&output);
+    }
+    free(values);
+    return result;
+}
+
+/* What stands after 'key': in the header, or "". */
+static const char *value_of(const char *header, const char *key) {
+    char quoted[32];
+    snprintf(quoted, sizeof quoted, "'%s':", key);
+    const char *found = strstr(header, quoted);
+    return found ? found + strlen(quoted) + strspn(found + strlen(quoted), " ") : "";
+}
+
+static double element(const uint8_t *bytes, char kind, size_t size) {
+    float single;
+    double value = 0;
+    uint64_t whole = 0;
+    if (kind == 'u') {
+        for (size_t i = 0; i < size; ++i) whole |= (uint64_t)bytes[i] << 8 * i;
+        return (double)whole;
+    }
+    if (size == sizeof value) {
+        memcpy(&value, bytes, size);
+        return value;
+    }
+    memcpy(&single, bytes, sizeof single);
+    return single;
+}
+
+static mcv_result decode(const char *path, const uint8_t *bytes, size_t size, mcv_image *image, mcv_error *error) {
+    const size_t start = size > PREAMBLE + 2 ? (bytes[6] == 1 ? PREAMBLE : PREAMBLE + 2) : 0;
+    if (!start || memcmp(bytes, magic, MAGIC) != 0) return mcv_fail(error, MCV_BAD_INPUT, "%s: no NPY file", path);
+    const size_t length = (size_t)(bytes[8] | bytes[9] << 8);
+    char header[1024] = "", kind = 0;
+    unsigned width = 0, height = 0, channels = 1, item = 0;
+    if (length < sizeof header && length < size - start) memcpy(header, bytes + start, length);
+    const int dimensions = sscanf(value_of(header, "shape"), "(%u, %u, %u", &height, &width, &channels);
+    if (sscanf(value_of(header, "descr"), "'%*1[<|]%c%1u'", &kind, &item) != 2 || dimensions < 2 ||
+        strncmp(value_of(header, "fortran_order"), "False", 5) != 0 || (channels != 1 && channels != 3) || width > 65536 ||
+        height > 65536 || !((kind == 'u' && (item == 1 || item == 2)) || (kind == 'f' && (item == 4 || item == 8))))
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: must be an array of shape (height, width) or (height, width, 3) of u1, u2, f4 or f8",
+                        path);
+    const size_t plane = (size_t)width * height;
+    if (size - start - length < plane * channels * item)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: is truncated: %zu of %zu bytes of values", path, size - start - length,
+                        plane * channels * item);
+    MCV_TRY(mcv_image_new(image, width, height, channels, error));
+    const uint8_t *values = bytes + start + length;
+    for (size_t i = 0; i < plane * channels; ++i)
+        image->pixels[i % channels * plane + i / channels] = (float)element(values + i * item, kind, item);
+    return MCV_OK;
+}
+
+mcv_result mcv_npy_read_values(const char *path, mcv_image *image, mcv_error *error) {
+    uint8_t *bytes;
+    size_t size;
+    MCV_TRY(mcv_file_load(path, &bytes, &size, error));
+    const mcv_result result = decode(path, bytes, size, image, error);
+    free(bytes);
+    return result;
+}
