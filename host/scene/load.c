@@ -88,9 +88,14 @@ static mcv_result warn_unused(mcv_loader *loader, mcv_error *error) {
 static mcv_result load_nodes(mcv_loader *loader, const mcv_transform *document, mcv_error *error);
 
 /* The document of an asset below the node that places it. */
-static mcv_result place_asset(mcv_loader *asset, const mcv_transform *to_world, mcv_error *error) {
+static mcv_result place_asset(mcv_loader *asset, const char *name, const mcv_transform *to_world, mcv_error *error) {
     mcv_transform scaled = *to_world;
     for (int i = 0; i < 9; ++i) scaled.m[i] *= asset->unit;
+    if (asset->solid != MCV_NONE) {
+        const mcv_instance instance = {
+            .name = (char *)name, .mesh = asset->solid, .material = asset->solid_material, .emitter = MCV_NONE, .to_world = scaled};
+        return mcv_scene_add_instance(asset->scene, &instance, error);
+    }
     return load_nodes(asset, &scaled, error);
 }
 
@@ -121,7 +126,7 @@ static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transf
     MCV_TRY(mcv_load_sensors(loader, node, &to_world, &here, error));
     mcv_loader *asset;
     MCV_TRY(mcv_load_asset_of(loader, node, &asset, &here, error));
-    if (asset) MCV_TRY(place_asset(asset, &to_world, error));
+    if (asset) MCV_TRY(place_asset(asset, mcv_json_name(node), &to_world, error));
     const json_t *children = json_object_get(node, "children");
     for (size_t i = 0; i < json_array_size(children); ++i)
         MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(children, i)), document, &to_world, error));
@@ -295,7 +300,7 @@ void mcv_load_finish(mcv_loader *loader) {
 }
 
 mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene **scene, mcv_error *error) {
-    mcv_loader loader = {.file = mcv_place_file(path), .plain = MCV_NONE, .absorber = MCV_NONE};
+    mcv_loader loader = {.file = mcv_place_file(path), .solid = MCV_NONE, .plain = MCV_NONE, .absorber = MCV_NONE};
     *scene = loader.scene = mcv_scene_new(path);
     if (!loader.scene) return mcv_fail_memory(&loader.file, error);
     const mcv_transform world = mcv_transform_identity();

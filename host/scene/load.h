@@ -26,6 +26,7 @@ typedef struct mcv_loader {
     mcv_place file;
     bool is_asset; /* placed by another document: its cameras, sensors and emitters but for emissive materials do not count */
     double unit;   /* of an asset's lengths [m] */
+    uint32_t solid, solid_material; /* the scene's mesh and material of an asset that is an STL file; MCV_NONE for glTF */
     json_t *root;
     mcv_bytes bytes, binary; /* the file; the binary chunk inside of it */
     mcv_gltf *gltf;
@@ -103,6 +104,13 @@ mcv_result mcv_load_asset_of(const mcv_loader *loader, const json_t *node, struc
                              mcv_error *error);
 mcv_result mcv_load_open(mcv_loader *loader, mcv_overrides overrides, mcv_error *error);
 void mcv_load_finish(mcv_loader *loader);
+
+/*
+ * load_stl.c: adds the triangles of an STL file, binary or ASCII, to the scene; size is that of its box, in its own unit. `place` is the
+ * file, for messages.
+ */
+mcv_result mcv_load_stl(mcv_scene *scene, mcv_bytes bytes, const char *name, uint32_t *mesh, double size[3], const mcv_place *place,
+                        mcv_error *error);
 
 /* load_elements.c: the array extensions/EXTENSION/KEY of the document, and a node's index {"KEY": i} into it. */
 mcv_result mcv_load_array(const mcv_loader *loader, const char *extension, const char *key, json_t **array, mcv_error *error);

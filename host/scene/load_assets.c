@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * MCVISI_assets: other glTF files that nodes place, {"uri": "part.glb", "unit": "mm"}. The unit is that of the file's
- * lengths, metres by default. Only meshes and emissive materials of an asset count.
+ * MCVISI_assets: other files that nodes place, {"uri": "part.stl", "unit": "mm", "material": "steel"}. The unit is that of the file's
+ * lengths, metres by default for glTF. Only meshes and emissive materials of a glTF asset count. An STL file knows neither unit nor
+ * material: the unit must be given, the material is one of the scene's, or plain.
  */
 #include "scene/load.h"
 
@@ -19,27 +20,73 @@ static mcv_result read_unit(const json_t *object, double *unit, const mcv_place 
     return mcv_fail_at(&here, error, "\"%s\" must be one of nm, um, mm, cm, m", name);
 }
 
+/* The scene's number of the material, by its name or index in the document. */
+static mcv_result find_material(mcv_loader *loader, const json_t *object, uint32_t *material, const mcv_place *place, mcv_error *error) {
+    const json_t *materials = json_object_get(loader->root, "materials"), *value = json_object_get(object, "material");
+    const mcv_place here = mcv_place_key(place, "material");
+    uint32_t index = MCV_NONE;
+    if (!value) return mcv_load_plain(loader, material, error);
+    for (size_t i = 0; json_is_string(value) && i < json_array_size(materials); ++i)
+        if (strcmp(mcv_json_name(json_array_get(materials, i)), json_string_value(value)) == 0) {
+            if (index != MCV_NONE)
+                return mcv_fail_at(&here, error, "the name \"%s\" is ambiguous: use the index", json_string_value(value));
+            index = (uint32_t)i;
+        }
+    if (json_is_string(value) && index == MCV_NONE)
+        return mcv_fail_at(&here, error, "there is no material \"%s\"", json_string_value(value));
+    if (!json_is_string(value)) MCV_TRY(mcv_json_index(object, "material", json_array_size(materials), "materials", &index, place, error));
+    const double *radiance = loader->emission[index].radiance;
+    if (radiance[0] + radiance[1] + radiance[2] > 0)
+        return mcv_fail_at(&here, error, "the material emits light, which a part from an .stl file cannot: choose another, or use a .glb");
+    *material = loader->first_material + index;
+    return MCV_OK;
+}
+
+static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *object, const char *uri, const mcv_place *place,
+                           mcv_error *error) {
+    double size[3];
+    const mcv_place here = mcv_place_key(place, "unit");
+    const char *slash = strrchr(uri, '/');
+    const mcv_result result = mcv_load_stl(asset->scene, asset->bytes, slash ? slash + 1 : uri, &asset->solid, size, &asset->file, error);
+    free(asset->bytes.data);
+    asset->bytes = (mcv_bytes){NULL, 0};
+    MCV_TRY(result);
+    if (!json_object_get(object, "unit"))
+        return mcv_fail_at(&here, error,
+                           "is missing, and \"%s\" does not tell it: the part is %.4g x %.4g x %.4g of it, most are in \"mm\"", uri,
+                           size[0], size[1], size[2]);
+    return find_material(loader, object, &asset->solid_material, place, error);
+}
+
+static bool ends_in(const char *text, const char *ending) {
+    const char *dot = strrchr(text, '.');
+    return dot && strcasecmp(dot, ending) == 0;
+}
+
 static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t index, const mcv_place *place, mcv_error *error) {
-    static const char *const others[] = {"name", "uri", "unit", "extras", "extensions", NULL};
+    static const char *const others[] = {"name", "uri", "unit", "material", "extras", "extensions", NULL};
     const char *uri = NULL;
     mcv_loader *asset = loader->assets + index;
-    const mcv_place here = mcv_place_key(place, "uri");
+    const mcv_place here = mcv_place_key(place, "uri"), material = mcv_place_key(place, "material");
     MCV_TRY(mcv_params_parse((mcv_param_table){0}, object, others, NULL, place, error));
     MCV_TRY(mcv_json_string(object, "uri", &uri, place, error));
-    if (!uri) return mcv_fail_at(&here, error, "is missing: a .gltf or .glb file");
-    const char *dot = strrchr(uri, '.');
-    if (!dot || (strcmp(dot, ".gltf") != 0 && strcmp(dot, ".glb") != 0))
-        return mcv_fail_at(&here, error, "\"%s\" must be a .gltf or .glb file: convert other formats", uri);
+    if (!uri) return mcv_fail_at(&here, error, "is missing: a .gltf, .glb or .stl file");
+    const bool stl = ends_in(uri, ".stl");
+    if (!stl && !ends_in(uri, ".gltf") && !ends_in(uri, ".glb"))
+        return mcv_fail_at(&here, error, "\"%s\" must be a .gltf, .glb or .stl file: convert other formats", uri);
+    if (!stl && json_object_get(object, "material"))
+        return mcv_fail_at(&material, error, "is for .stl files: \"%s\" has its own materials", uri);
     if (loader->is_asset) return mcv_fail_at(place, error, "an asset may not place assets itself: place them from the scene");
     MCV_TRY(mcv_file_resolve(loader->file.key, uri, loader->asset_paths + index, &here, error));
     *asset = (mcv_loader){.scene = loader->scene,
                           .file = mcv_place_file(loader->asset_paths[index]),
                           .is_asset = true,
+                          .solid = MCV_NONE,
                           .plain = MCV_NONE,
                           .absorber = MCV_NONE};
     MCV_TRY(read_unit(object, &asset->unit, place, error));
     MCV_TRY(mcv_file_read(asset->file.key, &asset->bytes, &here, error));
-    return mcv_load_open(asset, (mcv_overrides){NULL, 0}, error);
+    return stl ? open_stl(loader, asset, object, uri, place, error) : mcv_load_open(asset, (mcv_overrides){NULL, 0}, error);
 }
 
 mcv_result mcv_load_assets(mcv_loader *loader, mcv_error *error) {

@@ -90,10 +90,11 @@ static json_t *pattern_schema(void) {
 }
 
 static json_t *asset_schema(void) {
-    json_t *properties =
-        json_pack("{s:{s:s, s:s}, s:{s:s, s:[s,s,s,s,s], s:s}, s:{s:s}}", "uri", "description", "a .gltf or .glb file beside the scene",
-                  "type", "string", "unit", "description", "unit of the file's lengths", "enum", "nm", "um", "mm", "cm", "m", "default",
-                  "m", "name", "type", "string");
+    json_t *properties = json_pack("{s:{s:s, s:s}, s:{s:s, s:[s,s,s,s,s], s:s}, s:{s:s, s:[s,s]}, s:{s:s}}", "uri", "description",
+                                   "a .gltf, .glb or .stl file beside the scene", "type", "string", "unit", "description",
+                                   "unit of the file's lengths; of an .stl file it must be given", "enum", "nm", "um", "mm", "cm", "m",
+                                   "default", "m", "material", "description", "of an .stl file: a material of the scene, by name or index",
+                                   "type", "string", "integer", "name", "type", "string");
     return object_schema(properties, json_pack("[s]", "uri"), (mcv_param_table){0});
 }
 
