@@ -428,7 +428,7 @@ static void test_uncertainty_of_the_light(void **state) {
 static void test_bayer_patterns(void **state) {
     float pixels[3 * 16];
     (void)state;
-    for (int i = 0; i < 48; ++i) pixels[i] = (float)(10 * (i / 16 + 1));
+    for (int i = 0; i < 48; ++i) pixels[i] = (float)(10 * (1 + (i >= 16) + (i >= 32)));
     for (uint32_t bayer = MCV_BAYER_RGGB; bayer <= MCV_BAYER_GBRG; ++bayer) {
         for (uint32_t channels = 1; channels <= 3; channels += 2) {
             const mcv_image light = {.width = 4, .height = 4, .channels = channels, .pixels = pixels};

@@ -43,7 +43,10 @@ mcv_result mcv_mtf_read(const char *path, mcv_mtf_row **rows, size_t *count, mcv
     *rows = NULL;
     if (!file) return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
     *rows = malloc(MAX_ROWS * sizeof **rows);
-    if (!*rows) result = mcv_fail(error, MCV_FAILED, "%s: no memory for it", path);
+    if (!*rows) {
+        fclose(file);
+        return mcv_fail(error, MCV_FAILED, "%s: no memory for it", path);
+    }
     for (unsigned line = 1; result == MCV_OK && *count < MAX_ROWS && fgets(text, sizeof text, file); ++line) {
         mcv_mtf_row *row = *rows + *count;
         if (text[strspn(text, " \t\r\n")] == '\0' || text[0] == '#') continue;

@@ -74,13 +74,14 @@ mcv_result mcv_roi_parse(const char *text, size_t number, const mcv_image *image
     *region = (mcv_roi){.width = image->width, .height = image->height};
     const size_t count = mcv_roi_numbers(text, number, region->name, &rest, n, MAX_NUMBERS), plane = (size_t)image->width * image->height;
     region->inside = calloc(plane, 1);
-    mcv_result result = region->inside ? MCV_OK : mcv_fail(error, MCV_FAILED, "region %s: no memory for it", text);
-    if (result == MCV_OK && count == 4) {
+    if (!region->inside) return mcv_fail(error, MCV_FAILED, "region %s: no memory for it", text);
+    mcv_result result;
+    if (count == 4) {
         const double box[] = {n[0], n[1], n[0] + n[2], n[1], n[0] + n[2], n[1] + n[3], n[0], n[1] + n[3]};
         result = fill_polygon(text, box, 4, region, error);
-    } else if (result == MCV_OK && count >= 6 && count % 2 == 0) {
+    } else if (count >= 6 && count % 2 == 0) {
         result = fill_polygon(text, n, count / 2, region, error);
-    } else if (result == MCV_OK) {
+    } else {
         result = fill_mask(text, rest, region, error);
     }
     for (size_t i = 0; result == MCV_OK && i < plane; ++i) {

@@ -24,7 +24,7 @@ typedef struct subject {
     char unit[64];
     mcv_roi *regions, background; /* background.inside: NULL without one */
     size_t region_count;
-    mcv_edge *edges;
+    mcv_edge *edges; /* as many as --edge */
 } subject;
 
 /* --- reading ---------------------------------------------------------------------------------------------------- */
@@ -126,8 +126,6 @@ static void free_subject(subject *s) {
     mcv_image_free(&s->readings.deviation);
     mcv_roi_free(&s->background);
     for (size_t i = 0; i < s->region_count; ++i) mcv_roi_free(s->regions + i);
-    free(s->regions);
-    free(s->edges);
 }
 
 static mcv_result subtract(subject *s, mcv_error *error) {
@@ -217,8 +215,6 @@ static mcv_result parse_regions(subject *s, mcv_error *error) {
     snprintf(all, sizeof all, "image=0,0,%u,%u", image->width, image->height);
     const size_t count = c->region.count ? c->region.count : c->edge.count && !c->background ? 0 : 1;
     const char *const *texts = c->region.count ? c->region.items : &whole;
-    s->regions = calloc(count + 1, sizeof *s->regions);
-    if (!s->regions) return mcv_fail(error, MCV_FAILED, "no memory for %zu regions", count);
     if (c->background) MCV_TRY(mcv_roi_parse(c->background, 0, image, &s->background, error));
     for (; s->region_count < count; ++s->region_count)
         MCV_TRY(mcv_roi_parse(texts[s->region_count], s->region_count + 1, image, s->regions + s->region_count, error));
@@ -308,8 +304,6 @@ static mcv_result find_edge(subject *s, const char *text, size_t number, mcv_edg
 
 static mcv_result find_edges(subject *s, mcv_error *error) {
     const mcv_list *texts = &s->command->edge;
-    s->edges = calloc(texts->count + 1, sizeof *s->edges);
-    if (!s->edges) return mcv_fail(error, MCV_FAILED, "no memory for %zu edges", texts->count);
     for (size_t i = 0; i < texts->count; ++i) MCV_TRY(find_edge(s, texts->items[i], i + 1, s->edges + i, error));
     return MCV_OK;
 }
@@ -340,15 +334,30 @@ static mcv_result report_all(subject *s, mcv_error *error) {
     return mcv_report_end(&report, error);
 }
 
+/* All that may fail comes before the first word of the report. */
+static mcv_result measure(subject *s, mcv_error *error) {
+    if (s->command->minus) MCV_TRY(subtract(s, error));
+    if (s->command->scene) MCV_TRY(scale_by_scene(s, error));
+    MCV_TRY(parse_regions(s, error));
+    MCV_TRY(find_edges(s, error));
+    return report_all(s, error);
+}
+
 mcv_result mcv_verb_measure(const mcv_command *command, mcv_error *error) {
+    mcv_roi *regions = calloc(command->region.count + 1, sizeof *regions);
+    mcv_edge *edges = calloc(command->edge.count + 1, sizeof *edges);
     subject s;
+    if (!regions || !edges) {
+        free(regions);
+        free(edges);
+        return mcv_fail(error, MCV_FAILED, "no memory for the regions and edges");
+    }
     mcv_result result = read_subject(command, command->argument, &s, error);
-    if (result == MCV_OK && command->minus) result = subtract(&s, error);
-    if (result == MCV_OK && command->scene) result = scale_by_scene(&s, error);
-    /* All that may fail comes before the first word of the report. */
-    if (result == MCV_OK) result = parse_regions(&s, error);
-    if (result == MCV_OK) result = find_edges(&s, error);
-    if (result == MCV_OK) result = report_all(&s, error);
+    s.regions = regions;
+    s.edges = edges;
+    if (result == MCV_OK) result = measure(&s, error);
     free_subject(&s);
+    free(regions);
+    free(edges);
     return result;
 }

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAGIC = 6, PREAMBLE = 10, ALIGNMENT = 64 };
+enum { MAGIC = 6, PREAMBLE = 10, ALIGNMENT = 64, MAX_DIMENSIONS = 3, MAX_SIDE = 65536 };
 static const char magic[] = "\x93NUMPY";
 
 mcv_result mcv_npy_write_values(const char *path, const mcv_image *image, int bits, mcv_error *error) {
@@ -61,19 +61,40 @@ static double element(const uint8_t *bytes, char kind, size_t size) {
     return single;
 }
 
+/* "(480, 640)": how many numbers there are. */
+static int read_shape(const char *header, unsigned long shape[MAX_DIMENSIONS]) {
+    const char *c = value_of(header, "shape");
+    int count = 0;
+    if (*c != '(') return 0;
+    for (++c; count < MAX_DIMENSIONS; ++c) {
+        char *end;
+        const unsigned long number = strtoul(c, &end, 10);
+        if (end == c) return count;
+        shape[count++] = number;
+        c = end;
+        if (*c != ',') return count;
+    }
+    return count;
+}
+
 static mcv_result decode(const char *path, const uint8_t *bytes, size_t size, mcv_image *image, mcv_error *error) {
     const size_t start = size > PREAMBLE + 2 ? (bytes[6] == 1 ? PREAMBLE : PREAMBLE + 2) : 0;
     if (!start || memcmp(bytes, magic, MAGIC) != 0) return mcv_fail(error, MCV_BAD_INPUT, "%s: no NPY file", path);
     const size_t length = (size_t)(bytes[8] | bytes[9] << 8);
-    char header[1024] = "", kind = 0;
-    unsigned width = 0, height = 0, channels = 1, item = 0;
+    char header[1024] = "";
     if (length < sizeof header && length < size - start) memcpy(header, bytes + start, length);
-    const int dimensions = sscanf(value_of(header, "shape"), "(%u, %u, %u", &height, &width, &channels);
-    if (sscanf(value_of(header, "descr"), "'%*1[<|]%c%1u'", &kind, &item) != 2 || dimensions < 2 ||
-        strncmp(value_of(header, "fortran_order"), "False", 5) != 0 || (channels != 1 && channels != 3) || width > 65536 ||
-        height > 65536 || !((kind == 'u' && (item == 1 || item == 2)) || (kind == 'f' && (item == 4 || item == 8))))
+    unsigned long shape[MAX_DIMENSIONS] = {0, 0, 1};
+    const int dimensions = read_shape(header, shape);
+    const char *type = value_of(header, "descr"); /* '<u2' */
+    const char kind = strlen(type) > 4 ? type[2] : 0;
+    const size_t item = kind ? (size_t)(type[3] - '0') : 0;
+    const bool known =
+        (type[1] == '<' || type[1] == '|') && ((kind == 'u' && (item == 1 || item == 2)) || (kind == 'f' && (item == 4 || item == 8)));
+    const bool fits = shape[0] > 0 && shape[1] > 0 && shape[0] <= MAX_SIDE && shape[1] <= MAX_SIDE && (shape[2] == 1 || shape[2] == 3);
+    if (dimensions < 2 || !fits || !known || strncmp(value_of(header, "fortran_order"), "False", 5) != 0)
         return mcv_fail(error, MCV_BAD_INPUT, "%s: must be an array of shape (height, width) or (height, width, 3) of u1, u2, f4 or f8",
                         path);
+    const uint32_t height = (uint32_t)shape[0], width = (uint32_t)shape[1], channels = (uint32_t)shape[2];
     const size_t plane = (size_t)width * height;
     if (size - start - length < plane * channels * item)
         return mcv_fail(error, MCV_BAD_INPUT, "%s: is truncated: %zu of %zu bytes of values", path, size - start - length,
