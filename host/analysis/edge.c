@@ -310,8 +310,11 @@ static mcv_quantity modulation_at(const mcv_edge_mtf *m, double frequency, doubl
         across += v * pow((re * c[1] - im * c[0]) / length, 2);
         memcpy(before, here, sizeof before);
     }
-    /* Noise at right angles to F lengthens it; what that leaves uncertain is second order, and all there is where F is no more than noise:
-     * the factor 2 lets the interval of a length without signal (Rayleigh) hold 0 in 95 % of cases. Bins average over places that scatter, differences over the step between bins. */
+    /*
+     * Noise at right angles to F lengthens it; what that leaves uncertain is second order, and all there is where F is no more than
+     * noise: the factor 2 lets the interval of a length without signal (Rayleigh) hold 0 in 95 % of cases. Bins average over places
+     * that scatter, differences over the step between bins.
+     */
     const double corrected = fmax(0, length - across / (2 * length)) / fabs(total);
     const double loss = (1 - 0.5 * pow(2 * M_PI * frequency, 2) * scatter) * sinc(frequency / MCV_ESF_PER_PIXEL);
     variance += 2 * pow(across / (length * total), 2);

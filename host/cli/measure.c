@@ -279,7 +279,8 @@ static void report_edge(const subject *s, mcv_report *report, const mcv_edge *ed
 }
 
 static void report_distance(const subject *s, mcv_report *report, const mcv_edge *a, const mcv_edge *b) {
-    const mcv_quantity d = mcv_edge_distance(a, b);
+    mcv_quantity d = mcv_edge_distance(a, b);
+    d.value = fabs(d.value);
     const double scale = scale_along(s, a->normal);
     char name[136];
     snprintf(name, sizeof name, "%s to %s", a->name, b->name);
