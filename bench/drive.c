@@ -90,7 +90,7 @@ mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options,
     memset(d, 0, sizeof *d);
     d->cl = cl;
     d->scene = scene;
-    MCV_TRY(mcv_device_scene_open(cl, scene, 0, &d->device, error));
+    MCV_TRY(mcv_device_scene_open(cl, scene, 0, NULL, &d->device, error));
     mcv_packed *packed = &d->device.packed;
     if (options.all_features) {
         packed->features = all_features(packed);

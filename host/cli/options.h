@@ -8,6 +8,8 @@
 /* X(verb, VERB, "its arguments", "what it does"): none, one or two words; [] around an argument that may be left out. */
 #define MCV_VERBS(X) \
     X(render, RENDER, "SCENE", "render every sensor of a scene into OpenEXR and PNG images") \
+    X(new, NEW, "telecentric|entocentric|lightfield PART", \
+      "write a rig around a part (.stl, .glb, .gltf): standard optics that frame it and a light, to be edited and rendered") \
     X(check, CHECK, "[SCENE]", "print what was understood of a scene: optics, emitters, materials, features and stages, and why") \
     X(trace, TRACE, "SCENE", "print every vertex of the given rays' paths through a scene's smooth surfaces") \
     X(compare, COMPARE, "A.exr B.exr", \
@@ -49,6 +51,9 @@ enum {
     X(choice, parts, "parts", 0, "error|replicates", MCV_IN_RENDER, "error", 0, 0, \
       "parts of the OpenEXR file beside the image: its standard error; or that and the means of all replicates, with which `mcvisi " \
       "compare` can use rank tests") \
+    X(text, rig, "output", 'o', "RIG.gltf", MCV_IN_NEW, NULL, 0, 0, \
+      "the rig, in whose folder or below it the part lies; by default PART-KIND.gltf beside the part") \
+    X(text, unit, "unit", 0, "nm|um|mm|cm|m", MCV_IN_NEW, NULL, 0, 0, "of the part's lengths; .stl files do not tell it, glTF has metres") \
     X(text, sensor, "sensor", 0, "NAME", MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_MEASURE, NULL, 0, 0, "only this sensor, by name or number") \
     X(count, spp, "spp", 0, "N", MCV_IN_RENDER, NULL, 1, 1ull << 37, \
       "stop at N samples per pixel over all replicates; N / replicates is rounded up to a power of two") \

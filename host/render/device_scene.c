@@ -21,10 +21,47 @@ typedef struct plan {
     const void *data;
 } plan;
 
+/* Two sums of the bytes' words, each mixed by multiplication and shift; the words' order counts. */
+static mcv_digest digest(mcv_digest d, const void *data, size_t bytes) {
+    const unsigned char *from = data;
+    d.bytes += bytes;
+    for (size_t i = 0; i < bytes; i += 8) {
+        uint64_t word = 0;
+        memcpy(&word, from + i, bytes - i < 8 ? bytes - i : 8);
+        d.hash[0] = (d.hash[0] ^ word) * 0x9e3779b97f4a7c15u;
+        d.hash[0] ^= d.hash[0] >> 29;
+        d.hash[1] = (d.hash[1] + word) * 0xc2b2ae3d27d4eb4fu;
+        d.hash[1] ^= d.hash[1] >> 31;
+    }
+    return d;
+}
+
+static bool same(const mcv_digest *a, const mcv_digest *b) {
+    return a->bytes == b->bytes && a->hash[0] == b->hash[0] && a->hash[1] == b->hash[1];
+}
+
 /* A feature's array, or no bytes where the scene lacks it. */
 static size_t present(const void *data, size_t bytes) { return data ? bytes : 0; }
 
-static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene *d, mcv_error *error) {
+/* The buffer of a plan out of the scene before, if it has one of this size. */
+static void take_buffer(mcv_device_scene *kept, const mcv_device_scene *d, const plan *p, uint32_t index) {
+    cl_mem *from = (cl_mem *)((char *)kept + ((const char *)p->buffer - (const char *)d));
+    if (kept->contents[index].bytes != p->bytes) return;
+    *p->buffer = *from;
+    *from = NULL;
+}
+
+static mcv_result fill_buffer(mcv_cl *cl, const plan *p, uint32_t index, mcv_device_scene *kept, mcv_device_scene *d, mcv_error *error) {
+    if (p->bytes == 0) return MCV_OK;
+    d->contents[index] = p->data ? digest((mcv_digest){0}, p->data, p->bytes) : (mcv_digest){.bytes = p->bytes};
+    if (kept) take_buffer(kept, d, p, index);
+    if (!*p->buffer) return mcv_cl_buffer(cl, p->what, p->bytes, p->data, p->buffer, error);
+    return p->data && !same(&kept->contents[index], &d->contents[index]) ? mcv_cl_write(cl, *p->buffer, 0, p->bytes, p->data, error)
+                                                                         : MCV_OK;
+}
+
+/* Without a hierarchy: that of the scene before, already taken. */
+static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene *kept, mcv_device_scene *d, mcv_error *error) {
     const mcv_packed *p = &d->packed;
     const size_t vertices = p->vertex_count;
     const size_t triangles = p->triangle_count;
@@ -55,9 +92,7 @@ static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene 
         return mcv_fail(error, MCV_DEVICE, "the scene needs %.1f MiB, but %s has %.1f MiB: use fewer triangles or another device",
                         (double)total / 0x1p20, cl->name, (double)cl->memory / 0x1p20);
     }
-    for (size_t i = 0; i < sizeof plans / sizeof plans[0]; ++i) {
-        if (plans[i].bytes > 0) MCV_TRY(mcv_cl_buffer(cl, plans[i].what, plans[i].bytes, plans[i].data, plans[i].buffer, error));
-    }
+    for (size_t i = 0; i < sizeof plans / sizeof plans[0]; ++i) MCV_TRY(fill_buffer(cl, plans + i, (uint32_t)i, kept, d, error));
     return MCV_OK;
 }
 
@@ -73,15 +108,26 @@ static void free_vertices(mcv_packed *packed) {
     }
 }
 
-mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *device, mcv_error *error) {
+mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *kept, mcv_device_scene *device,
+                                 mcv_error *error) {
     mcv_bvh bvh = {0};
     memset(device, 0, sizeof *device);
     MCV_TRY(mcv_pack(scene, &device->packed, error));
-    mcv_result result =
-        mcv_bvh_build(device->packed.positions, device->packed.indices, device->packed.triangle_count, threads, &bvh, error);
+    const mcv_packed *p = &device->packed;
+    mcv_result result = MCV_OK;
+    device->geometry = digest((mcv_digest){0}, p->positions, 12 * (size_t)p->vertex_count);
+    device->geometry = digest(device->geometry, p->indices, 12 * (size_t)p->triangle_count);
+    device->kept_structure = kept && kept->nodes && same(&kept->geometry, &device->geometry);
+    if (device->kept_structure) {
+        device->nodes = kept->nodes;
+        device->leaves = kept->leaves;
+        kept->nodes = kept->leaves = NULL;
+    } else {
+        result = mcv_bvh_build(p->positions, p->indices, p->triangle_count, threads, &bvh, error);
+    }
     free(device->packed.indices);
     device->packed.indices = NULL;
-    if (result == MCV_OK) result = fill_buffers(cl, &bvh, device, error);
+    if (result == MCV_OK) result = fill_buffers(cl, &bvh, kept, device, error);
     mcv_bvh_free(&bvh);
     free_vertices(&device->packed);
     return result;

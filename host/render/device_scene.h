@@ -29,18 +29,28 @@
 enum { MCV_SCENE_ARGUMENTS = 0 MCV_SCENE_BUFFERS(MCV_X) };
 #undef MCV_X
 
+/* Tells contents apart: 128 bits and the number of bytes. */
+typedef struct mcv_digest {
+    uint64_t bytes, hash[2];
+} mcv_digest;
+
 typedef struct mcv_device_scene {
     mcv_packed packed; /* what is large is freed once it is on the device */
 #define MCV_X(name) cl_mem name;
     MCV_SCENE_BUFFERS(MCV_X)
 #undef MCV_X
+    bool kept_structure;                      /* the acceleration structure is that of the scene before */
+    mcv_digest geometry;                      /* of what the acceleration structure is built from */
+    mcv_digest contents[MCV_SCENE_ARGUMENTS]; /* of the buffers, as fill_buffers lists them */
 } mcv_device_scene;
 
 /*
  * Packs the scene, builds the acceleration structure, plans the buffers against the device's limits and fills them. On failure
- * mcv_device_scene_close is still to be called.
+ * mcv_device_scene_close is still to be called. `kept` may be the scene rendered before on the same device, or NULL: buffers whose content
+ * is the same are taken from it, the acceleration structure if no triangle has moved; it too is still to be closed.
  */
-mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *device, mcv_error *error);
+mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *kept, mcv_device_scene *device,
+                                 mcv_error *error);
 void mcv_device_scene_close(mcv_device_scene *device);
 
 /* Places a sensor: fills its buffer, and in the frame what depends on sensor and scene alone. */

@@ -20,10 +20,20 @@ mcv_render_options mcv_render_defaults(void) {
     return (mcv_render_options){.sampler = MCV_SAMPLER_SOBOL, .replicates = 4, .depth = 32, .schedule = MCV_SCHEDULE_AUTO};
 }
 
-typedef struct renderer {
+/* What a program is specialised for, and the sizes of a schedule's buffers follow from. */
+typedef struct program_key {
+    uint32_t features, channels, sensor_type, sampler, schedule, slice, depth;
+} program_key;
+
+typedef struct mcv_renderer renderer;
+
+struct mcv_renderer {
+    /* Kept between renders: */
     mcv_cl cl;
     mcv_device_scene scene;
-    mcv_schedule schedule;
+    mcv_schedule schedule, earlier; /* the one at work; another, to go back to when a number crosses a limit and back */
+    program_key key, earlier_key;
+    /* Of one render: */
     const mcv_render_options *options;
     mcv_render_stats *stats;
     mcv_film *film;
@@ -31,7 +41,7 @@ typedef struct renderer {
     mcv_frame frame;
     double begun; /* when */
     mcv_error *error;
-} renderer;
+};
 
 static double now(void) {
     struct timespec t;
@@ -79,19 +89,53 @@ static mcv_result check_options(const mcv_scene *scene, uint32_t sensor, const m
     return MCV_OK;
 }
 
+/* The scene on the device; what the scene before has in common with it is taken over. */
+static mcv_result open_scene(renderer *r, const mcv_scene *scene) {
+    mcv_device_scene kept = r->scene;
+    const mcv_result result = mcv_device_scene_open(&r->cl, scene, r->options->threads, kept.nodes ? &kept : NULL, &r->scene, r->error);
+    r->stats->kept_structure = r->scene.kept_structure;
+    mcv_device_scene_close(&kept);
+    if (result != MCV_OK) mcv_device_scene_close(&r->scene); /* half a scene is nothing to keep */
+    return result;
+}
+
+/* A program for the scene: that at work, the one before, or a new one. */
+static mcv_result open_schedule(renderer *r, uint32_t sensor_type) {
+    const mcv_render_options *o = r->options;
+    const program_key key = {r->scene.packed.features, r->scene.packed.channels, sensor_type, o->sampler, o->schedule, o->slice, o->depth};
+    for (int tries = 0; tries < 2; ++tries) {
+        r->stats->kept_program = r->schedule.program && memcmp(&r->key, &key, sizeof key) == 0;
+        if (r->stats->kept_program) return MCV_OK;
+        const mcv_schedule schedule = r->schedule;
+        const program_key other = r->key;
+        r->schedule = r->earlier;
+        r->key = r->earlier_key;
+        r->earlier = schedule;
+        r->earlier_key = other;
+    }
+    /* Both are of other scenes: that at work is the earlier one from now on. */
+    mcv_schedule_close(&r->earlier);
+    r->earlier = r->schedule;
+    r->earlier_key = r->key;
+    r->key = key;
+    const mcv_result result = mcv_schedule_open(&r->cl, &r->scene, sensor_type, o, &r->schedule, r->error);
+    if (result != MCV_OK) mcv_schedule_close(&r->schedule);
+    return result;
+}
+
 static mcv_result open_renderer(renderer *r, const mcv_scene *scene, uint32_t sensor) {
     const double start = now();
-    MCV_TRY(mcv_cl_open(r->options->device, &r->cl, r->error));
+    if (!r->cl.context) MCV_TRY(mcv_cl_open(r->options->device, &r->cl, r->error));
     memcpy(r->stats->device, r->cl.name, sizeof r->stats->device);
     memcpy(r->stats->driver, r->cl.version, sizeof r->stats->driver);
-    MCV_TRY(mcv_device_scene_open(&r->cl, scene, r->options->threads, &r->scene, r->error));
+    MCV_TRY(open_scene(r, scene));
     mcv_packed *packed = &r->scene.packed;
     packed->features = mcv_sensor_features(packed, &scene->sensors[sensor]);
     mcv_feature_names(packed->features, r->stats->features, sizeof r->stats->features);
     r->stats->seconds_build = now() - start;
 
     const double compile = now();
-    MCV_TRY(mcv_schedule_open(&r->cl, &r->scene, scene->sensors[sensor].type, r->options, &r->schedule, r->error));
+    MCV_TRY(open_schedule(r, scene->sensors[sensor].type));
     r->stats->seconds_compile = now() - compile;
 
     r->frame = (mcv_frame){.width = r->film->width,
@@ -105,9 +149,9 @@ static mcv_result open_renderer(renderer *r, const mcv_scene *scene, uint32_t se
 
 static void close_renderer(renderer *r) {
     mcv_schedule_close(&r->schedule);
+    mcv_schedule_close(&r->earlier);
     mcv_device_scene_close(&r->scene);
     mcv_cl_close(&r->cl);
-    free(r->round);
 }
 
 /* Where in the image a set's pixel lies; false if its 8 x 8 tile sticks out there. */
@@ -253,32 +297,63 @@ static mcv_result render_rounds(renderer *r) {
         /* A picture that is black so far may have missed a small light: its error of 0 says nothing yet. */
         const uint64_t enough = mcv_film_mean(r->film) > 0 ? MIN_SAMPLES : MIN_SAMPLES_BLACK;
         if (o->error > 0 && r->film->samples >= enough && error <= o->error) return MCV_OK;
+        if (o->enough && r->film->samples >= enough && o->enough(o->user, r->film)) return MCV_OK;
         if (o->seconds > 0 && seconds + predicted > o->seconds) return MCV_OK;
         if (r->stats->interrupted || next >= 0x80000000u) return MCV_OK;
     }
 }
 
-mcv_result mcv_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, mcv_film *film, mcv_render_stats *stats,
-                      mcv_error *error) {
-    renderer r = {.options = options, .stats = stats, .film = film, .begun = now(), .error = error};
+static mcv_result render(renderer *r, const mcv_scene *scene, uint32_t sensor) {
+    const mcv_render_options *options = r->options;
+    mcv_film *film = r->film;
+    mcv_error *error = r->error;
     uint32_t width;
     uint32_t height;
-    memset(film, 0, sizeof *film);
-    memset(stats, 0, sizeof *stats);
     MCV_TRY(check_options(scene, sensor, options, error));
     mcv_sensor_film_size(&scene->sensors[sensor], &width, &height);
     const uint32_t channels = mcv_scene_channels(scene);
-    mcv_result result = mcv_film_new(film, width, height, channels, options->replicates, error);
-    if (result == MCV_OK) {
-        r.round = calloc((size_t)width * height * channels * options->replicates, sizeof(double));
-        if (!r.round) result = mcv_fail(error, MCV_FAILED, "no memory for an image of %u x %u pixels", width, height);
-    }
-    if (result == MCV_OK) result = open_renderer(&r, scene, sensor);
+    MCV_TRY(mcv_film_new(film, width, height, channels, options->replicates, error));
+    r->round = calloc((size_t)width * height * channels * options->replicates, sizeof(double));
+    if (!r->round) return mcv_fail(error, MCV_FAILED, "no memory for an image of %u x %u pixels", width, height);
+    MCV_TRY(open_renderer(r, scene, sensor));
     const double begun = now();
-    if (result == MCV_OK) result = render_rounds(&r);
-    stats->seconds_render = now() - begun;
-    stats->lost_energy = stats->paths > 0 ? stats->lost_energy / (double)stats->paths : 0;
-    close_renderer(&r);
+    const mcv_result result = render_rounds(r);
+    r->stats->seconds_render = now() - begun;
+    r->stats->lost_energy = r->stats->paths > 0 ? r->stats->lost_energy / (double)r->stats->paths : 0;
+    return result;
+}
+
+mcv_renderer *mcv_renderer_new(void) { return calloc(1, sizeof(mcv_renderer)); }
+
+void mcv_renderer_free(mcv_renderer *r) {
+    if (r) close_renderer(r);
+    free(r);
+}
+
+mcv_result mcv_renderer_render(mcv_renderer *r, const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, mcv_film *film,
+                               mcv_render_stats *stats, mcv_error *error) {
+    memset(film, 0, sizeof *film);
+    memset(stats, 0, sizeof *stats);
+    r->options = options;
+    r->stats = stats;
+    r->film = film;
+    r->error = error;
+    r->begun = now();
+    const mcv_result result = render(r, scene, sensor);
+    free(r->round);
+    r->round = NULL;
+    if (result == MCV_DEVICE) { /* what is on the device may be anything */
+        close_renderer(r);
+        memset(r, 0, sizeof *r);
+    }
     if (result != MCV_OK) mcv_film_free(film);
+    return result;
+}
+
+mcv_result mcv_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, mcv_film *film, mcv_render_stats *stats,
+                      mcv_error *error) {
+    renderer r = {0};
+    const mcv_result result = mcv_renderer_render(&r, scene, sensor, options, film, stats, error);
+    close_renderer(&r);
     return result;
 }

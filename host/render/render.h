@@ -16,6 +16,8 @@ enum { MCV_SCHEDULE_AUTO, MCV_SCHEDULE_TILE, MCV_SCHEDULE_STREAM };
 /* Told after every pass; false stops the render, keeping the rounds that are whole. */
 typedef bool mcv_progress(void *user, double fraction, double seconds, double error);
 
+typedef bool mcv_enough(void *user, const mcv_film *film);
+
 typedef struct mcv_render_options {
     uint32_t sampler;    /* MCV_SAMPLER_… */
     uint32_t replicates; /* 1 … 64, default 4 */
@@ -29,6 +31,7 @@ typedef struct mcv_render_options {
     uint32_t slice;       /* paths per slice of the tile schedule, a multiple of 64; 0: default */
     const char *device;   /* NULL: the first; see mcv_cl_open */
     mcv_progress *progress;
+    mcv_enough *enough; /* asked after each round from the fourth sample of each replicate on: true ends the render; may be NULL */
     void *user;
 } mcv_render_options;
 
@@ -47,7 +50,8 @@ typedef struct mcv_render_stats {
     uint64_t nonfinite; /* samples dropped because they were not finite */
     uint64_t unmatched; /* exits from a medium that the path had not entered */
     double seconds_build, seconds_compile, seconds_first_sample, seconds_render;
-    uint32_t stage_count; /* the tile schedule has all its stages in one kernel; the reference has none */
+    bool kept_structure, kept_program; /* of the render before (mcv_renderer) */
+    uint32_t stage_count;              /* the tile schedule has all its stages in one kernel; the reference has none */
     struct {
         const char *name;
         double seconds; /* on the device */
@@ -61,6 +65,16 @@ typedef struct mcv_render_stats {
  */
 mcv_result mcv_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, mcv_film *film, mcv_render_stats *stats,
                       mcv_error *error);
+
+/*
+ * The same again and again: the device, its programs and what of the scene has not changed since the render before (acceleration structure,
+ * vertices, textures) are kept. The bits are those of mcv_render. NULL without memory.
+ */
+typedef struct mcv_renderer mcv_renderer;
+mcv_renderer *mcv_renderer_new(void);
+mcv_result mcv_renderer_render(mcv_renderer *renderer, const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options,
+                               mcv_film *film, mcv_render_stats *stats, mcv_error *error);
+void mcv_renderer_free(mcv_renderer *renderer);
 
 /* One vertex of a traced path; see mcv_trace. */
 typedef struct mcv_vertex {
