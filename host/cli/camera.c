@@ -20,9 +20,11 @@ static bool ends_with(const char *path, const char *ending) {
     return length > strlen(ending) && strcmp(path + length - strlen(ending), ending) == 0;
 }
 
-mcv_result mcv_camera_check(const mcv_command *command, const char *grey, mcv_error *error) {
-    if (!mcv_values_named(grey) && !ends_with(grey, ".exr"))
-        return mcv_fail(error, MCV_USAGE, "%s: the name of grey values must end in .exr, " MCV_VALUES_ENDINGS, grey);
+bool mcv_camera_wanted(const mcv_command *command) {
+    return command->exposure_time > 0 || command->electrons_per_unit[0] > 0 || command->expose_to > 0;
+}
+
+mcv_result mcv_camera_check_options(const mcv_command *command, mcv_error *error) {
     const int scales = (command->electrons_per_unit[0] > 0) + (command->expose_to > 0);
     if (scales > 1 || (scales == 0 && command->exposure_time == 0))
         return mcv_fail(error, MCV_USAGE,
@@ -32,6 +34,13 @@ mcv_result mcv_camera_check(const mcv_command *command, const char *grey, mcv_er
     if (command->black_level >> command->bits)
         return mcv_fail(error, MCV_USAGE, "--black-level %llu: must be below %u, the grey values of %llu bits",
                         (unsigned long long)command->black_level, 1u << command->bits, (unsigned long long)command->bits);
+    return MCV_OK;
+}
+
+mcv_result mcv_camera_check(const mcv_command *command, const char *grey, mcv_error *error) {
+    if (!mcv_values_named(grey) && !ends_with(grey, ".exr"))
+        return mcv_fail(error, MCV_USAGE, "%s: the name of grey values must end in .exr, " MCV_VALUES_ENDINGS, grey);
+    MCV_TRY(mcv_camera_check_options(command, error));
     return mcv_output_check(grey, error);
 }
 
@@ -259,24 +268,34 @@ static mcv_camera camera_of(const mcv_command *command) {
     return camera;
 }
 
+static mcv_result read_out(const mcv_command *command, const char *path, mcv_exr *exr, mcv_camera *camera, mcv_exposure *exposure,
+                           const char **unit, char lens[128], mcv_error *error) {
+    mcv_image *light = &exr->parts[0].image;
+    mcv_error detail = {""};
+    MCV_TRY(check_quantity(command, path, exr, unit, error));
+    mcv_result result = mcv_camera_check_light(light, &detail);
+    if (result != MCV_OK) return mcv_fail(error, result, "%s: %s", path, detail.text);
+    MCV_TRY(blur(command, path, exr, lens, error));
+    MCV_TRY(scale_light(command, path, exr, camera->electrons_per_unit, error));
+    result = mcv_camera_expose(camera, light, error_of(exr), exposure, &detail);
+    return result == MCV_OK ? MCV_OK : mcv_fail(error, result, "%s: %s", path, detail.text);
+}
+
+mcv_result mcv_camera_read_out(const mcv_command *command, const char *path, mcv_exr *exr, mcv_exposure *exposure, mcv_error *error) {
+    const char *unit;
+    char lens[128];
+    mcv_camera camera = camera_of(command);
+    return read_out(command, path, exr, &camera, exposure, &unit, lens, error);
+}
+
 static mcv_result expose(const mcv_command *command, const char *path, mcv_exr *exr, const char *grey, bool told, mcv_error *error) {
     const char *unit = NULL;
     char lens[128];
     mcv_exposure exposure;
     mcv_camera camera = camera_of(command);
-    mcv_image *light = &exr->parts[0].image;
-    mcv_error detail = {""};
-    MCV_TRY(check_quantity(command, path, exr, &unit, error));
-    mcv_result result = mcv_camera_check_light(light, &detail);
-    if (result != MCV_OK) return mcv_fail(error, result, "%s: %s", path, detail.text);
-    MCV_TRY(blur(command, path, exr, lens, error));
-    MCV_TRY(scale_light(command, path, exr, camera.electrons_per_unit, error));
-    result = mcv_camera_expose(&camera, light, error_of(exr), &exposure, &detail);
-    if (result != MCV_OK) return mcv_fail(error, result, "%s: %s", path, detail.text);
-    if (ends_with(grey, ".exr"))
-        result = write_exr(command, grey, exr, &camera, &exposure, lens, error);
-    else
-        result = mcv_values_write(grey, &exposure.grey, camera.bits > 8 ? 16 : 8, error);
+    MCV_TRY(read_out(command, path, exr, &camera, &exposure, &unit, lens, error));
+    mcv_result result = ends_with(grey, ".exr") ? write_exr(command, grey, exr, &camera, &exposure, lens, error)
+                                                : mcv_values_write(grey, &exposure.grey, camera.bits > 8 ? 16 : 8, error);
     if (result == MCV_OK) warn(grey, &camera, &exposure);
     if (result == MCV_OK && told) result = report_exposure(command, grey, &camera, &exposure, unit, lens, error);
     mcv_exposure_free(&exposure);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi measure: figures of regions and edges of an image. */
 #include "analysis/edge.h"
+#include "cli/metrics.h"
 #include "cli/options.h"
 #include "cli/report.h"
 #include "cli/sensor.h"
@@ -43,27 +44,6 @@ static void read_scale(const mcv_exr *exr, subject *s) {
     for (int i = 0; i < 2; ++i) s->pixel[i] = size[i] * (binning ? binning[i] : 1) / magnification;
 }
 
-/* One channel of the image, or the mean of all; of deviations, those of the mean of independent channels. */
-static mcv_result choose_channel(const mcv_command *command, const char *path, const mcv_image *image, bool deviations, mcv_image *out,
-                                 mcv_error *error) {
-    const uint64_t chosen = command->channel;
-    if (chosen > image->channels && chosen > 1)
-        return mcv_fail(error, MCV_USAGE, "%s has %u channel%s: leave out --channel", path, image->channels,
-                        image->channels > 1 ? "s" : "");
-    MCV_TRY(mcv_image_new(out, image->width, image->height, 1, error));
-    const size_t plane = (size_t)image->width * image->height;
-    for (size_t i = 0; i < plane; ++i) {
-        double sum = 0;
-        for (uint32_t c = 0; c < image->channels; ++c) {
-            const double value = image->pixels[c * plane + i];
-            if (chosen == 0 || chosen - 1 == c) sum += deviations ? value * value : value;
-        }
-        const double count = chosen == 0 ? image->channels : 1;
-        out->pixels[i] = (float)((deviations ? sqrt(sum) : sum) / count);
-    }
-    return MCV_OK;
-}
-
 static mcv_result read_exr(const char *path, subject *s, mcv_error *error) {
     mcv_exr exr;
     MCV_TRY(mcv_exr_read(path, &exr, error));
@@ -73,13 +53,13 @@ static mcv_result read_exr(const char *path, subject *s, mcv_error *error) {
     snprintf(s->unit, sizeof s->unit, "%s", unit && unit->text ? unit->text : "");
     s->largest = bits ? exp2(*bits) - 1 : NAN;
     read_scale(&exr, s);
-    mcv_result result = choose_channel(s->command, path, image, false, &s->readings.values, error);
+    mcv_result result = mcv_choose_channel(s->command->channel, path, image, false, &s->readings.values, error);
     for (uint32_t i = 1; i < exr.part_count && result == MCV_OK && !s->noise; ++i) {
         const mcv_image *part = &exr.parts[i].image;
         if (strcmp(exr.parts[i].name, "error") != 0 || part->width != image->width || part->height != image->height ||
             part->channels != image->channels)
             continue;
-        result = choose_channel(s->command, path, part, true, &s->readings.deviation, error);
+        result = mcv_choose_channel(s->command->channel, path, part, true, &s->readings.deviation, error);
         s->noise = "the image's standard errors";
     }
     mcv_exr_free(&exr);
@@ -89,7 +69,7 @@ static mcv_result read_exr(const char *path, subject *s, mcv_error *error) {
 static mcv_result read_values(const char *path, subject *s, mcv_error *error) {
     mcv_image image;
     MCV_TRY(mcv_values_read(path, &image, error));
-    const mcv_result result = choose_channel(s->command, path, &image, false, &s->readings.values, error);
+    const mcv_result result = mcv_choose_channel(s->command->channel, path, &image, false, &s->readings.values, error);
     mcv_image_free(&image);
     s->whole = true;
     for (size_t i = 0; result == MCV_OK && s->whole && i < (size_t)s->readings.values.width * s->readings.values.height; ++i)

@@ -5,6 +5,8 @@
 
 #include "scene/scene.h"
 
+#include <jansson.h>
+
 /* X(verb, VERB, "its arguments", "what it does"): none, one or two words; [] around an argument that may be left out. */
 #define MCV_VERBS(X) \
     X(render, RENDER, "SCENE", "render every sensor of a scene into OpenEXR and PNG images") \
@@ -16,6 +18,8 @@
       "tell whether two renders of the same picture differ by more than their noise; exit code 1 if they do") \
     X(camera, CAMERA, "IMAGE.exr", "turn irradiance or radiance into the grey values of a camera, with its noise (EMVA 1288)") \
     X(measure, MEASURE, "IMAGE", "measure in an image: regions, contrasts, edges and their sharpness, each with its standard uncertainty") \
+    X(sweep, SWEEP, "RIG|EXPERIMENT.json", \
+      "render a scene with many sets of parameters and measure in each image: a table, and a page of plots with error bars") \
     X(lightfield, LIGHTFIELD, "views|emd-gradient IMAGE.exr", \
       "show a light field image as its sub-aperture views, or by its Earth Mover's gradient, in which defects stand out") \
     X(devices, DEVICES, "", "list the OpenCL devices and their numbers") \
@@ -33,7 +37,9 @@ enum {
 #define MCV_X(verb, VERB, argument, doc) MCV_IN_##VERB = 1 << MCV_VERB_##VERB,
     MCV_VERBS(MCV_X)
 #undef MCV_X
-        MCV_IN_GREY = MCV_IN_RENDER | MCV_IN_CAMERA
+        MCV_IN_TAKE = MCV_IN_RENDER | MCV_IN_SWEEP, /* light from a scene */
+    MCV_IN_FIGURES = MCV_IN_MEASURE | MCV_IN_SWEEP,
+    MCV_IN_GREY = MCV_IN_TAKE | MCV_IN_CAMERA
 };
 
 /*
@@ -54,29 +60,29 @@ enum {
     X(text, rig, "output", 'o', "RIG.gltf", MCV_IN_NEW, NULL, 0, 0, \
       "the rig, in whose folder or below it the part lies; by default PART-KIND.gltf beside the part") \
     X(text, unit, "unit", 0, "nm|um|mm|cm|m", MCV_IN_NEW, NULL, 0, 0, "of the part's lengths; .stl files do not tell it, glTF has metres") \
-    X(text, sensor, "sensor", 0, "NAME", MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_MEASURE, NULL, 0, 0, "only this sensor, by name or number") \
-    X(count, spp, "spp", 0, "N", MCV_IN_RENDER, NULL, 1, 1ull << 37, \
+    X(text, sensor, "sensor", 0, "NAME", MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_MEASURE, NULL, 0, 0, "only this sensor, by name or number") \
+    X(count, spp, "spp", 0, "N", MCV_IN_TAKE, NULL, 1, 1ull << 37, \
       "stop at N samples per pixel over all replicates; N / replicates is rounded up to a power of two") \
-    X(number, error, "error", 0, "E", MCV_IN_RENDER, NULL, 0, 1e9, \
+    X(number, error, "error", 0, "E", MCV_IN_TAKE, NULL, 0, 1e9, \
       "stop at this error: root of the mean squared standard error over the image's mean; without --spp, --error, --time and " \
       "--samples it is 0.01 or 60 s") \
-    X(number, time, "time", 0, "T", MCV_IN_RENDER, NULL, 0, 1e9, \
+    X(number, time, "time", 0, "T", MCV_IN_TAKE, NULL, 0, 1e9, \
       "stop before T seconds have passed, those of building the scene and the kernels included; the first sample of each pixel and " \
       "replicate is always rendered") \
     X(range, samples, "samples", 0, "A:B", MCV_IN_RENDER, NULL, 0, 1ull << 31, \
       "render just samples A to B - 1 of each replicate; B - A is a power of two and A a multiple of it") \
-    X(count, replicates, "replicates", 0, "R", MCV_IN_RENDER, "4", 1, 64, \
+    X(count, replicates, "replicates", 0, "R", MCV_IN_TAKE, "4", 1, 64, \
       "independent scrambles of the sample points, from whose spread the standard error comes") \
-    X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_RENDER, "sobol", 0, 0, "Owen-scrambled Sobol' points, or independent ones") \
+    X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_TAKE, "sobol", 0, 0, "Owen-scrambled Sobol' points, or independent ones") \
     X(count, seed, "seed", 0, "S", MCV_IN_GREY, "0", 0, UINT32_MAX, "another seed, another noise; the same seed, the same bits") \
-    X(count, depth, "depth", 0, "N", MCV_IN_RENDER | MCV_IN_TRACE, "32", 1, 1000000, "surfaces that a path may meet") \
-    X(size, resolution, "resolution", 0, "WxH", MCV_IN_RENDER, NULL, 1, 65536, \
+    X(count, depth, "depth", 0, "N", MCV_IN_TAKE | MCV_IN_TRACE, "32", 1, 1000000, "surfaces that a path may meet") \
+    X(size, resolution, "resolution", 0, "WxH", MCV_IN_TAKE, NULL, 1, 65536, \
       "other pixels on the same field of view; the macro pixels of a light field camera") \
-    X(choice, schedule, "schedule", 0, "auto|tile|stream", MCV_IN_RENDER, "auto", 0, 0, \
+    X(choice, schedule, "schedule", 0, "auto|tile|stream", MCV_IN_TAKE, "auto", 0, 0, \
       "how the stages are launched: a slice of the image at a time (CPUs), or one launch a stage (GPUs); the same bits") \
-    X(text, device, "device", 0, "D", MCV_IN_RENDER | MCV_IN_TRACE, NULL, 0, 0, \
+    X(text, device, "device", 0, "D", MCV_IN_TAKE | MCV_IN_TRACE, NULL, 0, 0, \
       "a number from `mcvisi devices`, PLATFORM:TYPE:NAME, or `reference`: the independent renderer in double precision, slow") \
-    X(count, threads, "threads", 0, "N", MCV_IN_RENDER | MCV_IN_TRACE | MCV_IN_LIGHTFIELD, NULL, 1, 1024, \
+    X(count, threads, "threads", 0, "N", MCV_IN_TAKE | MCV_IN_TRACE | MCV_IN_LIGHTFIELD, NULL, 1, 1024, \
       "threads of the host (building the scene, the reference renderer, the gradient); by default one per core") \
     X(text, rays, "rays", 0, "rays.csv", MCV_IN_TRACE, NULL, 0, 0, "the rays: rows x,y,z,dx,dy,dz in metres, in the world") \
     X(text, paths, "output", 'o', "paths.csv", MCV_IN_TRACE, NULL, 0, 0, "where to write the vertices; by default standard output") \
@@ -121,38 +127,64 @@ enum {
       "what the lens does beyond geometrical optics: diffraction at the working f-number, where the image's header gives one; or a table " \
       "of " \
       "rows `cycles per mm on the sensor, modulation`; never on light field images") \
-    X(list, region, "region", 0, "[NAME=]X,Y,W,H", MCV_IN_MEASURE, NULL, 0, 0, \
+    X(list, region, "region", 0, "[NAME=]X,Y,W,H", MCV_IN_FIGURES, NULL, 0, 0, \
       "where to measure, in pixels from the top-left corner: a rectangle, a polygon X,Y,X,Y,X,Y,… or an image F.png whose pixels above 0 " \
       "belong to it; may be repeated; by default the whole image") \
-    X(text, background, "background", 0, "REGION", MCV_IN_MEASURE, NULL, 0, 0, \
+    X(text, background, "background", 0, "REGION", MCV_IN_FIGURES, NULL, 0, 0, \
       "the region that the others stand out of: gives Weber and Michelson contrast and the contrast-to-noise ratio") \
-    X(list, edge, "edge", 0, "[NAME=]X,Y,W,H", MCV_IN_MEASURE, NULL, 0, 0, \
+    X(list, edge, "edge", 0, "[NAME=]X,Y,W,H", MCV_IN_FIGURES, NULL, 0, 0, \
       "a rectangle with one straight edge in it: gives its position and, where it is tilted, the modulation transfer function (ISO " \
       "12233); " \
       "may be repeated: gives the distances from the first") \
     X(text, minus, "minus", 0, "OTHER", MCV_IN_MEASURE, NULL, 0, 0, "measure in the difference IMAGE - OTHER") \
-    X(choice, channel, "channel", 0, "mean|red|green|blue", MCV_IN_MEASURE, "mean", 0, 0, "of colour images") \
+    X(choice, channel, "channel", 0, "mean|red|green|blue", MCV_IN_FIGURES, "mean", 0, 0, "of colour images") \
     X(number, noise, "noise", 0, "S", MCV_IN_MEASURE, NULL, 0, 1e30, \
       "standard uncertainty of each value, for images that do not tell; or give --gain with --read-noise and --black-level; by default " \
       "it is " \
       "estimated from the differences of neighbours") \
     X(text, scene, "scene", 0, "SCENE", MCV_IN_MEASURE, NULL, 0, 0, \
       "the scene of an image whose header does not give the scale: lengths in its plane in focus") \
+    X(list, vary, "vary", 0, "PATH=VALUES", MCV_IN_SWEEP, NULL, 0, 0, \
+      "a parameter of the scene, a path as for --set, and FROM..TO:N, FROM..TO:N:log or A,B,C, as in --vary " \
+      "emitters/back/halfAngle=0.1deg..2deg:8; in expressions and the table it is called by the end of its path, halfAngle; may be " \
+      "repeated") \
+    X(list, tie, "tie", 0, "PATH=EXPR", MCV_IN_SWEEP, NULL, 0, 0, \
+      "a parameter that follows from others, as in --tie nodes/back/distance=2*distance+10mm; may be repeated") \
+    X(list, where, "where", 0, "EXPR", MCV_IN_SWEEP, NULL, 0, 0, \
+      "leave out sets for which this is 0 or false, as in --where 'halfAngle<1deg || fNumber>8'; may be repeated") \
+    X(choice, design, "design", 0, "grid|list|lhs|sobol", MCV_IN_SWEEP, "grid", 0, 0, \
+      "which sets: all combinations; the values one after the other, of all parameters together; a Latin hypercube; Sobol' points") \
+    X(count, points, "points", 0, "N", MCV_IN_SWEEP, NULL, 1, 1000000, "sets of --design lhs and sobol") \
+    X(count, design_seed, "design-seed", 0, "S", MCV_IN_SWEEP, "0", 0, UINT32_MAX, "another Latin hypercube, other Sobol' points") \
+    X(list, metric, "metric", 0, "[NAME:=]EXPR", MCV_IN_SWEEP, NULL, 0, 0, \
+      "what to measure, in figures of `mcvisi measure` as REGION.FIGURE or EDGE.FIGURE, or FIGURE of the first one: " \
+      "dent.contrast_to_noise, " \
+      "mtf50; may be repeated") \
+    X(list, until, "until", 0, "NAME=U", MCV_IN_SWEEP, NULL, 0, 0, \
+      "a render goes on until this metric's standard uncertainty is U or less, and all others' with --until theirs, as long as --spp " \
+      "and --time allow; may be repeated") \
+    X(choice, in, "in", 0, "image|emd-gradient", MCV_IN_SWEEP, "image", 0, 0, \
+      "measure in the image, or in the Earth Mover's gradient of a light field image") \
+    X(text, table, "output", 'o', "F.csv", MCV_IN_SWEEP, NULL, 0, 0, \
+      "the table; by default RIG-sweep.csv. Beside it F.json, the experiment, and F.html, the page") \
+    X(text, images, "images", 0, "FOLDER", MCV_IN_SWEEP, NULL, 0, 0, "keep the image of each set there, as OpenEXR") \
+    X(flag, resume, "resume", 0, NULL, MCV_IN_SWEEP, NULL, 0, 0, \
+      "go on with a table that was begun; scene and experiment must be the same") \
     X(text, processed, "output", 'o', "F.png|F.exr", MCV_IN_LIGHTFIELD, NULL, 0, 0, \
       "where to write: a picture, or the values as OpenEXR; the views keep their colours, the gradient is shown in pseudo-colours") \
     X(text, picture, "png", 0, "F.png", MCV_IN_LIGHTFIELD, NULL, 0, 0, "the picture beside an OpenEXR output") \
-    X(choice, form, "form", 0, "normalized|mass", MCV_IN_LIGHTFIELD, "normalized", 0, 0, \
+    X(choice, form, "form", 0, "normalized|mass", MCV_IN_LIGHTFIELD | MCV_IN_SWEEP, "normalized", 0, 0, \
       "of the emd-gradient: macro pixels of mass 1 (sees deflection only), or as bright as they are (sees absorption too)") \
     X(number, scale_end, "scale-end", 0, "V", MCV_IN_LIGHTFIELD, NULL, 0, 1e30, \
       "of the emd-gradient: the value shown in the last colour, to compare pictures; by default 99.5 % of the macro pixels lie below it") \
     X(size, angular, "angular", 0, "JxK", MCV_IN_LIGHTFIELD, NULL, 1, 256, \
       "pixels of a macro pixel, for images whose header does not tell") \
-    X(list, set, "set", 0, "PATH=VALUE", MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE, NULL, 0, 0, \
+    X(list, set, "set", 0, "PATH=VALUE", MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE, NULL, 0, 0, \
       "change the scene, as in --set sensors/cam/fNumber=8 or --set emitters/back/halfAngle=0.2deg; may be repeated") \
     X(flag, defines, "defines", 0, NULL, MCV_IN_CHECK, NULL, 0, 0, \
       "print the -D options that specialise the scene's OpenCL programs; without a scene, those with all features") \
     X(flag, json, "json", 0, NULL, \
-      MCV_IN_RENDER | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | MCV_IN_MEASURE | MCV_IN_LIGHTFIELD | MCV_IN_DEVICES, NULL, 0, 0, \
+      MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | MCV_IN_MEASURE | MCV_IN_LIGHTFIELD | MCV_IN_DEVICES, NULL, 0, 0, \
       "print JSON in SI units; render prints one object, on one line, per sensor")
 
 typedef struct mcv_list {
@@ -172,6 +204,8 @@ typedef struct mcv_list {
 
 typedef struct mcv_command {
     unsigned verb;
+    int argc; /* as given */
+    char **argv;
     const char *argument; /* the scene, the image, or help's verb; NULL where left out */
     const char *second;   /* the second argument of verbs that have one */
     bool help;            /* --help after the verb */
@@ -183,6 +217,25 @@ typedef struct mcv_command {
 /* Reads argv[1] …; texts point into argv. MCV_USAGE with a sentence that says what would be right. */
 mcv_result mcv_command_parse(int argc, char **argv, mcv_command *command, mcv_error *error);
 void mcv_command_free(mcv_command *command);
+
+/*
+ * The options of the command's verb that can be told from the default, by their names, as texts and lists of texts such as stand on the
+ * command line; without those of `without` (names, NULL at the end) and flags. NULL without memory.
+ */
+json_t *mcv_command_json(const mcv_command *command, const char *const *without);
+
+/*
+ * The given command line with its argument replaced and the members of such an object put before it as options: where both say something,
+ * the line as given counts. Values may be texts, numbers, true, or lists of them, and are checked when the line is parsed. Freed by
+ * mcv_arguments_free.
+ */
+typedef struct mcv_arguments {
+    char **items;
+    int count;
+} mcv_arguments;
+mcv_result mcv_arguments_read(const json_t *object, const char *argument, const mcv_command *given, const char *path,
+                              mcv_arguments *arguments, mcv_error *error);
+void mcv_arguments_free(mcv_arguments *arguments);
 
 /* The verb's number, or an error that suggests the nearest one. */
 mcv_result mcv_verb_find(const char *name, unsigned *verb, mcv_error *error);

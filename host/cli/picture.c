@@ -124,16 +124,11 @@ static mcv_result make_replicate(const mcv_film *film, uint32_t replicate, mcv_e
     return MCV_OK;
 }
 
-enum { MAX_PARAMETERS = 16 };
-
-/*
- * The sensor's numbers as mcvisi:focalLength, mcvisi:angularResolution …, from its parameter table. Returns how many; names holds
- * the attributes' names.
- */
-static uint32_t sensor_attributes(const mcv_sensor *sensor, mcv_attribute *attributes, char (*names)[MCV_EXR_ATTRIBUTE_NAME]) {
+uint32_t mcv_picture_attributes(const mcv_sensor *sensor, mcv_attribute attributes[MCV_PICTURE_PARAMETERS],
+                                char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME]) {
     const mcv_param_table table = mcv_sensor_table(sensor->type);
     uint32_t count = 0;
-    for (size_t i = 0; i < table.count && count < MAX_PARAMETERS; ++i) {
+    for (size_t i = 0; i < table.count && count < MCV_PICTURE_PARAMETERS; ++i) {
         const mcv_param *param = table.params + i;
         const void *field = (const char *)&sensor->as + param->offset;
         const uint32_t *integers = field;
@@ -143,7 +138,7 @@ static uint32_t sensor_attributes(const mcv_sensor *sensor, mcv_attribute *attri
             param->kind == MCV_PARAM_pattern)
             continue; /* of the scene */
         if (mcv_param_unset(param, &sensor->as)) continue;
-        snprintf(names[count], sizeof names[count], "mcvisi:%s", param->key);
+        snprintf(names[count], MCV_EXR_ATTRIBUTE_NAME, "mcvisi:%s", param->key);
         for (uint32_t k = 0; k < a.count; ++k) a.numbers[k] = mcv_param_integral(param->kind) ? integers[k] : numbers[k];
         attributes[count++] = a;
     }
@@ -183,10 +178,10 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
         number_attribute("mcvisi:seconds", stats->seconds_render),
     };
     enum { GENERAL = sizeof general / sizeof general[0] };
-    char names[MAX_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME];
-    mcv_attribute attributes[GENERAL + MAX_PARAMETERS];
+    char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME];
+    mcv_attribute attributes[GENERAL + MCV_PICTURE_PARAMETERS];
     memcpy(attributes, general, sizeof general);
-    const uint32_t count = GENERAL + sensor_attributes(scene->sensors + sensor, attributes + GENERAL, names);
+    const uint32_t count = GENERAL + mcv_picture_attributes(scene->sensors + sensor, attributes + GENERAL, names);
     const mcv_result result = mcv_exr_write(picture->exr, parts, part_count, attributes, count, error);
     free(set);
     return result;

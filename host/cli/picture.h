@@ -4,6 +4,7 @@
 #define MCVISI_HOST_CLI_PICTURE_H
 
 #include "cli/options.h"
+#include "output/exr.h"
 #include "output/png.h"
 #include "render/render.h"
 
@@ -29,5 +30,17 @@ mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, 
 mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
                              const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats, mcv_preview *preview,
                              mcv_error *error);
+
+/* What to render by the command line: --spp, --error, --time …; 1 % or 60 s where none of them is given (render.c). */
+mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_options *options, mcv_error *error);
+
+enum { MCV_PICTURE_PARAMETERS = 16 };
+
+/*
+ * The sensor's numbers as mcvisi:focalLength, mcvisi:angularResolution …, from its parameter table. Returns how many; names holds the
+ * attributes' names.
+ */
+uint32_t mcv_picture_attributes(const mcv_sensor *sensor, mcv_attribute attributes[MCV_PICTURE_PARAMETERS],
+                                char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME]);
 
 #endif

@@ -25,7 +25,7 @@ static double now(void) {
 
 /* --- options ---------------------------------------------------------------------------------------------------- */
 
-static mcv_result render_options(const mcv_command *command, mcv_render_options *options, mcv_error *error) {
+mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_options *options, mcv_error *error) {
     *options = mcv_render_defaults();
     options->sampler = command->sampler ? MCV_SAMPLER_RANDOM : MCV_SAMPLER_SOBOL;
     options->replicates = (uint32_t)command->replicates;
@@ -38,8 +38,6 @@ static mcv_result render_options(const mcv_command *command, mcv_render_options 
     options->seconds = command->time;
     if (command->spp && command->samples[1])
         return mcv_fail(error, MCV_USAGE, "--spp and --samples both say how many samples: give one of them");
-    if (!command->camera && (command->exposure_time > 0 || command->electrons_per_unit[0] > 0 || command->expose_to > 0))
-        return mcv_fail(error, MCV_USAGE, "the exposure is that of --camera FILE: give it, or leave the exposure out");
     if (command->error > 0 && command->replicates < 2)
         return mcv_fail(error, MCV_USAGE, "--error needs replicates to know the error from: give --replicates 2 or more");
     options->first = command->samples[0];
@@ -154,7 +152,9 @@ mcv_result mcv_verb_render(const mcv_command *command, mcv_error *error) {
     mcv_scene *scene;
     mcv_render_options options;
     const double begun = now();
-    MCV_TRY(render_options(command, &options, error));
+    if (!command->camera && mcv_camera_wanted(command))
+        return mcv_fail(error, MCV_USAGE, "the exposure is that of --camera FILE: give it, or leave the exposure out");
+    MCV_TRY(mcv_render_options_read(command, &options, error));
     MCV_TRY(mcv_scene_load(command->argument, (mcv_overrides){command->set.items, command->set.count}, &scene, error));
     const double seconds_load = now() - begun;
     for (uint32_t i = 0; i < scene->warning_count; ++i) fprintf(stderr, "mcvisi: warning: %s\n", scene->warnings[i]);

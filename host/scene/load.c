@@ -143,6 +143,19 @@ static mcv_result load_nodes(mcv_loader *loader, const mcv_transform *document, 
 
 /* --- document --------------------------------------------------------------------------------------------------- */
 
+void mcv_load_count(mcv_scene *scene, const void *data, size_t size) {
+    const unsigned char *bytes = data;
+    uint64_t hash = scene->fingerprint ? scene->fingerprint : 0xcbf29ce484222325u;
+    for (size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 0x100000001b3u;
+    scene->fingerprint = hash;
+}
+
+mcv_result mcv_load_file(mcv_loader *loader, const char *path, mcv_bytes *bytes, const mcv_place *place, mcv_error *error) {
+    MCV_TRY(mcv_file_read(path, bytes, place, error));
+    mcv_load_count(loader->scene, bytes->data, bytes->size);
+    return MCV_OK;
+}
+
 /* What tinygltf asks for: "buffers/3" or "images/5", by the names that describe_data() has given. */
 static mcv_result read_external(void *user, const char *name, mcv_bytes *bytes, mcv_error *error) {
     mcv_loader *loader = user;
@@ -162,7 +175,7 @@ static mcv_result read_external(void *user, const char *name, mcv_bytes *bytes, 
     if (uri) {
         char *path;
         MCV_TRY(mcv_file_resolve(loader->file.key, uri, &path, &place, error));
-        const mcv_result result = mcv_file_read(path, bytes, &place, error);
+        const mcv_result result = mcv_load_file(loader, path, bytes, &place, error);
         free(path);
         MCV_TRY(result);
     } else {
@@ -304,7 +317,7 @@ mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene *
     *scene = loader.scene = mcv_scene_new(path);
     if (!loader.scene) return mcv_fail_memory(&loader.file, error);
     const mcv_transform world = mcv_transform_identity();
-    mcv_result result = mcv_file_read(path, &loader.bytes, &loader.file, error);
+    mcv_result result = mcv_load_file(&loader, path, &loader.bytes, &loader.file, error);
     if (result == MCV_OK) result = mcv_load_open(&loader, overrides, error);
     if (result == MCV_OK) result = load_nodes(&loader, &world, error);
     if (result == MCV_OK) result = warn_unused(&loader, error);

@@ -97,11 +97,14 @@ mcv_result mcv_load_transform(const mcv_loader *loader, uint32_t index, int dept
 
 /*
  * load_assets.c: opens the documents of MCVISI_assets; the one that a node places (its extension object's "asset"), or NULL.
- * mcv_load_open (load.c) parses loader->bytes up to the materials; mcv_load_finish frees what a loader holds.
+ * mcv_load_file (load.c) reads a file and counts it in the scene's fingerprint by mcv_load_count; mcv_load_open parses loader->bytes up to
+ * the materials; mcv_load_finish frees what a loader holds.
  */
 mcv_result mcv_load_assets(mcv_loader *loader, mcv_error *error);
 mcv_result mcv_load_asset_of(const mcv_loader *loader, const json_t *node, struct mcv_loader **asset, const mcv_place *place,
                              mcv_error *error);
+void mcv_load_count(mcv_scene *scene, const void *data, size_t size);
+mcv_result mcv_load_file(mcv_loader *loader, const char *path, mcv_bytes *bytes, const mcv_place *place, mcv_error *error);
 mcv_result mcv_load_open(mcv_loader *loader, mcv_overrides overrides, mcv_error *error);
 void mcv_load_finish(mcv_loader *loader);
 

@@ -85,7 +85,7 @@ static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t in
                           .plain = MCV_NONE,
                           .absorber = MCV_NONE};
     MCV_TRY(read_unit(object, &asset->unit, place, error));
-    MCV_TRY(mcv_file_read(asset->file.key, &asset->bytes, &here, error));
+    MCV_TRY(mcv_load_file(asset, asset->file.key, &asset->bytes, &here, error));
     return stl ? open_stl(loader, asset, object, uri, place, error) : mcv_load_open(asset, (mcv_overrides){NULL, 0}, error);
 }
 

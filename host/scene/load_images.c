@@ -100,6 +100,8 @@ static mcv_result load_exr(const mcv_loader *loader, const char *uri, mcv_textur
     free(path);
     if (result != MCV_OK) return mcv_fail_at(place, error, "\"%s\" is no image to read: %s", uri, cause.text);
     result = copy_linear(&exr, texture, uri, place, error);
+    if (result == MCV_OK)
+        mcv_load_count(loader->scene, texture->linear, 3 * sizeof *texture->linear * (size_t)texture->width * texture->height);
     mcv_exr_free(&exr);
     return result;
 }

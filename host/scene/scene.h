@@ -131,7 +131,8 @@ typedef struct mcv_scene {
     mcv_instance *instances;
     mcv_emitter *emitters;
     mcv_sensor *sensors;
-    char **warnings; /* sentences for the user */
+    uint64_t fingerprint; /* FNV-1a of all files that were read, in their order */
+    char **warnings;      /* sentences for the user */
     uint32_t warning_count;
 } mcv_scene;
 
