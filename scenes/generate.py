@@ -12,6 +12,7 @@ import os
 import sys
 
 import basics
+import experiments
 import images
 import lights
 import part
@@ -26,7 +27,7 @@ def main(arguments):
         print(__doc__.strip())
         return 0 if len(arguments) == 1 else 2
     files = {}
-    for module in (report, part, basics, images, lights, setups):
+    for module in (report, part, basics, images, lights, setups, experiments):
         files.update(module.files())
     if arguments == ["--check"]:
         return check(files)

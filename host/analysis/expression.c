@@ -96,6 +96,34 @@ static double read_number(reader *r) {
     return value;
 }
 
+static bool read_name(reader *r, char name[128]) {
+    size_t length = 0;
+    skip_spaces(r);
+    if (!isalpha((unsigned char)*r->at) && *r->at != '_') {
+        wrong(r, "a number or a name is missing");
+        return false;
+    }
+    while (isalnum((unsigned char)r->at[length]) || r->at[length] == '_' || r->at[length] == '.') ++length;
+    if (length >= 128) {
+        wrong(r, "the name is too long");
+        return false;
+    }
+    snprintf(name, 128, "%.*s", (int)length, r->at);
+    r->at += length;
+    return true;
+}
+
+/* u(NAME): the standard uncertainty itself, which has none. */
+static double read_uncertainty(reader *r) {
+    char name[128];
+    if (!read_name(r, name)) return NAN;
+    (void)value_of(r, name);
+    if (!take(r, ")")) return wrong(r, "u takes one name: a ) is missing");
+    for (size_t i = 0; i < r->count; ++i)
+        if (strcmp(r->names[i].name, name) == 0) return r->names[i].quantity.uncertainty;
+    return NAN;
+}
+
 static double read_primary(reader *r) {
     char name[128];
     skip_spaces(r);
@@ -104,13 +132,8 @@ static double read_primary(reader *r) {
         return take(r, ")") ? value : wrong(r, "a ) is missing");
     }
     if (isdigit((unsigned char)*r->at) || (*r->at == '.' && isdigit((unsigned char)r->at[1]))) return read_number(r);
-    if (!isalpha((unsigned char)*r->at) && *r->at != '_') return wrong(r, "a number or a name is missing");
-    size_t length = 0;
-    while (isalnum((unsigned char)r->at[length]) || r->at[length] == '_' || r->at[length] == '.') ++length;
-    if (length >= sizeof name) return wrong(r, "the name is too long");
-    snprintf(name, sizeof name, "%.*s", (int)length, r->at);
-    r->at += length;
-    if (take(r, "(")) return call(r, name);
+    if (!read_name(r, name)) return NAN;
+    if (take(r, "(")) return strcmp(name, "u") == 0 ? read_uncertainty(r) : call(r, name);
     return strcmp(name, "pi") == 0 ? 3.141592653589793 : value_of(r, name);
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Arithmetic in names, as people type it: + - * / ^ ( ), comparisons (< <= > >= == !=, 1 or 0), && and ||, the functions abs sqrt exp log
- * sin cos tan asin acos atan, min and max of two, the number pi. A number may have a unit: 2mm, 0.5deg. Names are letters, digits, _ and
- * points, and begin with a letter or _.
+ * sin cos tan asin acos atan, min and max of two, u(NAME), the standard uncertainty of a name, the number pi. A number may have a unit:
+ * 2mm, 0.5deg. Names are letters, digits, _ and points, and begin with a letter or _.
  */
 #ifndef MCVISI_HOST_ANALYSIS_EXPRESSION_H
 #define MCVISI_HOST_ANALYSIS_EXPRESSION_H

@@ -166,7 +166,7 @@ enum {
     X(choice, in, "in", 0, "image|emd-gradient", MCV_IN_SWEEP, "image", 0, 0, \
       "measure in the image, or in the Earth Mover's gradient of a light field image") \
     X(text, table, "output", 'o', "F.csv", MCV_IN_SWEEP, NULL, 0, 0, \
-      "the table; by default RIG-sweep.csv. Beside it F.json, the experiment, and F.html, the page") \
+      "the table; by default RIG-sweep.csv or EXPERIMENT-sweep.csv. Beside it F.json, the experiment, and F.html, the page") \
     X(text, images, "images", 0, "FOLDER", MCV_IN_SWEEP, NULL, 0, 0, "keep the image of each set there, as OpenEXR") \
     X(flag, resume, "resume", 0, NULL, MCV_IN_SWEEP, NULL, 0, 0, \
       "go on with a table that was begun; scene and experiment must be the same") \

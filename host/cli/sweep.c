@@ -62,6 +62,8 @@ typedef struct sweep {
     double *rows;   /* [row][columns] */
     char **messages;
     size_t row_count;
+    double stage_seconds;   /* of all renders, on the device */
+    size_t built, compiled; /* acceleration structures and programs that no render before had left */
 
     mcv_renderer *renderer;
     /* Of the set at work: */
@@ -326,6 +328,9 @@ static mcv_result render_scene(sweep *s, mcv_scene *scene, size_t set, const cha
     const bool reference = c->device && strcmp(c->device, "reference") == 0;
     mcv_result result = reference ? mcv_reference_render(scene, s->sensor, &s->options, &film, &stats, error)
                                   : mcv_renderer_render(s->renderer, scene, s->sensor, &s->options, &film, &stats, error);
+    for (uint32_t i = 0; i < stats.stage_count; ++i) s->stage_seconds += stats.stages[i].seconds;
+    s->built += !reference && result == MCV_OK && !stats.kept_structure;
+    s->compiled += !reference && result == MCV_OK && !stats.kept_program;
     if (result == MCV_OK && mcv_interrupt != 0) result = mcv_fail(error, mcv_interrupt_result(), "interrupted");
     if (result == MCV_OK) {
         row[s->count + 2 * s->metric_count] = (double)(film.samples * film.replicates);
@@ -627,6 +632,9 @@ static mcv_result report(const sweep *s, double spent, mcv_error *error) {
     json_object_set_new(document, "rows", json_integer((json_int_t)s->row_count));
     json_object_set_new(document, "failed", json_integer((json_int_t)failed));
     json_object_set_new(document, "seconds", json_real(spent));
+    json_object_set_new(document, "stage_seconds", json_real(s->stage_seconds));
+    json_object_set_new(document, "structures_built", json_integer((json_int_t)s->built));
+    json_object_set_new(document, "programs_built", json_integer((json_int_t)s->compiled));
     json_object_set_new(document, "metrics", extremes);
     char *text = json_dumps(document, JSON_COMPACT);
     json_decref(document);
@@ -705,7 +713,7 @@ static mcv_result check_paths(const sweep *s, mcv_error *error) {
 
 static mcv_result plan_files(sweep *s, mcv_error *error) {
     const mcv_command *c = s->command;
-    const char *given = c->table ? c->table : s->rig, *dot = strrchr(given, '.'), *slash = strrchr(given, '/');
+    const char *given = c->table ? c->table : c->argument, *dot = strrchr(given, '.'), *slash = strrchr(given, '/');
     const int stem = (int)(dot && dot > (slash ? slash : given) ? dot - given : (long)strlen(given));
     const char *suffix = c->table ? "" : "-sweep";
     struct stat status;
@@ -714,8 +722,7 @@ static mcv_result plan_files(sweep *s, mcv_error *error) {
     snprintf(s->table, sizeof s->table, "%.*s%s.csv", stem, given, suffix);
     snprintf(s->sidecar, sizeof s->sidecar, "%.*s%s.json", stem, given, suffix);
     snprintf(s->page, sizeof s->page, "%.*s%s.html", stem, given, suffix);
-    const char *experiment = c->argument;
-    if (mcv_same_file(s->sidecar, experiment))
+    if (mcv_same_file(s->sidecar, c->argument))
         return mcv_fail(error, MCV_USAGE, "%s is the experiment: give the table another name by -o", s->sidecar);
     if (c->images && mkdir(c->images, 0777) != 0 && (errno != EEXIST || stat(c->images, &status) != 0 || !S_ISDIR(status.st_mode)))
         return mcv_fail(error, MCV_BAD_INPUT, "--images %s: is no folder that can be made", c->images);
@@ -763,6 +770,10 @@ static mcv_result run_sweep(sweep *s, mcv_error *error) {
         if (result == MCV_OK) result = paged;
     }
     if (result == MCV_OK) result = report(s, seconds() - begun, error);
+    size_t failed = 0;
+    for (size_t row = 0; row < s->row_count; ++row) failed += s->messages[row] != NULL;
+    if (result == MCV_OK && failed == s->row_count)
+        result = mcv_fail(error, MCV_FAILED, "all %zu sets failed, the first one: %s", failed, s->messages[0]);
     free(done);
     return result;
 }

@@ -230,12 +230,17 @@ static void put_table(FILE *out, const mcv_plots *page) {
         const double *values = row_of(page, row);
         fputs("<tr>", out);
         for (size_t i = 0; i < page->parameter_count; ++i) fprintf(out, "<td>%.6g", values[i]);
+        for (size_t i = 0; i < page->metric_count; ++i) {
+            const double *metric = values + page->parameter_count + 2 * i;
+            if (isnan(metric[0]))
+                fputs("<td>", out);
+            else
+                fprintf(out, "<td>%.6g ± %.2g", metric[0], metric[1]);
+        }
         if (page->messages[row]) {
-            fprintf(out, "<td class=\"failed\" colspan=\"%zu\">", page->metric_count);
+            fputs("<td class=\"failed\">", out);
             put_text(out, page->messages[row]);
         }
-        for (size_t i = 0; i < page->metric_count && !page->messages[row]; ++i)
-            fprintf(out, "<td>%.6g ± %.2g", values[page->parameter_count + 2 * i], values[page->parameter_count + 2 * i + 1]);
         fputs("</tr>\n", out);
     }
     fputs("</tbody></table>\n", out);
