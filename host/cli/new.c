@@ -247,7 +247,7 @@ static void print_emitter(FILE *out, const rig *r, double distance) {
 
 static void print_pose(FILE *out, double distance, double azimuth, double elevation, double roll) {
     fprintf(out, "\"MCVISI_pose\": {\"target\": \"centre\", \"distance\": \"%s\", \"azimuth\": \"%gdeg\", \"elevation\": \"%gdeg\"",
-            length(distance), azimuth, elevation);
+            length(distance), azimuth + 0.0, elevation + 0.0); /* + 0: no -0 */
     fprintf(out, ", \"roll\": \"%gdeg\"}", roll);
 }
 
@@ -343,6 +343,9 @@ static void print_choice(const rig *r, const part *p, const char *path) {
     else
         printf("  lens            %s f/%g (working), focused at %s\n", length(r->focal_length), r->f_number, length(r->working_distance));
     printf("  field of view   %s x %s\n", length(r->field[0]), length(r->field[1]));
+    if (r->magnification < 1e-3 || r->magnification > 100)
+        fprintf(stderr, "mcvisi: warning: %s: a magnification of %.3g is unusual: is --unit right, which is %s?\n", p->path,
+                r->magnification, p->unit ? p->unit : "m by default");
 }
 
 mcv_result mcv_verb_new(const mcv_command *command, mcv_error *error) {

@@ -53,8 +53,8 @@ typedef struct sweep {
     size_t varied, count; /* parameters: first those that vary, then ties */
     metric metrics[MAX_METRICS];
     size_t metric_count;
-    double *sets; /* [set][varied] */
-    size_t set_count;
+    double *sets;             /* [set][varied] */
+    size_t set_count, wanted; /* wanted: not left out by --where */
     char fingerprint[32];
 
     int descriptor; /* of the table */
@@ -305,11 +305,14 @@ static mcv_result keep_image(const sweep *s, size_t set, const mcv_film *film, c
     if (!s->command->images) return MCV_OK;
     if (snprintf(path, sizeof path, "%s/set-%05zu.exr", s->command->images, set) >= PATH_MAX)
         return mcv_fail(error, MCV_USAGE, "--images %s: the path is too long", s->command->images);
-    mcv_attribute attributes[MCV_PICTURE_PARAMETERS + 4];
+    mcv_attribute attributes[MCV_PICTURE_PARAMETERS + 8];
     mcv_result result = develop(s, film, &l, error);
     uint32_t count = l.exr.attribute_count;
     memcpy(attributes, l.attributes, count * sizeof *attributes);
     attributes[count++] = (mcv_attribute){.name = "mcvisi:scene", .text = s->rig};
+    attributes[count++] = (mcv_attribute){.name = "mcvisi:seed", .numbers = {s->options.seed}, .count = 1};
+    attributes[count++] = (mcv_attribute){.name = "mcvisi:replicates", .numbers = {film->replicates}, .count = 1};
+    attributes[count++] = (mcv_attribute){.name = "mcvisi:samplesPerReplicate", .numbers = {(double)film->samples}, .count = 1};
     attributes[count++] = (mcv_attribute){.name = "mcvisi:set", .text = overrides};
     if (result == MCV_OK) result = mcv_exr_write(path, l.parts, l.exr.part_count, attributes, count, error);
     free_light(&l);
@@ -585,9 +588,9 @@ static mcv_result write_page(const sweep *s, mcv_error *error) {
 
 /* --- the whole -------------------------------------------------------------------------------------------------- */
 
-static void tell_row(const sweep *s, size_t done, size_t wanted, const double *row, const char *message) {
+static void tell_row(const sweep *s, const double *row, const char *message) {
     if (s->command->json) return;
-    printf("%zu/%zu ", done, wanted);
+    printf("%zu/%zu ", s->row_count, s->wanted);
     for (size_t i = 0; i < s->count; ++i) printf(" %s %.5g", s->parameters[i].name, row[i]);
     for (size_t i = 0; i < s->metric_count; ++i)
         if (!isnan(row[s->count + 2 * i])) printf("; %s %.5g ± %.2g", s->metrics[i].name, row[s->count + 2 * i], row[s->count + 2 * i + 1]);
@@ -648,7 +651,7 @@ static mcv_result report(const sweep *s, double spent, mcv_error *error) {
 }
 
 /* A set that fails is a row with its error, and the sweep goes on: but for what would fail every time. */
-static mcv_result run_set(sweep *s, size_t set, double *row, size_t wanted, mcv_error *error) {
+static mcv_result run_set(sweep *s, size_t set, double *row, mcv_error *error) {
     mcv_error why = {""};
     const double begun = seconds();
     for (size_t i = s->count; i < s->columns; ++i) row[i] = NAN;
@@ -662,24 +665,28 @@ static mcv_result run_set(sweep *s, size_t set, double *row, size_t wanted, mcv_
         if (*c == '\n' || *c == '\r') *c = ' ';
     MCV_TRY(append_row(s, row, message, error));
     remember(s, row, message);
-    tell_row(s, s->row_count, wanted, row, message);
+    tell_row(s, row, message);
     return MCV_OK;
 }
 
 static mcv_result run_sets(sweep *s, const bool *done, mcv_error *error) {
     double row[MCV_DESIGN_PARAMETERS + 2 * MAX_METRICS + FIXED_COLUMNS];
-    size_t wanted = 0;
-    bool wants;
+    bool wanted;
     for (size_t set = 0; set < s->set_count; ++set) {
-        MCV_TRY(complete_set(s, set, row, &wants, error));
-        wanted += wants;
-    }
-    if (wanted == 0) return mcv_fail(error, MCV_USAGE, "--where leaves out all %zu sets", s->set_count);
-    for (size_t set = 0; set < s->set_count; ++set) {
-        MCV_TRY(complete_set(s, set, row, &wants, error));
-        if (wants && !done[set]) MCV_TRY(run_set(s, set, row, wanted, error));
+        MCV_TRY(complete_set(s, set, row, &wanted, error));
+        if (wanted && !done[set]) MCV_TRY(run_set(s, set, row, error));
     }
     return MCV_OK;
+}
+
+static mcv_result count_wanted(sweep *s, mcv_error *error) {
+    double numbers[MCV_DESIGN_PARAMETERS];
+    bool wanted;
+    for (size_t set = 0; set < s->set_count; ++set) {
+        MCV_TRY(complete_set(s, set, numbers, &wanted, error));
+        s->wanted += wanted;
+    }
+    return s->wanted ? MCV_OK : mcv_fail(error, MCV_USAGE, "--where leaves out all %zu sets", s->set_count);
 }
 
 /* The scene as it stands: what is wrong with it would be wrong in every set. */
@@ -746,6 +753,7 @@ static mcv_result plan(sweep *s, mcv_error *error) {
     for (size_t i = 0; i < s->varied; ++i) levels[i] = s->parameters[i].levels;
     MCV_TRY(
         mcv_design_make((int)c->design, levels, s->varied, (size_t)c->points, (uint32_t)c->design_seed, &s->sets, &s->set_count, error));
+    MCV_TRY(count_wanted(s, error));
     s->columns = s->count + 2 * s->metric_count + FIXED_COLUMNS;
     s->rows = malloc(s->set_count * s->columns * sizeof *s->rows);
     s->messages = calloc(s->set_count, sizeof *s->messages);
