@@ -36,10 +36,15 @@ static void render_once(const mcv_scene *scene, mcv_renderer *renderer, mcv_film
 
 static void test_same_bits_and_kept(void **state) {
     static const setup setups[] = {
-        {4, 0.3, 1, 0, 0, 20, "the first", false, false},         {4, 0.3, 1, 0, 0, 20, "nothing new", true, true},
-        {4, 0.3, 2, 0, 0, 20, "another radiance", true, true},    {4, 0.6, 2, 0, 0, 20, "another cone", true, true},
-        {4, 0.6, 2, 0, 0.1, 20, "the sensor moved", true, true},  {4, 0.6, 2, 0, 0.1, 28, "more pixels", true, true},
-        {4, 0.6, 2, 0.2, 0.1, 28, "the ball moved", false, true}, {4.5, 0.6, 2, 0.2, 0.1, 28, "the panel moved", false, true},
+        {4, 0.3, 1, 0, 0, 20, "the first", false, false},
+        {4, 0.3, 1, 0, 0, 20, "nothing new", true, true},
+        {4, 0.3, 2, 0, 0, 20, "another radiance", true, true},
+        {4, 0.6, 2, 0, 0, 20, "another cone", true, true},
+        {4, 0.6, 2, 0, 0.1, 20, "the sensor moved", true, true},
+        {4, 0.6, 2, 0, 0.1, 28, "more pixels", true, true},
+        {4.5, 0.6, 2, 0, 0.1, 28, "the panel moved", true, true},
+        {3.9, 0.6, 2, 0.2, 0.1, 28, "the panel and the ball moved", true, true},
+        {4.5, 0.6, 2, 0.2, 0.1, 28, "the panel moved back", true, true},
     };
     mcv_renderer *renderer = mcv_renderer_new();
     (void)state;

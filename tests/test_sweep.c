@@ -202,10 +202,53 @@ static void test_bad_input(void **state) {
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --tie sensors/cam/imageDistance=r --metric mean", 2,
                   "there is no parameter");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --where 0 --metric mean", 2, "leaves out all");
-    program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric mean --spp 4 --region far=100,100,4,4", 1, "outside");
+    program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric mean --spp 4 --region far=100,100,4,4", 1, "reaches to column");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric mean --spp 4 --in emd-gradient -o x.csv", 1, "no light field");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric mean -o x.txt", 2, ".csv");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric mean -o nowhere/x.csv", 3, "nowhere");
+}
+
+/* What ships is what the program prints, and holds for the experiments that ship. */
+static void test_schema(void **state) {
+    static const char *const experiments[] = {"telecentric-edge", "dent-visibility"};
+    (void)state;
+    program_well("help sweep --json");
+    if (strcmp(said, read_whole(MCV_SOURCE_DIR "/include/mcvisi/schema/experiment.schema.json")) != 0)
+        fail_msg("`mcvisi help sweep --json` prints another schema than include/mcvisi/schema/experiment.schema.json");
+    json_t *schema = json_loads(said, 0, NULL), *properties = json_object_get(schema, "properties"), *value;
+    for (int i = 0; i < 2; ++i) {
+        char path[512];
+        const char *key;
+        snprintf(path, sizeof path, MCV_SOURCE_DIR "/scenes/%s.json", experiments[i]);
+        json_t *experiment = json_load_file(path, 0, NULL);
+        assert_non_null(experiment);
+        json_object_foreach(experiment, key, value) if (!json_object_get(properties, key)) fail_msg("%s: %s", path, key);
+        json_decref(experiment);
+    }
+    json_decref(schema);
+}
+
+/* The shipped experiments run: a few samples, and few sets. */
+static void test_shipped_experiments(void **state) {
+    double row[10];
+    (void)state;
+    program_well("sweep " MCV_SOURCE_DIR "/scenes/telecentric-edge.json -o edge.csv --spp 64");
+    const char *table = read_whole("edge.csv");
+    assert_int_equal(count_lines(table), 10);
+    double sharpest = INFINITY, sharpest_stop = 0, surest = INFINITY, surest_stop = 0;
+    for (size_t i = 0; i < 9; ++i) {
+        read_numbers(table, i, row, 6);
+        if (row[2] < surest) surest_stop = row[1];
+        surest = fmin(surest, row[2]);
+        if (row[4] < sharpest) sharpest_stop = row[1];
+        sharpest = fmin(sharpest, row[4]);
+    }
+    /* What the page says: the stop of the sharpest picture is not the one that locates best. */
+    if (!(sharpest_stop > 1e-3 && sharpest_stop < 2.5e-3 && surest_stop > 3.5e-3))
+        fail_msg("sharpest at %g m, surest at %g m", sharpest_stop, surest_stop);
+    program_well("sweep " MCV_SOURCE_DIR
+                 "/scenes/dent-visibility.json -o dent.csv --spp 4 --where 'halfAngle<0.11deg && imageDistance>61.5mm'");
+    assert_int_equal(count_lines(read_whole("dent.csv")), 2);
 }
 
 int main(void) {
@@ -219,6 +262,8 @@ int main(void) {
         cmocka_unit_test_setup(test_experiment_file, fresh),
         cmocka_unit_test_setup(test_camera, fresh),
         cmocka_unit_test_setup(test_bad_input, fresh),
+        cmocka_unit_test_setup(test_schema, fresh),
+        cmocka_unit_test_setup(test_shipped_experiments, fresh),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

@@ -13,6 +13,7 @@ mcv_result mcv_verb_help(const mcv_command *command, mcv_error *error) {
         return MCV_OK;
     }
     MCV_TRY(mcv_verb_find(command->argument, &verb, error));
+    if (command->json) return mcv_help_print_schema(verb, error);
     mcv_help_print_verb(verb);
     return MCV_OK;
 }

@@ -428,3 +428,61 @@ void mcv_help_print_verb(unsigned verb_index) {
         print_wrapped(doc, at);
     }
 }
+
+/* Of one value; flags are true or left out. */
+static json_t *option_schema(const option *o) {
+    switch (o->kind) {
+    case KIND_flag:
+        return json_pack("{s:s}", "type", "boolean");
+    case KIND_number:
+        return json_pack("{s:s, s:f, s:b, s:f}", "type", "number", "minimum", o->min, "exclusiveMinimum", 1, "maximum", o->max);
+    case KIND_count:
+        return json_pack("{s:s, s:f, s:f}", "type", "integer", "minimum", o->min, "maximum", o->max);
+    case KIND_size:
+        return json_pack("{s:s, s:s}", "type", "string", "pattern", "^[0-9]+x[0-9]+$");
+    case KIND_range:
+        return json_pack("{s:s, s:s}", "type", "string", "pattern", "^[0-9]+:[0-9]+$");
+    case KIND_channels:
+        return json_pack("{s:[s,s]}", "type", "number", "string");
+    case KIND_list:
+        return json_pack("{s:[{s:s}, {s:s, s:{s:s}}]}", "anyOf", "type", "string", "type", "array", "items", "type", "string");
+    case KIND_choice: {
+        json_t *words = json_array();
+        for (const char *word = o->argument; *word; word += word[strcspn(word, "|")] ? strcspn(word, "|") + 1 : strcspn(word, "|"))
+            json_array_append_new(words, json_stringn(word, strcspn(word, "|")));
+        return json_pack("{s:o}", "enum", words);
+    }
+    case KIND_text:
+        break;
+    }
+    return json_pack("{s:s}", "type", "string");
+}
+
+mcv_result mcv_help_print_schema(unsigned verb_index, mcv_error *error) {
+    const bool experiment = verb_index == MCV_VERB_SWEEP;
+    json_t *properties = json_object();
+    if (experiment) {
+        json_object_set_new(properties, "rig",
+                            json_pack("{s:s, s:s}", "type", "string", "description", "the scene, from this file's folder"));
+        json_object_set_new(properties, "note", json_pack("{s:s, s:s}", "type", "string", "description", "a comment"));
+        json_object_set_new(
+            properties, "fingerprint",
+            json_pack("{s:s, s:s}", "type", "string", "description", "of the scene's files, as a sweep writes it beside its table"));
+    }
+    for (size_t i = 0; i < OPTION_COUNT; ++i) {
+        if (!(options[i].verbs >> verb_index & 1)) continue;
+        json_t *schema = option_schema(options + i);
+        json_object_set_new(schema, "description", json_string(options[i].doc));
+        json_object_set_new(properties, options[i].name, schema);
+    }
+    json_t *document = json_pack("{s:s, s:s, s:s, s:o, s:b}", "$schema", "http://json-schema.org/draft-04/schema", "title",
+                                 experiment ? "experiment of mcvisi sweep" : verbs[verb_index].name, "type", "object", "properties",
+                                 properties, "additionalProperties", 0);
+    if (experiment) json_object_set_new(document, "required", json_pack("[s]", "rig"));
+    char *text = document ? json_dumps(document, JSON_INDENT(2)) : NULL;
+    json_decref(document);
+    if (!text) return mcv_fail(error, MCV_FAILED, "no memory for the schema");
+    puts(text);
+    free(text);
+    return MCV_OK;
+}

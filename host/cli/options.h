@@ -184,8 +184,8 @@ enum {
     X(flag, defines, "defines", 0, NULL, MCV_IN_CHECK, NULL, 0, 0, \
       "print the -D options that specialise the scene's OpenCL programs; without a scene, those with all features") \
     X(flag, json, "json", 0, NULL, \
-      MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | MCV_IN_MEASURE | MCV_IN_LIGHTFIELD | MCV_IN_DEVICES, NULL, 0, 0, \
-      "print JSON in SI units; render prints one object, on one line, per sensor")
+      MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | MCV_IN_MEASURE | MCV_IN_LIGHTFIELD | MCV_IN_DEVICES | MCV_IN_HELP, \
+      NULL, 0, 0, "print JSON in SI units; render prints one object, on one line, per sensor; help a schema of the options")
 
 typedef struct mcv_list {
     const char **items;
@@ -243,6 +243,9 @@ mcv_result mcv_verb_find(const char *name, unsigned *verb, mcv_error *error);
 /* Prints all verbs, or one and its options. */
 void mcv_help_print(void);
 void mcv_help_print_verb(unsigned verb);
+
+/* Prints the JSON schema (draft 4) of a verb's options; of sweep, that of its experiment files. */
+mcv_result mcv_help_print_schema(unsigned verb, mcv_error *error);
 
 /* The verbs. Results go to standard output, warnings and progress to standard error. */
 #define MCV_X(verb, VERB, argument, doc) mcv_result mcv_verb_##verb(const mcv_command *command, mcv_error *error);

@@ -108,6 +108,39 @@ static void free_vertices(mcv_packed *packed) {
     }
 }
 
+/* A structure that has become so much costlier by moving is built anew. */
+static const double worth_building = 1.2;
+
+static void take_structure(mcv_device_scene *kept, mcv_device_scene *d) {
+    d->nodes = kept->nodes;
+    d->leaves = kept->leaves;
+    d->node_count = kept->node_count;
+    d->leaf_count = kept->leaf_count;
+    d->structure_cost = kept->structure_cost;
+    d->kept_structure = true;
+    kept->nodes = kept->leaves = NULL;
+}
+
+/* Moves the structure of the scene before to where the triangles are now, and takes it where it is still good. */
+static mcv_result move_structure(mcv_cl *cl, mcv_device_scene *kept, mcv_device_scene *d, mcv_error *error) {
+    mcv_bvh bvh = {.node_count = kept->node_count, .leaf_count = kept->leaf_count};
+    const size_t nodes = bvh.node_count * sizeof *bvh.nodes, leaves = bvh.leaf_count * sizeof *bvh.leaves;
+    bvh.nodes = aligned_alloc(128, (nodes + 127) / 128 * 128);
+    bvh.leaves = aligned_alloc(128, (leaves + 127) / 128 * 128);
+    mcv_result result = bvh.nodes && bvh.leaves ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory to move the acceleration structure");
+    if (result == MCV_OK) result = mcv_cl_read(cl, kept->nodes, 0, nodes, bvh.nodes, error);
+    if (result == MCV_OK) result = mcv_cl_read(cl, kept->leaves, 0, leaves, bvh.leaves, error);
+    if (result == MCV_OK && kept->structure_cost == 0) kept->structure_cost = mcv_bvh_cost(&bvh);
+    if (result == MCV_OK) result = mcv_bvh_refit(&bvh, d->packed.positions, d->packed.indices, error);
+    if (result == MCV_OK && mcv_bvh_cost(&bvh) <= worth_building * kept->structure_cost) {
+        result = mcv_cl_write(cl, kept->nodes, 0, nodes, bvh.nodes, error);
+        if (result == MCV_OK) result = mcv_cl_write(cl, kept->leaves, 0, leaves, bvh.leaves, error);
+        if (result == MCV_OK) take_structure(kept, d);
+    }
+    mcv_bvh_free(&bvh);
+    return result;
+}
+
 mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *kept, mcv_device_scene *device,
                                  mcv_error *error) {
     mcv_bvh bvh = {0};
@@ -115,15 +148,18 @@ mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t th
     MCV_TRY(mcv_pack(scene, &device->packed, error));
     const mcv_packed *p = &device->packed;
     mcv_result result = MCV_OK;
-    device->geometry = digest((mcv_digest){0}, p->positions, 12 * (size_t)p->vertex_count);
-    device->geometry = digest(device->geometry, p->indices, 12 * (size_t)p->triangle_count);
-    device->kept_structure = kept && kept->nodes && same(&kept->geometry, &device->geometry);
-    if (device->kept_structure) {
-        device->nodes = kept->nodes;
-        device->leaves = kept->leaves;
-        kept->nodes = kept->leaves = NULL;
-    } else {
+    device->positions_digest = digest((mcv_digest){0}, p->positions, 12 * (size_t)p->vertex_count);
+    device->indices_digest = digest((mcv_digest){0}, p->indices, 12 * (size_t)p->triangle_count);
+    if (kept && kept->nodes && same(&kept->indices_digest, &device->indices_digest)) {
+        if (same(&kept->positions_digest, &device->positions_digest))
+            take_structure(kept, device);
+        else
+            result = move_structure(cl, kept, device, error);
+    }
+    if (result == MCV_OK && !device->kept_structure) {
         result = mcv_bvh_build(p->positions, p->indices, p->triangle_count, threads, &bvh, error);
+        device->node_count = bvh.node_count;
+        device->leaf_count = bvh.leaf_count;
     }
     free(device->packed.indices);
     device->packed.indices = NULL;

@@ -39,15 +39,17 @@ typedef struct mcv_device_scene {
 #define MCV_X(name) cl_mem name;
     MCV_SCENE_BUFFERS(MCV_X)
 #undef MCV_X
-    bool kept_structure;                      /* the acceleration structure is that of the scene before */
-    mcv_digest geometry;                      /* of what the acceleration structure is built from */
+    bool kept_structure; /* the acceleration structure is that of the scene before, moved where triangles have moved */
+    mcv_digest positions_digest, indices_digest; /* that it stands for */
+    uint32_t node_count, leaf_count;
+    double structure_cost;                    /* when it was built; 0: not known yet */
     mcv_digest contents[MCV_SCENE_ARGUMENTS]; /* of the buffers, as fill_buffers lists them */
 } mcv_device_scene;
 
 /*
  * Packs the scene, builds the acceleration structure, plans the buffers against the device's limits and fills them. On failure
  * mcv_device_scene_close is still to be called. `kept` may be the scene rendered before on the same device, or NULL: buffers whose content
- * is the same are taken from it, the acceleration structure if no triangle has moved; it too is still to be closed.
+ * is the same are taken from it, the acceleration structure if triangles have at most moved a little; it too is still to be closed.
  */
 mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *kept, mcv_device_scene *device,
                                  mcv_error *error);
