@@ -22,7 +22,7 @@ MCV_FUNCTION mcv_float_pair mcv_add_pairs(mcv_float_pair a, mcv_float_pair b) {
 }
 
 /* The path's value on the film, 0 (and counted) where it is not finite. */
-MCV_FUNCTION float mcv_path_value(mcv_world world, mcv_slot slot, int channel, uint *nonfinite) {
+MCV_FUNCTION float mcv_path_value(mcv_world world, mcv_slot slot, uint channel, uint *nonfinite) {
     const float weight = MCV_LOAD(slot, weight, 0);
     const float value = MCV_LOAD(slot, radiance, channel) * weight * world.frame->sensor_index_squared;
     if (mcv_abs(value) < INFINITY) return value;
@@ -30,20 +30,19 @@ MCV_FUNCTION float mcv_path_value(mcv_world world, mcv_slot slot, int channel, u
     return 0.0f;
 }
 
-/* slot: the block's first path; sums: two words per channel. */
-static void mcv_accumulate_block(mcv_world world, mcv_slot slot, uint count, __global float *sums, uint *nonfinite) {
-    mcv_float_pair tree[MCV_BLOCK];
-    for (int channel = 0; channel < MCV_CHANNELS; ++channel) {
-        for (uint i = 0; i < count; ++i) {
-            mcv_slot path = slot;
-            path.index += i;
-            tree[i].high = mcv_path_value(world, path, channel, nonfinite);
-            tree[i].low = 0.0f;
+/* Writes the sum of the values, which are lost: high and low word. */
+static void mcv_accumulate_block(float *values, uint count, __global float *sum) {
+    float lows[MCV_BLOCK];
+    for (uint i = 0; i < count; ++i) lows[i] = 0.0f;
+    for (uint size = count / 2; size > 0; size /= 2) {
+        for (uint i = 0; i < size; ++i) {
+            const mcv_float_pair a = {values[2 * i], lows[2 * i]};
+            const mcv_float_pair b = {values[2 * i + 1], lows[2 * i + 1]};
+            const mcv_float_pair both = mcv_add_pairs(a, b);
+            values[i] = both.high;
+            lows[i] = both.low;
         }
-        for (uint size = count; size > 1; size /= 2) {
-            for (uint i = 0; i < size / 2; ++i) tree[i] = mcv_add_pairs(tree[2 * i], tree[2 * i + 1]);
-        }
-        sums[2 * channel] = tree[0].high;
-        sums[2 * channel + 1] = tree[0].low;
     }
+    sum[0] = values[0];
+    sum[1] = lows[0];
 }

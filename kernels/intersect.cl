@@ -43,8 +43,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_any(__glo
 static void mcv_intersect_batch_list(__global const mcv_node *nodes, __global const mcv_leaf *leaves, __global const mcv_batch_ray *rays,
                                      uint count, int any, mcv_hit *hits) {
     uint indices[MCV_BATCH_LIST];
-    const mcv_rows origins = {rays->origin, sizeof(mcv_batch_ray) / sizeof(float), 1};
-    const mcv_rows directions = {rays->direction, sizeof(mcv_batch_ray) / sizeof(float), 1};
+    const mcv_rows origins = {(__global const uint *)rays->origin, sizeof(mcv_batch_ray) / sizeof(float), 1};
+    const mcv_rows directions = {(__global const uint *)rays->direction, sizeof(mcv_batch_ray) / sizeof(float), 1};
     for (uint i = 0; i < count; ++i) {
         indices[i] = i;
         hits[i].t = rays[i].t_max;

@@ -7,8 +7,7 @@
  * reads ray, hit -> writes shadow ray
  */
 #include "identity.h"
-#include "path.h"
-#include "scatter.h"
+#include "meet_surface.h"
 
 /* The i with cdf[i] <= bits < cdf[i + 1], and where between them bits lies, in [0, 1). */
 MCV_FUNCTION uint mcv_search_cdf(__global const uint *cdf, uint count, float xi, float *rest) {
@@ -157,17 +156,17 @@ static mcv_shadow mcv_sample_towards(mcv_world world, mcv_meeting at, uint emitt
 }
 
 /* 1 if there is a shadow ray to follow. */
-static int mcv_sample_emitter(mcv_world world, mcv_slot slot, mcv_identity id, uint depth) {
+static int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) {
     const uint triangle = MCV_WORD(slot, hit, 3);
     if (triangle == MCV_NONE) return 0;
     const uint material = world.instances[world.triangles[triangle].w].material;
     if (!world.materials[material].spreads) return 0;
 
-    const mcv_meeting meeting = mcv_meet(world, MCV_LOAD_3(slot, direction), triangle, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
+    const mcv_meeting meeting = mcv_meet_surface(world, slot);
 
     /* Choose an emitter and a direction. */
-    const mcv_pair choice = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_CHOICE));
-    const mcv_pair pair = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_EMITTER));
+    const mcv_pair choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
+    const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_EMITTER);
     float unused;
     const uint emitter = mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count, choice.x, &unused);
     const mcv_shadow shadow = mcv_sample_towards(world, meeting, emitter, pair);

@@ -19,15 +19,19 @@ typedef struct mcv_meeting {
     uint inside;           /* 1: the ray comes from behind the front side */
 } mcv_meeting;
 
-MCV_FUNCTION mcv_meeting mcv_meet(mcv_world world, mcv_vec3 direction, uint triangle, float u, float v) {
+MCV_FUNCTION mcv_meeting mcv_meet_at(mcv_surface surface, mcv_vec3 direction) {
     mcv_meeting meeting;
-    meeting.surface = mcv_surface_at(world, triangle, u, v);
+    meeting.surface = surface;
     meeting.direction = direction;
     meeting.inside = mcv_dot(direction, meeting.surface.face) > 0.0f;
     meeting.face = mcv_scale(meeting.surface.face, meeting.inside ? -1.0f : 1.0f);
     meeting.normal = mcv_scale(meeting.surface.normal, meeting.inside ? -1.0f : 1.0f);
     if (!(mcv_dot(direction, meeting.normal) < 0.0f)) meeting.normal = meeting.face;
     return meeting;
+}
+
+MCV_FUNCTION mcv_meeting mcv_meet(mcv_world world, mcv_vec3 direction, uint triangle, float u, float v) {
+    return mcv_meet_at(mcv_surface_at(world, triangle, u, v), direction);
 }
 
 /* How a path goes on. */

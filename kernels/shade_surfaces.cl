@@ -4,11 +4,10 @@
  * exactly once. reads ray, hit -> writes radiance, and ray, throughput, media, density | ends
  */
 #include "identity.h"
-#include "path.h"
-#include "scatter.h"
+#include "meet_surface.h"
 
 /* 1 if the path goes on. */
-static int mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_identity id, uint depth, uint *unmatched) {
+static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *unmatched) {
     const uint triangle = MCV_WORD(slot, hit, 3);
     mcv_color throughput;
     mcv_color radiance;
@@ -36,7 +35,7 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_identity id, ui
         return 0;
     }
 
-    const mcv_meeting meeting = mcv_meet(world, MCV_LOAD_3(slot, direction), triangle, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
+    const mcv_meeting meeting = mcv_meet_surface(world, slot);
     const uint emitter = world.instances[meeting.surface.instance].emitter;
     if (emitter != MCV_NONE) {
         const mcv_color met = mcv_emission_met(world, meeting, emitter, media, density, MCV_LOAD(slot, hit, 0));
@@ -44,7 +43,7 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_identity id, ui
         MCV_STORE_COLOR(slot, radiance, radiance);
     }
 
-    const mcv_pair pair = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_SCATTER));
+    const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_SCATTER);
     const mcv_scattering on = mcv_scatter(world, meeting, media, pair, unmatched);
     throughput = mcv_tint(throughput, on.factor);
     float brightest = mcv_brightest(throughput);
@@ -52,7 +51,7 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_identity id, ui
 
     /* Russian roulette, on the throughput alone. */
     if (depth >= 4u && brightest < 1.0f) {
-        const mcv_pair choice = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_CHOICE));
+        const mcv_pair choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
         if (choice.y >= brightest) return 0;
         throughput = mcv_dim(throughput, 1.0f / brightest);
     }

@@ -17,7 +17,7 @@ MCV_FUNCTION mcv_vec3 mcv_to_world(__constant const mcv_frame *frame, mcv_vec3 v
                    mcv_fma(m[6], v.x, mcv_fma(m[7], v.y, m[8] * v.z)));
 }
 
-MCV_FUNCTION mcv_ray mcv_place_sight(__constant const mcv_frame *frame, mcv_sight sight) {
+MCV_LOOP_FUNCTION mcv_ray mcv_place_sight(__constant const mcv_frame *frame, mcv_sight sight) {
     __constant const float *m = frame->to_world;
     mcv_ray ray;
     ray.origin = mcv_add(mcv_to_world(frame, sight.origin), mcv_vec(m[9], m[10], m[11]));
@@ -30,7 +30,7 @@ MCV_FUNCTION mcv_ray mcv_place_sight(__constant const mcv_frame *frame, mcv_sigh
  * A ray of sight of a pixel: half of the samples take the whole pupil, half the ellipse of the pixel's aim; weighed by the balance
  * heuristic, density of the pupil over that of the mixture.
  */
-MCV_FUNCTION mcv_sight mcv_aimed_sight(mcv_world world, mcv_film_sample film, mcv_pair pair) {
+MCV_LOOP_FUNCTION mcv_sight mcv_aimed_sight(mcv_world world, mcv_film_sample film, mcv_pair pair) {
     __global const mcv_device_aim *aim = world.aims + (size_t)film.row * world.frame->width + film.column;
     mcv_sight sight;
     float cosine, sine;

@@ -70,7 +70,7 @@ MCV_STAGE_KERNEL(sample_emitters) {
     (void)sums, (void)counters;
     if (i >= lengths[depth]) return;
     const uint path = MCV_ACTIVE(depth)[i];
-    if (mcv_sample_emitter(world, mcv_stream_slot(paths, capacity, path), mcv_identify(world.frame, path), depth)) {
+    if (mcv_sample_emitter(world, mcv_stream_slot(paths, capacity, path), depth)) {
         MCV_SHADOWS[atomic_inc(&MCV_SHADOW_LENGTH(depth))] = path;
     }
 }
@@ -91,7 +91,7 @@ MCV_STAGE_KERNEL(shade_surfaces) {
     if (i >= lengths[depth]) return;
     const uint path = MCV_ACTIVE(depth)[i];
     const mcv_slot slot = mcv_stream_slot(paths, capacity, path);
-    if (mcv_shade_surface(world, slot, mcv_identify(world.frame, path), depth, &unmatched)) {
+    if (mcv_shade_surface(world, slot, depth, &unmatched)) {
         MCV_ACTIVE(depth + 1u)[atomic_inc(&lengths[depth + 1u])] = path;
         /* What the depth limit cuts. */
         if (depth + 1u == world.frame->depth) atomic_add(&counters[MCV_COUNTER_lost], mcv_lost_energy(slot));
@@ -107,7 +107,12 @@ MCV_STAGE_KERNEL(accumulate_film) {
     uint nonfinite = 0;
     (void)queues, (void)lengths, (void)depth;
     if (i >= world.frame->path_count / block) return;
-    mcv_accumulate_block(world, mcv_stream_slot(paths, capacity, i * block), block, sums + (size_t)i * (2 * MCV_CHANNELS), &nonfinite);
+    for (uint channel = 0; channel < MCV_CHANNELS; ++channel) {
+        float values[MCV_BLOCK];
+        for (uint k = 0; k < block; ++k)
+            values[k] = mcv_path_value(world, mcv_stream_slot(paths, capacity, i * block + k), channel, &nonfinite);
+        mcv_accumulate_block(values, block, sums + (size_t)(i * MCV_CHANNELS + channel) * 2);
+    }
     if (nonfinite > 0) atomic_add(&counters[MCV_COUNTER_nonfinite], nonfinite);
 }
 

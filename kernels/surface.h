@@ -9,6 +9,11 @@
 #include "texture.h"
 #endif
 
+/* The three vertices of a triangle and its instance. No vector: the compiler vectorises loops of scalars only. */
+typedef struct mcv_corners {
+    uint x, y, z, w;
+} mcv_corners;
+
 typedef struct mcv_surface {
     mcv_vec3 point, error; /* [m]; |error of a coordinate| */
     mcv_vec3 face;         /* unit normal of the triangle, on the front side */
@@ -16,11 +21,21 @@ typedef struct mcv_surface {
     float area;            /* of the triangle [m²] */
     uint triangle, instance;
     float u, v;
-    uint4 corners;
+    mcv_corners corners;
 } mcv_surface;
 
 MCV_FUNCTION mcv_vec3 mcv_vertex_vector(__global const float *vectors, uint vertex) {
     return mcv_vec(vectors[3 * vertex], vectors[3 * vertex + 1], vectors[3 * vertex + 2]);
+}
+
+MCV_FUNCTION mcv_corners mcv_triangle_corners(mcv_world world, uint triangle) {
+    __global const uint *words = (__global const uint *)(world.triangles + triangle);
+    mcv_corners corners;
+    corners.x = words[0];
+    corners.y = words[1];
+    corners.z = words[2];
+    corners.w = words[3];
+    return corners;
 }
 
 #if MCV_WITH_NORMALS
@@ -30,9 +45,9 @@ MCV_FUNCTION mcv_vec3 mcv_interpolate(mcv_vec3 a, mcv_vec3 b, mcv_vec3 c, float 
 #endif
 
 /* The place (u, v) on a triangle. */
-MCV_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, float u, float v) {
+MCV_LOOP_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, float u, float v) {
     mcv_surface surface;
-    const uint4 corners = world.triangles[triangle];
+    const mcv_corners corners = mcv_triangle_corners(world, triangle);
     const mcv_vec3 a = mcv_vertex_vector(world.positions, corners.x);
     const mcv_vec3 b = mcv_vertex_vector(world.positions, corners.y);
     const mcv_vec3 c = mcv_vertex_vector(world.positions, corners.z);
@@ -47,13 +62,11 @@ MCV_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, float u,
     surface.area = 0.5f * mcv_sqrt(mcv_dot(doubled, doubled));
     surface.normal = surface.face;
 #if MCV_WITH_NORMALS
-    if (world.instances[corners.w].smooth) {
-        const mcv_vec3 n =
-            mcv_normalize(mcv_interpolate(mcv_vertex_vector(world.normals, corners.x), mcv_vertex_vector(world.normals, corners.y),
-                                          mcv_vertex_vector(world.normals, corners.z), u, v));
-        /* Opposite vertex normals may cancel: the face's then. */
-        if (mcv_dot(n, n) > 0.5f) surface.normal = n;
-    }
+    const mcv_vec3 n =
+        mcv_normalize(mcv_interpolate(mcv_vertex_vector(world.normals, corners.x), mcv_vertex_vector(world.normals, corners.y),
+                                      mcv_vertex_vector(world.normals, corners.z), u, v));
+    /* Opposite vertex normals may cancel, and those of a flat mesh are 0: the face's then. */
+    surface.normal = mcv_choose(mcv_dot(n, n) > 0.5f, n, surface.face);
 #endif
     return surface;
 }

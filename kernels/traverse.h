@@ -328,15 +328,18 @@ static inline __attribute__((noinline)) int mcv_intersect_any_ray(__global const
 #define MCV_INTERLEAVED 16
 #endif
 
-/* Vectors in memory: component k of number i is base[i * step + k * component]. */
+/* Vectors in memory, of bits: component k of number i is base[i * step + k * component]. */
+#ifndef MCV_ROWS_SPACE
+#define MCV_ROWS_SPACE __global
+#endif
 typedef struct mcv_rows {
-    __global const float *base;
+    MCV_ROWS_SPACE const uint *base;
     uint step, component;
 } mcv_rows;
 
 static inline mcv_vec3 mcv_row(mcv_rows rows, uint i) {
-    __global const float *v = rows.base + (size_t)i * rows.step;
-    return mcv_vec(v[0], v[rows.component], v[2u * rows.component]);
+    MCV_ROWS_SPACE const uint *v = rows.base + (size_t)i * rows.step;
+    return mcv_vec(as_float(v[0]), as_float(v[rows.component]), as_float(v[2u * rows.component]));
 }
 
 /* A ray on its way. */

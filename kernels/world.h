@@ -86,7 +86,8 @@ typedef struct mcv_color {
     float c[MCV_CHANNELS];
 } mcv_color;
 
-#define MCV_EACH_CHANNEL(i) for (int i = 0; i < MCV_CHANNELS; ++i)
+/* Unrolled: a loop within keeps a loop over paths from being vectorised. */
+#define MCV_EACH_CHANNEL(i) _Pragma("unroll") for (int i = 0; i < MCV_CHANNELS; ++i)
 
 MCV_FUNCTION mcv_color mcv_grey(float value) {
     mcv_color color;

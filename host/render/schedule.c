@@ -34,6 +34,8 @@ static mcv_result open_stream(mcv_schedule *s, const char *options, mcv_error *e
     if (runs) MCV_TRY(mcv_cl_kernel(s->program, #stage, &s->kernels[MCV_KERNEL_##stage], error));
     MCV_STREAM_KERNELS(MCV_X)
 #undef MCV_X
+    const size_t path_bytes = 4 * (size_t)mcv_path_words(s->scene->packed.features, s->scene->packed.channels);
+    MCV_TRY(mcv_cl_buffer(s->cl, "the paths of a launch", path_bytes * s->capacity, NULL, &s->paths, error));
     MCV_TRY(mcv_cl_buffer(s->cl, "the queues", 3 * sizeof(cl_uint) * s->capacity, NULL, &s->queues, error));
     return mcv_cl_buffer(s->cl, "the lengths of the queues", 2 * sizeof(cl_uint) * (s->depth + 1), NULL, &s->lengths, error);
 }
@@ -58,7 +60,6 @@ mcv_result mcv_schedule_open(mcv_cl *cl, const mcv_device_scene *scene, uint32_t
     mcv_feature_options(packed->features, packed->channels, sensor_type, options->sampler, s->slice, defines, sizeof defines);
     MCV_TRY(s->kind == MCV_SCHEDULE_TILE ? open_tile(s, defines, error) : open_stream(s, defines, error));
     const size_t counter_sets = s->kind == MCV_SCHEDULE_TILE ? s->capacity / s->slice : 1;
-    MCV_TRY(mcv_cl_buffer(cl, "the paths of a launch", path_bytes * s->capacity, NULL, &s->paths, error));
     MCV_TRY(mcv_cl_buffer(cl, "the sums of a launch", 8 * (size_t)s->capacity * packed->channels, NULL, &s->sums, error));
     return mcv_cl_buffer(cl, "the counters of a launch", sizeof(cl_uint) * counter_sets * MCV_COUNTER_COUNT, NULL, &s->counters, error);
 }
@@ -124,13 +125,12 @@ static void add_times(mcv_schedule *s, mcv_render_stats *stats) {
 }
 
 static mcv_result start_tile(mcv_schedule *s, const mcv_frame *frame, mcv_error *error) {
-    mcv_arg arguments[MCV_SCENE_ARGUMENTS + 3];
+    mcv_arg arguments[MCV_SCENE_ARGUMENTS + 2];
     mcv_device_scene_arguments(s->scene, arguments);
-    arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->paths);
-    arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->sums);
-    arguments[MCV_SCENE_ARGUMENTS + 2] = MCV_ARG(s->counters);
+    arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->sums);
+    arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->counters);
     s->counter_sets = (frame->path_count + s->slice - 1) / s->slice;
-    return launch(s, MCV_KERNEL_generate_rays, s->counter_sets, 1, arguments, MCV_SCENE_ARGUMENTS + 3, error);
+    return launch(s, MCV_KERNEL_generate_rays, s->counter_sets, 1, arguments, MCV_SCENE_ARGUMENTS + 2, error);
 }
 
 static mcv_result zero(mcv_cl *cl, cl_mem buffer, size_t bytes, mcv_error *error) {

@@ -28,7 +28,7 @@ MCV_FUNCTION float mcv_cos_octant(float x) {
  * The unit square to the unit disk by area, neighbours staying neighbours (Shirley and Chiu 1997). Writes cos and sin of
  * the angle, returns the radius in [0, 1].
  */
-MCV_FUNCTION float mcv_disk(float xi, float eta, float *cosine, float *sine) {
+MCV_LOOP_FUNCTION float mcv_disk(float xi, float eta, float *cosine, float *sine) {
     const float a = mcv_fma(2.0f, xi, -1.0f);
     const float b = mcv_fma(2.0f, eta, -1.0f);
     const int wide = mcv_abs(a) > mcv_abs(b);

@@ -46,7 +46,7 @@ MCV_FUNCTION uint mcv_pick(float xi, uint count) {
     return i < count ? i : count - 1u;
 }
 
-MCV_FUNCTION mcv_sight mcv_light_field_sample(MCV_CONSTANT const mcv_light_field *sensor, mcv_film_sample film, float xi, float eta) {
+MCV_LOOP_FUNCTION mcv_sight mcv_light_field_sample(MCV_CONSTANT const mcv_light_field *sensor, mcv_film_sample film, float xi, float eta) {
     mcv_sight sight;
     const uint column = film.column / sensor->angular_width;
     const uint row = film.row / sensor->angular_height;

@@ -21,7 +21,7 @@ typedef struct mcv_pinhole {
 } mcv_pinhole;
 MCV_ASSERT_SIZE(mcv_pinhole, 32);
 
-MCV_FUNCTION mcv_sight mcv_pinhole_sample(MCV_CONSTANT const mcv_pinhole *sensor, mcv_film_sample film, float xi, float eta) {
+MCV_LOOP_FUNCTION mcv_sight mcv_pinhole_sample(MCV_CONSTANT const mcv_pinhole *sensor, mcv_film_sample film, float xi, float eta) {
     mcv_sight sight;
     (void)xi;
     (void)eta;

@@ -43,7 +43,8 @@ typedef struct mcv_telecentric {
 MCV_ASSERT_SIZE(mcv_telecentric, 48);
 
 /* The ray of sight through a point of the stop, in stop radii. */
-MCV_FUNCTION mcv_sight mcv_telecentric_through(MCV_CONSTANT const mcv_telecentric *sensor, mcv_film_sample film, float p_x, float p_y) {
+MCV_LOOP_FUNCTION mcv_sight mcv_telecentric_through(MCV_CONSTANT const mcv_telecentric *sensor, mcv_film_sample film, float p_x,
+                                                    float p_y) {
     mcv_sight sight;
     const float a_x = sensor->stop_radius * p_x;
     const float a_y = sensor->stop_radius * p_y;
@@ -58,7 +59,7 @@ MCV_FUNCTION mcv_sight mcv_telecentric_through(MCV_CONSTANT const mcv_telecentri
     return sight;
 }
 
-MCV_FUNCTION mcv_sight mcv_telecentric_sample(MCV_CONSTANT const mcv_telecentric *sensor, mcv_film_sample film, float xi, float eta) {
+MCV_LOOP_FUNCTION mcv_sight mcv_telecentric_sample(MCV_CONSTANT const mcv_telecentric *sensor, mcv_film_sample film, float xi, float eta) {
     float cosine, sine;
     const float r = mcv_disk(xi, eta, &cosine, &sine);
     return mcv_telecentric_through(sensor, film, r * cosine, r * sine);

@@ -30,7 +30,7 @@ typedef struct mcv_thin_lens {
 MCV_ASSERT_SIZE(mcv_thin_lens, 48);
 
 /* The ray of sight through a point of the lens, in lens radii. */
-MCV_FUNCTION mcv_sight mcv_thin_lens_through(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_film_sample film, float p_x, float p_y) {
+MCV_LOOP_FUNCTION mcv_sight mcv_thin_lens_through(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_film_sample film, float p_x, float p_y) {
     mcv_sight sight;
     sight.origin = mcv_vec(sensor->radius * p_x, sensor->radius * p_y, 0.0f);
     sight.direction =
@@ -40,7 +40,7 @@ MCV_FUNCTION mcv_sight mcv_thin_lens_through(MCV_CONSTANT const mcv_thin_lens *s
     return sight;
 }
 
-MCV_FUNCTION mcv_sight mcv_thin_lens_sample(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_film_sample film, float xi, float eta) {
+MCV_LOOP_FUNCTION mcv_sight mcv_thin_lens_sample(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_film_sample film, float xi, float eta) {
     float cosine, sine;
     const float r = mcv_disk(xi, eta, &cosine, &sine);
     return mcv_thin_lens_through(sensor, film, r * cosine, r * sine);
