@@ -227,9 +227,9 @@ static mcv_result bench_rays(bench *b, const char *mesh_name, uint32_t triangles
     MCV_TRY(mcv_cl_buffer(&b->tracer.cl, "the hits", RAYS * sizeof *hits, NULL, &out, error));
     for (int i = 0; i < REPETITIONS; ++i) {
         MCV_TRY(time_ours(b, b->tracer.closest, in, out, &closest[OURS][i], error));
-        MCV_TRY(time_ours(b, b->tracer.closest_list, in, out, &closest[TURNS][i], error));
+        MCV_TRY(time_ours(b, b->tracer.closest_turns, in, out, &closest[TURNS][i], error));
         MCV_TRY(time_ours(b, b->tracer.any, in, out, &any[OURS][i], error));
-        MCV_TRY(time_ours(b, b->tracer.any_list, in, out, &any[TURNS][i], error));
+        MCV_TRY(time_ours(b, b->tracer.any_turns, in, out, &any[TURNS][i], error));
         for (int peer = ROBUST; peer < SYSTEMS; ++peer) {
             const double start = now();
             embree_closest(scenes[peer], rays, theirs);

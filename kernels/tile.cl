@@ -7,6 +7,7 @@
 #define MCV_TILE 1
 #define MCV_ROWS_SPACE __private
 #include "world.h"
+#include "bundle.h"
 #if MCV_WITH_AIM
 #include "aim_pupils.cl"
 #endif
@@ -32,26 +33,25 @@
     { (slot).base + MCV_PATH_##field *MCV_SLICE, 1u, MCV_SLICE }
 
 /*
- * The stages that intersect, over the paths of a slice. Rays that have been scattered take turns where the scene is large; those
- * from the sensor go the same way and find in the cache what the one before fetched.
+ * The stages that intersect, over the paths of a slice. Rays from the sensor go the same way and are bundled; those that have been
+ * scattered take turns where the scene is large.
  */
 static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count, uint depth) {
-#if MCV_WITH_INTERLEAVE
-    if (depth > 0) {
-        const mcv_rows origins = MCV_ROWS(slot, origin), directions = MCV_ROWS(slot, direction);
-        uint all[MCV_SLICE];
-        mcv_hit hits[MCV_SLICE];
-        for (uint i = 0; i < count; ++i) {
-            all[i] = i;
-            hits[i].t = INFINITY;
-        }
-        mcv_intersect_closest_list(world.nodes, world.leaves, origins, directions, all, count, hits);
-        for (slot.index = 0; slot.index < count; ++slot.index) mcv_arrive(world, slot, hits[slot.index]);
-        return;
+    const mcv_rows origins = MCV_ROWS(slot, origin), directions = MCV_ROWS(slot, direction);
+    uint all[MCV_SLICE];
+    mcv_hit hits[MCV_SLICE];
+    for (uint i = 0; i < count; ++i) {
+        all[i] = i;
+        hits[i] = mcv_miss(INFINITY);
     }
+#if MCV_WITH_INTERLEAVE
+    if (depth > 0)
+        mcv_intersect_closest_turns(world.nodes, world.leaves, origins, directions, all, count, hits);
+    else
 #endif
+        mcv_intersect_closest_bundles(world.nodes, world.leaves, origins, directions, all, count, hits);
     (void)depth;
-    for (slot.index = 0; slot.index < count; ++slot.index) mcv_intersect_closest(world, slot);
+    for (slot.index = 0; slot.index < count; ++slot.index) mcv_arrive(world, slot, hits[slot.index]);
 }
 
 #if MCV_WITH_NEXT_EVENT
@@ -65,13 +65,13 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
         for (uint i = 0; i < count; ++i) {
             slot.index = paths[i];
             if (mcv_shadow_is_any(slot) != any) continue;
-            hits[chosen_count].t = any ? 1.0f : INFINITY;
+            hits[chosen_count] = mcv_miss(any ? 1.0f : INFINITY);
             chosen[chosen_count++] = paths[i];
         }
         if (any)
-            mcv_intersect_any_list(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
+            mcv_intersect_any_turns(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
         else
-            mcv_intersect_closest_list(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
+            mcv_intersect_closest_turns(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
         for (uint i = 0; i < chosen_count; ++i) {
             slot.index = chosen[i];
             if (any ? hits[i].triangle == MCV_NONE : mcv_meets_target(world, slot, hits[i])) mcv_add_shadow_light(world, slot, hits[i]);

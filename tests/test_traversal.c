@@ -84,8 +84,8 @@ static void test_same_hit_as_all_triangles(void **state) {
     enum { COUNT = 220000 * RAY_FACTOR };
     mesh meshes[] = {mesh_sphere(5, 0.1), mesh_terrain(12, 0.3, 1), mesh_needles(250, 2), mesh_bipyramid(120), mesh_duplicates(256, 3)};
     batch_ray *rays = calloc(COUNT, sizeof *rays);
-    mcv_hit *got = calloc(COUNT, sizeof *got), *wanted = calloc(COUNT, sizeof *wanted), *got_list = calloc(COUNT, sizeof *got_list);
-    int *found = calloc(COUNT, sizeof *found), *found_list = calloc(COUNT, sizeof *found_list);
+    mcv_hit *got = calloc(COUNT, sizeof *got), *wanted = calloc(COUNT, sizeof *wanted), *got_many = calloc(COUNT, sizeof *got_many);
+    int *found = calloc(COUNT, sizeof *found), *found_many = calloc(COUNT, sizeof *found_many);
     uint32_t hits = 0, wrong = 0;
     for (uint32_t number = 0; number < sizeof meshes / sizeof meshes[0]; ++number) {
         mesh *m = meshes + number;
@@ -95,15 +95,18 @@ static void test_same_hit_as_all_triangles(void **state) {
         run(device.closest, rays, COUNT, got);
         run(device.any, rays, COUNT, found);
         run(device.all, rays, COUNT, wanted);
-        run(device.closest_list, rays, COUNT, got_list);
-        run(device.any_list, rays, COUNT, found_list);
+        for (int bundles = 0; bundles < 2; ++bundles) {
+            run(bundles ? device.closest_bundles : device.closest_turns, rays, COUNT, got_many);
+            run(bundles ? device.any_bundles : device.any_turns, rays, COUNT, found_many);
+            for (uint32_t i = 0; i < COUNT; ++i) {
+                const bool same = memcmp(got + i, got_many + i, sizeof *got) == 0 && found[i] == found_many[i];
+                if (!same && wrong++ < 5) print_error("mesh %u, ray %u: another answer in %s\n", number, i, bundles ? "a bundle" : "turns");
+            }
+        }
         for (uint32_t i = 0; i < COUNT; ++i) {
             hits += wanted[i].triangle != MCV_NONE;
             /* Of the four equal triangles in a plane of the last mesh only the first may be seen. */
             if (number == 4 && wanted[i].triangle != MCV_NONE && wanted[i].triangle % 8 - 1 < 3) ++wrong;
-            /* Rays that take turns find what they find alone. */
-            const bool same_list = memcmp(got + i, got_list + i, sizeof *got) == 0 && found[i] == found_list[i];
-            if (!same_list && wrong++ < 5) print_error("mesh %u, ray %u: another answer when rays take turns\n", number, i);
             if (memcmp(got + i, wanted + i, sizeof *got) == 0 && found[i] == (wanted[i].triangle != MCV_NONE)) continue;
             if (wrong++ < 5) {
                 print_error("mesh %u, ray %u from (%a, %a, %a) along (%a, %a, %a): hierarchy t %a, u %a, v %a, triangle %u (any: %d), all "
@@ -122,8 +125,8 @@ static void test_same_hit_as_all_triangles(void **state) {
     assert_true(hits > 3 * COUNT);
     free(rays);
     free(got);
-    free(got_list);
-    free(found_list);
+    free(got_many);
+    free(found_many);
     free(wanted);
     free(found);
 }
@@ -419,11 +422,15 @@ static void test_odd_rays_miss(void **state) {
         load(&m, &bvh);
         run(device.closest, odd, COUNT, hits);
         run(device.any, odd, COUNT, found);
-        for (int i = 0; i < 2 * COUNT; ++i) {
-            /* Once more, taking turns. */
+        for (int i = 0; i < 3 * COUNT; ++i) {
+            /* Twice more, in turns and in bundles. */
             if (i == COUNT) {
-                run(device.closest_list, odd, COUNT, hits);
-                run(device.any_list, odd, COUNT, found);
+                run(device.closest_turns, odd, COUNT, hits);
+                run(device.any_turns, odd, COUNT, found);
+            }
+            if (i == 2 * COUNT) {
+                run(device.closest_bundles, odd, COUNT, hits);
+                run(device.any_bundles, odd, COUNT, found);
             }
             const int ray = i % COUNT;
             if (hits[ray].triangle != MCV_NONE || found[ray])

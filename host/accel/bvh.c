@@ -80,6 +80,14 @@ static uint32_t open_record(builder *b, const task *t, mcv_record children[MCV_B
         const mcv_record opened = children[chosen];
         mcv_record_split(&b->splitter, &opened, halve, children + chosen, children + count++);
     }
+    /* Where any hit will do, children are visited in their order: those that cost least first. */
+    for (uint32_t i = 1; i < count; ++i) {
+        const mcv_record moved = children[i];
+        uint32_t place = i;
+        for (; place > 0 && mcv_record_count(children + place - 1) > mcv_record_count(&moved); --place)
+            children[place] = children[place - 1];
+        children[place] = moved;
+    }
     return count;
 }
 
