@@ -5,8 +5,8 @@
  * For each scene that ships, at fewer pixels on the same field of view, one launch of the samples 4 … 7 of four replicates:
  *   - seconds, items and bytes of path state of each stage, in the tile schedule (ticks of the processor, kernels/clock.h) and as its
  *     peer in the stream schedule (one launch a stage);
- *   - the rays of that launch, taken from the stream schedule, in the order and the way (one by one or in turns) of the tile schedule,
- * through kernels/intersect.cl and nothing else: rays per second as the peer of the stages that intersect;
+ *   - the rays of that launch, taken from the stream schedule, in the order and the way (in bundles, in turns or one by one) of the tile
+ * schedule, through kernels/intersect.cl and nothing else: rays per second as the peer of the stages that intersect;
  *   - the second half of a render of eight samples, which begins those very paths, with all that the host does then: its rays per second
  *     over those of the bare traversal are the share of the time that the render has for what it is about. All cores.
  */
@@ -247,8 +247,8 @@ typedef struct replay {
 } replay;
 
 static const char *const kernel_names[2][KINDS] = {
-    {"intersect_closest", "intersect_closest", "intersect_any", "intersect_closest"},
-    {"intersect_closest", "intersect_closest_list", "intersect_any_list", "intersect_closest_list"}};
+    {"intersect_closest_bundles", "intersect_closest_bundles", "intersect_any", "intersect_closest"},
+    {"intersect_closest_bundles", "intersect_closest_turns", "intersect_any_turns", "intersect_closest_turns"}};
 
 static mcv_result replay_open(const drive *d, const ray_list lists[KINDS], replay *r, mcv_error *error) {
     const bool turns = d->device.packed.features >> MCV_FEATURE_INTERLEAVE & 1;

@@ -5,10 +5,10 @@
  *
  * The meshes are bumpy spheres of four sizes and the CAD assembly that ships with the scenes. Primary rays come from a camera outside;
  * diffuse rays leave the points they hit in cosine-distributed directions; random rays connect points of the bounding cube. Our rays go one
- * by one, or in turns (kernels/traverse.h): the rows have both, the summary takes turns for diffuse and random rays through 50 000
- * triangles and more. Repetitions of all sides take turns too; a row gives medians, and as spread the largest deviation of any repetition
- * of ours or the peer's from its median. The summary holds the geometric means over the meshes of the ratios to robust Embree, whose
- * answers are comparable to ours.
+ * by one, in turns (kernels/traverse.h) or in bundles (kernels/bundle.h): the rows have all; the summary takes bundles for primary rays,
+ * and turns for diffuse and random rays through MCV_MANY_TRIANGLES and more. Repetitions of all sides take turns too; a row gives medians,
+ * and as spread the largest deviation of any repetition of ours or the peer's from its median. The summary holds the geometric means over
+ * the meshes of the ratios to robust Embree, whose answers are comparable to ours.
  */
 #include <embree3/rtcore.h>
 #include <stdlib.h>
@@ -22,11 +22,10 @@
 
 enum { REPETITIONS = 7, SIDE = 512, RAYS = SIDE * SIDE };
 enum { PRIMARY, DIFFUSE, RANDOM, KINDS };
-enum { OURS, TURNS, ROBUST, FAST, SYSTEMS };
-enum { TURNS_FROM = 50000 }; /* triangles */
+enum { OURS, TURNS, BUNDLES, ROBUST, FAST, SYSTEMS };
 
 static const char *const kind_names[KINDS] = {"primary", "diffuse", "random"};
-static const char *const peer_names[SYSTEMS] = {"", "", "Embree robust", "Embree fast"};
+static const char *const peer_names[SYSTEMS] = {"", "", "", "Embree robust", "Embree fast"};
 
 /* Processor time of all threads, of which one works at a time: other programs on the machine do not count. */
 static double now(void) {
@@ -228,8 +227,10 @@ static mcv_result bench_rays(bench *b, const char *mesh_name, uint32_t triangles
     for (int i = 0; i < REPETITIONS; ++i) {
         MCV_TRY(time_ours(b, b->tracer.closest, in, out, &closest[OURS][i], error));
         MCV_TRY(time_ours(b, b->tracer.closest_turns, in, out, &closest[TURNS][i], error));
+        MCV_TRY(time_ours(b, b->tracer.closest_bundles, in, out, &closest[BUNDLES][i], error));
         MCV_TRY(time_ours(b, b->tracer.any, in, out, &any[OURS][i], error));
         MCV_TRY(time_ours(b, b->tracer.any_turns, in, out, &any[TURNS][i], error));
+        MCV_TRY(time_ours(b, b->tracer.any_bundles, in, out, &any[BUNDLES][i], error));
         for (int peer = ROBUST; peer < SYSTEMS; ++peer) {
             const double start = now();
             embree_closest(scenes[peer], rays, theirs);
@@ -241,14 +242,14 @@ static mcv_result bench_rays(bench *b, const char *mesh_name, uint32_t triangles
     }
     mcv_cl_release(&in);
     mcv_cl_release(&out);
-    for (int way = OURS; way <= TURNS; ++way) {
-        const char *how = way == TURNS ? " in turns" : "";
+    for (int way = OURS; way <= BUNDLES; ++way) {
+        const char *how = way == TURNS ? " in turns" : way == BUNDLES ? " bundled" : "";
         snprintf(what, sizeof what, "closest %s %s%s", kind_names[kind], mesh_name, how);
         report(b, what, closest, way);
         snprintf(what, sizeof what, "any %s %s%s", kind_names[kind], mesh_name, how);
         report(b, what, any, way);
     }
-    const int chosen = kind != PRIMARY && triangles >= TURNS_FROM ? TURNS : OURS;
+    const int chosen = kind == PRIMARY ? BUNDLES : triangles >= MCV_MANY_TRIANGLES ? TURNS : OURS;
     b->log_ratio[kind] += log(median(closest[ROBUST]) / median(closest[chosen]));
     b->log_any += log(median(any[ROBUST]) / median(any[chosen])) / KINDS;
     return MCV_OK;

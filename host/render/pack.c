@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "mcvisi/accel.h"
 #include "scene/emitters.h"
 #include "scene/mesh.h"
 #include "scene/transform.h"
@@ -399,12 +400,6 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
 
 /* What the scene needs */
 
-/*
- * From here on the acceleration structure, some 80 bytes per triangle, is so much larger than a core's caches that rays which diffuse
- * surfaces send everywhere are faster in turns than one after the other (bench/README.md). Rays that are only refracted keep together.
- */
-enum { MANY_TRIANGLES = 200000 };
-
 static uint32_t find_features(const mcv_scene *scene) {
     uint32_t features = 0;
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
@@ -433,7 +428,7 @@ static uint32_t find_features(const mcv_scene *scene) {
     const uint32_t looked_for = 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_LIGHT_FIELD | 1u << MCV_FEATURE_AREA |
                                 1u << MCV_FEATURE_BEAM | 1u << MCV_FEATURE_PUNCTUAL;
     return features | feature(MCV_FEATURE_NEXT_EVENT, (features >> MCV_FEATURE_DIFFUSE & 1) && (features & looked_for)) |
-           feature(MCV_FEATURE_INTERLEAVE, (features >> MCV_FEATURE_DIFFUSE & 1) && scene->triangle_count >= MANY_TRIANGLES);
+           feature(MCV_FEATURE_INTERLEAVE, (features >> MCV_FEATURE_DIFFUSE & 1) && scene->triangle_count >= MCV_MANY_TRIANGLES);
 }
 
 static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
