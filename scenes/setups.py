@@ -189,7 +189,7 @@ def structured_light():
     plate = scene.mesh("plate", grey, [(-0.05, -0.05, 0), (0.05, -0.05, 0), (0.05, 0.05, 0), (-0.05, 0.05, 0)], [(0, 1, 2), (0, 2, 3)])
     scene.node("plate", mesh=plate)
     scene.node("step", mesh=scene.mesh("step", grey, *box((-0.009, -0.008, 0), (0.009, 0.0, 0.004))))
-    scene.node("projector", pose={"target": [0, 0, 0], "distance": "100mm", "azimuth": "-30deg"},
+    scene.node("projector", pose={"target": [0, 0, 0], "distance": "200mm", "azimuth": "-30deg"},
                emitter={"type": "telecentricProjector", "size": ["40mm", "40mm"], "halfAngle": "0.2deg", "power": 0.02,
                         "pattern": {"type": "phaseShift", "steps": 4, "periods": 6, "resolution": [480, 480]}, "index": 0})
     scene.node("camera", translation=[0, 0, 0.150], sensor={"type": "telecentric", "magnification": 0.2, "workingDistance": "150mm", "fNumber": 8,

@@ -195,21 +195,6 @@ static const entry entries[] = {
      {{"wrong: entocentric lens", "scenes/bolts.gltf --sensor entocentric --spp 128", NULL},
       {"right: telecentric lens", "scenes/bolts.gltf --sensor telecentric --spp 128", NULL}},
      say_widths},
-    {"scratch",
-     "Bright field and dark field",
-     "A scratch 100 µm wide in stained steel. Light from where the camera looks shows stains and scratch, light from low around "
-     "it the scratch alone.",
-     {{"wrong: bright field (coaxial light)", "scenes/scratch.gltf --set emitters/ring/radiance=0 --spp 1024", NULL},
-      {"right: dark field (low ring)", "scenes/scratch.gltf --set emitters/coaxial/radiance=0 --spp 256", NULL}},
-     say_scratch},
-    {"engraved",
-     "Ring, dome and coaxial light",
-     "Engraved steel, ground and not quite even. A ring light glares where the surface mirrors it; a dome lights evenly, letters too; a "
-     "coaxial light is mirrored by what is flat and lost in what is milled.",
-     {{"wrong: ring light", "scenes/engraved-ring.gltf --spp 256", NULL},
-      {"better: dome light", "scenes/engraved-dome.gltf --spp 256", NULL},
-      {"right: coaxial light", "scenes/engraved-coaxial.gltf --spp 1024", NULL}},
-     say_letters},
     {"light-field",
      "A light field display before a light field camera",
      "The display shows in each direction a disk at another place; the camera, focused on it, sees each of its pixels in one of its own. "
@@ -227,6 +212,21 @@ static const entry entries[] = {
        "emitters/projector/index"},
       {"right: 30° beside it", "scenes/structured-light.gltf --spp 64", "emitters/projector/index"}},
      say_shift},
+    {"scratch",
+     "Bright field and dark field",
+     "A scratch 100 µm wide in stained steel. Light from where the camera looks shows stains and scratch, light from low around "
+     "it the scratch alone.",
+     {{"wrong: bright field (coaxial light)", "scenes/scratch.gltf --set emitters/ring/radiance=0 --spp 1024", NULL},
+      {"right: dark field (low ring)", "scenes/scratch.gltf --set emitters/coaxial/radiance=0 --spp 256", NULL}},
+     say_scratch},
+    {"engraved",
+     "Ring, dome and coaxial light",
+     "Engraved steel, ground and not quite even. A ring light glares where the surface mirrors it; a dome lights evenly, letters too; a "
+     "coaxial light is mirrored by what is flat and lost in what is milled.",
+     {{"wrong: ring light", "scenes/engraved-ring.gltf --spp 256", NULL},
+      {"better: dome light", "scenes/engraved-dome.gltf --spp 256", NULL},
+      {"right: coaxial light", "scenes/engraved-coaxial.gltf --spp 1024", NULL}},
+     say_letters},
 };
 enum { ENTRIES = sizeof entries / sizeof entries[0] };
 
