@@ -9,6 +9,7 @@
  */
 #include "output/exr.h"
 #include "output/figure.h"
+#include "output/png.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -20,9 +21,9 @@ enum { MAX_IMAGES = 4, MAX_PANELS = 3, TEXT = 128 };
 
 /* --- numbers ---------------------------------------------------------------------------------------------------- */
 
-/* The images of one panel, one channel each: the mean of what there were. */
+/* The images of one panel, one channel each (the mean of what there were), and the first one's standard error. */
 typedef struct images {
-    mcv_image of[MAX_IMAGES];
+    mcv_image of[MAX_IMAGES], error;
 } images;
 
 static double value(const mcv_image *image, uint32_t column, uint32_t row) { return image->pixels[(size_t)row * image->width + column]; }
@@ -59,23 +60,30 @@ static void say_widths(const images *seen, char *text) {
 typedef enum region { REGION_NONE, REGION_DEFECT, REGION_SURROUNDINGS } region;
 typedef region region_of(double x, double y);
 
-/* Contrast to noise |μ1 - μ2|/√((σ1² + σ2²)/2) of two regions; noise is all that is uneven in them. The axis is in the middle. */
-static double contrast_to_noise(const mcv_image *image, double pitch, region_of *classify) {
-    double n[3] = {0}, sum[3] = {0}, squares[3] = {0};
+/* A camera's full well: what is white in the picture fills it. */
+static const double electrons_at_white = 10000;
+
+/*
+ * Contrast to noise |μ1 - μ2|/σ2 of a defect and its surroundings. Noise is what is uneven in these, and the shot noise of a camera's
+ * electrons; that of the render is taken off by its standard errors. The axis is in the middle.
+ */
+static double contrast_to_noise(const images *seen, double pitch, region_of *classify) {
+    const mcv_image *image = seen->of;
+    const double white = mcv_preview_white(image);
+    double n[3] = {0}, sum[3] = {0}, squares[3] = {0}, errors[3] = {0};
     for (uint32_t row = 0; row < image->height; ++row)
         for (uint32_t column = 0; column < image->width; ++column) {
-            const double v = value(image, column, row);
+            const double v = value(image, column, row), error = value(&seen->error, column, row);
             const region r = classify((column + 0.5 - 0.5 * image->width) * pitch, (0.5 * image->height - row - 0.5) * pitch);
             n[r] += 1;
             sum[r] += v;
             squares[r] += v * v;
+            errors[r] += error * error;
         }
-    double mean[3], variance[3];
-    for (int r = REGION_DEFECT; r <= REGION_SURROUNDINGS; ++r) {
-        mean[r] = sum[r] / n[r];
-        variance[r] = squares[r] / n[r] - mean[r] * mean[r];
-    }
-    return fabs(mean[REGION_DEFECT] - mean[REGION_SURROUNDINGS]) / sqrt((variance[REGION_DEFECT] + variance[REGION_SURROUNDINGS]) / 2);
+    const double around = sum[REGION_SURROUNDINGS] / n[REGION_SURROUNDINGS];
+    const double seen_variance = squares[REGION_SURROUNDINGS] / n[REGION_SURROUNDINGS] - around * around;
+    const double uneven = fmax(seen_variance - errors[REGION_SURROUNDINGS] / n[REGION_SURROUNDINGS], 0);
+    return fabs(sum[REGION_DEFECT] / n[REGION_DEFECT] - around) / sqrt(uneven + white * around / electrons_at_white);
 }
 
 static const double part_pitch = 51e-6; /* of the cameras in scenes/setups.py: 25.5 µm at m = 1/2 */
@@ -103,11 +111,11 @@ static region about_letters(double x, double y) {
 }
 
 static void say_scratch(const images *seen, char *text) {
-    snprintf(text, TEXT, "contrast to noise %.1f", contrast_to_noise(seen->of, part_pitch, about_scratch));
+    snprintf(text, TEXT, "contrast to noise %.1f", contrast_to_noise(seen, part_pitch, about_scratch));
 }
 
 static void say_letters(const images *seen, char *text) {
-    snprintf(text, TEXT, "contrast to noise %.1f", contrast_to_noise(seen->of, part_pitch, about_letters));
+    snprintf(text, TEXT, "contrast to noise %.1f", contrast_to_noise(seen, part_pitch, about_letters));
 }
 
 /* The phase of the pattern from its four steps. */
@@ -251,17 +259,24 @@ static void list(void) {
 }
 
 /* The mean of its channels. */
-static mcv_result read_grey(const char *path, mcv_image *grey, mcv_error *error) {
-    mcv_exr exr;
-    MCV_TRY(mcv_exr_read(path, &exr, error));
-    const mcv_image *image = &exr.parts[0].image;
+static mcv_result grey_of(const mcv_image *image, mcv_image *grey, mcv_error *error) {
     const size_t pixels = (size_t)image->width * image->height;
-    const mcv_result result = mcv_image_new(grey, image->width, image->height, 1, error);
-    for (size_t i = 0; result == MCV_OK && i < pixels; ++i) {
+    MCV_TRY(mcv_image_new(grey, image->width, image->height, 1, error));
+    for (size_t i = 0; i < pixels; ++i) {
         double sum = 0;
         for (uint32_t c = 0; c < image->channels; ++c) sum += image->pixels[c * pixels + i];
         grey->pixels[i] = (float)(sum / image->channels);
     }
+    return MCV_OK;
+}
+
+static mcv_result read_image(const char *path, mcv_image *image, mcv_image *error_image, mcv_error *error) {
+    mcv_exr exr;
+    MCV_TRY(mcv_exr_read(path, &exr, error));
+    mcv_result result = grey_of(&exr.parts[0].image, image, error);
+    if (result == MCV_OK && error_image)
+        result = exr.part_count > 1 ? grey_of(&exr.parts[1].image, error_image, error)
+                                    : mcv_fail(error, MCV_BAD_INPUT, "%s: has no standard errors", path);
     mcv_exr_free(&exr);
     return result;
 }
@@ -272,14 +287,15 @@ static mcv_result say_number(const entry *e, int number, const char *renders, ch
     for (int n = 0; n < count_images(e->panels + number) && result == MCV_OK; ++n) {
         char path[4096];
         snprintf(path, sizeof path, "%s/%s-%d-%d.exr", renders, e->name, number, n);
-        result = read_grey(path, seen.of + n, error);
+        result = read_image(path, seen.of + n, n == 0 ? &seen.error : NULL, error);
     }
     if (result == MCV_OK) e->say(&seen, text);
     for (int n = 0; n < MAX_IMAGES; ++n) mcv_image_free(seen.of + n);
+    mcv_image_free(&seen.error);
     return result;
 }
 
-enum { WIDTH = 280, HEIGHT = 210, MARGIN = 8, LINES = 44 };
+enum { WIDTH = 224, HEIGHT = 168, MARGIN = 8, LINES = 40, LETTERS = 11 };
 
 static mcv_result draw_panel(cairo_t *page, int x, const entry *e, int number, const char *renders, const char *text, mcv_error *error) {
     char path[4096];
@@ -290,13 +306,37 @@ static mcv_result draw_panel(cairo_t *page, int x, const entry *e, int number, c
     cairo_translate(page, x, MARGIN);
     cairo_scale(page, (double)WIDTH / cairo_image_surface_get_width(picture), (double)HEIGHT / cairo_image_surface_get_height(picture));
     cairo_set_source_surface(page, picture, 0, 0);
-    cairo_pattern_set_filter(cairo_get_source(page), CAIRO_FILTER_NEAREST);
+    cairo_pattern_set_filter(cairo_get_source(page),
+                             cairo_image_surface_get_width(picture) < WIDTH ? CAIRO_FILTER_NEAREST : CAIRO_FILTER_GOOD);
     cairo_paint(page);
     cairo_restore(page);
     cairo_surface_destroy(picture);
-    mcv_page_text(page, x + WIDTH / 2.0, MARGIN + HEIGHT + 18, 0.5, e->panels[number].caption);
-    mcv_page_text(page, x + WIDTH / 2.0, MARGIN + HEIGHT + 36, 0.5, text);
+    mcv_page_text(page, x + WIDTH / 2.0, MARGIN + HEIGHT + 16, 0.5, e->panels[number].caption);
+    mcv_page_text(page, x + WIDTH / 2.0, MARGIN + HEIGHT + 31, 0.5, text);
     return status == CAIRO_STATUS_SUCCESS ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: cairo: %s", path, cairo_status_to_string(status));
+}
+
+/* Grey where the page is, which takes less room than cairo's PNG. Frees the page. */
+static mcv_result write_page(cairo_t *page, const char *path, mcv_error *error) {
+    cairo_surface_t *surface = cairo_get_target(page);
+    cairo_surface_flush(surface);
+    const uint32_t width = (uint32_t)cairo_image_surface_get_width(surface), height = (uint32_t)cairo_image_surface_get_height(surface);
+    const size_t pixels = (size_t)width * height, stride = (size_t)cairo_image_surface_get_stride(surface);
+    const unsigned char *data = cairo_image_surface_get_data(surface);
+    mcv_image image;
+    mcv_result result = mcv_image_new(&image, width, height, 3, error);
+    bool grey = true;
+    for (size_t i = 0; i < pixels && result == MCV_OK; ++i) {
+        uint32_t rgb;
+        memcpy(&rgb, data + i / width * stride + 4 * (i % width), sizeof rgb);
+        for (int k = 0; k < 3; ++k) image.pixels[(size_t)k * pixels + i] = (float)(rgb >> (16 - 8 * k) & 255);
+        grey = grey && (rgb >> 16 & 255) == (rgb >> 8 & 255) && (rgb & 255) == (rgb >> 8 & 255);
+    }
+    if (grey) image.channels = 1;
+    if (result == MCV_OK) result = mcv_png_write_values(path, &image, 8, error);
+    mcv_image_free(&image);
+    cairo_destroy(page);
+    return result;
 }
 
 static mcv_result draw(const entry *e, const char *renders, const char *pictures, mcv_error *error) {
@@ -304,13 +344,13 @@ static mcv_result draw(const entry *e, const char *renders, const char *pictures
     char texts[MAX_PANELS][TEXT], path[4096];
     cairo_t *page;
     for (int k = 0; k < panels; ++k) MCV_TRY(say_number(e, k, renders, texts[k], error));
-    MCV_TRY(mcv_page_new(&page, (uint32_t)(MARGIN + panels * (WIDTH + MARGIN)), HEIGHT + MARGIN + LINES, 13, error));
+    MCV_TRY(mcv_page_new(&page, (uint32_t)(MARGIN + panels * (WIDTH + MARGIN)), HEIGHT + MARGIN + LINES, LETTERS, error));
     mcv_result result = MCV_OK;
     for (int k = 0; k < panels && result == MCV_OK; ++k)
         result = draw_panel(page, MARGIN + k * (WIDTH + MARGIN), e, k, renders, texts[k], error);
     snprintf(path, sizeof path, "%s/%s.png", pictures, e->name);
     if (result == MCV_OK)
-        MCV_TRY(mcv_page_write(page, path, error));
+        MCV_TRY(write_page(page, path, error));
     else
         cairo_destroy(page);
     printf("\n### %s\n\n%s\n\n![%s](../%s)\n\n", e->title, e->text, e->title, path);
