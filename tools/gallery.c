@@ -60,7 +60,7 @@ static void say_widths(const images *seen, char *text) {
 typedef enum region { REGION_NONE, REGION_DEFECT, REGION_SURROUNDINGS } region;
 typedef region region_of(double x, double y);
 
-/* A camera's full well: what is white in the picture fills it. */
+/* A camera's full well: what is white in the picture fills it, and more is lost. */
 static const double electrons_at_white = 10000;
 
 /*
@@ -73,7 +73,7 @@ static double contrast_to_noise(const images *seen, double pitch, region_of *cla
     double n[3] = {0}, sum[3] = {0}, squares[3] = {0}, errors[3] = {0};
     for (uint32_t row = 0; row < image->height; ++row)
         for (uint32_t column = 0; column < image->width; ++column) {
-            const double v = value(image, column, row), error = value(&seen->error, column, row);
+            const double v = fmin(value(image, column, row), white), error = value(&seen->error, column, row);
             const region r = classify((column + 0.5 - 0.5 * image->width) * pitch, (0.5 * image->height - row - 0.5) * pitch);
             n[r] += 1;
             sum[r] += v;
