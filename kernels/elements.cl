@@ -6,6 +6,9 @@
 #include "world.h"
 #include "mcvisi/emitters/parallel.h"
 #include "mcvisi/materials/dielectric.h"
+#if MCV_WITH_GLOSS
+#include "gloss.h"
+#endif
 
 /* cases: column, row, x, y, ξ, η as words (integers first); sights: origin, direction, weight. */
 __kernel void sample_sensor(__constant const mcv_sensor *sensor, __global const uint *cases, __global float *sights) {
@@ -62,6 +65,40 @@ __kernel void sample_cones(__global const float *cases, __global float *directio
     directions[3 * i + 1] = d.y;
     directions[3 * i + 2] = d.z;
 }
+
+#if MCV_WITH_GLOSS
+/* A glossy surface, before its albedos. */
+typedef struct mcv_gloss_element {
+    mcv_device_gloss material;
+    mcv_gloss gloss;
+    uint padding[6];
+} mcv_gloss_element;
+
+/* cases: o, i; results: f cosθ of the first channel, density. */
+__kernel void evaluate_gloss(__global const mcv_gloss_element *element, __global const float *cases, __global float *results) {
+    const uint k = get_global_id(0);
+    __global const float *in = cases + 6 * k;
+    __global const float *albedos = (__global const float *)(element + 1);
+    const mcv_vec3 o = mcv_vec(in[0], in[1], in[2]);
+    const mcv_lobes lobes = mcv_gloss_lobes(&element->material, element->gloss, albedos, o);
+    const mcv_response response = mcv_gloss_respond(&element->material, element->gloss, albedos, lobes, o, mcv_vec(in[3], in[4], in[5]));
+    results[2 * k] = response.value.c[0];
+    results[2 * k + 1] = response.density;
+}
+
+/* cases: o, ξ, η, choice; directions. */
+__kernel void sample_gloss(__global const mcv_gloss_element *element, __global const float *cases, __global float *directions) {
+    const uint k = get_global_id(0);
+    __global const float *in = cases + 6 * k;
+    __global const float *albedos = (__global const float *)(element + 1);
+    const mcv_vec3 o = mcv_vec(in[0], in[1], in[2]);
+    const mcv_lobes lobes = mcv_gloss_lobes(&element->material, element->gloss, albedos, o);
+    const mcv_vec3 i = mcv_gloss_sample(&element->material, element->gloss, lobes, o, in[3], in[4], in[5]);
+    directions[3 * k] = i.x;
+    directions[3 * k + 1] = i.y;
+    directions[3 * k + 2] = i.z;
+}
+#endif
 
 /* exp(-x) */
 __kernel void attenuate(__global const float *x, __global float *y) {

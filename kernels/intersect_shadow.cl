@@ -18,7 +18,12 @@ static void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_hit hit) {
 #endif
 #if MCV_WITH_ABSORPTION
     const mcv_vec3 direction = MCV_LOAD_3(slot, shadow_direction);
-    light = mcv_tint(light, mcv_medium_transmittance(world, MCV_WORD(slot, media, 0), hit.t * mcv_sqrt(mcv_dot(direction, direction))));
+#if MCV_WITH_GLOSS
+    const uint media = MCV_WORD(slot, shadow_media, 0);
+#else
+    const uint media = MCV_WORD(slot, media, 0);
+#endif
+    light = mcv_tint(light, mcv_medium_transmittance(world, media, hit.t * mcv_sqrt(mcv_dot(direction, direction))));
 #else
     (void)world, (void)hit;
 #endif

@@ -173,14 +173,21 @@ static int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) {
 
     /* What the surface makes of it, and the balance heuristic against its own choice. */
     if (!(mcv_brightest(shadow.light) > 0.0f)) return 0;
-    const mcv_response response = mcv_respond(world, meeting, mcv_normalize(shadow.direction));
+    uint media = 0;
+#if MCV_WITH_DIELECTRIC
+    media = MCV_WORD(slot, media, 0);
+#endif
+    const mcv_response response = mcv_respond(world, meeting, media, mcv_normalize(shadow.direction));
     if (!(mcv_brightest(response.value) > 0.0f)) return 0;
     mcv_color light;
     MCV_LOAD_COLOR(slot, throughput, light);
     light = mcv_tint(mcv_tint(light, response.value), shadow.light);
     if (shadow.density > 0.0f) light = mcv_dim(light, shadow.density / (shadow.density + response.density));
 #if MCV_WITH_DIELECTRIC
-    light = mcv_dim(light, world.media[mcv_filling_medium(MCV_WORD(slot, media, 0))].inverse_index_squared);
+    light = mcv_dim(light, world.media[mcv_filling_medium(response.media)].inverse_index_squared);
+#if MCV_WITH_GLOSS
+    MCV_WORD(slot, shadow_media, 0) = response.media;
+#endif
 #endif
     MCV_STORE_3(slot, shadow_origin, shadow.origin);
     MCV_STORE_3(slot, shadow_direction, shadow.direction);

@@ -44,7 +44,12 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
     }
 
     const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_SCATTER);
-    const mcv_scattering on = mcv_scatter(world, meeting, media, pair, unmatched);
+    float chosen = 0.0f;
+#if MCV_WITH_GLOSS
+    /* The other number of this pair plays roulette; this one has chosen an emitter, which is another estimate. */
+    chosen = mcv_draw(slot, depth, MCV_PAIR_CHOICE).x;
+#endif
+    const mcv_scattering on = mcv_scatter(world, meeting, media, pair, chosen, unmatched);
     throughput = mcv_tint(throughput, on.factor);
     float brightest = mcv_brightest(throughput);
     if (!(brightest > 0.0f)) return 0;

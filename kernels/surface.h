@@ -86,6 +86,22 @@ MCV_FUNCTION mcv_color mcv_texture_at(mcv_world world, mcv_surface surface, uint
 }
 #endif
 
+#if MCV_WITH_GLOSS
+/* The direction that lies at an angle, given by its cosine and sine, from the tangent; along the surface only about. */
+MCV_FUNCTION mcv_vec3 mcv_tangent(mcv_world world, mcv_surface surface, __global const float *angle) {
+    const uint corners[3] = {surface.corners.x, surface.corners.y, surface.corners.z};
+    const float weights[3] = {1.0f - surface.u - surface.v, surface.u, surface.v};
+    mcv_vec3 tangent = mcv_vec(0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < 3; ++i) {
+        __global const float *t = world.tangents + 4 * corners[i];
+        tangent = mcv_along(tangent, weights[i], mcv_vec(t[0], t[1], t[2]));
+    }
+    const float hand = world.tangents[4 * surface.corners.x + 3];
+    const mcv_vec3 x = mcv_normalize(mcv_along(tangent, -mcv_dot(tangent, surface.normal), surface.normal));
+    return mcv_along(mcv_scale(x, angle[0]), hand * angle[1], mcv_cross(surface.normal, x));
+}
+#endif
+
 /* Reflectance or transmittance, texture included. */
 MCV_FUNCTION mcv_color mcv_material_value(mcv_world world, mcv_surface surface, uint material) {
     mcv_color value;

@@ -74,7 +74,7 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         const mcv_meeting meeting = mcv_meet(world, direction, triangle, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
         const uint emitter = world.instances[meeting.surface.instance].emitter;
         radiance = emitter == MCV_NONE ? 0.0f : mcv_emission_met(world, meeting, emitter, on.media, 0.0f, 0.0f).c[0];
-        on = mcv_scatter(world, meeting, on.media, always_refract, &unmatched);
+        on = mcv_scatter(world, meeting, on.media, always_refract, 1.0f, &unmatched);
         point = meeting.surface.point;
         normal = meeting.normal;
         origin = mcv_offset_origin(point, meeting.surface.error, meeting.face, on.direction);

@@ -42,6 +42,9 @@
 #if MCV_WITH_SHEET
 #include "mcvisi/materials/sheet.h"
 #endif
+#if MCV_WITH_GLOSS
+#include "mcvisi/materials/microfacet.h"
+#endif
 
 /* MCV_SENSOR is the sensor's name: its struct and its sample function follow. */
 typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
@@ -59,10 +62,14 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
     X(__global const float, positions) \
     X(__global const float, normals) \
     X(__global const float, texcoords) \
+    X(__global const float, tangents) /* direction and handedness of its bitangent */ \
     X(__global const mcv_device_instance, instances) \
     X(__global const mcv_device_material, materials) \
+    X(__global const mcv_device_gloss, gloss) \
+    X(__global const float, albedos) \
     X(__global const mcv_device_medium, media) \
     X(__global const mcv_device_interface, interfaces) \
+    X(__global const uint, interface_albedos) /* where the albedos of a rough interface begin, or MCV_NONE: smooth */ \
     X(__global const mcv_device_emitter, emitters) \
     X(__global const uint, emitter_cdf) \
     X(__global const mcv_device_texture, textures) \

@@ -46,6 +46,9 @@ static const struct {
     {"materials/sheet.h", BIT(SHEET)},
     {"materials/mirror.h", 0},
     {"materials/beam_splitter.h", 0},
+    {"materials/conductor.h", 0},
+    {"materials/metallic_roughness.h", 0},
+    {"materials/microfacet.h", BIT(GLOSS)},
     {"materials/absorber.h", 0},
 };
 

@@ -38,10 +38,14 @@ static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene 
         {&d->positions, "the vertices", 12 * vertices, p->positions},
         {&d->normals, "the normals", present(p->normals, 12 * vertices), p->normals},
         {&d->texcoords, "the texture coordinates", present(p->texcoords, 8 * vertices), p->texcoords},
+        {&d->tangents, "the tangents", present(p->tangents, 16 * vertices), p->tangents},
         {&d->instances, "the instances", p->instance_count * sizeof *p->instances, p->instances},
         {&d->materials, "the materials", p->material_count * sizeof *p->materials, p->materials},
+        {&d->gloss, "the glossy materials", present(p->gloss, p->material_count * sizeof *p->gloss), p->gloss},
+        {&d->albedos, "the albedos of microfacets", 4 * p->albedo_count, p->albedos},
         {&d->media, "the media", dielectric ? sizeof p->media : 0, p->media},
         {&d->interfaces, "the interfaces", dielectric ? sizeof p->interfaces : 0, p->interfaces},
+        {&d->interface_albedos, "the rough interfaces", dielectric && p->gloss ? sizeof p->interface_albedos : 0, p->interface_albedos},
         {&d->emitters, "the emitters", p->emitter_count * sizeof *p->emitters, p->emitters},
         {&d->emitter_cdf, "the emitters' areas", emitters ? 4 * p->cdf_count : 0, p->emitter_cdf},
         {&d->textures, "the list of textures", textures ? p->texture_count * sizeof *p->textures : 0, p->textures},
@@ -63,11 +67,13 @@ static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene 
 
 /* The large arrays, which only the device needs. */
 static void free_vertices(mcv_packed *packed) {
-    float **const arrays[] = {&packed->positions, &packed->normals, &packed->texcoords};
+    float **const arrays[] = {&packed->positions, &packed->normals, &packed->texcoords, &packed->tangents};
     uint32_t **const tables[] = {&packed->triangles, &packed->emitter_cdf, &packed->texels};
-    for (size_t i = 0; i < 3; ++i) {
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
         free(*arrays[i]);
         *arrays[i] = NULL;
+    }
+    for (size_t i = 0; i < sizeof tables / sizeof tables[0]; ++i) {
         free(*tables[i]);
         *tables[i] = NULL;
     }

@@ -16,10 +16,14 @@
     X(positions) \
     X(normals) \
     X(texcoords) \
+    X(tangents) \
     X(instances) \
     X(materials) \
+    X(gloss) \
+    X(albedos) \
     X(media) \
     X(interfaces) \
+    X(interface_albedos) \
     X(emitters) \
     X(emitter_cdf) \
     X(textures) \

@@ -75,6 +75,7 @@ uint32_t mcv_sensor_features(const mcv_packed *packed, const mcv_sensor *sensor)
 uint32_t mcv_path_words(uint32_t features, uint32_t channels) {
 #define MCV_CHANNELS channels
 #define MCV_WITH_DIELECTRIC (features >> MCV_FEATURE_DIELECTRIC & 1)
+#define MCV_WITH_GLOSS (features >> MCV_FEATURE_GLOSS & 1)
 #define MCV_WITH_NEXT_EVENT (features >> MCV_FEATURE_NEXT_EVENT & 1)
 #define MCV_X(field, words) +(words)
     return 0 MCV_PATH_FIELDS(MCV_X);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "mcvisi/accel.h"
+#include "render/gloss.h"
 #include "scene/emitters.h"
 #include "scene/mesh.h"
 #include "scene/transform.h"
@@ -23,10 +24,13 @@ void mcv_packed_free(mcv_packed *packed) {
     free(packed->positions);
     free(packed->normals);
     free(packed->texcoords);
+    free(packed->tangents);
     free(packed->indices);
     free(packed->triangles);
     free(packed->instances);
     free(packed->materials);
+    free(packed->gloss);
+    free(packed->albedos);
     free(packed->emitters);
     free(packed->emitter_cdf);
     free(packed->textures);
@@ -102,6 +106,11 @@ static void pack_instance(const mcv_scene *scene, mcv_packed *packed, uint32_t i
             if (!mcv_normalize3(n, n)) memset(n, 0, sizeof n); /* the face's stands in for it */
             for (int k = 0; k < 3; ++k) packed->normals[3 * to + k] = (float)n[k];
         }
+        if (packed->tangents && mesh->tangents) {
+            double t[4];
+            mcv_scene_tangent(scene, index, v, t);
+            for (int k = 0; k < 4; ++k) packed->tangents[4 * to + k] = (float)t[k];
+        }
         if (packed->texcoords && mesh->texcoords) memcpy(packed->texcoords + 2 * to, mesh->texcoords + 2 * (size_t)v, 2 * sizeof(float));
     }
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
@@ -133,6 +142,7 @@ static bool comes_before(const body_medium *a, const body_medium *b) {
  * priority on top. Bodies of one material whose boxes do not touch share a bit.
  */
 static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
+    double index[MCV_MAX_MEDIA + 1] = {1.0};
     const mcv_box *boxes = packed->boxes;
     body_medium media[MCV_MAX_MEDIA];
     uint32_t count = 0;
@@ -173,7 +183,6 @@ static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, mcv_e
     for (uint32_t i = 0; i < scene->instance_count; ++i) packed->instances[i].medium = medium_of[i] > 0 ? place[medium_of[i] - 1] + 1 : 0;
     free(medium_of);
 
-    double index[MCV_MAX_MEDIA + 1] = {1.0};
     for (uint32_t m = 0; m < count; ++m) {
         const mcv_dielectric_params *params = &scene->materials[sorted[m].material].as.dielectric;
         index[m + 1] = params->ior;
@@ -187,7 +196,9 @@ static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, mcv_e
             between->delta = (float)((index[b] - index[a]) * (index[b] + index[a]) / (index[b] * index[b]));
         }
     }
-    return MCV_OK;
+    uint32_t materials[MCV_MAX_MEDIA + 1] = {0};
+    for (uint32_t m = 0; m < count; ++m) materials[m + 1] = sorted[m].material;
+    return packed->gloss ? mcv_pack_interfaces(scene, packed, count, materials, index, error) : MCV_OK;
 }
 
 /*
@@ -242,6 +253,9 @@ static mcv_device_material pack_material(const mcv_material *material) {
     case MCV_MATERIAL_MIRROR:
         value = material->as.mirror.reflectance;
         break;
+    case MCV_MATERIAL_METALLIC_ROUGHNESS:
+        value = material->as.metallic_roughness.baseColor;
+        break;
     case MCV_MATERIAL_SHEET: {
         const double n = material->as.sheet.ior;
         value = material->as.sheet.transmittance;
@@ -261,6 +275,7 @@ static mcv_device_material pack_material(const mcv_material *material) {
         break;
     }
     for (int k = 0; value && k < 3; ++k) out.value[k] = (float)value[k];
+    if (mcv_material_is_rough(material)) out.spreads = 1;
     return out;
 }
 
@@ -410,7 +425,8 @@ static uint32_t find_features(const mcv_scene *scene) {
             feature(MCV_FEATURE_DIFFUSE, material->type == MCV_MATERIAL_DIFFUSE) | feature(MCV_FEATURE_DIELECTRIC, glass) |
             feature(MCV_FEATURE_SHEET, material->type == MCV_MATERIAL_SHEET || material->type == MCV_MATERIAL_BEAM_SPLITTER) |
             feature(MCV_FEATURE_MIRROR, material->type == MCV_MATERIAL_MIRROR) |
-            feature(MCV_FEATURE_TEXTURE, material->texture != MCV_NONE) |
+            feature(MCV_FEATURE_GLOSS, mcv_material_is_rough(material) || material->type == MCV_MATERIAL_CONDUCTOR) |
+            feature(MCV_FEATURE_TEXTURE, material->texture != MCV_NONE || mcv_material_surface_texture(material) != MCV_NONE) |
             feature(MCV_FEATURE_NORMALS, scene->meshes[instance->mesh].normals) |
             feature(MCV_FEATURE_ABSORPTION, glass && (glass->absorption[0] > 0 || glass->absorption[1] > 0 || glass->absorption[2] > 0));
     }
@@ -425,10 +441,11 @@ static uint32_t find_features(const mcv_scene *scene) {
                                                       emitter->type == MCV_EMITTER_DIRECTIONAL) |
                     feature(MCV_FEATURE_TEXTURE, emitter->texture != MCV_NONE);
     }
+    const bool spreads = features & (1u << MCV_FEATURE_DIFFUSE | 1u << MCV_FEATURE_GLOSS);
     const uint32_t looked_for = 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_LIGHT_FIELD | 1u << MCV_FEATURE_AREA |
                                 1u << MCV_FEATURE_BEAM | 1u << MCV_FEATURE_PUNCTUAL;
-    return features | feature(MCV_FEATURE_NEXT_EVENT, (features >> MCV_FEATURE_DIFFUSE & 1) && (features & looked_for)) |
-           feature(MCV_FEATURE_INTERLEAVE, (features >> MCV_FEATURE_DIFFUSE & 1) && scene->triangle_count >= MCV_MANY_TRIANGLES);
+    return features | feature(MCV_FEATURE_NEXT_EVENT, spreads && (features & looked_for)) |
+           feature(MCV_FEATURE_INTERLEAVE, spreads && scene->triangle_count >= MCV_MANY_TRIANGLES);
 }
 
 static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
@@ -474,6 +491,8 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error
     packed->positions = allocate(3 * vertices, sizeof(float), &failed);
     if (packed->features >> MCV_FEATURE_NORMALS & 1) packed->normals = allocate(3 * vertices, sizeof(float), &failed);
     if (packed->features >> MCV_FEATURE_TEXTURE & 1) packed->texcoords = allocate(2 * vertices, sizeof(float), &failed);
+    if (packed->features >> MCV_FEATURE_GLOSS & 1) packed->gloss = allocate(scene->material_count, sizeof *packed->gloss, &failed);
+    if (mcv_scene_has_directions(scene)) packed->tangents = allocate(4 * vertices, sizeof(float), &failed);
     packed->indices = allocate(3 * (size_t)scene->triangle_count, sizeof(uint32_t), &failed);
     packed->triangles = allocate(4 * (size_t)scene->triangle_count, sizeof(uint32_t), &failed);
     packed->instances = allocate(scene->instance_count, sizeof *packed->instances, &failed);
@@ -500,6 +519,7 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error
     }
     for (uint32_t i = 0; i < scene->material_count; ++i) packed->materials[i] = pack_material(&scene->materials[i]);
     pack_textures(scene, packed);
+    if (packed->gloss) MCV_TRY(mcv_pack_gloss(scene, packed, error));
     MCV_TRY(assign_media(scene, packed, error));
     return pack_emitters(scene, packed, error);
 }

@@ -25,10 +25,15 @@ typedef struct mcv_packed {
     float *positions, *normals, *texcoords; /* 3, 3, 2 per vertex; normals and texcoords NULL where no feature needs them */
     uint32_t *indices;                      /* 3 per triangle, for the acceleration structure */
     uint32_t *triangles;                    /* 4 per triangle: the vertices and the instance */
+    float *tangents;                        /* 4 per vertex: direction, handedness; NULL where no glossy surface has a direction */
     mcv_device_instance *instances;
     mcv_device_material *materials;
+    mcv_device_gloss *gloss; /* of each material, or NULL */
+    float *albedos;
+    size_t albedo_count;
     mcv_device_medium media[MCV_MAX_MEDIA + 1];
     mcv_device_interface interfaces[(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
+    uint32_t interface_albedos[(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
     mcv_device_emitter *emitters;
     uint32_t *emitter_cdf; /* first emitter_count + 1 entries: which emitter; then each emitter's triangles */
     mcv_device_texture *textures;

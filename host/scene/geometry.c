@@ -67,6 +67,13 @@ void mcv_scene_vertex_normals(const mcv_scene *scene, uint32_t instance, uint32_
     }
 }
 
+void mcv_scene_tangent(const mcv_scene *scene, uint32_t instance, uint32_t vertex, double tangent[4]) {
+    const mcv_instance *placed = scene->instances + instance;
+    const float *t = scene->meshes[placed->mesh].tangents + 4 * (size_t)vertex;
+    mcv_transform_vector(&placed->to_world, (const double[3]){t[0], t[1], t[2]}, tangent);
+    tangent[3] = mcv_transform_determinant(&placed->to_world) < 0 ? -t[3] : t[3];
+}
+
 double mcv_scene_triangle_area(const mcv_scene *scene, uint32_t instance, uint32_t local) {
     double normal[3];
     face_normal(scene, instance, local, normal);

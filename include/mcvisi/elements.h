@@ -36,6 +36,8 @@
     X(sheet, "sheet", SHEET) \
     X(mirror, "mirror", MIRROR) \
     X(beam_splitter, "beamSplitter", BEAM_SPLITTER) \
+    X(conductor, "conductor", CONDUCTOR) \
+    X(metallic_roughness, "metallicRoughness", METALLIC_ROUGHNESS) \
     X(absorber, "absorber", ABSORBER)
 
 #define MCV_SENSOR_ENUM(name, key, NAME) MCV_SENSOR_##NAME,

@@ -14,6 +14,7 @@
     X(ABSORPTION, "absorption", "a medium absorbs along the path") \
     X(SHEET, "sheet", "a thin sheet or a beam splitter transmits") \
     X(MIRROR, "mirror", "a mirror reflects") \
+    X(GLOSS, "gloss", "a metal reflects, or a surface of microfacets") \
     X(TEXTURE, "texture", "an image modulates a material or an emitter") \
     X(NORMALS, "normals", "a mesh has interpolated normals") \
     X(PARALLEL, "parallel", "a parallel emitter or a telecentric projector shines") \
@@ -24,7 +25,7 @@
     X(PUNCTUAL, "punctual", "a point, spot or directional light shines") \
     X(NEXT_EVENT, "next-event", "surfaces that spread light look for emitters") \
     X(AIM, "aim", "a sensor sees a parallel emitter whose cone is narrower than its pupil") \
-    X(INTERLEAVE, "interleave", "diffuse surfaces among so many triangles that rays take turns while others wait for memory")
+    X(INTERLEAVE, "interleave", "surfaces that spread light among so many triangles that rays take turns while others wait for memory")
 
 enum {
 #define MCV_X(NAME, word, why) MCV_FEATURE_##NAME,

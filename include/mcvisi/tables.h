@@ -62,7 +62,7 @@ MCV_ASSERT_SIZE(mcv_device_instance, 32);
 typedef struct mcv_device_material {
     uint type;       /* MCV_MATERIAL_… */
     uint texture;    /* or MCV_NONE */
-    float value[3];  /* reflectance or transmittance */
+    float value[3];  /* reflectance, transmittance, base colour; of a rough conductor what reflection from facet to facet leaves */
     float eta;       /* sheet: 1/n */
     float delta;     /* sheet: (n - 1)(n + 1)/n² */
     uint spreads;    /* 1: light from one direction leaves in many, so that emitters are sampled from here; 0: smooth or black */
@@ -71,6 +71,24 @@ typedef struct mcv_device_material {
     uint padding[4];
 } mcv_device_material;
 MCV_ASSERT_SIZE(mcv_device_material, 64);
+
+/* What a glossy material has beyond the others, under the same index; kernels/gloss.h. */
+typedef struct mcv_device_gloss {
+    float roughness;    /* where no texture scales it */
+    float anisotropy;   /* α_t = α + (1 - α) anisotropy; 0: the surface has no direction */
+    float direction[2]; /* cosine and sine of the angle from the tangent */
+    uint table;         /* where its albedos begin, a block of means and rows per roughness; of a dielectric the interface has it */
+    uint azimuths;      /* rows of a block; 1: isotropic */
+    uint roughnesses;   /* blocks, from 0 to `roughness`; 1: for just that */
+    uint texture;       /* of roughness (green) and metallic (blue), or MCV_NONE */
+    float metallic;     /* metallic-roughness … */
+    float f0;           /* reflectance at normal incidence where it is no metal */
+    float transmission; /* share of the light below the layer that passes a thin wall */
+    float diffuse_transmission;
+    float n[3], k[3]; /* conductor: refractive index n - ik */
+    uint padding[6];
+} mcv_device_gloss;
+MCV_ASSERT_SIZE(mcv_device_gloss, 96);
 
 typedef struct mcv_device_medium {
     float absorption[3];         /* [1/m] */
