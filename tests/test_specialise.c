@@ -35,6 +35,7 @@ static const struct {
     {"emitters/parallel.h", BIT(PARALLEL)},
     {"emitters/telecentric_projector.h", 0},
     {"emitters/light_field.h", BIT(LIGHT_FIELD)},
+    {"emitters/projector.h", BIT(PROJECTOR)},
     {"emitters/area.h", BIT(AREA)},
     {"emitters/environment.h", 0},
     {"emitters/collimated_beam.h", BIT(BEAM)},

@@ -156,9 +156,23 @@ static void report_radiometry(mcv_report *report, const char *key, const char *u
     mcv_report_spectrum(report, key, unit, (const double[]){factor * mean[0] * l[0], factor * mean[1] * l[1], factor * mean[2] * l[2]});
 }
 
+/* A projector's lens, and the size of its picture where that is sharp. */
+static void report_lens(mcv_report *report, const mcv_scene *scene, const mcv_emitter *emitter) {
+    const mcv_projector_params *p = &emitter->as.projector;
+    const mcv_texture *image = scene->textures + emitter->texture;
+    const double scale = p->focusDistance / p->imageDistance;
+    mcv_report_number(report, "focalLength", "m", p->focalLength);
+    mcv_report_number(report, "imageDistance", "m", p->imageDistance);
+    mcv_report_number(report, "focusDistance", "m", p->focusDistance);
+    mcv_report_number(report, "lensDiameter", "m", p->lensDiameter);
+    mcv_report_number(report, "fNumber", "", p->fNumber);
+    mcv_report_numbers(report, "picture_in_focus", "m", " x ",
+                       (const double[]){scale * image->width * p->pixelSize[0], scale * image->height * p->pixelSize[1]}, 2);
+}
+
 static void report_emitter(mcv_report *report, const mcv_scene *scene, uint32_t index) {
     const mcv_emitter *emitter = scene->emitters + index;
-    const double half_angle = mcv_emitter_half_angle(emitter), power = mcv_emitter_unit_power(emitter);
+    const double half_angle = mcv_emitter_half_angle(emitter), power = mcv_emitter_unit_power(scene, emitter);
     const char *unit, *key = mcv_emitter_brightness(emitter, &unit);
     const bool radiant = strcmp(key, "radiance") == 0;
     double mean[3];
@@ -175,6 +189,7 @@ static void report_emitter(mcv_report *report, const mcv_scene *scene, uint32_t 
     if (!isnan(half_angle)) mcv_report_number(report, "halfAngle", "rad", half_angle);
     mcv_report_number(report, "solid_angle", "sr", mcv_emitter_solid_angle(emitter));
     report_radiometry(report, key, unit, emitter, 1, (const double[]){1, 1, 1});
+    if (emitter->type == MCV_EMITTER_PROJECTOR) report_lens(report, scene, emitter);
     if (radiant) report_radiometry(report, "exitance", "W/m²", emitter, mcv_emitter_projected_solid_angle(emitter), mean);
     if (emitter->instance != MCV_NONE) mcv_report_number(report, "area", "m²", emitter->area);
     if (!isnan(power)) report_radiometry(report, "power", "W", emitter, power, mean);

@@ -101,6 +101,16 @@ static void show_image(const mcv_scene *scene, const mcv_emitter *emitter, const
         const mcv_telecentric_projector_params *p = &emitter->as.telecentric_projector;
         const double right = ref_dot(place, x) / p->size[0] * (p->mirror ? -1 : 1), up = ref_dot(place, y) / p->size[1];
         ref_texel(image, part(0.5 + right, image->width), part(0.5 - up, image->height), rgb);
+    } else if (emitter->type == MCV_EMITTER_PROJECTOR) {
+        const mcv_projector_params *p = &emitter->as.projector;
+        const double ahead = -ref_dot(direction, (ref_vec){m[2], m[5], m[8]}), o_x = ref_dot(place, x), o_y = ref_dot(place, y);
+        const double reciprocal_throw = 1 / p->focalLength - 1 / p->imageDistance, b = p->imageDistance;
+        const double right = b / p->pixelSize[0] * (ref_dot(direction, x) / ahead + reciprocal_throw * o_x) * (p->mirror ? -1 : 1);
+        const double column = image->width / 2.0 + right;
+        const double row = image->height / 2.0 - b / p->pixelSize[1] * (ref_dot(direction, y) / ahead + reciprocal_throw * o_y);
+        const bool through = hypot(o_x, o_y) <= p->lensDiameter / 2 && ahead > 0;
+        if (through && column >= 0 && column < image->width && row >= 0 && row < image->height)
+            ref_texel(image, (uint32_t)column, (uint32_t)row, rgb);
     } else {
         const mcv_light_field_emitter_params *p = &emitter->as.light_field_emitter;
         const uint32_t *macro = p->spatialResolution, *angular = p->angularResolution;
@@ -119,7 +129,8 @@ void ref_emitted(const mcv_scene *scene, const ref_surface *surface, ref_vec dir
     if (!(ref_dot(direction, surface->normal) > 0) || !(ref_dot(direction, surface->geometric) > 0)) return;
     const mcv_emitter *emitter = &scene->emitters[index];
     if (cone_of(emitter) > 0 && ref_angle(direction, surface->normal) > cone_of(emitter)) return;
-    const bool shows = emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR || emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER;
+    const bool shows = emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR || emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER ||
+                       emitter->type == MCV_EMITTER_PROJECTOR;
     ref_texture_lookup(scene, shows ? MCV_NONE : emitter->texture, surface->texcoord, radiance);
     for (int channel = 0; channel < 3; ++channel) radiance[channel] *= emitter->radiance[channel];
     if (shows) show_image(scene, emitter, surface, direction, radiance);

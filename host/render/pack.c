@@ -321,7 +321,7 @@ static double emitter_power(const mcv_scene *scene, const mcv_packed *packed, co
     mcv_emitter_image_mean(scene, emitter, mean);
     const double brightness = emitter->radiance[0] * mean[0] + emitter->radiance[1] * mean[1] + emitter->radiance[2] * mean[2];
     if (emitter->type == MCV_EMITTER_DIRECTIONAL) return brightness * pi * pow(scene_size(packed) / 2, 2);
-    return brightness * mcv_emitter_unit_power(emitter);
+    return brightness * mcv_emitter_unit_power(scene, emitter);
 }
 
 /* The middle of the instance's box, re-centred. */
@@ -340,6 +340,9 @@ static void prepare_emitter(const mcv_scene *scene, const mcv_packed *packed, ui
         break;
     case MCV_EMITTER_LIGHT_FIELD_EMITTER:
         mcv_light_field_emitter_prepare(scene, index, &to->light_field);
+        break;
+    case MCV_EMITTER_PROJECTOR:
+        mcv_projector_prepare(scene, index, &to->projector);
         break;
     case MCV_EMITTER_COLLIMATED_BEAM:
         mcv_collimated_beam_prepare(scene, index, &to->beam);
@@ -418,6 +421,7 @@ static uint32_t find_features(const mcv_scene *scene) {
         const mcv_emitter *emitter = &scene->emitters[i];
         features |= feature(MCV_FEATURE_PARALLEL, !isnan(mcv_emitter_half_angle(emitter))) |
                     feature(MCV_FEATURE_LIGHT_FIELD, emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) |
+                    feature(MCV_FEATURE_PROJECTOR, emitter->type == MCV_EMITTER_PROJECTOR) |
                     feature(MCV_FEATURE_AREA, emitter->type == MCV_EMITTER_AREA) |
                     feature(MCV_FEATURE_ENVIRONMENT, emitter->type == MCV_EMITTER_ENVIRONMENT) |
                     feature(MCV_FEATURE_BEAM, emitter->type == MCV_EMITTER_COLLIMATED_BEAM) |
@@ -425,8 +429,8 @@ static uint32_t find_features(const mcv_scene *scene) {
                                                       emitter->type == MCV_EMITTER_DIRECTIONAL) |
                     feature(MCV_FEATURE_TEXTURE, emitter->texture != MCV_NONE);
     }
-    const uint32_t looked_for = 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_LIGHT_FIELD | 1u << MCV_FEATURE_AREA |
-                                1u << MCV_FEATURE_BEAM | 1u << MCV_FEATURE_PUNCTUAL;
+    const uint32_t looked_for = 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_LIGHT_FIELD | 1u << MCV_FEATURE_PROJECTOR |
+                                1u << MCV_FEATURE_AREA | 1u << MCV_FEATURE_BEAM | 1u << MCV_FEATURE_PUNCTUAL;
     return features | feature(MCV_FEATURE_NEXT_EVENT, (features >> MCV_FEATURE_DIFFUSE & 1) && (features & looked_for)) |
            feature(MCV_FEATURE_INTERLEAVE, (features >> MCV_FEATURE_DIFFUSE & 1) && scene->triangle_count >= MCV_MANY_TRIANGLES);
 }

@@ -20,6 +20,7 @@
 #include "mcvisi/emitters/light_field.h"
 #include "mcvisi/emitters/parallel.h"
 #include "mcvisi/emitters/point.h"
+#include "mcvisi/emitters/projector.h"
 #include "mcvisi/emitters/spot.h"
 #include "mcvisi/emitters/telecentric_projector.h"
 #include "mcvisi/materials/absorber.h"

@@ -18,6 +18,7 @@
     X(NORMALS, "normals", "a mesh has interpolated normals") \
     X(PARALLEL, "parallel", "a parallel emitter or a telecentric projector shines") \
     X(LIGHT_FIELD, "light-field", "a light field emitter shines") \
+    X(PROJECTOR, "projector", "a projector shines through its lens") \
     X(AREA, "area", "a diffuse area emitter shines") \
     X(ENVIRONMENT, "environment", "the environment shines") \
     X(BEAM, "collimated-beam", "a collimated beam shines") \

@@ -7,6 +7,13 @@
 
 #define MCV_PI 3.14159265358979323846f
 
+/* The cell of `count` that holds x in [0, 1]; 1 itself belongs to the last. What rounding puts outside belongs to the nearest. */
+MCV_FUNCTION uint mcv_cell(float x, uint count) {
+    const float at = x * (float)count;
+    const uint i = at > 0.0f ? (uint)at : 0u;
+    return i < count ? i : count - 1u;
+}
+
 /* sin and cos for |x| <= π/4: Taylor polynomials, absolute error below 8e-8 (no library function: same bits everywhere). */
 MCV_FUNCTION float mcv_sin_octant(float x) {
     const float x2 = x * x;

@@ -13,6 +13,9 @@
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_FIELD
 #include "mcvisi/emitters/light_field.h"
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_PROJECTOR
+#include "mcvisi/emitters/projector.h"
+#endif
 #if !MCV_ON_DEVICE || MCV_WITH_BEAM
 #include "mcvisi/emitters/collimated_beam.h"
 #endif
@@ -95,7 +98,7 @@ typedef struct mcv_device_emitter {
     float radiance[3]; /* or irradiance or intensity, by its type */
     float middle[3];   /* of its box [m] */
     float area;        /* [m²] */
-    uint padding[3];
+    uint padding[7];
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
     mcv_parallel parallel;
 #else
@@ -105,6 +108,11 @@ typedef struct mcv_device_emitter {
     mcv_light_field_emitter light_field;
 #else
     uint no_light_field[12];
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_PROJECTOR
+    mcv_projector projector;
+#else
+    uint no_projector[12];
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_BEAM
     mcv_collimated_beam beam;
@@ -118,7 +126,7 @@ typedef struct mcv_device_emitter {
     uint no_punctual[16];
 #endif
 } mcv_device_emitter;
-MCV_ASSERT_SIZE(mcv_device_emitter, 256);
+MCV_ASSERT_SIZE(mcv_device_emitter, 320);
 
 typedef struct mcv_device_texture {
     uint width, height;
