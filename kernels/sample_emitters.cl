@@ -68,8 +68,8 @@ static mcv_shadow mcv_sample_directional_of(mcv_meeting at, __global const mcv_d
     mcv_shadow shadow;
     const mcv_vec3 direction = mcv_vec(-e->directional.axis[0], -e->directional.axis[1], -e->directional.axis[2]);
     shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, direction);
-    shadow.direction = mcv_scale(direction, e->directional.reach);
-    shadow.target = MCV_NONE;
+    shadow.direction = direction;
+    shadow.target = MCV_SKY;
     shadow.density = 0.0f;
     MCV_EACH_CHANNEL(i) shadow.light.c[i] = e->radiance[i] / e->probability;
     return shadow;

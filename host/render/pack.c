@@ -353,7 +353,7 @@ static void prepare_emitter(const mcv_scene *scene, const mcv_packed *packed, ui
         mcv_spot_prepare(scene, index, packed->centre, &to->spot);
         break;
     case MCV_EMITTER_DIRECTIONAL:
-        mcv_directional_prepare(scene, index, scene_size(packed), &to->directional);
+        mcv_directional_prepare(scene, index, &to->directional);
         break;
     default:
         break;

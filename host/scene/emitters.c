@@ -359,7 +359,6 @@ void mcv_spot_prepare(const mcv_scene *scene, uint32_t index, const double centr
     forward(&emitter->to_world, device->axis);
 }
 
-void mcv_directional_prepare(const mcv_scene *scene, uint32_t index, double size, mcv_directional *device) {
-    device->reach = (float)(2 * size); /* twice: nothing touches its end by rounding */
+void mcv_directional_prepare(const mcv_scene *scene, uint32_t index, mcv_directional *device) {
     forward(&scene->emitters[index].to_world, device->axis);
 }

@@ -68,8 +68,8 @@ void mcv_light_field_emitter_prepare(const mcv_scene *scene, uint32_t index, mcv
 void mcv_projector_prepare(const mcv_scene *scene, uint32_t index, mcv_projector *device);
 void mcv_collimated_beam_prepare(const mcv_scene *scene, uint32_t index, mcv_collimated_beam *device);
 
-/* Point and spot lights, in a world whose origin is moved to `centre`; directional ones, where surfaces are at most `size` apart. */
+/* Point and spot lights, in a world whose origin is moved to `centre`. */
 void mcv_spot_prepare(const mcv_scene *scene, uint32_t index, const double centre[3], mcv_spot *device);
-void mcv_directional_prepare(const mcv_scene *scene, uint32_t index, double size, mcv_directional *device);
+void mcv_directional_prepare(const mcv_scene *scene, uint32_t index, mcv_directional *device);
 
 #endif
