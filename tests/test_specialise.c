@@ -37,7 +37,7 @@ static const struct {
     {"emitters/light_field.h", BIT(LIGHT_FIELD)},
     {"emitters/projector.h", BIT(PROJECTOR)},
     {"emitters/area.h", BIT(AREA)},
-    {"emitters/environment.h", 0},
+    {"emitters/environment.h", BIT(ENVIRONMENT_IMAGE)},
     {"emitters/collimated_beam.h", BIT(BEAM)},
     {"emitters/point.h", 0},
     {"emitters/spot.h", BIT(PUNCTUAL)},

@@ -183,7 +183,7 @@ static void report_emitter(mcv_report *report, const mcv_scene *scene, uint32_t 
         const mcv_instance *instance = scene->instances + emitter->instance;
         mcv_report_text(report, "node", instance->name);
         report_place(report, &instance->to_world);
-    } else if (emitter->type != MCV_EMITTER_ENVIRONMENT) {
+    } else if (emitter->type != MCV_EMITTER_ENVIRONMENT || emitter->texture != MCV_NONE) {
         report_place(report, &emitter->to_world);
     }
     if (!isnan(half_angle)) mcv_report_number(report, "halfAngle", "rad", half_angle);

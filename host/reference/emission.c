@@ -60,7 +60,7 @@ mcv_result ref_emitters_new(const mcv_scene *scene, ref_emitters *emitters, mcv_
     if (!emitters->items) return mcv_fail(error, MCV_FAILED, "reference renderer: no memory for the emitters of %s", scene->path);
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
         if (scene->emitters[i].type == MCV_EMITTER_ENVIRONMENT) {
-            for (int channel = 0; channel < 3; ++channel) emitters->environment[channel] = scene->emitters[i].radiance[channel];
+            emitters->environment = &scene->emitters[i];
             continue;
         }
         if (!mcv_emitter_has_surface(scene->emitters[i].type) || scene->emitters[i].type == MCV_EMITTER_COLLIMATED_BEAM)
@@ -120,6 +120,19 @@ static void show_image(const mcv_scene *scene, const mcv_emitter *emitter, const
         if (fabs(right) <= 1 && fabs(up) <= 1) ref_texel(image, column, row, rgb);
     }
     for (int channel = 0; channel < 3; ++channel) radiance[channel] *= rgb[channel];
+}
+
+void ref_environment(const mcv_scene *scene, const ref_emitters *emitters, ref_vec direction, double radiance[3]) {
+    const mcv_emitter *sky = emitters->environment;
+    double rgb[3] = {1, 1, 1};
+    if (sky && sky->texture != MCV_NONE) {
+        const mcv_texture *image = &scene->textures[sky->texture];
+        const double *m = sky->to_world.m;
+        const double right = ref_dot(direction, (ref_vec){m[0], m[3], m[6]}), back = ref_dot(direction, (ref_vec){m[2], m[5], m[8]});
+        const double polar = ref_angle(direction, (ref_vec){m[1], m[4], m[7]});
+        ref_texel(image, part(0.5 + atan2(right, -back) / (2 * M_PI), image->width), part(polar / M_PI, image->height), rgb);
+    }
+    for (int channel = 0; channel < 3; ++channel) radiance[channel] = sky ? sky->radiance[channel] * rgb[channel] : 0;
 }
 
 void ref_emitted(const mcv_scene *scene, const ref_surface *surface, ref_vec direction, double radiance[3]) {

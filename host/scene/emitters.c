@@ -75,6 +75,7 @@ mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *em
     const mcv_place here = mcv_place_key(place, "image");
     if (!image || *image == MCV_NONE) return MCV_OK;
     if (*image >= scene->texture_count) return mcv_fail_at(&here, error, "texture %u does not exist", *image);
+    if (!mcv_emitter_has_surface(emitter->type)) return MCV_OK;
     const mcv_mesh *mesh = scene->meshes + scene->instances[emitter->instance].mesh;
     if (mesh->triangle_count != 2 || !mesh->texcoords)
         return mcv_fail_at(place, error, "an image must lie on a rectangle of two triangles with texture coordinates");
@@ -160,6 +161,8 @@ static double pixel_share(const mcv_emitter *emitter, const mcv_texture *texture
         return direction_share(p, column % p->angularResolution[0], row % p->angularResolution[1]);
     case MCV_EMITTER_COLLIMATED_BEAM:
         return aperture_share(&emitter->as.collimated_beam, texture, column, row);
+    case MCV_EMITTER_ENVIRONMENT: /* by solid angle */
+        return sin((2.0 * row + 1) * M_PI / (2.0 * texture->height));
     case MCV_EMITTER_PROJECTOR: {
         double edge[2];
         image_tangents(&emitter->as.projector, texture, edge);
@@ -174,17 +177,16 @@ static double pixel_share(const mcv_emitter *emitter, const mcv_texture *texture
 
 void mcv_emitter_image_mean(const mcv_scene *scene, const mcv_emitter *emitter, double mean[3]) {
     mcv_emitter own = *emitter;
-    double sum[3] = {0, 0, 0}, total = 0, decoded[256];
+    double sum[3] = {0, 0, 0}, total = 0, rgb[3], decoded[256];
     for (int i = 0; i < 3; ++i) mean[i] = 1;
     if (!mcv_emitter_image(&own) || emitter->texture == MCV_NONE) return;
     const mcv_texture *texture = scene->textures + emitter->texture;
-    for (unsigned value = 0; value < 256; ++value) decoded[value] = mcv_srgb_decode((uint8_t)value);
+    mcv_srgb_table(decoded);
     for (uint32_t row = 0; row < texture->height; ++row)
         for (uint32_t column = 0; column < texture->width; ++column) {
-            const size_t texel = (size_t)row * texture->width + column;
             const double weight = pixel_share(emitter, texture, column, row);
-            for (size_t i = 0; i < 3; ++i)
-                sum[i] += weight * (texture->rgba ? decoded[texture->rgba[4 * texel + i]] : texture->linear[3 * texel + i]);
+            mcv_texture_value(texture, decoded, column, row, rgb);
+            for (size_t i = 0; i < 3; ++i) sum[i] += weight * rgb[i];
             total += weight;
         }
     for (int i = 0; i < 3; ++i) mean[i] = sum[i] / total;
@@ -317,6 +319,17 @@ void mcv_light_field_emitter_prepare(const mcv_scene *scene, uint32_t index, mcv
 /* The direction of the node's -z in the world. */
 static void forward(const mcv_transform *rigid, float axis[3]) {
     for (int i = 0; i < 3; ++i) axis[i] = (float)-rigid->m[3 * i + 2];
+}
+
+void mcv_environment_prepare(const mcv_scene *scene, uint32_t index, mcv_environment *device) {
+    const mcv_texture *image = scene->textures + scene->emitters[index].texture;
+    const double *m = scene->emitters[index].to_world.m;
+    *device = (mcv_environment){.width = image->width, .height = image->height};
+    for (int i = 0; i < 3; ++i) {
+        device->x[i] = (float)m[3 * i];
+        device->y[i] = (float)m[3 * i + 1];
+        device->z[i] = (float)m[3 * i + 2];
+    }
 }
 
 void mcv_projector_prepare(const mcv_scene *scene, uint32_t index, mcv_projector *device) {

@@ -12,7 +12,7 @@ bool mcv_emitter_has_surface(uint32_t type);
 /* Checks parameters by the table, names the collimated beam where a cone's half-angle is 0, derives what a lens's parameters leave out. */
 mcv_result mcv_emitter_check(mcv_emitter *emitter, const mcv_place *place, mcv_error *error);
 
-/* Does the parameter `image` fit: a texture of the scene on a rectangle, M·J x N·K pixels for a light field? */
+/* Does the parameter `image` fit: a texture of the scene, but for an environment on a rectangle, M·J x N·K pixels for a light field? */
 mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_place *place, mcv_error *error);
 
 /* emitter->radiance from its parameters, area and image: exactly one of radiance (irradiance, intensity) and power must be given. */
@@ -65,6 +65,7 @@ double mcv_emitter_unit_power(const mcv_scene *scene, const mcv_emitter *emitter
  */
 void mcv_parallel_prepare(const mcv_scene *scene, uint32_t index, mcv_parallel *device);
 void mcv_light_field_emitter_prepare(const mcv_scene *scene, uint32_t index, mcv_light_field_emitter *device);
+void mcv_environment_prepare(const mcv_scene *scene, uint32_t index, mcv_environment *device); /* one with an image */
 void mcv_projector_prepare(const mcv_scene *scene, uint32_t index, mcv_projector *device);
 void mcv_collimated_beam_prepare(const mcv_scene *scene, uint32_t index, mcv_collimated_beam *device);
 

@@ -21,6 +21,7 @@
     X(PROJECTOR, "projector", "a projector shines through its lens") \
     X(AREA, "area", "a diffuse area emitter shines") \
     X(ENVIRONMENT, "environment", "the environment shines") \
+    X(ENVIRONMENT_IMAGE, "environment-image", "the environment is an image") \
     X(BEAM, "collimated-beam", "a collimated beam shines") \
     X(PUNCTUAL, "punctual", "a point, spot or directional light shines") \
     X(NEXT_EVENT, "next-event", "surfaces that spread light look for emitters") \
