@@ -159,15 +159,16 @@ static void report_radiometry(mcv_report *report, const char *key, const char *u
 /* A projector's lens, and the size of its picture where that is sharp. */
 static void report_lens(mcv_report *report, const mcv_scene *scene, const mcv_emitter *emitter) {
     const mcv_projector_params *p = &emitter->as.projector;
-    const mcv_texture *image = scene->textures + emitter->texture;
     const double scale = p->focusDistance / p->imageDistance;
+    uint32_t pixels[2];
+    mcv_projector_resolution(p, scene->textures + emitter->texture, pixels);
     mcv_report_number(report, "focalLength", "m", p->focalLength);
     mcv_report_number(report, "imageDistance", "m", p->imageDistance);
     mcv_report_number(report, "focusDistance", "m", p->focusDistance);
     mcv_report_number(report, "lensDiameter", "m", p->lensDiameter);
     mcv_report_number(report, "fNumber", "", p->fNumber);
     mcv_report_numbers(report, "picture_in_focus", "m", " x ",
-                       (const double[]){scale * image->width * p->pixelSize[0], scale * image->height * p->pixelSize[1]}, 2);
+                       (const double[]){scale * pixels[0] * p->pixelSize[0], scale * pixels[1] * p->pixelSize[1]}, 2);
 }
 
 static void report_emitter(mcv_report *report, const mcv_scene *scene, uint32_t index) {

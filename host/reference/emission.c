@@ -106,11 +106,13 @@ static void show_image(const mcv_scene *scene, const mcv_emitter *emitter, const
         const double ahead = -ref_dot(direction, (ref_vec){m[2], m[5], m[8]}), o_x = ref_dot(place, x), o_y = ref_dot(place, y);
         const double reciprocal_throw = 1 / p->focalLength - 1 / p->imageDistance, b = p->imageDistance;
         const double right = b / p->pixelSize[0] * (ref_dot(direction, x) / ahead + reciprocal_throw * o_x) * (p->mirror ? -1 : 1);
-        const double column = image->width / 2.0 + right;
-        const double row = image->height / 2.0 - b / p->pixelSize[1] * (ref_dot(direction, y) / ahead + reciprocal_throw * o_y);
+        const bool pattern = p->pattern.type != MCV_NONE; /* whose image is a line of it */
+        const double columns = pattern ? p->pattern.resolution[0] : image->width, rows = pattern ? p->pattern.resolution[1] : image->height;
+        const double column = columns / 2 + right;
+        const double row = rows / 2 - b / p->pixelSize[1] * (ref_dot(direction, y) / ahead + reciprocal_throw * o_y);
         const bool through = hypot(o_x, o_y) <= p->lensDiameter / 2 && ahead > 0;
-        if (through && column >= 0 && column < image->width && row >= 0 && row < image->height)
-            ref_texel(image, (uint32_t)column, (uint32_t)row, rgb);
+        if (through && column >= 0 && column < columns && row >= 0 && row < rows)
+            ref_texel(image, part(column / columns, image->width), part(row / rows, image->height), rgb);
     } else {
         const mcv_light_field_emitter_params *p = &emitter->as.light_field_emitter;
         const uint32_t *macro = p->spatialResolution, *angular = p->angularResolution;

@@ -121,10 +121,17 @@ static double aperture_share(const mcv_collimated_beam_params *p, const mcv_text
     return disk_share(x1, y1) - disk_share(x0, y1) - disk_share(x1, y0) + disk_share(x0, y0);
 }
 
+void mcv_projector_resolution(const mcv_projector_params *p, const mcv_texture *texture, uint32_t pixels[2]) {
+    const bool pattern = p->pattern.type != MCV_NONE;
+    pixels[0] = pattern ? p->pattern.resolution[0] : texture->width;
+    pixels[1] = pattern ? p->pattern.resolution[1] : texture->height;
+}
+
 /* Tangents of the half-angles that a projector's image fills, seen from the middle of the lens. */
-static void image_tangents(const mcv_projector_params *p, const mcv_texture *image, double tangents[2]) {
-    tangents[0] = image->width * p->pixelSize[0] / (2 * p->imageDistance);
-    tangents[1] = image->height * p->pixelSize[1] / (2 * p->imageDistance);
+static void image_tangents(const mcv_projector_params *p, const mcv_texture *texture, double tangents[2]) {
+    uint32_t pixels[2];
+    mcv_projector_resolution(p, texture, pixels);
+    for (int i = 0; i < 2; ++i) tangents[i] = pixels[i] * p->pixelSize[i] / (2 * p->imageDistance);
 }
 
 /* What a projector's lens sends of radiance 1 per area of the image over b²: 2π R²/(B (A + B)) at the distance m from the axis. */

@@ -35,6 +35,9 @@ uint32_t *mcv_emitter_image(mcv_emitter *emitter);
 mcv_pattern *mcv_emitter_pattern(mcv_emitter *emitter);
 uint32_t *mcv_emitter_index(mcv_emitter *emitter);
 
+/* Width and height of a projector's image in pixels: of its texture, or of the pattern that the texture holds a line of. */
+void mcv_projector_resolution(const mcv_projector_params *p, const mcv_texture *texture, uint32_t pixels[2]);
+
 /* Half-angle β of its emission cone [rad]; NaN where the type has none. */
 double mcv_emitter_half_angle(const mcv_emitter *emitter);
 

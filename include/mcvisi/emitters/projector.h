@@ -17,6 +17,8 @@
  *     dΦ = L dm 2π R²/(B (A + B)),   A = 1 + m² - κ²R²,   B² = (1 + (m - κR)²) (1 + (m + κR)²);   on the axis in focus at infinity L πR²
  * dm.
  *
+ * `pattern` with `index` takes the image's place (mcvisi/pattern.h); its `resolution` is W x H then.
+ *
  * imageDistance may be given as focusDistance, the throw; lensDiameter as fNumber = b/D.
  *
  *     {"type": "projector", "image": "stripes", "focalLength": "16mm", "focusDistance": "300mm", "fNumber": 2.8, "pixelSize": "7.6um",
@@ -31,7 +33,7 @@
 #include "mcvisi/sensors/sensor.h"
 
 #define MCV_PROJECTOR_PARAMS(X) \
-    X(image, image, MCV_REQUIRED, 0, 4294967294.0, "index or name of one of the file's images, or {\"uri\": FILE.exr}") \
+    MCV_PICTURE_PARAMS(X) \
     X(length2, pixelSize, MCV_REQUIRED, MCV_POSITIVE, 1, "width and height of the image's pixels behind the lens [m]") \
     MCV_LENS_PARAMS(X) \
     X(spectrum, radiance, MCV_UNSET, 0, 1e30, "radiance L of the image's value 1 [W/(m² sr)]") \
