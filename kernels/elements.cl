@@ -4,7 +4,10 @@
  * (tests/test_elements.c compares them with the reference).
  */
 #include "world.h"
+#include "mcvisi/emitters/environment.h"
+#include "mcvisi/emitters/light_field.h"
 #include "mcvisi/emitters/parallel.h"
+#include "mcvisi/emitters/projector.h"
 #include "mcvisi/materials/dielectric.h"
 #if MCV_WITH_GLOSS
 #include "gloss.h"
@@ -35,6 +38,43 @@ __kernel void evaluate_parallel(__global const mcv_parallel *emitter, __global c
     const uint i = get_global_id(0);
     __global const float *in = cases + 6 * i;
     shares[i] = mcv_parallel_evaluate(emitter, mcv_vec(in[0], in[1], in[2]), mcv_vec(in[3], in[4], in[5]));
+}
+
+/* cases: place on the emitter, direction; pixels: column and row, MCV_NONE where it is dark. */
+__kernel void find_light_field_pixels(__global const mcv_light_field_emitter *emitter, __global const float *cases, __global uint *pixels) {
+    const uint i = get_global_id(0);
+    __global const float *in = cases + 5 * i;
+    uint column = MCV_NONE;
+    uint row = MCV_NONE;
+    mcv_light_field_pixel(emitter, in[0], in[1], mcv_vec(in[2], in[3], in[4]), &column, &row);
+    pixels[2 * i] = column;
+    pixels[2 * i + 1] = row;
+}
+
+/* cases: place on the lens, direction; places on the image, -1 where it is dark. */
+__kernel void find_projector_places(__global const mcv_projector *emitter, __global const float *cases, __global float *places) {
+    const uint i = get_global_id(0);
+    __global const float *in = cases + 5 * i;
+    float across, down;
+    const int lit = mcv_projector_place(emitter, in[0], in[1], mcv_vec(in[2], in[3], in[4]), &across, &down);
+    places[2 * i] = lit ? across : -1.0f;
+    places[2 * i + 1] = lit ? down : -1.0f;
+}
+
+/* cases: column and row as words, ξ, η; results: direction, its column and row, a pixel's solid angle. */
+__kernel void sample_environment(__global const mcv_environment *sky, __global const uint *cases, __global float *results) {
+    const uint i = get_global_id(0);
+    __global const uint *in = cases + 4 * i;
+    __global float *out = results + 6 * i;
+    uint column, row;
+    const mcv_vec3 d = mcv_environment_sample(sky, in[0], in[1], as_float(in[2]), as_float(in[3]));
+    mcv_environment_pixel(sky, d, &column, &row);
+    out[0] = d.x;
+    out[1] = d.y;
+    out[2] = d.z;
+    out[3] = (float)column;
+    out[4] = (float)row;
+    out[5] = mcv_environment_solid_angle(sky, in[1]);
 }
 
 /* cases: η, δ, incident direction, normal on its side; results: reflectance, c2, refracted direction (0 under total reflection). */

@@ -37,7 +37,7 @@
     X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT) /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS *MCV_WITH_DIELECTRIC) /* that it leaves the surface in */ \
-    X(shadow_target, MCV_WITH_NEXT_EVENT)              /* instance that must be met first; MCV_NONE: nothing before t = 1 */ \
+    X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing before t = 1; MCV_SKY: nothing at all */ \
     X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */
 
 #if MCV_ON_DEVICE

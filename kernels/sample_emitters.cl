@@ -2,10 +2,12 @@
 /*
  * Stage: next-event estimation. A surface that spreads light chooses an emitter by power, then a direction to it: uniform in the cone
  * of a parallel emitter that is smaller than the emitter seen from there (which must then be the closest hit), else towards a
- * point uniform by area. Weighed against the surface's own choice of directions by the balance heuristic. Beams and lights without
- * extent, which a direction of the surface's own cannot meet, come in full.
+ * point uniform by area; of an environment's image a pixel by what it brings. Weighed against the surface's own choice of directions by the
+ * balance heuristic. Beams and lights without extent, which a direction of the surface's own cannot meet, come in full.
+ *
  * reads ray, hit -> writes shadow ray
  */
+#include "environment.h"
 #include "identity.h"
 #include "meet_surface.h"
 
@@ -68,10 +70,27 @@ static mcv_shadow mcv_sample_directional_of(mcv_meeting at, __global const mcv_d
     mcv_shadow shadow;
     const mcv_vec3 direction = mcv_vec(-e->directional.axis[0], -e->directional.axis[1], -e->directional.axis[2]);
     shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, direction);
-    shadow.direction = mcv_scale(direction, e->directional.reach);
-    shadow.target = MCV_NONE;
+    shadow.direction = direction;
+    shadow.target = MCV_SKY;
     shadow.density = 0.0f;
     MCV_EACH_CHANNEL(i) shadow.light.c[i] = e->radiance[i] / e->probability;
+    return shadow;
+}
+#endif
+
+#if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
+/* What rounding puts into a neighbouring pixel counts as that one's. */
+static mcv_shadow mcv_sample_environment_of(mcv_world world, mcv_meeting at, __global const mcv_device_emitter *e, mcv_pair pair) {
+    mcv_shadow shadow;
+    float xi, eta;
+    const uint row = mcv_search_cdf(world.emitter_cdf + e->cdf, e->environment.height, pair.y, &eta);
+    const uint column = mcv_search_cdf(mcv_environment_row(world, e, row), e->environment.width, pair.x, &xi);
+    shadow.direction = mcv_environment_sample(&e->environment, column, row, xi, eta);
+    shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, shadow.direction);
+    shadow.target = MCV_SKY;
+    shadow.density = mcv_environment_density(world, e, shadow.direction);
+    shadow.light = mcv_grey(0.0f);
+    if (shadow.density > 0.0f) shadow.light = mcv_dim(mcv_environment_radiance(world, e, shadow.direction), 1.0f / shadow.density);
     return shadow;
 }
 #endif
@@ -141,6 +160,9 @@ static mcv_shadow mcv_sample_towards(mcv_world world, mcv_meeting at, uint emitt
 #if MCV_WITH_PUNCTUAL
     if (e->type == MCV_EMITTER_SPOT) return mcv_sample_spot_of(at, e);
     if (e->type == MCV_EMITTER_DIRECTIONAL) return mcv_sample_directional_of(at, e);
+#endif
+#if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
+    if (e->type == MCV_EMITTER_ENVIRONMENT) return mcv_sample_environment_of(world, at, e, pair);
 #endif
 #if MCV_WITH_PARALLEL
     if (mcv_samples_cone(e, at.surface.point)) return mcv_sample_cone_of(at, e, pair);

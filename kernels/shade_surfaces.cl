@@ -3,6 +3,7 @@
  * Stage: what a surface does to a path. Adds what it emits, then chooses how the path goes on. Each path is continued or ended
  * exactly once. reads ray, hit -> writes radiance, and ray, throughput, media, density | ends
  */
+#include "environment.h"
 #include "identity.h"
 #include "meet_surface.h"
 
@@ -24,12 +25,9 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
 
     /* A ray that leaves the scene sees the environment. */
     if (triangle == MCV_NONE) {
-#if MCV_WITH_ENVIRONMENT
-        float share = 1.0f;
-#if MCV_WITH_DIELECTRIC
-        share = world.media[mcv_filling_medium(media)].inverse_index_squared;
-#endif
-        MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i] * share, world.frame->environment[i], radiance.c[i]);
+#if MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE
+        const mcv_color met = mcv_environment_met(world, MCV_LOAD_3(slot, direction), media, density);
+        MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], met.c[i], radiance.c[i]);
         MCV_STORE_COLOR(slot, radiance, radiance);
 #endif
         return 0;

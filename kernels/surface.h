@@ -127,8 +127,20 @@ MCV_FUNCTION mcv_color mcv_light_field_value(mcv_world world, mcv_surface surfac
 }
 #endif
 
+#if MCV_WITH_PROJECTOR && MCV_WITH_TEXTURE
+/* The image's value for a place on a projector's lens and a direction. */
+MCV_FUNCTION mcv_color mcv_projector_value(mcv_world world, mcv_surface surface, __global const mcv_device_emitter *e, mcv_vec3 direction) {
+    const mcv_device_texture image = world.textures[e->texture];
+    float across, down;
+    const float s = mcv_texcoord(world, surface, 0);
+    const float t = mcv_texcoord(world, surface, 1);
+    if (!mcv_projector_place(&e->projector, s, t, direction, &across, &down)) return mcv_grey(0.0f);
+    return mcv_texel(world, image, (int)mcv_cell(across, image.width), (int)mcv_cell(down, image.height));
+}
+#endif
+
 /* Does any surface emit what a ray can meet? */
-#define MCV_WITH_EMISSION (MCV_WITH_PARALLEL || MCV_WITH_LIGHT_FIELD || MCV_WITH_AREA)
+#define MCV_WITH_EMISSION (MCV_WITH_PARALLEL || MCV_WITH_LIGHT_FIELD || MCV_WITH_PROJECTOR || MCV_WITH_AREA)
 
 #if MCV_WITH_EMISSION
 /* Radiance that an emitter's surface sends in a direction (unit, away from the surface), in its medium. */
@@ -143,6 +155,13 @@ MCV_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint em
 #if MCV_WITH_LIGHT_FIELD && MCV_WITH_TEXTURE
     if (e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) {
         radiance = mcv_light_field_value(world, surface, e, direction);
+        MCV_EACH_CHANNEL(i) radiance.c[i] *= e->radiance[i];
+        return radiance;
+    }
+#endif
+#if MCV_WITH_PROJECTOR && MCV_WITH_TEXTURE
+    if (e->type == MCV_EMITTER_PROJECTOR) {
+        radiance = mcv_projector_value(world, surface, e, direction);
         MCV_EACH_CHANNEL(i) radiance.c[i] *= e->radiance[i];
         return radiance;
     }

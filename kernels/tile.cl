@@ -65,7 +65,7 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
         for (uint i = 0; i < count; ++i) {
             slot.index = paths[i];
             if (mcv_shadow_is_any(slot) != any) continue;
-            hits[chosen_count] = mcv_miss(any ? 1.0f : INFINITY);
+            hits[chosen_count] = mcv_miss(mcv_shadow_end(slot));
             chosen[chosen_count++] = paths[i];
         }
         if (any)

@@ -3,6 +3,7 @@
  * Follows given rays through smooth surfaces, always refracted where that is possible, and writes every vertex: what
  * `mcvisi trace` and the tests look at. One work-item per ray; `stride` vertices each.
  */
+#include "environment.h"
 #include "intersect_closest.cl"
 #include "path.h"
 #include "scatter.h"
@@ -63,10 +64,7 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
             on.direction = normal;
             on.event = MCV_EVENT_MISS;
             distance = INFINITY;
-            radiance = world.frame->environment[0];
-#if MCV_WITH_DIELECTRIC
-            radiance *= world.media[mcv_filling_medium(on.media)].inverse_index_squared;
-#endif
+            radiance = mcv_environment_met(world, direction, on.media, 0.0f).c[0];
             continue;
         }
 

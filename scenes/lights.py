@@ -41,5 +41,38 @@ def punctual():
     return scene.gltf()
 
 
+def sky_rows(width, height):
+    """A blue sky that pales towards the horizon, a sun of 2 x 2 pixels and a brown ground: row 0 on top."""
+    rows = []
+    for y in range(height):
+        row = []
+        for x in range(width):
+            if y >= height // 2:
+                row.append((70, 55, 40))
+            elif x in (44, 45) and y in (9, 10):
+                row.append((255, 255, 255))
+            else:
+                pale = 2 * y / height
+                row.append((round(10 + 40 * pale), round(16 + 40 * pale), round(36 + 24 * pale)))
+        rows.append(row)
+    return rows
+
+
+def sky():
+    """A diffuse and a mirror block under an image of the sky by longitude and latitude, whose sun throws shadows."""
+    scene = Scene("An environment with an image lights two blocks: one is diffuse, one shows the sky.")
+    scene.node("ground", mesh=scene.mesh("ground", diffuse(scene, "ground", 0.5), [(-9, 0, -9), (-9, 0, 9), (9, 0, 9), (9, 0, -9)],
+                                         [(0, 1, 2), (0, 2, 3)]))
+    scene.node("block", mesh=scene.mesh("block", diffuse(scene, "block", 0.6), *box((-0.05, 0, -0.05), (0.05, 0.12, 0.05))),
+               translation=[-0.1, 0, 0], rotation=facing((0.4, 0, -1)))
+    mirror = scene.material("mirror", {"type": "mirror", "reflectance": 0.9})
+    scene.node("mirror", mesh=scene.mesh("mirror", mirror, *box((-0.05, 0, -0.05), (0.05, 0.12, 0.05))), translation=[0.1, 0, 0],
+               rotation=facing((-0.4, 0, -1)))
+    scene.node("sky", emitter={"type": "environment", "image": scene.image("sky", sky_rows(64, 32)), "radiance": 20})
+    scene.node("camera", translation=[0, 0.3, 0.6], rotation=facing((0, -0.25, -0.6)),
+               sensor={"type": "pinhole", "imageDistance": "12mm", "resolution": [320, 240], "pixelSize": "30um"})
+    return scene.gltf()
+
+
 def files():
-    return {"beam.gltf": beam(), "punctual.gltf": punctual()}
+    return {"beam.gltf": beam(), "punctual.gltf": punctual(), "sky.gltf": sky()}

@@ -117,6 +117,33 @@ static void test_sheet(void **state) {
     mcv_scene_free(scene);
 }
 
+/*
+ * Through an open mesh into a medium that never ends: what absorbs at all leaves nothing of the light from infinitely far away, of the
+ * environment that a ray meets as of a directional light that a floor looks for, past the mesh.
+ */
+static void test_endless_medium(void **state) {
+    const mcv_material gas = {.as.dielectric = {1, {0, 1e-3, 20}, 0}};
+    const double s = sqrt(0.5);
+    (void)state;
+    for (int with_floor = 0; with_floor < 2; ++with_floor) {
+        mcv_scene *scene = mcv_scene_new("endless");
+        add_pinhole(scene, PIXELS, 1e-3, looking_down_z(0, 0, 1));
+        add_rectangle(scene, 0.1, 0.1, add_material(scene, MCV_MATERIAL_DIELECTRIC, &gas), looking_up_z(0, 0, 0.5));
+        if (with_floor) {
+            mcv_emitter sun = {.name = (char *)"sun", .type = MCV_EMITTER_DIRECTIONAL, .texture = MCV_NONE};
+            sun.to_world = looking((const double[]){0, 0, 0}, (const double[]){-s, 0, -s}, (const double[]){0, 1, 0});
+            for (int c = 0; c < 3; ++c) sun.as.directional.irradiance[c] = 3;
+            add_rectangle(scene, 1, 1, add_diffuse(scene, 0.5), looking_up_z(0, 0, 0));
+            BUILD(mcv_scene_add_emitter(scene, &sun, &builder_error));
+            expect("endless medium, directional light", scene, (const double[]){0.5 / M_PI * 3 * s, 0, 0});
+        } else {
+            add_environment(scene, 2);
+            expect("endless medium, environment", scene, (const double[]){2, 0, 0});
+        }
+        mcv_scene_free(scene);
+    }
+}
+
 /* A mirror at 45° shows the lamp at the side; the one below is hidden. */
 static void test_mirror(void **state) {
     const mcv_material silver = {.as.mirror = {{0.9, 0.5, 0.125}}};
@@ -267,7 +294,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_absorbing_slab), cmocka_unit_test(test_sheet),        cmocka_unit_test(test_mirror),
         cmocka_unit_test(test_beam_splitter),  cmocka_unit_test(test_texture),      cmocka_unit_test(test_conductor),
-        cmocka_unit_test(test_rough_furnace),  cmocka_unit_test(test_rough_images),
+        cmocka_unit_test(test_rough_furnace),  cmocka_unit_test(test_rough_images), cmocka_unit_test(test_endless_medium),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -314,9 +314,11 @@ void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *
         ref_hit hit;
         ++tally->rays;
         if (!ref_closest_hit(&world->geometry, p.origin, p.direction, p.skip, &hit)) {
+            double sky[3];
+            ref_environment(world->scene, &world->emitters, p.direction, sky);
             for (int channel = 0; channel < 3; ++channel)
                 if (!filling || filling->absorption[channel] == 0) /* it is infinitely far away */
-                    value[channel] += p.throughput[channel] * world->emitters.environment[channel] / (ior * ior);
+                    value[channel] += p.throughput[channel] * sky[channel] / (ior * ior);
             break;
         }
         const ref_surface surface = ref_surface_at(&world->geometry, &hit);

@@ -111,7 +111,9 @@ static mcv_result trace_ray(const ref_world *world, ref_media media, uint32_t ra
             vertex.distance = INFINITY;
             vertex.triangle = MCV_NONE;
             vertex.event = MCV_EVENT_MISS;
-            vertex.radiance = world->emitters.environment[0] / squared;
+            double sky[3];
+            ref_environment(scene, &world->emitters, direction, sky);
+            vertex.radiance = sky[0] / squared;
             if (filling && filling->absorption[0] > 0) vertex.transmittance = 0;
             store(vertex.normal, (ref_vec){0, 0, 0});
         }

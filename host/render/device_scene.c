@@ -125,6 +125,7 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
     while (filling < MCV_MAX_MEDIA && frame->initial_media >> filling != 0) ++filling;
     frame->sensor_index_squared = filling > 0 ? 1.0f / packed->media[filling].inverse_index_squared : 1.0f;
     memcpy(frame->environment, packed->environment, sizeof frame->environment);
+    frame->environment_emitter = packed->environment_emitter;
     mcv_pack_placement(packed, &from->to_world, frame->to_world);
     if (packed->features >> MCV_FEATURE_AIM & 1) {
         const size_t bytes = sizeof(mcv_device_aim) * frame->width * frame->height;

@@ -330,13 +330,15 @@ static double scene_size(const mcv_packed *packed) {
     return isfinite(size) ? size : 0;
 }
 
-/* Over all channels; of a directional light what falls on the scene's ball. */
+/* Over all channels; of what comes from infinitely far away that which falls on the scene's ball. */
 static double emitter_power(const mcv_scene *scene, const mcv_packed *packed, const mcv_emitter *emitter) {
     double mean[3];
     mcv_emitter_image_mean(scene, emitter, mean);
     const double brightness = emitter->radiance[0] * mean[0] + emitter->radiance[1] * mean[1] + emitter->radiance[2] * mean[2];
-    if (emitter->type == MCV_EMITTER_DIRECTIONAL) return brightness * pi * pow(scene_size(packed) / 2, 2);
-    return brightness * mcv_emitter_unit_power(emitter);
+    const double disk = pi * pow(scene_size(packed) / 2, 2);
+    if (emitter->type == MCV_EMITTER_DIRECTIONAL) return brightness * disk;
+    if (emitter->type == MCV_EMITTER_ENVIRONMENT) return brightness * mcv_emitter_solid_angle(emitter) * disk;
+    return brightness * mcv_emitter_unit_power(scene, emitter);
 }
 
 /* The middle of the instance's box, re-centred. */
@@ -356,6 +358,12 @@ static void prepare_emitter(const mcv_scene *scene, const mcv_packed *packed, ui
     case MCV_EMITTER_LIGHT_FIELD_EMITTER:
         mcv_light_field_emitter_prepare(scene, index, &to->light_field);
         break;
+    case MCV_EMITTER_PROJECTOR:
+        mcv_projector_prepare(scene, index, &to->projector);
+        break;
+    case MCV_EMITTER_ENVIRONMENT:
+        mcv_environment_prepare(scene, index, &to->environment);
+        break;
     case MCV_EMITTER_COLLIMATED_BEAM:
         mcv_collimated_beam_prepare(scene, index, &to->beam);
         break;
@@ -365,7 +373,7 @@ static void prepare_emitter(const mcv_scene *scene, const mcv_packed *packed, ui
         mcv_spot_prepare(scene, index, packed->centre, &to->spot);
         break;
     case MCV_EMITTER_DIRECTIONAL:
-        mcv_directional_prepare(scene, index, scene_size(packed), &to->directional);
+        mcv_directional_prepare(scene, index, &to->directional);
         break;
     default:
         break;
@@ -383,22 +391,59 @@ static void pack_surface(const mcv_scene *scene, mcv_packed *packed, const mcv_e
     packed->instances[from->instance].emitter = number;
 }
 
+/* Is it chosen by next-event estimation? A constant environment is not: all directions are as good. */
+static bool is_looked_for(const mcv_emitter *emitter) { return emitter->type != MCV_EMITTER_ENVIRONMENT || emitter->texture != MCV_NONE; }
+
+/* Entries of an environment's image in the table of shares: of its rows, then of each row's pixels. */
+static size_t environment_entries(const mcv_texture *image) { return image->height + 1 + (size_t)image->height * (image->width + 1); }
+
+/* The shares of rows and pixels in what comes from the sky, from entry `next` of the table on. */
+static mcv_result pack_environment(const mcv_scene *scene, mcv_packed *packed, const mcv_emitter *from, uint32_t number, size_t next,
+                                   mcv_error *error) {
+    const mcv_texture *image = scene->textures + from->texture;
+    bool failed = false;
+    double *rows = allocate(image->height, sizeof(double), &failed);
+    double *pixels = allocate(image->width, sizeof(double), &failed);
+    double decoded[256];
+    mcv_srgb_table(decoded);
+    for (uint32_t row = 0; !failed && row < image->height; ++row) {
+        uint32_t *cdf = packed->emitter_cdf + next + image->height + 1 + (size_t)row * (image->width + 1);
+        for (uint32_t column = 0; column < image->width; ++column) {
+            double rgb[3];
+            mcv_texture_value(image, decoded, column, row, rgb);
+            pixels[column] = from->radiance[0] * rgb[0] + from->radiance[1] * rgb[1] + from->radiance[2] * rgb[2];
+        }
+        rows[row] = write_cdf(cdf, image->width, pixels) * sin((2.0 * row + 1) * pi / (2.0 * image->height));
+    }
+    if (!failed) write_cdf(packed->emitter_cdf + next, image->height, rows);
+    packed->emitters[number].cdf = (uint32_t)next;
+    packed->environment_emitter = number;
+    free(rows);
+    free(pixels);
+    return failed ? mcv_fail(error, MCV_FAILED, "%s: no memory for the environment's image", scene->path) : MCV_OK;
+}
+
 static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
     uint32_t *cdf = packed->emitter_cdf;
     size_t next = packed->emitter_count + 1;
     uint32_t count = 0;
     bool failed = false;
+    mcv_result result = MCV_OK;
     double *powers = allocate(scene->emitter_count, sizeof(double), &failed);
     double *areas = allocate(scene->triangle_count, sizeof(double), &failed);
-    for (uint32_t i = 0; !failed && i < scene->emitter_count; ++i) {
+    for (uint32_t i = 0; !failed && result == MCV_OK && i < scene->emitter_count; ++i) {
         const mcv_emitter *from = &scene->emitters[i];
-        if (from->type == MCV_EMITTER_ENVIRONMENT) continue;
+        if (!is_looked_for(from)) continue;
         mcv_device_emitter *to = &packed->emitters[count];
         *to = (mcv_device_emitter){.type = from->type, .instance = from->instance, .texture = from->texture, .area = (float)from->area};
         for (int k = 0; k < 3; ++k) to->radiance[k] = (float)from->radiance[k];
         if (mcv_emitter_has_surface(from->type)) {
             pack_surface(scene, packed, from, count, next, areas);
             next += to->triangle_count + 1;
+        }
+        if (from->type == MCV_EMITTER_ENVIRONMENT) {
+            result = pack_environment(scene, packed, from, count, next, error);
+            next += environment_entries(scene->textures + from->texture);
         }
         prepare_emitter(scene, packed, i, to);
         powers[count++] = emitter_power(scene, packed, from);
@@ -410,7 +455,7 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
     }
     free(powers);
     free(areas);
-    return failed ? mcv_fail(error, MCV_FAILED, "%s: no memory for the emitters", scene->path) : MCV_OK;
+    return failed ? mcv_fail(error, MCV_FAILED, "%s: no memory for the emitters", scene->path) : result;
 }
 
 /* What the scene needs */
@@ -434,16 +479,19 @@ static uint32_t find_features(const mcv_scene *scene) {
         const mcv_emitter *emitter = &scene->emitters[i];
         features |= feature(MCV_FEATURE_PARALLEL, !isnan(mcv_emitter_half_angle(emitter))) |
                     feature(MCV_FEATURE_LIGHT_FIELD, emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) |
+                    feature(MCV_FEATURE_PROJECTOR, emitter->type == MCV_EMITTER_PROJECTOR) |
                     feature(MCV_FEATURE_AREA, emitter->type == MCV_EMITTER_AREA) |
-                    feature(MCV_FEATURE_ENVIRONMENT, emitter->type == MCV_EMITTER_ENVIRONMENT) |
+                    feature(MCV_FEATURE_ENVIRONMENT, !is_looked_for(emitter)) |
+                    feature(MCV_FEATURE_ENVIRONMENT_IMAGE, emitter->type == MCV_EMITTER_ENVIRONMENT && is_looked_for(emitter)) |
                     feature(MCV_FEATURE_BEAM, emitter->type == MCV_EMITTER_COLLIMATED_BEAM) |
                     feature(MCV_FEATURE_PUNCTUAL, emitter->type == MCV_EMITTER_POINT || emitter->type == MCV_EMITTER_SPOT ||
                                                       emitter->type == MCV_EMITTER_DIRECTIONAL) |
                     feature(MCV_FEATURE_TEXTURE, emitter->texture != MCV_NONE);
     }
     const bool spreads = features & (1u << MCV_FEATURE_DIFFUSE | 1u << MCV_FEATURE_GLOSS);
-    const uint32_t looked_for = 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_LIGHT_FIELD | 1u << MCV_FEATURE_AREA |
-                                1u << MCV_FEATURE_BEAM | 1u << MCV_FEATURE_PUNCTUAL;
+    const uint32_t looked_for = 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_LIGHT_FIELD | 1u << MCV_FEATURE_PROJECTOR |
+                                1u << MCV_FEATURE_AREA | 1u << MCV_FEATURE_BEAM | 1u << MCV_FEATURE_PUNCTUAL |
+                                1u << MCV_FEATURE_ENVIRONMENT_IMAGE;
     return features | feature(MCV_FEATURE_NEXT_EVENT, spreads && (features & looked_for)) |
            feature(MCV_FEATURE_INTERLEAVE, spreads && scene->triangle_count >= MCV_MANY_TRIANGLES);
 }
@@ -477,12 +525,13 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error
     packed->cdf_count = 1;
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
         const mcv_emitter *emitter = &scene->emitters[i];
-        if (emitter->type == MCV_EMITTER_ENVIRONMENT) {
+        if (!is_looked_for(emitter)) {
             for (int k = 0; k < 3; ++k) packed->environment[k] = (float)emitter->radiance[k];
             continue;
         }
         ++packed->emitter_count;
         packed->cdf_count += 1;
+        if (emitter->type == MCV_EMITTER_ENVIRONMENT) packed->cdf_count += environment_entries(scene->textures + emitter->texture);
         if (mcv_emitter_has_surface(emitter->type))
             packed->cdf_count += 1 + scene->meshes[scene->instances[emitter->instance].mesh].triangle_count;
     }

@@ -37,8 +37,9 @@ typedef struct mcv_packed {
     mcv_device_emitter *emitters;
     uint32_t *emitter_cdf; /* first emitter_count + 1 entries: which emitter; then each emitter's triangles */
     mcv_device_texture *textures;
-    uint32_t *texels; /* first 256 words: the sRGB decoding as floats */
-    float environment[3];
+    uint32_t *texels;             /* first 256 words: the sRGB decoding as floats */
+    float environment[3];         /* its radiance, without an image */
+    uint32_t environment_emitter; /* with one */
 } mcv_packed;
 
 /* Fails without memory, or with more than MCV_MAX_MEDIA bodies that overlap. On failure *packed is empty. */

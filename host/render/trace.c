@@ -45,7 +45,7 @@ static mcv_result open_tracer(tracer *t, const mcv_scene *scene, size_t ray_coun
     MCV_TRY(mcv_cl_buffer(&t->cl, "the rays", t->batch * sizeof *t->host_rays, NULL, &t->rays, error));
     MCV_TRY(mcv_cl_buffer(&t->cl, "the vertices", vertices * sizeof *t->host_vertices, NULL, &t->vertices, error));
     MCV_TRY(mcv_cl_buffer(&t->cl, "the numbers of vertices", 4 * (size_t)t->batch, NULL, &t->counts, error));
-    mcv_frame frame = {.depth = options->depth};
+    mcv_frame frame = {.depth = options->depth, .environment_emitter = packed->environment_emitter};
     memcpy(frame.environment, packed->environment, sizeof frame.environment);
     return mcv_cl_write(&t->cl, t->scene.frame, 0, sizeof frame, &frame, error);
 }

@@ -20,6 +20,7 @@
 #include "mcvisi/emitters/light_field.h"
 #include "mcvisi/emitters/parallel.h"
 #include "mcvisi/emitters/point.h"
+#include "mcvisi/emitters/projector.h"
 #include "mcvisi/emitters/spot.h"
 #include "mcvisi/emitters/telecentric_projector.h"
 #include "mcvisi/materials/absorber.h"
@@ -209,6 +210,10 @@ void mcv_sensor_film_size(const mcv_sensor *sensor, uint32_t *width, uint32_t *h
 
 /* The linear value of a byte encoded as IEC 61966-2-1 says. */
 double mcv_srgb_decode(uint8_t value);
+
+/* Linear R, G, B of a texture's pixel; `decoded` holds mcv_srgb_decode of all bytes. */
+void mcv_texture_value(const mcv_texture *texture, const double decoded[256], uint32_t column, uint32_t row, double rgb[3]);
+void mcv_srgb_table(double decoded[256]);
 
 /* The number of channels that the spectra need: 1 if all are grey and no texture is coloured, else 3. */
 uint32_t mcv_scene_channels(const mcv_scene *scene);

@@ -56,5 +56,6 @@ MCV_FUNCTION float as_float(uint bits) {
 
 /* "No such thing": an absent texture, emitter, medium, triangle. */
 #define MCV_NONE 0xffffffffu
+#define MCV_SKY 0xfffffffeu /* in place of an instance: what lies infinitely far away */
 
 #endif

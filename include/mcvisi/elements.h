@@ -16,6 +16,7 @@
     X(parallel, "parallel", PARALLEL) \
     X(telecentric_projector, "telecentricProjector", TELECENTRIC_PROJECTOR) \
     X(light_field_emitter, "lightField", LIGHT_FIELD_EMITTER) \
+    X(projector, "projector", PROJECTOR) \
     X(area, "area", AREA) \
     X(environment, "environment", ENVIRONMENT) \
     X(collimated_beam, "collimatedBeam", COLLIMATED_BEAM) \

@@ -19,8 +19,10 @@
     X(NORMALS, "normals", "a mesh has interpolated normals") \
     X(PARALLEL, "parallel", "a parallel emitter or a telecentric projector shines") \
     X(LIGHT_FIELD, "light-field", "a light field emitter shines") \
+    X(PROJECTOR, "projector", "a projector shines through its lens") \
     X(AREA, "area", "a diffuse area emitter shines") \
     X(ENVIRONMENT, "environment", "the environment shines") \
+    X(ENVIRONMENT_IMAGE, "environment-image", "the environment is an image") \
     X(BEAM, "collimated-beam", "a collimated beam shines") \
     X(PUNCTUAL, "punctual", "a point, spot or directional light shines") \
     X(NEXT_EVENT, "next-event", "surfaces that spread light look for emitters") \

@@ -13,6 +13,12 @@
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_FIELD
 #include "mcvisi/emitters/light_field.h"
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_PROJECTOR
+#include "mcvisi/emitters/projector.h"
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_ENVIRONMENT_IMAGE
+#include "mcvisi/emitters/environment.h"
+#endif
 #if !MCV_ON_DEVICE || MCV_WITH_BEAM
 #include "mcvisi/emitters/collimated_beam.h"
 #endif
@@ -41,11 +47,12 @@ typedef struct mcv_frame {
     uint initial_media;         /* the set of media that surround the sensor */
     float sensor_index_squared; /* n² of the medium the sensor lies in */
     float to_world[12];         /* row-major; of the optical frame (z towards the scene) */
-    float environment[3];       /* its radiance */
+    float environment[3];       /* its radiance, without an image */
     /* Random numbers belong to pixels of the whole film, whatever region is read out: pixel (0, 0) of the image is that of the number … */
     uint first_pixel;
-    uint row_pitch; /* and the next row's begins so many further */
-    uint padding[3];
+    uint row_pitch;           /* and the next row's begins so many further */
+    uint environment_emitter; /* the environment with an image */
+    uint padding[2];
 } mcv_frame;
 MCV_ASSERT_SIZE(mcv_frame, 128);
 
@@ -107,13 +114,14 @@ typedef struct mcv_device_emitter {
     uint type;     /* MCV_EMITTER_…; a telecentric projector is a parallel emitter with a texture, a point light a spot light */
     uint instance; /* whose triangles emit, or MCV_NONE */
     uint texture;  /* or MCV_NONE */
-    uint cdf;      /* where its triangle_count + 1 entries begin in the table of cumulative shares, 2^31 = 1 */
+    uint cdf;      /* where its triangle_count + 1 entries begin in the table of cumulative shares, 2^31 = 1; an environment's, of pixels:
+                      kernels/environment.h */
     uint triangle_count;
     float probability; /* that next-event estimation chooses it */
     float radiance[3]; /* or irradiance or intensity, by its type */
     float middle[3];   /* of its box [m] */
     float area;        /* [m²] */
-    uint padding[3];
+    uint padding[11];
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
     mcv_parallel parallel;
 #else
@@ -123,6 +131,16 @@ typedef struct mcv_device_emitter {
     mcv_light_field_emitter light_field;
 #else
     uint no_light_field[12];
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_PROJECTOR
+    mcv_projector projector;
+#else
+    uint no_projector[12];
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_ENVIRONMENT_IMAGE
+    mcv_environment environment;
+#else
+    uint no_environment[12];
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_BEAM
     mcv_collimated_beam beam;
@@ -136,7 +154,7 @@ typedef struct mcv_device_emitter {
     uint no_punctual[16];
 #endif
 } mcv_device_emitter;
-MCV_ASSERT_SIZE(mcv_device_emitter, 256);
+MCV_ASSERT_SIZE(mcv_device_emitter, 384);
 
 typedef struct mcv_device_texture {
     uint width, height;
