@@ -138,7 +138,10 @@ static bool albedos_new(ref_albedos *albedos, const mcv_material *material, doub
                     integrate(alpha, o, 0, 0, pair);
                 }
             }
+    }
+    for (uint32_t r = 0; r < albedos->roughnesses; ++r) { /* looking up reads the next roughness too */
         enum { STEPS = 1000, TURNS = 32 };
+        const double share = albedos->roughnesses > 1 ? r / (ROUGHNESSES - 1.0) : 1;
         double total = 0;
         for (int turn = 0; turn < TURNS; ++turn)
             for (int step = 0; step < STEPS; ++step) {
