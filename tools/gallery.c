@@ -12,10 +12,12 @@
 #include "output/png.h"
 #include "scene/scene.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { MAX_IMAGES = 4, MAX_PANELS = 3, TEXT = 128 };
 
@@ -339,6 +341,18 @@ static mcv_result write_page(cairo_t *page, const char *path, mcv_error *error) 
     return result;
 }
 
+/* Nothing is drawn before everything that it takes is there. */
+static mcv_result check_renders(const entry *e, const char *renders, mcv_error *error) {
+    for (int k = 0; k < count_panels(e); ++k)
+        for (int n = 0; n < count_images(e->panels + k); ++n)
+            for (int picture = 0; picture < (n == 0 ? 2 : 1); ++picture) {
+                char path[4096];
+                snprintf(path, sizeof path, "%s/%s-%d-%d.%s", renders, e->name, k, n, picture ? "png" : "exr");
+                if (access(path, R_OK) != 0) return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", path, strerror(errno));
+            }
+    return MCV_OK;
+}
+
 static mcv_result draw(const entry *e, const char *renders, const char *pictures, mcv_error *error) {
     const int panels = count_panels(e);
     char texts[MAX_PANELS][TEXT], path[4096];
@@ -369,6 +383,7 @@ int main(int argc, char **argv) {
         fputs("gallery list\ngallery draw RENDERS PICTURES\n", stderr);
         return MCV_USAGE;
     }
+    for (int i = 0; i < ENTRIES && result == MCV_OK; ++i) result = check_renders(entries + i, argv[2], &error);
     for (int i = 0; i < ENTRIES && result == MCV_OK; ++i) result = draw(entries + i, argv[2], argv[3], &error);
     if (result != MCV_OK) fprintf(stderr, "gallery: %s\n", error.text);
     return (int)result;
