@@ -305,13 +305,16 @@ static void pack_textures(const mcv_scene *scene, mcv_packed *packed) {
 
 /* Emitters */
 
-/* Cumulative shares in units of 2^-31; the last entry is 2^31. Returns their sum in the given unit. */
+/*
+ * Cumulative shares in units of 2^-31, whole multiples of 2^-24: as fine as the random numbers, so that each is chosen exactly as often
+ * as its share says. The last entry is 2^31. Returns their sum in the given unit.
+ */
 static double write_cdf(uint32_t *cdf, uint32_t count, const double *values) {
     double total = 0;
     double sum = 0;
     for (uint32_t i = 0; i < count; ++i) total += values[i];
     for (uint32_t i = 0; i < count; ++i) {
-        cdf[i] = total > 0 ? (uint32_t)(sum / total * 0x1p31) : 0;
+        cdf[i] = total > 0 ? (uint32_t)(sum / total * 0x1p24) << 7 : 0;
         sum += values[i];
     }
     cdf[count] = 0x80000000u;
@@ -339,6 +342,21 @@ static double emitter_power(const mcv_scene *scene, const mcv_packed *packed, co
     if (emitter->type == MCV_EMITTER_DIRECTIONAL) return brightness * disk;
     if (emitter->type == MCV_EMITTER_ENVIRONMENT) return brightness * mcv_emitter_solid_angle(emitter) * disk;
     return brightness * mcv_emitter_unit_power(scene, emitter);
+}
+
+/*
+ * A sixteenth of all choices goes in equal parts to all emitters that shine: one that is dim beside the others may be the only one close
+ * by, and lights without extent are found in no other way.
+ */
+static void share_choices(double *powers, uint32_t count) {
+    double total = 0;
+    uint32_t shining = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        total += powers[i];
+        shining += powers[i] > 0;
+    }
+    for (uint32_t i = 0; i < count; ++i)
+        if (powers[i] > 0) powers[i] = 15 * powers[i] + total / shining;
 }
 
 /* The middle of the instance's box, re-centred. */
@@ -449,6 +467,7 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
         powers[count++] = emitter_power(scene, packed, from);
     }
     if (!failed) {
+        share_choices(powers, count);
         const double total = write_cdf(cdf, count, powers);
         for (uint32_t i = 0; i < count; ++i) packed->emitters[i].probability = (float)((cdf[i + 1] - cdf[i]) * 0x1p-31);
         if (!(total > 0)) packed->features &= ~(1u << MCV_FEATURE_NEXT_EVENT);

@@ -4,6 +4,8 @@
 #include "scene/params.h"
 #include "scene/sensors.h"
 
+#include <float.h>
+
 double mcv_emitter_half_angle(const mcv_emitter *emitter) {
     if (emitter->type == MCV_EMITTER_PARALLEL) return emitter->as.parallel.halfAngle;
     if (emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR) return emitter->as.telecentric_projector.halfAngle;
@@ -25,9 +27,9 @@ mcv_result mcv_emitter_check(mcv_emitter *emitter, const mcv_place *place, mcv_e
         return mcv_lens_resolve((mcv_lens){p->focalLength, &p->imageDistance, &p->focusDistance, &p->lensDiameter, &p->fNumber}, place,
                                 error);
     }
-    if (emitter->type != MCV_EMITTER_SPOT || emitter->as.spot.innerConeAngle < emitter->as.spot.outerConeAngle) return MCV_OK;
+    if (emitter->type != MCV_EMITTER_SPOT || emitter->as.spot.innerConeAngle <= emitter->as.spot.outerConeAngle) return MCV_OK;
     const mcv_place here = mcv_place_key(place, "innerConeAngle");
-    return mcv_fail_at(&here, error, "%g rad must be smaller than outerConeAngle %g rad", emitter->as.spot.innerConeAngle,
+    return mcv_fail_at(&here, error, "%g rad must be at most outerConeAngle %g rad", emitter->as.spot.innerConeAngle,
                        emitter->as.spot.outerConeAngle);
 }
 
@@ -282,12 +284,18 @@ mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter, con
     return mcv_fail_at(place, error, "an area of %g m² with this cone is too small for a power of %g W", emitter->area, power[0]);
 }
 
-/* Do all vertices of all triangles have the same normal? */
-static bool common_normal(const mcv_scene *scene, uint32_t instance, double normal[3]) {
+/*
+ * Do all vertices of all triangles have the same normal, and does the cone about it leave all triangles on their front? Nothing emits
+ * from the back, whatever the normals say.
+ */
+static bool common_cone(const mcv_scene *scene, uint32_t instance, double beta, double normal[3]) {
     const uint32_t count = scene->meshes[scene->instances[instance].mesh].triangle_count;
     for (uint32_t t = 0; t < count; ++t) {
-        double normals[3][3];
+        double normals[3][3], face[3];
         mcv_scene_vertex_normals(scene, instance, t, normals);
+        mcv_scene_face_normal(scene, instance, t, face);
+        const double length = hypot(hypot(face[0], face[1]), face[2]);
+        if (length > 0 && !(face[0] * normals[0][0] + face[1] * normals[0][1] + face[2] * normals[0][2] > sin(beta) * length)) return false;
         if (t == 0) memcpy(normal, normals[0], sizeof normals[0]);
         for (int corner = 0; corner < 3; ++corner) /* The device holds the axis in float32: what rounds to it is it. */
             for (int i = 0; i < 3; ++i)
@@ -300,7 +308,7 @@ void mcv_parallel_prepare(const mcv_scene *scene, uint32_t index, mcv_parallel *
     const mcv_emitter *emitter = scene->emitters + index;
     const double beta = mcv_emitter_half_angle(emitter);
     double axis[3] = {0, 0, 0};
-    const bool common = common_normal(scene, emitter->instance, axis);
+    const bool common = common_cone(scene, emitter->instance, beta, axis);
     *device = (mcv_parallel){
         .tangent_squared = (float)(tan(beta) * tan(beta)),
         .sin_half = (float)sin(beta / 2),
@@ -373,7 +381,7 @@ void mcv_spot_prepare(const mcv_scene *scene, uint32_t index, const double centr
     const double range = point ? emitter->as.point.range : p->range;
     const double outer = half_sine_squared(p->outerConeAngle), inner = half_sine_squared(p->innerConeAngle);
     *device = (mcv_spot){.edge = point ? 2 : (float)outer,
-                         .slope = point ? 1 : (float)(1 / (outer - inner)),
+                         .slope = point ? 1 : (float)fmin(1 / (outer - inner), FLT_MAX), /* finite for a sharp edge, too */
                          .inverse_range_4 = isnan(range) ? 0 : (float)pow(range, -4)};
     for (int i = 0; i < 3; ++i) device->position[i] = (float)(emitter->to_world.m[9 + i] - centre[i]);
     forward(&emitter->to_world, device->axis);

@@ -222,6 +222,7 @@ uint32_t mcv_scene_channels(const mcv_scene *scene);
 uint32_t mcv_scene_instance_of(const mcv_scene *scene, uint32_t global);
 void mcv_scene_triangle(const mcv_scene *scene, uint32_t instance, uint32_t local, uint32_t vertices[3]); /* of the mesh, in that order */
 void mcv_scene_corners(const mcv_scene *scene, uint32_t instance, uint32_t local, double corners[3][3]);
+void mcv_scene_face_normal(const mcv_scene *scene, uint32_t instance, uint32_t local, double normal[3]); /* twice the area long */
 void mcv_scene_vertex_normals(const mcv_scene *scene, uint32_t instance, uint32_t local,
                               double normals[3][3]); /* unit; flat meshes: the face's */
 /* A vertex's tangent in the world, not normalised, and the sign of its bitangent: normal x tangent. */
