@@ -202,25 +202,25 @@ static const entry entries[] = {
     {"bolts",
      "Entocentric and telecentric",
      "Two equal bolts, one 20 mm nearer. A lens shows the nearer one larger, a telecentric lens both alike: widths of the plain shank.",
-     {{"wrong: entocentric lens", "scenes/bolts.gltf --sensor entocentric --spp 128", NULL},
-      {"right: telecentric lens", "scenes/bolts.gltf --sensor telecentric --spp 128", NULL}},
+     {{"wrong: entocentric lens", "scenes/bolts.gltf --sensor entocentric --spp 64", NULL},
+      {"right: telecentric lens", "scenes/bolts.gltf --sensor telecentric --spp 64", NULL}},
      say_widths},
     {"light-field",
      "A light field display before a light field camera",
      "The display shows in each direction a disk at another place; the camera, focused on it, sees each of its pixels in one of its own. "
      "Focused "
      "107 mm behind it, a macro pixel mixes neighbours.",
-     {{"wrong: focused behind the display", "scenes/light-field.gltf --set sensors/camera/imageDistance=57mm --spp 64", NULL},
-      {"right: focused on the display", "scenes/light-field.gltf --spp 64", NULL}},
+     {{"wrong: focused behind the display", "scenes/light-field.gltf --set sensors/camera/imageDistance=57mm --spp 32", NULL},
+      {"right: focused on the display", "scenes/light-field.gltf --spp 32", NULL}},
      say_display},
     {"structured-light",
      "Where a projector stands",
      "A step 4 mm high under the first of four phase-shifted patterns. What a height does to the stripes grows with the tangent of the "
      "angle between "
      "projector and camera; the numbers come from the phase of all four.",
-     {{"wrong: 2° beside the camera", "scenes/structured-light.gltf --set nodes/projector/azimuth=-2deg --spp 64",
+     {{"wrong: 2° beside the camera", "scenes/structured-light.gltf --set nodes/projector/azimuth=-2deg --spp 32",
        "emitters/projector/index"},
-      {"right: 30° beside it", "scenes/structured-light.gltf --spp 64", "emitters/projector/index"}},
+      {"right: 30° beside it", "scenes/structured-light.gltf --spp 32", "emitters/projector/index"}},
      say_shift},
     {"scratch",
      "Bright field and dark field",
@@ -234,7 +234,7 @@ static const entry entries[] = {
      "Engraved steel, ground and not quite even. A ring light glares where the surface mirrors it; a dome lights evenly, letters too; a "
      "coaxial light is mirrored by what is flat and lost in what is milled.",
      {{"wrong: ring light", "scenes/engraved-ring.gltf --spp 256", NULL},
-      {"better: dome light", "scenes/engraved-dome.gltf --spp 256", NULL},
+      {"better: dome light", "scenes/engraved-dome.gltf --spp 128", NULL},
       {"right: coaxial light", "scenes/engraved-coaxial.gltf --spp 1024", NULL}},
      say_letters},
 };
