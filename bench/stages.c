@@ -5,7 +5,7 @@
  * For each scene that ships, at fewer pixels on the same field of view, one launch of the samples 4 … 7 of four replicates:
  *   - seconds, items and bytes of path state of each stage, in the tile schedule (ticks of the processor, kernels/clock.h) and as its
  *     peer in the stream schedule (one launch a stage);
- *   - the rays of that launch, taken from the stream schedule, in the order and the way (in bundles, in turns or one by one) of the tile
+ *   - the rays of that launch, taken from the stream schedule, in the order and the way (kernels/ways.h) of the tile
  * schedule, through kernels/intersect.cl and nothing else: rays per second as the peer of the stages that intersect;
  *   - the second half of a render of eight samples, which begins those very paths, with all that the host does then: its rays per second
  *     over those of the bare traversal are the share of the time that the render has for what it is about. All cores.
@@ -249,17 +249,16 @@ typedef struct replay {
     int only; /* of the stages: 0 the closest, 1 the shadow rays */
 } replay;
 
-static const char *const kernel_names[2][KINDS] = {
-    {"intersect_closest_bundles", "intersect_closest_bundles", "intersect_any", "intersect_closest"},
-    {"intersect_closest_bundles", "intersect_closest_turns", "intersect_any_turns", "intersect_closest_turns"}};
+static const char *const kernel_names[KINDS] = {"closest_first", "closest_later", "any_shadow", "closest_shadow"};
 
 static mcv_result replay_open(const drive *d, const ray_list lists[KINDS], replay *r, mcv_error *error) {
-    const bool turns = d->device.packed.features >> MCV_FEATURE_INTERLEAVE & 1;
+    char way[32];
+    snprintf(way, sizeof way, "-DMCV_WITH_INTERLEAVE=%u", d->device.packed.features >> MCV_FEATURE_INTERLEAVE & 1);
     *r = (replay){.cl = d->cl, .scene = &d->device};
-    MCV_TRY(mcv_cl_build(r->cl, "intersect", "", &r->program, error));
+    MCV_TRY(mcv_cl_build(r->cl, "intersect", way, &r->program, error));
     for (int k = 0; k < KINDS; ++k) {
         r->counts[k] = (cl_uint)lists[k].count;
-        MCV_TRY(mcv_cl_kernel(r->program, kernel_names[turns][k], &r->kernels[k], error));
+        MCV_TRY(mcv_cl_kernel(r->program, kernel_names[k], &r->kernels[k], error));
         MCV_TRY(mcv_cl_buffer(r->cl, "the rays", lists[k].count * sizeof(batch_ray), lists[k].rays, &r->rays[k], error));
         MCV_TRY(mcv_cl_buffer(r->cl, "the hits", lists[k].count * sizeof(mcv_hit), NULL, &r->hits[k], error));
     }
