@@ -97,8 +97,8 @@ static mcv_result bench_kind(mesh_bench *m, int kind, bool any) {
                                  ray_kind_names[kind], peer_names[peer]);
         bench_more(b, "cores", 1);
     }
-    bench_row(b, BENCH_WALL, sides + OURS_ALL, sides + ROBUST_ALL, m->rays->count, "Mrays/s", "%s, %s %s, Embree robust, %u cores", m->name,
-              what, ray_kind_names[kind], b->cl.units);
+    bench_row(b, BENCH_WALL, sides + OURS_ALL, sides + ROBUST_ALL, m->rays->count, "Mrays/s", "%s, %s %s, Embree robust on %u cores",
+              m->name, what, ray_kind_names[kind], b->cl.units);
     const double scaling = core_scaling(b, sides);
     bench_more(b, "cores", b->cl.units);
     bench_more(b, "core_scaling", scaling);
