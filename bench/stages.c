@@ -5,7 +5,7 @@
  * For each scene that ships, at fewer pixels on the same field of view, one launch of the samples 4 … 7 of four replicates:
  *   - seconds, items and bytes of path state of each stage, in the tile schedule (ticks of the processor, kernels/clock.h) and as its
  *     peer in the stream schedule (one launch a stage);
- *   - the rays of that launch, taken from the stream schedule, in the order and the way (in bundles, in turns or one by one) of the tile
+ *   - the rays of that launch, taken from the stream schedule, in the order and the way (kernels/ways.h) of the tile
  * schedule, through kernels/intersect.cl and nothing else: rays per second as the peer of the stages that intersect;
  *   - the second half of a render of eight samples, which begins those very paths, with all that the host does then: its rays per second
  *     over those of the bare traversal are the share of the time that the render has for what it is about. All cores.
@@ -45,6 +45,7 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 
 /* What each stage reads and writes of a path (the heads of kernels/<stage>.cl), -1 at the end. */
 static const int traffic[STAGE_COUNT][16] = {
+    [STAGE_aim_pupils] = {-1},
     [STAGE_generate_rays] = {FIELD_origin, FIELD_direction, FIELD_weight, FIELD_throughput, FIELD_radiance, FIELD_media, FIELD_density, -1},
     [STAGE_intersect_closest] = {FIELD_origin, FIELD_direction, FIELD_hit, -1},
     [STAGE_sample_emitters] = {FIELD_hit, FIELD_direction, FIELD_throughput, FIELD_media, FIELD_shadow_origin, FIELD_shadow_direction,
@@ -248,17 +249,16 @@ typedef struct replay {
     int only; /* of the stages: 0 the closest, 1 the shadow rays */
 } replay;
 
-static const char *const kernel_names[2][KINDS] = {
-    {"intersect_closest_bundles", "intersect_closest_bundles", "intersect_any", "intersect_closest"},
-    {"intersect_closest_bundles", "intersect_closest_turns", "intersect_any_turns", "intersect_closest_turns"}};
+static const char *const kernel_names[KINDS] = {"closest_first", "closest_later", "any_shadow", "closest_shadow"};
 
 static mcv_result replay_open(const drive *d, const ray_list lists[KINDS], replay *r, mcv_error *error) {
-    const bool turns = d->device.packed.features >> MCV_FEATURE_INTERLEAVE & 1;
+    char way[32];
+    snprintf(way, sizeof way, "-DMCV_WITH_INTERLEAVE=%u", d->device.packed.features >> MCV_FEATURE_INTERLEAVE & 1);
     *r = (replay){.cl = d->cl, .scene = &d->device};
-    MCV_TRY(mcv_cl_build(r->cl, "intersect", "", &r->program, error));
+    MCV_TRY(mcv_cl_build(r->cl, "intersect", way, &r->program, error));
     for (int k = 0; k < KINDS; ++k) {
         r->counts[k] = (cl_uint)lists[k].count;
-        MCV_TRY(mcv_cl_kernel(r->program, kernel_names[turns][k], &r->kernels[k], error));
+        MCV_TRY(mcv_cl_kernel(r->program, kernel_names[k], &r->kernels[k], error));
         MCV_TRY(mcv_cl_buffer(r->cl, "the rays", lists[k].count * sizeof(batch_ray), lists[k].rays, &r->rays[k], error));
         MCV_TRY(mcv_cl_buffer(r->cl, "the hits", lists[k].count * sizeof(mcv_hit), NULL, &r->hits[k], error));
     }
@@ -386,7 +386,8 @@ static mcv_result bench_schedules(scene_bench *s) {
     MCV_TRY(bench_time(s->b, sides, 2, s->error));
     items_of(&tile->stats, items);
     for (int i = 0; i < STAGE_COUNT; ++i) {
-        if (!stream->schedule.kernels[i]) continue; /* the stages come first and in this order */
+        /* The stages come first and in this order. Pupils are aimed once and not in each launch. */
+        if (!stream->schedule.kernels[i] || i == STAGE_aim_pupils) continue;
         bench_row(s->b, BENCH_WALL, s->tile.stages + i, s->stream.stages + i, 0, "s", "%s, %s", s->name, stage_names[i]);
         bench_more(s->b, "items", items[i]);
         bench_more(s->b, "bytes", items[i] * bytes_per_item(&tile->device.packed, i));

@@ -4,7 +4,7 @@
  * every leaf (what the tests compare with). A work-group is one work-item, which handles a slice of the rays: on a CPU
  * it runs on one core with its stack in the first cache.
  */
-#include "bundle.h"
+#include "ways.h"
 
 /* A ray of the batch: 32 bytes. */
 typedef struct mcv_batch_ray {
@@ -64,6 +64,12 @@ MCV_BATCH_KERNEL(intersect_closest_turns, mcv_intersect_closest_turns, mcv_hit, 
 MCV_BATCH_KERNEL(intersect_any_turns, mcv_intersect_any_turns, int, .triangle != MCV_NONE)
 MCV_BATCH_KERNEL(intersect_closest_bundles, mcv_intersect_closest_bundles, mcv_hit, )
 MCV_BATCH_KERNEL(intersect_any_bundles, mcv_intersect_any_bundles, int, .triangle != MCV_NONE)
+
+/* As the stages of the tile schedule do. */
+MCV_BATCH_KERNEL(closest_first, MCV_CLOSEST_FIRST, mcv_hit, )
+MCV_BATCH_KERNEL(closest_later, MCV_CLOSEST_LATER, mcv_hit, )
+MCV_BATCH_KERNEL(closest_shadow, MCV_CLOSEST_SHADOW, mcv_hit, )
+MCV_BATCH_KERNEL(any_shadow, MCV_ANY_SHADOW, int, .triangle != MCV_NONE)
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_all(__global const mcv_leaf *leaves,
                                                                            __global const mcv_batch_ray *rays, __global mcv_hit *hits,

@@ -7,7 +7,7 @@
 #define MCV_TILE 1
 #define MCV_ROWS_SPACE __private
 #include "world.h"
-#include "bundle.h"
+#include "ways.h"
 #if MCV_WITH_AIM
 #include "aim_pupils.cl"
 #endif
@@ -32,10 +32,7 @@
 #define MCV_ROWS(slot, field) \
     { (slot).base + MCV_PATH_##field *MCV_SLICE, 1u, MCV_SLICE }
 
-/*
- * The stages that intersect, over the paths of a slice. Rays from the sensor go the same way and are bundled; those that have been
- * scattered take turns where the scene is large.
- */
+/* The stages that intersect, over the paths of a slice. */
 static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count, uint depth) {
     const mcv_rows origins = MCV_ROWS(slot, origin), directions = MCV_ROWS(slot, direction);
     uint all[MCV_SLICE];
@@ -44,19 +41,15 @@ static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count, uint
         all[i] = i;
         hits[i] = mcv_miss(INFINITY);
     }
-#if MCV_WITH_INTERLEAVE
     if (depth > 0)
-        mcv_intersect_closest_turns(world.nodes, world.leaves, origins, directions, all, count, hits);
+        MCV_CLOSEST_LATER(world.nodes, world.leaves, origins, directions, all, count, hits);
     else
-#endif
-        mcv_intersect_closest_bundles(world.nodes, world.leaves, origins, directions, all, count, hits);
-    (void)depth;
+        MCV_CLOSEST_FIRST(world.nodes, world.leaves, origins, directions, all, count, hits);
     for (slot.index = 0; slot.index < count; ++slot.index) mcv_arrive(world, slot, hits[slot.index]);
 }
 
 #if MCV_WITH_NEXT_EVENT
 static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *paths, uint count) {
-#if MCV_WITH_INTERLEAVE
     const mcv_rows origins = MCV_ROWS(slot, shadow_origin), directions = MCV_ROWS(slot, shadow_direction);
     for (int any = 0; any < 2; ++any) {
         uint chosen[MCV_SLICE];
@@ -69,20 +62,14 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
             chosen[chosen_count++] = paths[i];
         }
         if (any)
-            mcv_intersect_any_turns(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
+            MCV_ANY_SHADOW(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
         else
-            mcv_intersect_closest_turns(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
+            MCV_CLOSEST_SHADOW(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
         for (uint i = 0; i < chosen_count; ++i) {
             slot.index = chosen[i];
             if (any ? hits[i].triangle == MCV_NONE : mcv_meets_target(world, slot, hits[i])) mcv_add_shadow_light(world, slot, hits[i]);
         }
     }
-#else
-    for (uint i = 0; i < count; ++i) {
-        slot.index = paths[i];
-        mcv_intersect_shadow(world, slot);
-    }
-#endif
 }
 #endif
 
