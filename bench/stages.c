@@ -43,6 +43,7 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 
 /* What each stage reads and writes of a path (the heads of kernels/<stage>.cl), -1 at the end. */
 static const int traffic[STAGE_COUNT][16] = {
+    [STAGE_aim_pupils] = {-1},
     [STAGE_generate_rays] = {FIELD_origin, FIELD_direction, FIELD_weight, FIELD_throughput, FIELD_radiance, FIELD_media, FIELD_density, -1},
     [STAGE_intersect_closest] = {FIELD_origin, FIELD_direction, FIELD_hit, -1},
     [STAGE_sample_emitters] = {FIELD_hit, FIELD_direction, FIELD_throughput, FIELD_media, FIELD_shadow_origin, FIELD_shadow_direction,
@@ -384,7 +385,8 @@ static mcv_result bench_schedules(scene_bench *s) {
     MCV_TRY(bench_time(s->b, sides, 2, s->error));
     items_of(&tile->stats, items);
     for (int i = 0; i < STAGE_COUNT; ++i) {
-        if (!stream->schedule.kernels[i]) continue; /* the stages come first and in this order */
+        /* The stages come first and in this order. Pupils are aimed once and not in each launch. */
+        if (!stream->schedule.kernels[i] || i == STAGE_aim_pupils) continue;
         bench_row(s->b, BENCH_WALL, s->tile.stages + i, s->stream.stages + i, 0, "s", "%s, %s", s->name, stage_names[i]);
         bench_more(s->b, "items", items[i]);
         bench_more(s->b, "bytes", items[i] * bytes_per_item(&tile->device.packed, i));
