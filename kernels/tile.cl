@@ -130,6 +130,28 @@ static __attribute__((noinline)) void mcv_draw_pairs(uint *paths, uint count, ui
     }
 }
 
+#if MCV_WITH_DIFFUSE
+/* Where the paths go on from the surfaces that they have met if these are diffuse. */
+static __attribute__((noinline)) void mcv_choose_bounces(uint *paths, uint count) {
+    mcv_slot slot;
+    slot.base = paths;
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        mcv_surface surface;
+        surface.face = MCV_LOAD_3(slot, face);
+        surface.normal = MCV_LOAD_3(slot, normal);
+        const mcv_meeting meeting = mcv_meet_at(surface, MCV_LOAD_3(slot, direction));
+        const float xi = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
+        const float eta = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER + 1);
+        float density;
+        const mcv_vec3 bounce = mcv_diffuse_sample(meeting.normal, xi, eta, &density);
+        MCV_STORE_3(slot, bounce, bounce);
+        MCV_STORE(slot, bounce, 3, density);
+    }
+}
+#endif
+
 /* Works out the surfaces that the paths have met. */
 static __attribute__((noinline)) void mcv_find_surfaces(mcv_world world, uint *paths, uint count) {
     mcv_slot slot;
@@ -225,6 +247,9 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
 #endif
             mcv_draw_pairs(paths, alive, depth, MCV_PAIR_CHOICE);
         mcv_draw_pairs(paths, alive, depth, MCV_PAIR_SCATTER);
+#if MCV_WITH_DIFFUSE
+        mcv_choose_bounces(paths, alive);
+#endif
         uint next = 0;
         for (slot.index = 0; slot.index < alive; ++slot.index) {
             if (mcv_shade_surface(world, slot, depth, &counts[MCV_COUNTER_unmatched]))
