@@ -30,6 +30,36 @@ MCV_FUNCTION float mcv_path_value(mcv_world world, mcv_slot slot, uint channel, 
     return 0.0f;
 }
 
+#if MCV_TILE
+/*
+ * Writes the sums of count / block blocks of a channel's values: high and low word each. Level by level through all trees at once, from one
+ * array to the other, so that a level is a long loop.
+ */
+static __attribute__((noinline)) void mcv_accumulate_blocks(const float *values, uint count, uint block, __global float *sums) {
+    float highs[2][MCV_SLICE];
+    float lows[2][MCV_SLICE];
+    uint from = 0;
+    for (uint i = 0; i < count; ++i) {
+        highs[0][i] = values[i];
+        lows[0][i] = 0.0f;
+    }
+    for (uint size = block; size > 1u; size /= 2u, from ^= 1u) {
+        count /= 2u;
+        MCV_PARALLEL
+        for (uint i = 0; i < count; ++i) {
+            const mcv_float_pair a = {highs[from][2u * i], lows[from][2u * i]};
+            const mcv_float_pair b = {highs[from][2u * i + 1u], lows[from][2u * i + 1u]};
+            const mcv_float_pair both = mcv_add_pairs(a, b);
+            highs[from ^ 1u][i] = both.high;
+            lows[from ^ 1u][i] = both.low;
+        }
+    }
+    for (uint i = 0; i < count; ++i) {
+        sums[2u * MCV_CHANNELS * i] = highs[from][i];
+        sums[2u * MCV_CHANNELS * i + 1u] = lows[from][i];
+    }
+}
+#else
 /* Writes the sum of the values, which are lost: high and low word. */
 static void mcv_accumulate_block(float *values, uint count, __global float *sum) {
     float lows[MCV_BLOCK];
@@ -46,3 +76,4 @@ static void mcv_accumulate_block(float *values, uint count, __global float *sum)
     sum[0] = values[0];
     sum[1] = lows[0];
 }
+#endif

@@ -35,7 +35,13 @@ MCV_LOOP_FUNCTION mcv_meeting mcv_meet_surface(mcv_world world, mcv_slot slot) {
     surface.instance = surface.corners.w;
     surface.u = u;
     surface.v = v;
-    return mcv_meet_at(surface, MCV_LOAD_3(slot, direction));
+    mcv_meeting meeting = mcv_meet_at(surface, MCV_LOAD_3(slot, direction));
+#if MCV_WITH_DIFFUSE
+    meeting.bounces = 1;
+    meeting.bounce = MCV_LOAD_3(slot, bounce);
+    meeting.bounce_density = MCV_LOAD(slot, bounce, 3);
+#endif
+    return meeting;
 #else
     return mcv_meet(world, MCV_LOAD_3(slot, direction), triangle, u, v);
 #endif

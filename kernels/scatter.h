@@ -27,16 +27,24 @@ typedef struct mcv_meeting {
     mcv_vec3 direction;    /* of the ray, unit */
     mcv_vec3 face, normal; /* unit, on the ray's side: direction·face < 0, direction·normal < 0 */
     uint inside;           /* 1: the ray comes from behind the front side */
+#if MCV_TILE && MCV_WITH_DIFFUSE
+    int bounces; /* 1: worked out beforehand for many paths is where it goes on if the surface is diffuse */
+    mcv_vec3 bounce;
+    float bounce_density;
+#endif
 } mcv_meeting;
 
-MCV_FUNCTION mcv_meeting mcv_meet_at(mcv_surface surface, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION mcv_meeting mcv_meet_at(mcv_surface surface, mcv_vec3 direction) {
     mcv_meeting meeting;
     meeting.surface = surface;
     meeting.direction = direction;
     meeting.inside = mcv_dot(direction, meeting.surface.face) > 0.0f;
     meeting.face = mcv_scale(meeting.surface.face, meeting.inside ? -1.0f : 1.0f);
     meeting.normal = mcv_scale(meeting.surface.normal, meeting.inside ? -1.0f : 1.0f);
-    if (!(mcv_dot(direction, meeting.normal) < 0.0f)) meeting.normal = meeting.face;
+    meeting.normal = mcv_choose(mcv_dot(direction, meeting.normal) < 0.0f, meeting.normal, meeting.face);
+#if MCV_TILE && MCV_WITH_DIFFUSE
+    meeting.bounces = 0;
+#endif
     return meeting;
 }
 
@@ -169,7 +177,13 @@ static mcv_scattering mcv_scatter_beam_splitter(mcv_meeting meeting, mcv_device_
 #if MCV_WITH_DIFFUSE
 static mcv_scattering mcv_scatter_diffuse(mcv_meeting meeting, mcv_color reflectance, uint media, mcv_pair pair) {
     mcv_scattering scattering;
-    scattering.direction = mcv_diffuse_sample(meeting.normal, pair.x, pair.y, &scattering.density);
+#if MCV_TILE
+    if (meeting.bounces) {
+        scattering.direction = meeting.bounce;
+        scattering.density = meeting.bounce_density;
+    } else
+#endif
+        scattering.direction = mcv_diffuse_sample(meeting.normal, pair.x, pair.y, &scattering.density);
     scattering.chance = 1.0f;
     scattering.factor = mcv_dot(scattering.direction, meeting.face) > 0.0f ? reflectance : mcv_grey(0.0f);
     scattering.media = media;

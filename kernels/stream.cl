@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The stream schedule, for GPUs: one launch per stage over all paths of a pass. Queues hold the slots of the paths that a
- * stage has work for; their lengths stay on the device, the host launches blind and stages end early. Which order a queue gets
- * its entries in does not matter: a path writes its own slot alone.
+ * The stream schedule, for GPUs: one launch per stage and depth over the paths of a pass that live. Queues hold the slots of the paths
+ * that a stage has work for; their lengths stay on the device, and what the host launches beyond them ends at once. A work-group appends
+ * its paths together and in their order, so that neighbours in a queue are near to each other in memory. Which order the groups come in
+ * does not matter: a path writes its own slot alone.
  *
  * Queue 0 and 1: active paths of even and odd depths; queue 2: shadow rays. lengths[d]: active paths at depth d; after the
  * frame's depth + 1 of them, shadow rays at each depth.
@@ -37,6 +38,21 @@ MCV_FUNCTION mcv_slot mcv_stream_slot(__global uint *paths, uint capacity, uint 
     return slot;
 }
 
+/*
+ * Appends the paths of the work-group's items that go on to a queue: one addition to its length for all of them. To be called by all items
+ * or by none; room: two words that they share.
+ */
+MCV_FUNCTION void mcv_append(__global uint *queue, __global uint *length, uint path, int goes_on, __local uint *room) {
+    uint place = 0;
+    if (get_local_id(0) == 0) room[0] = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (goes_on) place = atomic_inc(&room[0]);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) == 0 && room[0] > 0) room[1] = atomic_add(length, room[0]);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (goes_on) queue[room[1] + place] = path;
+}
+
 #if MCV_WITH_AIM
 /* One work-item per pixel. */
 __kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void aim_pupils(MCV_WORLD_PARAMETERS __global mcv_device_aim *out) {
@@ -48,12 +64,13 @@ __kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void aim_
 
 MCV_STAGE_KERNEL(generate_rays) {
     MCV_MAKE_WORLD(world)
+    __local uint room[2];
     const uint path = get_global_id(0);
+    int begun = 0;
     (void)sums, (void)counters, (void)depth;
-    if (path >= world.frame->path_count) return;
-    if (mcv_generate_ray(world, mcv_stream_slot(paths, capacity, path), mcv_identify(world.frame, path))) {
-        MCV_ACTIVE(0)[atomic_inc(&lengths[0])] = path;
-    }
+    if (path < world.frame->path_count)
+        begun = mcv_generate_ray(world, mcv_stream_slot(paths, capacity, path), mcv_identify(world.frame, path));
+    mcv_append(MCV_ACTIVE(0), &lengths[0], path, begun, room);
 }
 
 MCV_STAGE_KERNEL(intersect_closest) {
@@ -66,13 +83,16 @@ MCV_STAGE_KERNEL(intersect_closest) {
 #if MCV_WITH_NEXT_EVENT
 MCV_STAGE_KERNEL(sample_emitters) {
     MCV_MAKE_WORLD(world)
+    __local uint room[2];
     const uint i = get_global_id(0);
+    uint path = 0;
+    int looks = 0;
     (void)sums, (void)counters;
-    if (i >= lengths[depth]) return;
-    const uint path = MCV_ACTIVE(depth)[i];
-    if (mcv_sample_emitter(world, mcv_stream_slot(paths, capacity, path), depth)) {
-        MCV_SHADOWS[atomic_inc(&MCV_SHADOW_LENGTH(depth))] = path;
+    if (i < lengths[depth]) {
+        path = MCV_ACTIVE(depth)[i];
+        looks = mcv_sample_emitter(world, mcv_stream_slot(paths, capacity, path), depth);
     }
+    mcv_append(MCV_SHADOWS, &MCV_SHADOW_LENGTH(depth), path, looks, room);
 }
 
 MCV_STAGE_KERNEL(intersect_shadow) {
@@ -85,18 +105,21 @@ MCV_STAGE_KERNEL(intersect_shadow) {
 
 MCV_STAGE_KERNEL(shade_surfaces) {
     MCV_MAKE_WORLD(world)
+    __local uint room[2];
     const uint i = get_global_id(0);
+    uint path = 0;
     uint unmatched = 0;
+    int goes_on = 0;
     (void)sums;
-    if (i >= lengths[depth]) return;
-    const uint path = MCV_ACTIVE(depth)[i];
-    const mcv_slot slot = mcv_stream_slot(paths, capacity, path);
-    if (mcv_shade_surface(world, slot, depth, &unmatched)) {
-        MCV_ACTIVE(depth + 1u)[atomic_inc(&lengths[depth + 1u])] = path;
+    if (i < lengths[depth]) {
+        path = MCV_ACTIVE(depth)[i];
+        const mcv_slot slot = mcv_stream_slot(paths, capacity, path);
+        goes_on = mcv_shade_surface(world, slot, depth, &unmatched);
         /* What the depth limit cuts. */
-        if (depth + 1u == world.frame->depth) atomic_add(&counters[MCV_COUNTER_lost], mcv_lost_energy(slot));
+        if (goes_on && depth + 1u == world.frame->depth) atomic_add(&counters[MCV_COUNTER_lost], mcv_lost_energy(slot));
+        if (unmatched > 0) atomic_add(&counters[MCV_COUNTER_unmatched], unmatched);
     }
-    if (unmatched > 0) atomic_add(&counters[MCV_COUNTER_unmatched], unmatched);
+    mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], path, goes_on, room);
 }
 
 /* One work-item per block. */
@@ -121,10 +144,10 @@ MCV_STAGE_KERNEL(count_rays) {
     MCV_MAKE_WORLD(world)
     (void)paths, (void)sums, (void)queues, (void)capacity, (void)depth;
     if (get_global_id(0) > 0) return;
-    counters[MCV_COUNTER_paths] = lengths[0];
+    counters[MCV_COUNTER_paths] += lengths[0];
     for (uint d = 0; d < world.frame->depth; ++d) {
         counters[MCV_COUNTER_rays] += lengths[d];
         counters[MCV_COUNTER_shadow_rays] += MCV_SHADOW_LENGTH(d);
     }
-    counters[MCV_COUNTER_depth_cut] = lengths[world.frame->depth];
+    counters[MCV_COUNTER_depth_cut] += lengths[world.frame->depth];
 }

@@ -6,6 +6,15 @@
  */
 #define MCV_TILE 1
 #define MCV_ROWS_SPACE __private
+
+/* Before a loop whose turns do not read what others write. PoCL's front end cannot vectorise it before its back end has inlined fma. */
+#ifdef __clang__
+#pragma clang diagnostic ignored "-Wpass-failed"
+#define MCV_PARALLEL _Pragma("clang loop vectorize(assume_safety)")
+#else
+#define MCV_PARALLEL
+#endif
+
 #include "world.h"
 #include "ways.h"
 #if MCV_WITH_AIM
@@ -20,14 +29,6 @@
 #include "shade_surfaces.cl"
 #include "accumulate_film.cl"
 #include "clock.h"
-
-/* Before a loop whose turns do not read what others write. PoCL's front end cannot vectorise it before its back end has inlined fma. */
-#ifdef __clang__
-#pragma clang diagnostic ignored "-Wpass-failed"
-#define MCV_PARALLEL _Pragma("clang loop vectorize(assume_safety)")
-#else
-#define MCV_PARALLEL
-#endif
 
 #define MCV_ROWS(slot, field) \
     { (slot).base + MCV_PATH_##field *MCV_SLICE, 1u, MCV_SLICE }
@@ -83,12 +84,23 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void aim_pupils(MCV_WORL
 }
 #endif
 
-/* The path in slot from[i], i <= from[i], goes on in slot i. */
-static __attribute__((noinline)) void mcv_move_paths(uint *paths, const uint *from, uint count) {
+/* The paths in the slots chosen[0 … count - 1], in ascending order, go on in the slots 0 … count - 1: the last ones where others ended. */
+static __attribute__((noinline)) void mcv_move_paths(uint *paths, const uint *chosen, uint count) {
+    uint from[MCV_SLICE];
+    uint to[MCV_SLICE];
+    uint moves = 0;
+    for (uint slot = 0, next = 0; slot < count; ++slot) {
+        if (chosen[next] == slot) {
+            ++next;
+        } else {
+            to[moves] = slot;
+            from[moves] = chosen[count - 1u - moves];
+            ++moves;
+        }
+    }
     for (uint word = 0; word < MCV_PATH_hit; ++word) {
         uint *row = paths + word * MCV_SLICE;
-        MCV_PARALLEL
-        for (uint i = 0; i < count; ++i) row[i] = row[from[i]];
+        for (uint i = 0; i < moves; ++i) row[to[i]] = row[from[i]];
     }
 }
 
@@ -104,6 +116,28 @@ static __attribute__((noinline)) void mcv_draw_pairs(uint *paths, uint count, ui
         MCV_STORE(slot, drawn, 2u * pair + 1u, drawn.y);
     }
 }
+
+#if MCV_WITH_DIFFUSE
+/* Where the paths go on from the surfaces that they have met if these are diffuse. */
+static __attribute__((noinline)) void mcv_choose_bounces(uint *paths, uint count) {
+    mcv_slot slot;
+    slot.base = paths;
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        mcv_surface surface;
+        surface.face = MCV_LOAD_3(slot, face);
+        surface.normal = MCV_LOAD_3(slot, normal);
+        const mcv_meeting meeting = mcv_meet_at(surface, MCV_LOAD_3(slot, direction));
+        const float xi = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
+        const float eta = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER + 1);
+        float density;
+        const mcv_vec3 bounce = mcv_diffuse_sample(meeting.normal, xi, eta, &density);
+        MCV_STORE_3(slot, bounce, bounce);
+        MCV_STORE(slot, bounce, 3, density);
+    }
+}
+#endif
 
 /* Works out the surfaces that the paths have met. */
 static __attribute__((noinline)) void mcv_find_surfaces(mcv_world world, uint *paths, uint count) {
@@ -125,8 +159,12 @@ static __attribute__((noinline)) uint mcv_begin_paths(mcv_world world, mcv_slot 
     uint rows[MCV_SLICE];
     uint begun[MCV_SLICE];
     uint alive = 0;
+    const uint samples = 1u << world.frame->log2_samples;
+    mcv_identity id = mcv_identify(world.frame, first);
     for (slot.index = 0; slot.index < count; ++slot.index) {
-        const mcv_identity id = mcv_identify(world.frame, first + slot.index);
+        const uint sample = (first + slot.index) & (samples - 1u);
+        if (sample == 0) id = mcv_identify(world.frame, first + slot.index);
+        id.sample = world.frame->first_sample + sample;
         columns[slot.index] = id.column;
         rows[slot.index] = id.row;
         MCV_WORD(slot, stream, 0) = id.stream;
@@ -135,19 +173,19 @@ static __attribute__((noinline)) uint mcv_begin_paths(mcv_world world, mcv_slot 
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i) {
         slot.index = i;
-        mcv_identity id;
-        id.column = columns[i];
-        id.row = rows[i];
-        id.stream = MCV_WORD(slot, stream, 0);
-        id.sample = MCV_WORD(slot, sample, 0);
-        mcv_generate_ray(world, slot, id);
+        mcv_identity begun_by;
+        begun_by.column = columns[i];
+        begun_by.row = rows[i];
+        begun_by.stream = MCV_WORD(slot, stream, 0);
+        begun_by.sample = MCV_WORD(slot, sample, 0);
+        mcv_generate_ray(world, slot, begun_by);
         MCV_WORD(slot, place, 0) = i;
     }
     for (slot.index = 0; slot.index < count; ++slot.index) {
         begun[alive] = slot.index;
         alive += MCV_LOAD(slot, weight, 0) > 0.0f;
     }
-    mcv_move_paths(slot.base, begun, alive);
+    if (alive < count) mcv_move_paths(slot.base, begun, alive);
     return alive;
 }
 
@@ -196,6 +234,9 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
 #endif
             mcv_draw_pairs(paths, alive, depth, MCV_PAIR_CHOICE);
         mcv_draw_pairs(paths, alive, depth, MCV_PAIR_SCATTER);
+#if MCV_WITH_DIFFUSE
+        mcv_choose_bounces(paths, alive);
+#endif
         uint next = 0;
         for (slot.index = 0; slot.index < alive; ++slot.index) {
             if (mcv_shade_surface(world, slot, depth, &counts[MCV_COUNTER_unmatched]))
@@ -215,11 +256,8 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
     counts[MCV_COUNTER_depth_cut] = alive;
 
     const uint block = min((uint)MCV_BLOCK, 1u << world.frame->log2_samples);
-    for (uint i = 0; i < count; i += block) {
-        __global float *sum = sums + (size_t)((first + i) / block) * (2 * MCV_CHANNELS);
-        for (uint channel = 0; channel < MCV_CHANNELS; ++channel)
-            mcv_accumulate_block(values + channel * MCV_SLICE + i, block, sum + 2u * channel);
-    }
+    for (uint channel = 0; channel < MCV_CHANNELS; ++channel)
+        mcv_accumulate_blocks(values + channel * MCV_SLICE, count, block, sums + ((size_t)(first / block) * MCV_CHANNELS + channel) * 2u);
     MCV_CLOCK_STAGE(accumulate_film)
     MCV_CLOCK_END(clocks + slice * MCV_CLOCK_COUNT)
     (void)clocks;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "render/device_scene.h"
 
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -79,21 +80,70 @@ static void free_vertices(mcv_packed *packed) {
     }
 }
 
-mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *device, mcv_error *error) {
-    mcv_bvh bvh = {0};
+/* The acceleration structure on its way. */
+typedef struct mcv_hierarchy_build {
+    const mcv_packed *packed;
+    uint32_t threads;
+    bool own_thread;
+    pthread_t thread;
+    mcv_bvh bvh;
+    mcv_result result;
+    mcv_error error;
+} mcv_hierarchy_build;
+
+static void *build_hierarchy(void *user) {
+    mcv_hierarchy_build *b = user;
+    b->result = mcv_bvh_build(b->packed->positions, b->packed->indices, b->packed->triangle_count, b->threads, &b->bvh, &b->error);
+    return NULL;
+}
+
+mcv_result mcv_device_scene_begin(const mcv_scene *scene, uint32_t threads, mcv_device_scene *device, mcv_error *error) {
     memset(device, 0, sizeof *device);
     MCV_TRY(mcv_pack(scene, &device->packed, error));
-    mcv_result result =
-        mcv_bvh_build(device->packed.positions, device->packed.indices, device->packed.triangle_count, threads, &bvh, error);
+    mcv_hierarchy_build *b = device->in_building = calloc(1, sizeof *b);
+    if (!b) return mcv_fail(error, MCV_FAILED, "no memory for the acceleration structure");
+    b->packed = &device->packed;
+    b->threads = threads;
+    b->own_thread = pthread_create(&b->thread, NULL, build_hierarchy, b) == 0;
+    if (!b->own_thread) build_hierarchy(b);
+    return MCV_OK;
+}
+
+static void wait_for_hierarchy(mcv_device_scene *device) {
+    mcv_hierarchy_build *b = device->in_building;
+    if (b && b->own_thread) pthread_join(b->thread, NULL);
+    if (b) b->own_thread = false;
     free(device->packed.indices);
     device->packed.indices = NULL;
-    if (result == MCV_OK) result = fill_buffers(cl, &bvh, device, error);
-    mcv_bvh_free(&bvh);
+}
+
+static void end_building(mcv_device_scene *device) {
+    if (device->in_building) mcv_bvh_free(&device->in_building->bvh);
+    free(device->in_building);
+    device->in_building = NULL;
     free_vertices(&device->packed);
+}
+
+mcv_result mcv_device_scene_finish(mcv_cl *cl, mcv_device_scene *device, mcv_error *error) {
+    wait_for_hierarchy(device);
+    const mcv_hierarchy_build *b = device->in_building;
+    mcv_result result = b->result;
+    if (result == MCV_OK)
+        result = fill_buffers(cl, &b->bvh, device, error);
+    else
+        *error = b->error;
+    end_building(device);
     return result;
 }
 
+mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *device, mcv_error *error) {
+    MCV_TRY(mcv_device_scene_begin(scene, threads, device, error));
+    return mcv_device_scene_finish(cl, device, error);
+}
+
 void mcv_device_scene_close(mcv_device_scene *device) {
+    wait_for_hierarchy(device);
+    end_building(device);
 #define MCV_X(name) mcv_cl_release(&device->name);
     MCV_SCENE_BUFFERS(MCV_X)
 #undef MCV_X

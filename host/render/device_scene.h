@@ -34,16 +34,23 @@ enum { MCV_SCENE_ARGUMENTS = 0 MCV_SCENE_BUFFERS(MCV_X) };
 #undef MCV_X
 
 typedef struct mcv_device_scene {
-    mcv_packed packed; /* what is large is freed once it is on the device */
+    mcv_packed packed;                       /* what is large is freed once it is on the device */
+    struct mcv_hierarchy_build *in_building; /* between begin and finish */
 #define MCV_X(name) cl_mem name;
     MCV_SCENE_BUFFERS(MCV_X)
 #undef MCV_X
 } mcv_device_scene;
 
 /*
- * Packs the scene, builds the acceleration structure, plans the buffers against the device's limits and fills them. On failure
- * mcv_device_scene_close is still to be called.
+ * Packs the scene and begins to build the acceleration structure, in a thread of its own. What programs are compiled from is known then.
+ * On failure mcv_device_scene_close is still to be called.
  */
+mcv_result mcv_device_scene_begin(const mcv_scene *scene, uint32_t threads, mcv_device_scene *device, mcv_error *error);
+
+/* Waits for the acceleration structure, plans the buffers against the device's limits and fills them. */
+mcv_result mcv_device_scene_finish(mcv_cl *cl, mcv_device_scene *device, mcv_error *error);
+
+/* Both. */
 mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *device, mcv_error *error);
 void mcv_device_scene_close(mcv_device_scene *device);
 

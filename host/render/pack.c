@@ -578,10 +578,8 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         const mcv_instance *instance = &scene->instances[i];
         const mcv_mesh *mesh = &scene->meshes[instance->mesh];
-        packed->instances[i] = (mcv_device_instance){.material = instance->material,
-                                                     .emitter = MCV_NONE,
-                                                     .smooth = mesh->normals != NULL,
-                                                     .first_triangle = instance->first_triangle};
+        packed->instances[i] =
+            (mcv_device_instance){.material = instance->material, .emitter = MCV_NONE, .first_triangle = instance->first_triangle};
         pack_instance(scene, packed, i, first_vertex);
         first_vertex += mesh->vertex_count;
     }

@@ -84,15 +84,16 @@ static mcv_result open_renderer(renderer *r, const mcv_scene *scene, uint32_t se
     MCV_TRY(mcv_cl_open(r->options->device, &r->cl, r->error));
     memcpy(r->stats->device, r->cl.name, sizeof r->stats->device);
     memcpy(r->stats->driver, r->cl.version, sizeof r->stats->driver);
-    MCV_TRY(mcv_device_scene_open(&r->cl, scene, r->options->threads, &r->scene, r->error));
+    MCV_TRY(mcv_device_scene_begin(scene, r->options->threads, &r->scene, r->error));
     mcv_packed *packed = &r->scene.packed;
     packed->features = mcv_sensor_features(packed, &scene->sensors[sensor]);
     mcv_feature_names(packed->features, r->stats->features, sizeof r->stats->features);
-    r->stats->seconds_build = now() - start;
 
     const double compile = now();
     MCV_TRY(mcv_schedule_open(&r->cl, &r->scene, scene->sensors[sensor].type, r->options, &r->schedule, r->error));
     r->stats->seconds_compile = now() - compile;
+    MCV_TRY(mcv_device_scene_finish(&r->cl, &r->scene, r->error));
+    r->stats->seconds_build = now() - start - r->stats->seconds_compile;
 
     r->frame = (mcv_frame){.width = r->film->width,
                            .height = r->film->height,

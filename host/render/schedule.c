@@ -64,7 +64,18 @@ mcv_result mcv_schedule_open(mcv_cl *cl, const mcv_device_scene *scene, uint32_t
     return mcv_cl_buffer(cl, "the counters of a launch", sizeof(cl_uint) * counter_sets * MCV_COUNTER_COUNT, NULL, &s->counters, error);
 }
 
+/* Nothing is written any more to where the answers go. */
+static void forget_answers(mcv_schedule *s) {
+    for (int i = 0; i < MCV_DEPTHS_AHEAD; ++i) {
+        if (!s->stream.answers[i]) continue;
+        clWaitForEvents(1, &s->stream.answers[i]);
+        clReleaseEvent(s->stream.answers[i]);
+        s->stream.answers[i] = NULL;
+    }
+}
+
 void mcv_schedule_close(mcv_schedule *schedule) {
+    forget_answers(schedule);
     mcv_cl_release(&schedule->paths);
     mcv_cl_release(&schedule->sums);
     mcv_cl_release(&schedule->counters);
@@ -139,13 +150,7 @@ static mcv_result zero(mcv_cl *cl, cl_mem buffer, size_t bytes, mcv_error *error
     return MCV_OK;
 }
 
-/*
- * All launches of a pass without waiting for any: a stage whose queue is empty ends at once. Only a depth limit beyond the
- * usual is not launched blindly to its end: a million depths are millions of launches.
- */
-static mcv_result start_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
-    cl_uint depth = 0;
-    const uint32_t block = frame->log2_samples < 6 ? 1u << frame->log2_samples : MCV_BLOCK;
+static mcv_result launch_stage(mcv_schedule *s, uint32_t kernel, size_t items, mcv_error *error) {
     mcv_arg arguments[STREAM_ARGUMENTS];
     mcv_device_scene_arguments(s->scene, arguments);
     arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->paths);
@@ -154,28 +159,67 @@ static mcv_result start_stream(mcv_schedule *s, const mcv_frame *frame, mcv_rend
     arguments[MCV_SCENE_ARGUMENTS + 3] = MCV_ARG(s->queues);
     arguments[MCV_SCENE_ARGUMENTS + 4] = MCV_ARG(s->lengths);
     arguments[MCV_SCENE_ARGUMENTS + 5] = MCV_ARG(s->capacity);
-    arguments[MCV_SCENE_ARGUMENTS + 6] = MCV_ARG(depth);
+    arguments[MCV_SCENE_ARGUMENTS + 6] = MCV_ARG(s->stream.depth);
+    return launch(s, kernel, items, STREAM_GROUP, arguments, STREAM_ARGUMENTS, error);
+}
+
+/* The stages of the next depth, for at most so many paths; then asks how many live on. */
+static mcv_result launch_depth(mcv_schedule *s, size_t items, mcv_render_stats *stats, mcv_error *error) {
+    const uint32_t depth = s->stream.depth;
+    const uint32_t asked = depth % MCV_DEPTHS_AHEAD;
+    MCV_TRY(launch_stage(s, MCV_KERNEL_intersect_closest, items, error));
+    if (s->kernels[MCV_KERNEL_sample_emitters] && depth + 1 < s->stream.frame.depth) {
+        MCV_TRY(launch_stage(s, MCV_KERNEL_sample_emitters, items, error));
+        MCV_TRY(launch_stage(s, MCV_KERNEL_intersect_shadow, items, error));
+    }
+    MCV_TRY(launch_stage(s, MCV_KERNEL_shade_surfaces, items, error));
+    MCV_TRY_CL(clEnqueueReadBuffer(s->cl->queue, s->lengths, CL_FALSE, sizeof(cl_uint) * (depth + 1), sizeof(cl_uint),
+                                   &s->stream.living[asked], 0, NULL, &s->stream.answers[asked]),
+               error);
+    ++s->stream.depth;
+    if (s->stream.depth % MCV_TIMED_DEPTHS > 0) return MCV_OK;
+    MCV_TRY(mcv_cl_finish(s->cl, error));
+    add_times(s, stats);
+    return MCV_OK;
+}
+
+/* How many paths lived so many depths ago, or waits until that is known: there are no more of them now. */
+static mcv_result living_paths(mcv_schedule *s, cl_uint *living, mcv_error *error) {
+    const uint32_t asked = s->stream.depth % MCV_DEPTHS_AHEAD;
+    *living = s->stream.frame.path_count;
+    if (s->stream.depth < MCV_DEPTHS_AHEAD) return MCV_OK;
+    MCV_TRY_CL(clWaitForEvents(1, &s->stream.answers[asked]), error);
+    clReleaseEvent(s->stream.answers[asked]);
+    s->stream.answers[asked] = NULL;
+    *living = s->stream.living[asked];
+    return MCV_OK;
+}
+
+/* The first depths of a pass, without waiting for any. */
+static mcv_result start_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
+    s->stream.frame = *frame;
+    s->stream.depth = 0;
+    s->counter_sets = 1;
     MCV_TRY(zero(s->cl, s->lengths, 2 * sizeof(cl_uint) * (s->depth + 1), error));
     MCV_TRY(zero(s->cl, s->counters, sizeof(cl_uint) * MCV_COUNTER_COUNT, error));
-#define MCV_RUN(stage, count) MCV_TRY(launch(s, MCV_KERNEL_##stage, (count), STREAM_GROUP, arguments, STREAM_ARGUMENTS, error))
-    MCV_RUN(generate_rays, frame->path_count);
-    for (depth = 0; depth < frame->depth; ++depth) {
-        MCV_RUN(intersect_closest, frame->path_count);
-        if (s->kernels[MCV_KERNEL_sample_emitters] && depth + 1 < frame->depth) {
-            MCV_RUN(sample_emitters, frame->path_count);
-            MCV_RUN(intersect_shadow, frame->path_count);
-        }
-        MCV_RUN(shade_surfaces, frame->path_count);
-        if (depth % MCV_BLIND_DEPTHS < MCV_BLIND_DEPTHS - 1) continue;
-        cl_uint left;
-        MCV_TRY(mcv_cl_read(s->cl, s->lengths, sizeof left * (depth + 1), sizeof left, &left, error));
-        add_times(s, stats);
-        if (left == 0) break;
+    MCV_TRY(launch_stage(s, MCV_KERNEL_generate_rays, frame->path_count, error));
+    while (s->stream.depth < frame->depth && s->stream.depth < MCV_DEPTHS_AHEAD) MCV_TRY(launch_depth(s, frame->path_count, stats, error));
+    return MCV_OK;
+}
+
+/* The other depths, as long as paths live, and the film. */
+static mcv_result finish_stream(mcv_schedule *s, mcv_render_stats *stats, mcv_error *error) {
+    const mcv_frame *frame = &s->stream.frame;
+    const uint32_t block = frame->log2_samples < 6 ? 1u << frame->log2_samples : MCV_BLOCK;
+    while (s->stream.depth < frame->depth) {
+        cl_uint living;
+        MCV_TRY(living_paths(s, &living, error));
+        if (living == 0) break;
+        MCV_TRY(launch_depth(s, living, stats, error));
     }
-    MCV_RUN(accumulate_film, frame->path_count / block);
-    MCV_RUN(count_rays, 1);
-#undef MCV_RUN
-    s->counter_sets = 1;
+    MCV_TRY(launch_stage(s, MCV_KERNEL_accumulate_film, frame->path_count / block, error));
+    MCV_TRY(launch_stage(s, MCV_KERNEL_count_rays, 1, error));
+    forget_answers(s);
     return MCV_OK;
 }
 
@@ -203,6 +247,7 @@ mcv_result mcv_schedule_start(mcv_schedule *schedule, const mcv_frame *frame, mc
 }
 
 mcv_result mcv_schedule_wait(mcv_schedule *schedule, mcv_render_stats *stats, mcv_error *error) {
+    if (schedule->kind == MCV_SCHEDULE_STREAM) MCV_TRY(finish_stream(schedule, stats, error));
     MCV_TRY(add_counters(schedule, stats, error));
     add_times(schedule, stats);
     return MCV_OK;

@@ -60,11 +60,9 @@ typedef struct mcv_device_instance {
     uint material;
     uint emitter; /* or MCV_NONE */
     uint medium;  /* index of the medium that its surface bounds, 0: none */
-    uint smooth;  /* 1: normals are interpolated */
     uint first_triangle;
-    uint padding[3];
 } mcv_device_instance;
-MCV_ASSERT_SIZE(mcv_device_instance, 32);
+MCV_ASSERT_SIZE(mcv_device_instance, 16);
 
 typedef struct mcv_device_material {
     uint type;       /* MCV_MATERIAL_… */
