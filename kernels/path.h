@@ -43,9 +43,14 @@
 
 /*
  * What a camera path has met. Light paths bring the light of their emitters that comes from smooth surfaces to one that spreads it,
- * wherever the sensor sees such a one directly: a path that began there leaves that light to them.
+ * wherever the sensor sees such a one directly or through a sheet or beam splitter: a path that began so leaves that light to them.
  */
-enum { MCV_TRAIL_SMOOTH_FIRST, MCV_TRAIL_SPREAD, MCV_TRAIL_SMOOTH_SINCE };
+enum {
+    MCV_TRAIL_STRAIGHT,    /* nothing but what passes light straight on */
+    MCV_TRAIL_BENT,        /* a smooth surface that turned it, before any that spreads light */
+    MCV_TRAIL_SPREAD,      /* one that spreads light, seen directly, and last one that spreads light */
+    MCV_TRAIL_SMOOTH_SINCE /* and smooth ones since */
+};
 
 #if MCV_ON_DEVICE
 

@@ -13,12 +13,15 @@ MCV_FUNCTION int mcv_is_traced(mcv_world world, mcv_slot slot, uint emitter) {
     return MCV_WORD(slot, trail, 0) == MCV_TRAIL_SMOOTH_SINCE && world.emitters[emitter].light_flux > 0.0f;
 }
 
-MCV_FUNCTION void mcv_leave_trail(mcv_slot slot, uint depth, int spread) {
-    if (depth > 0 && MCV_WORD(slot, trail, 0) == MCV_TRAIL_SMOOTH_FIRST) return;
-    if (spread)
+MCV_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, mcv_meeting meeting, mcv_scattering on) {
+    const uint before = MCV_WORD(slot, trail, 0);
+    if (before == MCV_TRAIL_BENT) return;
+    if (on.density > 0.0f)
         MCV_WORD(slot, trail, 0) = MCV_TRAIL_SPREAD;
-    else if (depth > 0)
+    else if (before != MCV_TRAIL_STRAIGHT)
         MCV_WORD(slot, trail, 0) = MCV_TRAIL_SMOOTH_SINCE;
+    else if (on.event != MCV_EVENT_PASS || !mcv_is_plate(world, meeting))
+        MCV_WORD(slot, trail, 0) = MCV_TRAIL_BENT;
 }
 #endif
 
@@ -88,7 +91,7 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
     MCV_STORE(slot, density, 0, on.density);
 #endif
 #if MCV_WITH_LIGHT_TRACING
-    mcv_leave_trail(slot, depth, on.density > 0.0f);
+    mcv_leave_trail(world, slot, meeting, on);
 #endif
     return 1;
 }

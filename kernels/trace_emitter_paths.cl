@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Stage: light paths, as many as camera paths. Each starts at a narrow emitter chosen by flux and goes through smooth surfaces; from the
- * first that spreads light on, if a smooth one came before, it connects each such surface to a place on the sensor's lens. A beam
- * that comes to the lens itself counts, too. What they bring, camera paths leave out (MCV_TRAIL_…).
+ * first that spreads light on, if a smooth one came before, it connects each such surface to a place on the sensor's lens, straight or
+ * through plates. A beam that comes to the lens itself counts, too. What they bring, camera paths leave out (MCV_TRAIL_…).
  *
- * They carry flux. Radiance on camera paths and flux on these are transported alike where a surface bends or spreads light about its
- * triangle's normal n_g; about another one n_s, flux has the factor |i·n_s||o·n_g|/(|i·n_g||o·n_s|) for going from i to o (Veach
- * 1997, 5.3). reads nothing -> writes splats
+ * They carry flux. Radiance on camera paths and flux on these are transported alike where a surface spreads light about its triangle's
+ * normal n_g; about another one n_s, flux has the factor |i·n_s||o·n_g|/(|i·n_g||o·n_s|) for going from i to o (Veach 1997, 5.3), without
+ * which facets would show. Smooth surfaces hand on all flux, as the smooth body would that the mesh stands for: there the factor is
+ * 1 on the average over a facet, but for the square of its angle, and without bound where light grazes it.
+ *
+ * reads nothing -> writes splats
  */
 #include "choose.h"
 #include "scatter.h"
@@ -162,8 +165,33 @@ static void mcv_enter_lens(mcv_world world, mcv_light_path path, float t, __glob
 #endif
 
 #if MCV_WITH_NEXT_EVENT
+/* What plates leave of light from a place to another, at most so many of them; 0 where anything else is between. */
+static mcv_color mcv_pass_plates(mcv_world world, mcv_vec3 origin, mcv_vec3 end, uint media, uint plates, uint counts[MCV_COUNTER_COUNT]) {
+    mcv_color left = mcv_grey(1.0f);
+#if MCV_WITH_SHEET
+    const mcv_pair never_reflect = {1.0f, 0.0f};
+    for (;; --plates) {
+        const mcv_vec3 way = mcv_sub(end, origin);
+        const mcv_hit hit = mcv_intersect_closest_ray(world.nodes, world.leaves, origin, way, 1.0f);
+        ++counts[MCV_COUNTER_shadow_rays];
+        if (hit.triangle == MCV_NONE) return left;
+        const mcv_meeting meeting = mcv_meet(world, mcv_normalize(way), hit.triangle, hit.u, hit.v);
+        if (plates == 0 || !mcv_is_plate(world, meeting)) return mcv_grey(0.0f);
+        const mcv_scattering on = mcv_scatter(world, meeting, media, never_reflect, 0.0f, &counts[MCV_COUNTER_unmatched]);
+        left = on.event == MCV_EVENT_PASS ? mcv_dim(mcv_tint(left, on.factor), on.chance) : mcv_grey(0.0f);
+        if (!(mcv_brightest(left) > 0.0f)) return left;
+        origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, way);
+    }
+#else
+    ++counts[MCV_COUNTER_shadow_rays];
+    if (mcv_intersect_any_ray(world.nodes, world.leaves, origin, mcv_sub(end, origin), 1.0f)) left = mcv_grey(0.0f);
+    (void)media, (void)plates;
+#endif
+    return left;
+}
+
 /* Sends what arrives at a surface that spreads light to a place on the lens. */
-static void mcv_connect(mcv_world world, mcv_meeting meeting, mcv_color flux, uint media, mcv_pair pair, __global uint *splats,
+static void mcv_connect(mcv_world world, mcv_meeting meeting, mcv_color flux, uint media, uint plates, mcv_pair pair, __global uint *splats,
                         uint replicate, float xi, uint counts[MCV_COUNTER_COUNT]) {
     mcv_sight sight;
     mcv_film_place place;
@@ -179,10 +207,10 @@ static void mcv_connect(mcv_world world, mcv_meeting meeting, mcv_color flux, ui
     const mcv_response response = mcv_respond(world, meeting, media, out);
     if (!(mcv_brightest(response.value) > 0.0f)) return;
     const mcv_vec3 origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, out);
-    ++counts[MCV_COUNTER_shadow_rays];
-    if (mcv_intersect_any_ray(world.nodes, world.leaves, origin, mcv_sub(seen.origin, origin), 1.0f)) return;
+    const mcv_color left = mcv_pass_plates(world, origin, seen.origin, response.media, plates, counts);
+    if (!(mcv_brightest(left) > 0.0f)) return;
     const float d = mcv_sqrt(mcv_dot(sight.direction, sight.direction));
-    mcv_color value = mcv_tint(flux, response.value);
+    mcv_color value = mcv_tint(mcv_tint(flux, response.value), left);
     value = mcv_dim(value, mcv_flux_correction(meeting, out) * importance * d / (point.z * point.z));
 #if MCV_WITH_ABSORPTION
     value = mcv_tint(value, mcv_medium_transmittance(world, response.media, point.z * d));
@@ -230,8 +258,8 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
         if (path.smooth && world.materials[world.instances[meeting.surface.instance].material].spreads) {
             const mcv_pair pupil = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_EMITTER));
             const float share = path.spread ? 1.0f : mcv_within_range(e, path.length);
-            mcv_connect(world, meeting, mcv_dim(mcv_tint(path.flux, path.throughput), share), path.media, pupil, splats, id.replicate,
-                        choice.x, counts);
+            mcv_connect(world, meeting, mcv_dim(mcv_tint(path.flux, path.throughput), share), path.media, world.frame->depth - 1u - depth,
+                        pupil, splats, id.replicate, choice.x, counts);
         }
 #endif
         const mcv_pair pair = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_SCATTER));
@@ -239,11 +267,11 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
         path.throughput = mcv_tint(path.throughput, on.factor);
         const float brightest = mcv_brightest(path.throughput);
         if (!(brightest > 0.0f)) return;
-        path.throughput = mcv_dim(path.throughput, mcv_flux_correction(meeting, on.direction));
         if (on.density > 0.0f) {
             /* What comes straight from the emitter, next-event estimation has. */
             if (!path.smooth) return;
             if (!path.spread) path.throughput = mcv_dim(path.throughput, mcv_within_range(e, path.length));
+            path.throughput = mcv_dim(path.throughput, mcv_flux_correction(meeting, on.direction));
             path.spread = 1;
         } else {
             path.smooth = 1;
