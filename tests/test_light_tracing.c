@@ -216,6 +216,54 @@ static void test_mirror(void **state) {
     mcv_scene_free(scene);
 }
 
+/*
+ * Coaxial light: a camera looks down on the paper through a splitter at 45°, which turns the beam down onto it: L = ρ/π E r t, through a
+ * thin window before the camera, too. Camera paths through both leave it to light paths.
+ */
+static mcv_scene *coaxial_scene(bool beam, double *expected) {
+    const double s = sqrt(0.5);
+    mcv_scene *scene = mcv_scene_new("coaxial");
+    const uint32_t splitter =
+        add_material(scene, MCV_MATERIAL_BEAM_SPLITTER,
+                     &(mcv_material){.as.beam_splitter = {.reflectance = {0.3, 0.3, 0.3}, .transmittance = {0.6, 0.6, 0.6}}});
+    const uint32_t window = add_material(scene, MCV_MATERIAL_SHEET, &(mcv_material){.as.sheet = {.ior = ior, .transmittance = {1, 1, 1}}});
+    mcv_sensor sensor = sensor_of(TELECENTRIC, false);
+    for (int k = 0; k < 2; ++k) {
+        sensor.as.telecentric.resolution[k] = 4;
+        sensor.as.telecentric.pixelSize[k] *= 4;
+    }
+    add_rectangle(scene, 0.1, 0.1, add_diffuse(scene, 0.5), looking_up_z(0, 0, 0));
+    add_rectangle(scene, 0.05, 0.07, splitter, looking((const double[]){0, 0, 0.3}, (const double[]){s, 0, -s}, (const double[]){0, 1, 0}));
+    add_rectangle(scene, 0.05, 0.05, window, looking_up_z(0, 0, 0.35));
+    const mcv_transform from = looking((const double[]){0.1, 0, 0.3}, (const double[]){-1, 0, 0}, (const double[]){0, 1, 0});
+    if (beam)
+        add_beam(scene, 0.03, 3, from);
+    else
+        add_emitter(scene, MCV_EMITTER_PARALLEL, add_rectangle(scene, 0.03, 0.03, add_absorber(scene), from), 100, 2 * M_PI / 180);
+    add_sensor(scene, MCV_SENSOR_TELECENTRIC, &sensor, looking_down_z(0, 0, 0.4));
+    *expected = 0.5 / M_PI * 3 * 0.3 * 0.6 * slab_transmittance();
+    return scene;
+}
+
+static void test_coaxial(void **state) {
+    (void)state;
+    double expected;
+    mcv_scene *beam = coaxial_scene(true, &expected), *panel = coaxial_scene(false, &expected);
+    mcv_render_options by_light = options_of(512, 1), by_chance = options_of(2048, 2);
+    mcv_film film = render(beam, &by_light, true);
+    /* The paper, its picture in the splitter and the splitter send light to and fro, some 0.3 of 0.5 A/(π (0.6 m)²): 1e-4. */
+    expect_mean("coaxial beam", &film, expected, 2e-4);
+    mcv_film_free(&film);
+    mcv_film x = render(panel, &by_light, true);
+    by_chance.no_light_paths = true;
+    mcv_film y = render(panel, &by_chance, false);
+    expect_equal("coaxial panel", &x, &y);
+    mcv_film_free(&x);
+    mcv_film_free(&y);
+    mcv_scene_free(beam);
+    mcv_scene_free(panel);
+}
+
 /* A cone of 5° through a glass ball onto paper between walls of which one is a mirror; the camera sees paper, ball and mirror. */
 static mcv_scene *ball_scene(int kind) {
     mcv_scene *scene = mcv_scene_new("ball");
@@ -373,9 +421,13 @@ static void test_invert_undoes_sample(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_invert_undoes_sample),    cmocka_unit_test(test_slab_before_every_sensor),
-        cmocka_unit_test(test_point_light_behind_slab), cmocka_unit_test(test_mirror),
-        cmocka_unit_test(test_beam_into_lens),          cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_invert_undoes_sample),
+        cmocka_unit_test(test_slab_before_every_sensor),
+        cmocka_unit_test(test_point_light_behind_slab),
+        cmocka_unit_test(test_mirror),
+        cmocka_unit_test(test_coaxial),
+        cmocka_unit_test(test_beam_into_lens),
+        cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_ball_against_chance),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
