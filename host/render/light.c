@@ -78,7 +78,7 @@ static double image_tangents(const mcv_device_emitter *e) {
 }
 
 /* The flux of all light paths of an emitter, over its radiance (irradiance, intensity). */
-static double unit_flux(const ball *smooth, const mcv_emitter *from, mcv_device_emitter *e) {
+static double unit_flux(const mcv_packed *packed, const ball *smooth, const mcv_emitter *from, mcv_device_emitter *e) {
     switch (e->type) {
     case MCV_EMITTER_PARALLEL:
         return e->parallel.from_receiver ? mcv_emitter_projected_solid_angle(from) * from->area : 0;
@@ -90,6 +90,7 @@ static double unit_flux(const ball *smooth, const mcv_emitter *from, mcv_device_
         return aim_spot(smooth, e);
     case MCV_EMITTER_DIRECTIONAL:
         e->light_sine = (float)(smooth->radius * (1 + 1e-6));
+        e->directional.reach = (float)(2 * mcv_packed_size(packed));
         for (int k = 0; k < 3; ++k) e->middle[k] = (float)smooth->centre[k];
         return pi * (double)e->light_sine * (double)e->light_sine;
     default:
@@ -118,7 +119,7 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
         if (!mcv_is_looked_for(from)) continue;
         mcv_device_emitter *e = &packed->emitters[count++];
         if (!caustics && e->type != MCV_EMITTER_COLLIMATED_BEAM) continue;
-        const double flux = unit_flux(&smooth, from, e);
+        const double flux = unit_flux(packed, &smooth, from, e);
         if (!(flux > 0)) continue;
         mcv_emitter_image_mean(scene, from, mean);
         powers[count - 1] = flux * (from->radiance[0] * mean[0] + from->radiance[1] * mean[1] + from->radiance[2] * mean[2]);
@@ -175,19 +176,11 @@ bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor) {
 
 double mcv_splat_unit(const mcv_packed *packed, const mcv_sensor *sensor, const mcv_frame *frame) {
     const float *t = frame->to_world + 9;
-    mcv_box all = {{0, 0, 0}, {0, 0, 0}};
-    double flux = 0, size = 0;
+    double flux = 0;
     for (uint32_t i = 0; i < packed->emitter_count; ++i) {
         for (int k = 0; k < 3; ++k) flux = fmax(flux, (double)packed->emitters[i].radiance[k] * packed->emitters[i].light_flux);
     }
-    for (uint32_t i = 0; i < packed->instance_count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            all.lower[k] = fmin(all.lower[k], packed->boxes[i].lower[k] - packed->centre[k]);
-            all.upper[k] = fmax(all.upper[k], packed->boxes[i].upper[k] - packed->centre[k]);
-        }
-    }
-    for (int k = 0; k < 3; ++k) size = fmax(size, all.upper[k] - all.lower[k]);
-    const double distance = fmax(sqrt((double)t[0] * t[0] + (double)t[1] * t[1] + (double)t[2] * t[2]), size / 16);
+    const double distance = fmax(sqrt((double)t[0] * t[0] + (double)t[1] * t[1] + (double)t[2] * t[2]), mcv_packed_size(packed) / 16);
     const double typical = flux / pi * brightness_of_point(sensor, (float)distance);
     const double exponent = isfinite(typical) && typical > 0 ? floor(log2(typical)) - 16 : 0;
     return exp2(fmin(fmax(exponent, -100), 100));

@@ -306,8 +306,7 @@ static void pack_textures(const mcv_scene *scene, mcv_packed *packed) {
 
 /* Emitters */
 
-/* The diagonal of the box around all instances. */
-static double scene_size(const mcv_packed *packed) {
+double mcv_packed_size(const mcv_packed *packed) {
     mcv_box all = empty_box();
     for (uint32_t i = 0; i < packed->instance_count; ++i) {
         extend(&all, packed->boxes[i].lower);
@@ -323,7 +322,7 @@ static double emitter_power(const mcv_scene *scene, const mcv_packed *packed, co
     double mean[3];
     mcv_emitter_image_mean(scene, emitter, mean);
     const double brightness = emitter->radiance[0] * mean[0] + emitter->radiance[1] * mean[1] + emitter->radiance[2] * mean[2];
-    const double disk = pi * pow(scene_size(packed) / 2, 2);
+    const double disk = pi * pow(mcv_packed_size(packed) / 2, 2);
     if (emitter->type == MCV_EMITTER_DIRECTIONAL) return brightness * disk;
     if (emitter->type == MCV_EMITTER_ENVIRONMENT) return brightness * mcv_emitter_solid_angle(emitter) * disk;
     return brightness * mcv_emitter_unit_power(scene, emitter);

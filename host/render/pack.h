@@ -51,6 +51,9 @@ void mcv_packed_free(mcv_packed *packed);
 /* The set of media (bit i: medium i + 1) whose closed surfaces surround a world point. */
 uint32_t mcv_media_around(const mcv_scene *scene, const mcv_packed *packed, const double point[3]);
 
+/* The diagonal of the box around all instances [m]. */
+double mcv_packed_size(const mcv_packed *packed);
+
 /* Is it chosen by next-event estimation? A constant environment is not: all directions are as good. */
 bool mcv_is_looked_for(const mcv_emitter *emitter);
 

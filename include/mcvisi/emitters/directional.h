@@ -21,7 +21,7 @@
 
 typedef struct mcv_directional {
     float axis[3]; /* unit; in which it shines */
-    uint padding;
+    float reach;   /* from any surface no other is as far away [m] */
 } mcv_directional;
 MCV_ASSERT_SIZE(mcv_directional, 16);
 
