@@ -33,6 +33,7 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 #define MCV_CHANNELS packed->channels
 #define MCV_WITH_DIELECTRIC (features >> MCV_FEATURE_DIELECTRIC & 1)
 #define MCV_WITH_NEXT_EVENT (features >> MCV_FEATURE_NEXT_EVENT & 1)
+#define MCV_WITH_LIGHT_TRACING (features >> MCV_FEATURE_LIGHT_TRACING & 1)
 #define MCV_WITH_GLOSS (features >> MCV_FEATURE_GLOSS & 1)
 #define MCV_X(field, count) words[FIELD_##field] = (count);
     MCV_PATH_FIELDS(MCV_X)
@@ -40,6 +41,7 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 #undef MCV_CHANNELS
 #undef MCV_WITH_DIELECTRIC
 #undef MCV_WITH_NEXT_EVENT
+#undef MCV_WITH_LIGHT_TRACING
 #undef MCV_WITH_GLOSS
 }
 

@@ -35,6 +35,9 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
 #if MCV_WITH_NEXT_EVENT
     MCV_STORE(slot, density, 0, 0.0f);
 #endif
+#if MCV_WITH_LIGHT_TRACING
+    MCV_WORD(slot, trail, 0) = MCV_TRAIL_STRAIGHT;
+#endif
     MCV_WORD(slot, stream, 0) = id.stream;
     MCV_WORD(slot, sample, 0) = id.sample;
     return weight > 0.0f;

@@ -17,14 +17,15 @@
 
 /* X(field, words): what a scene does not need has no words. Those before the hit go on with the path to its next surface. */
 #define MCV_PATH_FIELDS(X) \
-    X(origin, 3)                    /* of the current ray [m] */ \
-    X(direction, 3)                 /* unit */ \
-    X(weight, 1)                    /* of the sensor's ray; 0: the path is not begun */ \
-    X(throughput, MCV_CHANNELS)     /* product of reflectances, transmittances … since the sensor */ \
-    X(radiance, MCV_CHANNELS)       /* found so far, L/n² */ \
-    X(media, MCV_WITH_DIELECTRIC)   /* set of the media the ray is in */ \
-    X(density, MCV_WITH_NEXT_EVENT) /* with which the last surface chose the direction [1/sr]; 0: it is smooth */ \
-    X(stream, 1)                    /* of random numbers: pixel, replicate, seed */ \
+    X(origin, 3)                     /* of the current ray [m] */ \
+    X(direction, 3)                  /* unit */ \
+    X(weight, 1)                     /* of the sensor's ray; 0: the path is not begun */ \
+    X(throughput, MCV_CHANNELS)      /* product of reflectances, transmittances … since the sensor */ \
+    X(radiance, MCV_CHANNELS)        /* found so far, L/n² */ \
+    X(media, MCV_WITH_DIELECTRIC)    /* set of the media the ray is in */ \
+    X(density, MCV_WITH_NEXT_EVENT)  /* with which the last surface chose the direction [1/sr]; 0: it is smooth */ \
+    X(trail, MCV_WITH_LIGHT_TRACING) /* MCV_TRAIL_… */ \
+    X(stream, 1)                     /* of random numbers: pixel, replicate, seed */ \
     X(sample, 1) \
     X(place, MCV_TILE)     /* of the path in its slice */ \
     X(hit, 4)              /* t, u, v, triangle */ \
@@ -40,6 +41,17 @@
     X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS *MCV_WITH_DIELECTRIC) /* that it leaves the surface in */ \
     X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing before t = 1; MCV_SKY: nothing at all */ \
     X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */
+
+/*
+ * What a camera path has met. Light paths bring the light of their emitters that comes from smooth surfaces to one that spreads it,
+ * wherever the sensor sees such a one directly or through a sheet or beam splitter: a path that began so leaves that light to them.
+ */
+enum {
+    MCV_TRAIL_STRAIGHT,    /* nothing but what passes light straight on */
+    MCV_TRAIL_BENT,        /* a smooth surface that turned it, before any that spreads light */
+    MCV_TRAIL_SPREAD,      /* one that spreads light, seen directly, and last one that spreads light */
+    MCV_TRAIL_SMOOTH_SINCE /* and smooth ones since */
+};
 
 #if MCV_ON_DEVICE
 

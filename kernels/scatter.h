@@ -344,6 +344,14 @@ static mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, uint media
 }
 #endif
 
+#if MCV_WITH_LIGHT_TRACING
+/* Does the surface pass light straight on, but for what it reflects? */
+MCV_FUNCTION int mcv_is_plate(mcv_world world, mcv_meeting meeting) {
+    const uint type = world.materials[world.instances[meeting.surface.instance].material].type;
+    return type == MCV_MATERIAL_SHEET || type == MCV_MATERIAL_BEAM_SPLITTER;
+}
+#endif
+
 /* What the surface emits towards the ray, L/n², weighed against next-event estimation by the balance heuristic. */
 MCV_FUNCTION mcv_color mcv_emission_met(mcv_world world, mcv_meeting meeting, uint emitter, uint media, float density, float distance) {
 #if MCV_WITH_EMISSION

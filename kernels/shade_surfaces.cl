@@ -7,6 +7,24 @@
 #include "identity.h"
 #include "meet_surface.h"
 
+#if MCV_WITH_LIGHT_TRACING
+/* Do light paths bring what the emitter sends along this path? */
+MCV_FUNCTION int mcv_is_traced(mcv_world world, mcv_slot slot, uint emitter) {
+    return MCV_WORD(slot, trail, 0) == MCV_TRAIL_SMOOTH_SINCE && world.emitters[emitter].light_flux > 0.0f;
+}
+
+MCV_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, mcv_meeting meeting, mcv_scattering on) {
+    const uint before = MCV_WORD(slot, trail, 0);
+    if (before == MCV_TRAIL_BENT) return;
+    if (on.density > 0.0f)
+        MCV_WORD(slot, trail, 0) = MCV_TRAIL_SPREAD;
+    else if (before != MCV_TRAIL_STRAIGHT)
+        MCV_WORD(slot, trail, 0) = MCV_TRAIL_SMOOTH_SINCE;
+    else if (on.event != MCV_EVENT_PASS || !mcv_is_plate(world, meeting))
+        MCV_WORD(slot, trail, 0) = MCV_TRAIL_BENT;
+}
+#endif
+
 /* 1 if the path goes on. */
 static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *unmatched) {
     const uint triangle = MCV_WORD(slot, hit, 3);
@@ -35,7 +53,11 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
 
     const mcv_meeting meeting = mcv_meet_surface(world, slot);
     const uint emitter = world.instances[meeting.surface.instance].emitter;
+#if MCV_WITH_LIGHT_TRACING
+    if (emitter != MCV_NONE && !mcv_is_traced(world, slot, emitter)) {
+#else
     if (emitter != MCV_NONE) {
+#endif
         const mcv_color met = mcv_emission_met(world, meeting, emitter, media, density, MCV_LOAD(slot, hit, 0));
         MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], met.c[i], radiance.c[i]);
         MCV_STORE_COLOR(slot, radiance, radiance);
@@ -67,6 +89,9 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
 #endif
 #if MCV_WITH_NEXT_EVENT
     MCV_STORE(slot, density, 0, on.density);
+#endif
+#if MCV_WITH_LIGHT_TRACING
+    mcv_leave_trail(world, slot, meeting, on);
 #endif
     return 1;
 }

@@ -20,6 +20,9 @@
 #endif
 #include "shade_surfaces.cl"
 #include "accumulate_film.cl"
+#if MCV_WITH_LIGHT_TRACING
+#include "trace_emitter_paths.cl"
+#endif
 
 #define MCV_STREAM_GROUP 64
 #define MCV_STAGE_KERNEL(stage) \
@@ -138,6 +141,21 @@ MCV_STAGE_KERNEL(accumulate_film) {
     }
     if (nonfinite > 0) atomic_add(&counters[MCV_COUNTER_nonfinite], nonfinite);
 }
+
+#if MCV_WITH_LIGHT_TRACING
+/* One work-item per path. */
+__kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void trace_emitter_paths(MCV_WORLD_PARAMETERS __global uint *splats,
+                                                                                                __global uint *counters) {
+    MCV_MAKE_WORLD(world)
+    const uint path = get_global_id(0);
+    uint counts[MCV_COUNTER_COUNT] = {0};
+    if (path >= world.frame->path_count) return;
+    mcv_trace_emitter_path(world, path, splats, counts);
+    for (uint i = 0; i < MCV_COUNTER_COUNT; ++i) {
+        if (counts[i] > 0) atomic_add(&counters[i], counts[i]);
+    }
+}
+#endif
 
 /* The lengths of the queues are what was counted on the way: one work-item adds them up. */
 MCV_STAGE_KERNEL(count_rays) {

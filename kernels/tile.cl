@@ -28,6 +28,9 @@
 #endif
 #include "shade_surfaces.cl"
 #include "accumulate_film.cl"
+#if MCV_WITH_LIGHT_TRACING
+#include "trace_emitter_paths.cl"
+#endif
 #include "clock.h"
 
 #define MCV_ROWS(slot, field) \
@@ -81,6 +84,20 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void aim_pupils(MCV_WORL
     const uint first = (uint)get_group_id(0) * MCV_SLICE;
     const uint last = min(first + MCV_SLICE, world.frame->width * world.frame->height);
     for (uint pixel = first; pixel < last; ++pixel) mcv_aim_pupil(world, pixel, out + pixel);
+}
+#endif
+
+#if MCV_WITH_LIGHT_TRACING
+/* One work-item per slice of paths. */
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_emitter_paths(MCV_WORLD_PARAMETERS __global uint *splats,
+                                                                                 __global uint *counters) {
+    MCV_MAKE_WORLD(world)
+    const uint slice = get_group_id(0);
+    const uint first = slice * MCV_SLICE;
+    const uint last = min(first + MCV_SLICE, world.frame->path_count);
+    uint counts[MCV_COUNTER_COUNT] = {0};
+    for (uint path = first; path < last; ++path) mcv_trace_emitter_path(world, path, splats, counts);
+    for (uint i = 0; i < MCV_COUNTER_COUNT; ++i) counters[slice * MCV_COUNTER_COUNT + i] += counts[i];
 }
 #endif
 

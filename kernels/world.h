@@ -49,6 +49,10 @@
 /* MCV_SENSOR is the sensor's name: its struct and its sample function follow. */
 typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
 #define mcv_sensor_sample MCV_JOIN(mcv_, MCV_SENSOR, _sample)
+#if MCV_WITH_LIGHT_TRACING
+#define mcv_sensor_invert MCV_JOIN(mcv_, MCV_SENSOR, _invert)
+#define mcv_sensor_connect MCV_JOIN(mcv_, MCV_SENSOR, _connect)
+#endif
 #if MCV_WITH_AIM
 #define mcv_sensor_through MCV_JOIN(mcv_, MCV_SENSOR, _through)
 #endif

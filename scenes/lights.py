@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lights that no ray of sight meets: collimated beams, and the points, spots and suns that Blender exports."""
+"""Lights that no ray of sight meets, or seldom: collimated beams, the points, spots and suns that Blender exports, and light of 0.5° behind glass."""
 
 from basics import box, diffuse
 from gltf import Scene, facing
 from images import stripes
+from report import ball, glass
 
 
 def beam():
@@ -74,5 +75,20 @@ def sky():
     return scene.gltf()
 
 
+def caustic():
+    """A glass ball on paper in slanting light of 0.5°, like the sun's; a diffuse panel above lights the rest."""
+    scene = Scene("A glass ball gathers light of 0.5° into a caustic on paper; emitters lamp and panel.")
+    scene.node("paper", mesh=scene.mesh("paper", diffuse(scene, "paper", 0.8), [(-0.1, -0.1, 0), (0.1, -0.1, 0), (0.1, 0.1, 0), (-0.1, 0.1, 0)],
+                                        [(0, 1, 2), (0, 2, 3)]))
+    scene.node("ball", mesh=scene.mesh("ball", glass(scene, "glass", 1.517, 0.02), *ball(0.010, 5)), translation=[-0.008, 0, 0.0105])
+    scene.node("lamp", translation=[-0.088, 0, 0.1058], rotation=facing((0.08, 0, -0.0953), up=(0, 1, 0)),
+               emitter={"type": "parallel", "size": ["60mm", "60mm"], "halfAngle": "0.25deg", "power": 0.0043})
+    scene.node("panel", translation=[0, 0.12, 0.12], rotation=facing((0, -0.12, -0.12)),
+               emitter={"type": "area", "size": ["80mm", "80mm"], "radiance": 0.15})
+    scene.node("camera", translation=[0.012, -0.11, 0.14], rotation=facing((-0.010, 0.115, -0.14)),
+               sensor={"type": "thinLens", "focalLength": "25mm", "focusDistance": "178mm", "fNumber": 8, "resolution": [280, 210], "pixelSize": "36um"})
+    return scene.gltf()
+
+
 def files():
-    return {"beam.gltf": beam(), "punctual.gltf": punctual(), "sky.gltf": sky()}
+    return {"beam.gltf": beam(), "caustic.gltf": caustic(), "punctual.gltf": punctual(), "sky.gltf": sky()}

@@ -184,6 +184,20 @@ static void say_display(const images *seen, char *text) {
     mcv_scene_free(scene);
 }
 
+static int compare_values(const void *a, const void *b) {
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* How much brighter the caustic, which takes up more than a thousandth of the picture, is than the paper, which takes up most of it. */
+static void say_peak(const images *seen, char *text) {
+    float *pixels = seen->of->pixels;
+    const size_t count = (size_t)seen->of->width * seen->of->height;
+    qsort(pixels, count, sizeof *pixels, compare_values);
+    snprintf(text, TEXT, "the caustic is %.1f times as bright as the paper",
+             (double)pixels[count - count / 1000] / (double)pixels[count / 2]);
+}
+
 /* --- the gallery ------------------------------------------------------------------------------------------------ */
 
 typedef struct panel {
@@ -237,6 +251,13 @@ static const entry entries[] = {
       {"better: dome light", "scenes/engraved-dome.gltf --spp 128", NULL},
       {"right: coaxial light", "scenes/engraved-coaxial.gltf --spp 1024", NULL}},
      say_letters},
+    {"caustic",
+     "A caustic on paper",
+     "A glass ball under a lamp of the same power. How sharply the ball gathers the light tells how parallel it is. Camera paths would "
+     "not find the lamp behind the ball: light paths do.",
+     {{"wrong: a wide cone, 16°", "scenes/caustic.gltf --set emitters/lamp/halfAngle=8deg --spp 1024", NULL},
+      {"right: a narrow one, 0.5°", "scenes/caustic.gltf --spp 1024", NULL}},
+     say_peak},
 };
 enum { ENTRIES = sizeof entries / sizeof entries[0] };
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "accel/bvh.h"
+#include "render/light.h"
 #include "scene/sensors.h"
 
 /* The device structs of all sensors, for the size of the buffer. */
@@ -147,7 +148,22 @@ void mcv_device_scene_close(mcv_device_scene *device) {
 #define MCV_X(name) mcv_cl_release(&device->name);
     MCV_SCENE_BUFFERS(MCV_X)
 #undef MCV_X
+    mcv_cl_release(&device->splats);
     mcv_packed_free(&device->packed);
+}
+
+static mcv_result open_splats(mcv_cl *cl, const mcv_sensor *sensor, mcv_device_scene *device, mcv_frame *frame, mcv_error *error) {
+    const mcv_packed *packed = &device->packed;
+    const size_t bytes = 8 * (size_t)frame->width * frame->height * packed->channels * frame->replicates;
+    const cl_uint nothing = 0;
+    const uint32_t tiles = (frame->width + 7) / 8 * ((frame->height + 7) / 8);
+    frame->light_cdf = packed->light_cdf;
+    frame->splat_scale = (float)(1 / mcv_splat_unit(packed, sensor, frame));
+    frame->log2_pixels = 6;
+    while (1u << frame->log2_pixels < 64 * (uint64_t)tiles) ++frame->log2_pixels;
+    MCV_TRY(mcv_cl_buffer(cl, "what light paths bring", bytes, NULL, &device->splats, error));
+    MCV_TRY_CL(clEnqueueFillBuffer(cl->queue, device->splats, &nothing, sizeof nothing, 0, bytes, 0, NULL, NULL), error);
+    return MCV_OK;
 }
 
 mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t sensor, mcv_device_scene *device, mcv_frame *frame,
@@ -181,6 +197,7 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
         const size_t bytes = sizeof(mcv_device_aim) * frame->width * frame->height;
         MCV_TRY(mcv_cl_buffer(cl, "the aims of the pixels", bytes, NULL, &device->aims, error));
     }
+    if (packed->features >> MCV_FEATURE_LIGHT_TRACING & 1) MCV_TRY(open_splats(cl, from, device, frame, error));
     return mcv_cl_write(cl, device->sensor, 0, sizeof prepared, &prepared, error);
 }
 

@@ -39,6 +39,7 @@ typedef struct mcv_device_scene {
 #define MCV_X(name) cl_mem name;
     MCV_SCENE_BUFFERS(MCV_X)
 #undef MCV_X
+    cl_mem splats; /* [replicate][channel][row][column], of 64 bits: what light paths have brought so far */
 } mcv_device_scene;
 
 /*

@@ -7,6 +7,7 @@
 
 #include "mcvisi/accel.h"
 #include "render/gloss.h"
+#include "render/light.h"
 #include "scene/emitters.h"
 #include "scene/mesh.h"
 #include "scene/transform.h"
@@ -305,24 +306,8 @@ static void pack_textures(const mcv_scene *scene, mcv_packed *packed) {
 
 /* Emitters */
 
-/*
- * Cumulative shares in units of 2^-31, whole multiples of 2^-24: as fine as the random numbers, so that each is chosen exactly as often
- * as its share says. The last entry is 2^31. Returns their sum in the given unit.
- */
-static double write_cdf(uint32_t *cdf, uint32_t count, const double *values) {
-    double total = 0;
-    double sum = 0;
-    for (uint32_t i = 0; i < count; ++i) total += values[i];
-    for (uint32_t i = 0; i < count; ++i) {
-        cdf[i] = total > 0 ? (uint32_t)(sum / total * 0x1p24) << 7 : 0;
-        sum += values[i];
-    }
-    cdf[count] = 0x80000000u;
-    return total;
-}
-
 /* The diagonal of the box around all instances. */
-static double scene_size(const mcv_packed *packed) {
+double mcv_packed_size(const mcv_packed *packed) {
     mcv_box all = empty_box();
     for (uint32_t i = 0; i < packed->instance_count; ++i) {
         extend(&all, packed->boxes[i].lower);
@@ -338,7 +323,7 @@ static double emitter_power(const mcv_scene *scene, const mcv_packed *packed, co
     double mean[3];
     mcv_emitter_image_mean(scene, emitter, mean);
     const double brightness = emitter->radiance[0] * mean[0] + emitter->radiance[1] * mean[1] + emitter->radiance[2] * mean[2];
-    const double disk = pi * pow(scene_size(packed) / 2, 2);
+    const double disk = pi * pow(mcv_packed_size(packed) / 2, 2);
     if (emitter->type == MCV_EMITTER_DIRECTIONAL) return brightness * disk;
     if (emitter->type == MCV_EMITTER_ENVIRONMENT) return brightness * mcv_emitter_solid_angle(emitter) * disk;
     return brightness * mcv_emitter_unit_power(scene, emitter);
@@ -404,13 +389,12 @@ static void pack_surface(const mcv_scene *scene, mcv_packed *packed, const mcv_e
     to->cdf = (uint32_t)next;
     to->triangle_count = scene->meshes[scene->instances[from->instance].mesh].triangle_count;
     for (uint32_t t = 0; t < to->triangle_count; ++t) areas[t] = mcv_scene_triangle_area(scene, from->instance, t);
-    write_cdf(packed->emitter_cdf + next, to->triangle_count, areas);
+    mcv_write_cdf(packed->emitter_cdf + next, to->triangle_count, areas);
     find_middle(packed, from->instance, to->middle);
     packed->instances[from->instance].emitter = number;
 }
 
-/* Is it chosen by next-event estimation? A constant environment is not: all directions are as good. */
-static bool is_looked_for(const mcv_emitter *emitter) { return emitter->type != MCV_EMITTER_ENVIRONMENT || emitter->texture != MCV_NONE; }
+bool mcv_is_looked_for(const mcv_emitter *emitter) { return emitter->type != MCV_EMITTER_ENVIRONMENT || emitter->texture != MCV_NONE; }
 
 /* Entries of an environment's image in the table of shares: of its rows, then of each row's pixels. */
 static size_t environment_entries(const mcv_texture *image) { return image->height + 1 + (size_t)image->height * (image->width + 1); }
@@ -431,9 +415,9 @@ static mcv_result pack_environment(const mcv_scene *scene, mcv_packed *packed, c
             mcv_texture_value(image, decoded, column, row, rgb);
             pixels[column] = from->radiance[0] * rgb[0] + from->radiance[1] * rgb[1] + from->radiance[2] * rgb[2];
         }
-        rows[row] = write_cdf(cdf, image->width, pixels) * sin((2.0 * row + 1) * pi / (2.0 * image->height));
+        rows[row] = mcv_write_cdf(cdf, image->width, pixels) * sin((2.0 * row + 1) * pi / (2.0 * image->height));
     }
-    if (!failed) write_cdf(packed->emitter_cdf + next, image->height, rows);
+    if (!failed) mcv_write_cdf(packed->emitter_cdf + next, image->height, rows);
     packed->emitters[number].cdf = (uint32_t)next;
     packed->environment_emitter = number;
     free(rows);
@@ -451,7 +435,7 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
     double *areas = allocate(scene->triangle_count, sizeof(double), &failed);
     for (uint32_t i = 0; !failed && result == MCV_OK && i < scene->emitter_count; ++i) {
         const mcv_emitter *from = &scene->emitters[i];
-        if (!is_looked_for(from)) continue;
+        if (!mcv_is_looked_for(from)) continue;
         mcv_device_emitter *to = &packed->emitters[count];
         *to = (mcv_device_emitter){.type = from->type, .instance = from->instance, .texture = from->texture, .area = (float)from->area};
         for (int k = 0; k < 3; ++k) to->radiance[k] = (float)from->radiance[k];
@@ -468,13 +452,16 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
     }
     if (!failed) {
         share_choices(powers, count);
-        const double total = write_cdf(cdf, count, powers);
+        const double total = mcv_write_cdf(cdf, count, powers);
         for (uint32_t i = 0; i < count; ++i) packed->emitters[i].probability = (float)((cdf[i + 1] - cdf[i]) * 0x1p-31);
         if (!(total > 0)) packed->features &= ~(1u << MCV_FEATURE_NEXT_EVENT);
     }
     free(powers);
     free(areas);
-    return failed ? mcv_fail(error, MCV_FAILED, "%s: no memory for the emitters", scene->path) : result;
+    if (failed) return mcv_fail(error, MCV_FAILED, "%s: no memory for the emitters", scene->path);
+    if (result != MCV_OK) return result;
+    packed->light_cdf = (uint32_t)next;
+    return mcv_pack_light(scene, packed, cdf + next, error);
 }
 
 /* What the scene needs */
@@ -500,8 +487,8 @@ static uint32_t find_features(const mcv_scene *scene) {
                     feature(MCV_FEATURE_LIGHT_FIELD, emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) |
                     feature(MCV_FEATURE_PROJECTOR, emitter->type == MCV_EMITTER_PROJECTOR) |
                     feature(MCV_FEATURE_AREA, emitter->type == MCV_EMITTER_AREA) |
-                    feature(MCV_FEATURE_ENVIRONMENT, !is_looked_for(emitter)) |
-                    feature(MCV_FEATURE_ENVIRONMENT_IMAGE, emitter->type == MCV_EMITTER_ENVIRONMENT && is_looked_for(emitter)) |
+                    feature(MCV_FEATURE_ENVIRONMENT, !mcv_is_looked_for(emitter)) |
+                    feature(MCV_FEATURE_ENVIRONMENT_IMAGE, emitter->type == MCV_EMITTER_ENVIRONMENT && mcv_is_looked_for(emitter)) |
                     feature(MCV_FEATURE_BEAM, emitter->type == MCV_EMITTER_COLLIMATED_BEAM) |
                     feature(MCV_FEATURE_PUNCTUAL, emitter->type == MCV_EMITTER_POINT || emitter->type == MCV_EMITTER_SPOT ||
                                                       emitter->type == MCV_EMITTER_DIRECTIONAL) |
@@ -541,15 +528,15 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error
         const mcv_texture *texture = &scene->textures[i];
         packed->texel_count += texel_words(texture) * texture->width * texture->height;
     }
-    packed->cdf_count = 1;
+    packed->cdf_count = 2;
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
         const mcv_emitter *emitter = &scene->emitters[i];
-        if (!is_looked_for(emitter)) {
+        if (!mcv_is_looked_for(emitter)) {
             for (int k = 0; k < 3; ++k) packed->environment[k] = (float)emitter->radiance[k];
             continue;
         }
         ++packed->emitter_count;
-        packed->cdf_count += 1;
+        packed->cdf_count += 2;
         if (emitter->type == MCV_EMITTER_ENVIRONMENT) packed->cdf_count += environment_entries(scene->textures + emitter->texture);
         if (mcv_emitter_has_surface(emitter->type))
             packed->cdf_count += 1 + scene->meshes[scene->instances[emitter->instance].mesh].triangle_count;

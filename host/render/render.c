@@ -87,6 +87,7 @@ static mcv_result open_renderer(renderer *r, const mcv_scene *scene, uint32_t se
     MCV_TRY(mcv_device_scene_begin(scene, r->options->threads, &r->scene, r->error));
     mcv_packed *packed = &r->scene.packed;
     packed->features = mcv_sensor_features(packed, &scene->sensors[sensor]);
+    if (r->options->no_light_paths) packed->features &= ~(1u << MCV_FEATURE_LIGHT_TRACING);
     mcv_feature_names(packed->features, r->stats->features, sizeof r->stats->features);
 
     const double compile = now();
@@ -101,6 +102,11 @@ static mcv_result open_renderer(renderer *r, const mcv_scene *scene, uint32_t se
                            .seed = r->options->seed,
                            .depth = r->options->depth};
     MCV_TRY(mcv_device_scene_place(&r->cl, scene, sensor, &r->scene, &r->frame, r->error));
+    if (r->scene.splats) {
+        /* As many light paths as there are pixels in whole tiles share each sample. */
+        const double paths = 64.0 * ((r->film->width + 7) / 8) * ((r->film->height + 7) / 8);
+        MCV_TRY(mcv_film_take_splats(r->film, 1 / ((double)r->frame.splat_scale * paths), r->error));
+    }
     return mcv_schedule_aim(&r->schedule, &r->frame, r->stats, r->error);
 }
 
@@ -244,8 +250,8 @@ static mcv_result render_rounds(renderer *r) {
         const double round_begun = now();
         MCV_TRY(render_round(r, next, count, error, &stop));
         if (stop) return MCV_OK;
-        for (size_t i = 0; i < values; ++i) r->film->sums[i] += r->round[i];
-        r->film->samples += count;
+        if (r->film->splats) MCV_TRY(mcv_cl_read(&r->cl, r->scene.splats, 0, 8 * values, r->film->splats, r->error));
+        mcv_film_add(r->film, r->round, count);
         next += count;
         error = mcv_film_relative_error(r->film);
         const double seconds = now() - r->begun;

@@ -20,14 +20,18 @@ static uint32_t fitting_paths(const mcv_cl *cl, size_t bytes_per_path, uint32_t 
 
 static bool aims(const mcv_schedule *s) { return s->scene->packed.features >> MCV_FEATURE_AIM & 1; }
 
+static bool traces_light(const mcv_schedule *s) { return s->scene->packed.features >> MCV_FEATURE_LIGHT_TRACING & 1; }
+
 static mcv_result open_tile(mcv_schedule *s, const char *options, mcv_error *error) {
     MCV_TRY(mcv_cl_build(s->cl, "tile", options, &s->program, error));
     if (aims(s)) MCV_TRY(mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
+    if (traces_light(s)) MCV_TRY(mcv_cl_kernel(s->program, "trace_emitter_paths", &s->kernels[MCV_KERNEL_trace_emitter_paths], error));
     return mcv_cl_kernel(s->program, "render_tile", &s->kernels[MCV_KERNEL_generate_rays], error);
 }
 
 static mcv_result open_stream(mcv_schedule *s, const char *options, mcv_error *error) {
     const uint32_t MCV_WITH_AIM = aims(s);
+    const uint32_t MCV_WITH_LIGHT_TRACING = traces_light(s);
     const uint32_t MCV_WITH_NEXT_EVENT = s->scene->packed.features >> MCV_FEATURE_NEXT_EVENT & 1;
     MCV_TRY(mcv_cl_build(s->cl, "stream", options, &s->program, error));
 #define MCV_X(stage, runs) \
@@ -103,6 +107,7 @@ static mcv_result add_counters(mcv_schedule *s, mcv_render_stats *stats, mcv_err
         stats->lost_energy += c[MCV_COUNTER_lost] * 0x1p-11;
         stats->nonfinite += c[MCV_COUNTER_nonfinite];
         stats->unmatched += c[MCV_COUNTER_unmatched];
+        stats->saturated += c[MCV_COUNTER_saturated];
     }
     free(counters);
     return result;
@@ -239,9 +244,22 @@ mcv_result mcv_schedule_aim(mcv_schedule *schedule, const mcv_frame *frame, mcv_
     return MCV_OK;
 }
 
+/* As many light paths as camera paths; after those, whose counters they add to. */
+static mcv_result start_light(mcv_schedule *s, const mcv_frame *frame, mcv_error *error) {
+    mcv_arg arguments[MCV_SCENE_ARGUMENTS + 2];
+    if (!traces_light(s)) return MCV_OK;
+    mcv_device_scene_arguments(s->scene, arguments);
+    arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->scene->splats);
+    arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->counters);
+    const bool tile = s->kind == MCV_SCHEDULE_TILE;
+    return launch(s, MCV_KERNEL_trace_emitter_paths, tile ? s->counter_sets : frame->path_count, tile ? 1 : STREAM_GROUP, arguments,
+                  MCV_SCENE_ARGUMENTS + 2, error);
+}
+
 mcv_result mcv_schedule_start(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
     MCV_TRY(mcv_cl_write(schedule->cl, schedule->scene->frame, 0, sizeof *frame, frame, error));
     MCV_TRY(schedule->kind == MCV_SCHEDULE_TILE ? start_tile(schedule, frame, error) : start_stream(schedule, frame, stats, error));
+    MCV_TRY(start_light(schedule, frame, error));
     MCV_TRY_CL(clFlush(schedule->cl->queue), error);
     return MCV_OK;
 }

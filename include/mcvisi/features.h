@@ -27,6 +27,7 @@
     X(PUNCTUAL, "punctual", "a point, spot or directional light shines") \
     X(NEXT_EVENT, "next-event", "surfaces that spread light look for emitters") \
     X(AIM, "aim", "a sensor sees a parallel emitter whose cone is narrower than its pupil") \
+    X(LIGHT_TRACING, "light-tracing", "light of narrow emitters reaches surfaces that spread it, or a beam the lens, through smooth ones") \
     X(INTERLEAVE, "interleave", "surfaces that spread light among so many triangles that rays take turns while others wait for memory")
 
 enum {
@@ -44,6 +45,7 @@ enum {
     X(sample_emitters, MCV_WITH_NEXT_EVENT) \
     X(intersect_shadow, MCV_WITH_NEXT_EVENT) \
     X(shade_surfaces, 1) \
-    X(accumulate_film, 1)
+    X(accumulate_film, 1) \
+    X(trace_emitter_paths, MCV_WITH_LIGHT_TRACING)
 
 #endif

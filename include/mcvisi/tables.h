@@ -52,9 +52,13 @@ typedef struct mcv_frame {
     uint first_pixel;
     uint row_pitch;           /* and the next row's begins so many further */
     uint environment_emitter; /* the environment with an image */
-    uint padding[2];
+    /* Light paths: */
+    uint light_cdf;    /* where in the table of cumulative shares those of the emitters begin from which they start */
+    uint log2_pixels;  /* the pixels, numbered by tiles, fit into so many bits */
+    float splat_scale; /* units of the splats per pixel value: a power of two */
+    uint padding[31];
 } mcv_frame;
-MCV_ASSERT_SIZE(mcv_frame, 128);
+MCV_ASSERT_SIZE(mcv_frame, 256);
 
 typedef struct mcv_device_instance {
     uint material;
@@ -117,9 +121,12 @@ typedef struct mcv_device_emitter {
     uint triangle_count;
     float probability; /* that next-event estimation chooses it */
     float radiance[3]; /* or irradiance or intensity, by its type */
-    float middle[3];   /* of its box [m] */
+    float middle[3];   /* of its box [m]; directional: of the light paths' disk */
     float area;        /* [m²] */
-    uint padding[11];
+    float light_flux;  /* of a light path, over the radiance (irradiance, intensity) [m² sr, m², sr]; 0: none starts here */
+    float light_sine;  /* spot: of half the half-angle of the cone in which they start; directional: radius of their disk [m] */
+    uint media;        /* set of the media that surround it */
+    uint padding[8];
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
     mcv_parallel parallel;
 #else
@@ -177,7 +184,7 @@ typedef struct mcv_device_aim {
 MCV_ASSERT_SIZE(mcv_device_aim, 48);
 
 /* What a launch counts, per slice or in all, for the host to add up; lost energy in units of 2^-11 paths. */
-#define MCV_COUNTERS(X) X(paths) X(rays) X(shadow_rays) X(depth_cut) X(lost) X(nonfinite) X(unmatched)
+#define MCV_COUNTERS(X) X(paths) X(rays) X(shadow_rays) X(depth_cut) X(lost) X(nonfinite) X(unmatched) X(saturated)
 enum {
 #define MCV_X(name) MCV_COUNTER_##name,
     MCV_COUNTERS(MCV_X)

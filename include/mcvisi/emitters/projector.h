@@ -24,7 +24,8 @@
  *     {"type": "projector", "image": "stripes", "focalLength": "16mm", "focusDistance": "300mm", "fNumber": 2.8, "pixelSize": "7.6um",
  *      "power": 0.5}
  *
- * From the emitter's side: a place uniform on the disk (density 1/(πR²)), a place uniform on the image, whence the direction.
+ * From the emitter's side: a place uniform on the square (density 1/D²; outside the disk it is dark), a place uniform on the image,
+ * whence the direction.
  */
 #ifndef MCVISI_EMITTERS_PROJECTOR_H
 #define MCVISI_EMITTERS_PROJECTOR_H
@@ -61,6 +62,21 @@ MCV_FUNCTION int mcv_projector_place(MCV_GLOBAL const mcv_projector *emitter, fl
     *across = mcv_fma(emitter->blur[0], right, mcv_dot(direction, mcv_vec(emitter->x[0], emitter->x[1], emitter->x[2])) / ahead) + 0.5f;
     *down = mcv_fma(emitter->blur[1], below, mcv_dot(direction, mcv_vec(emitter->y[0], emitter->y[1], emitter->y[2])) / ahead) + 0.5f;
     return *across >= 0.0f && *across <= 1.0f && *down >= 0.0f && *down <= 1.0f;
+}
+
+/*
+ * The direction of a light path from a place on the lens's square to a place (xi, eta) on the image; *cosine gets that of its angle to
+ * the axis. Each carries the flux L cos⁴θ A M, A being the square's area, M the image's in tangents: nothing outside the disk.
+ */
+MCV_FUNCTION mcv_vec3 mcv_projector_emit(MCV_GLOBAL const mcv_projector *emitter, float s, float t, float xi, float eta, float *cosine) {
+    const mcv_vec3 x = mcv_vec(emitter->x[0], emitter->x[1], emitter->x[2]);
+    const mcv_vec3 y = mcv_vec(emitter->y[0], emitter->y[1], emitter->y[2]);
+    const float across = mcv_fma(-emitter->blur[0], s - 0.5f, xi - 0.5f) / mcv_dot(x, x);
+    const float down = mcv_fma(-emitter->blur[1], t - 0.5f, eta - 0.5f) / mcv_dot(y, y);
+    const mcv_vec3 axis = mcv_vec(emitter->axis[0], emitter->axis[1], emitter->axis[2]);
+    const mcv_vec3 direction = mcv_along(mcv_along(axis, across, x), down, y);
+    *cosine = 1.0f / mcv_sqrt(mcv_dot(direction, direction));
+    return mcv_normalize(direction);
 }
 
 #endif
