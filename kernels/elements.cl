@@ -12,6 +12,9 @@
 #if MCV_WITH_GLOSS
 #include "gloss.h"
 #endif
+#if MCV_WITH_RETROREFLECTOR
+#include "retroreflector.h"
+#endif
 
 /* cases: column, row, x, y, ξ, η as words (integers first); sights: origin, direction, weight. */
 __kernel void sample_sensor(__constant const mcv_sensor *sensor, __global const uint *cases, __global float *sights) {
@@ -134,6 +137,35 @@ __kernel void sample_gloss(__global const mcv_gloss_element *element, __global c
     const mcv_vec3 o = mcv_vec(in[0], in[1], in[2]);
     const mcv_lobes lobes = mcv_gloss_lobes(&element->material, element->gloss, albedos, o);
     const mcv_vec3 i = mcv_gloss_sample(&element->material, element->gloss, lobes, o, in[3], in[4], in[5]);
+    directions[3 * k] = i.x;
+    directions[3 * k + 1] = i.y;
+    directions[3 * k + 2] = i.z;
+}
+#endif
+
+#if MCV_WITH_RETROREFLECTOR
+/* About the normal (0, 0, 1); cases: o, i; results: f cosθ of the first channel, density, efficiency and chance of returning. */
+__kernel void evaluate_retroreflector(__global const mcv_device_material *material, __global const float *cases, __global float *results) {
+    const uint k = get_global_id(0);
+    __global const float *in = cases + 6 * k;
+    const mcv_vec3 n = mcv_vec(0.0f, 0.0f, 1.0f);
+    const mcv_vec3 o = mcv_vec(in[0], in[1], in[2]);
+    const mcv_response response = mcv_retroreflector_respond(material, n, o, mcv_vec(in[3], in[4], in[5]));
+    const mcv_retroreflection back = mcv_retroreflection_at(material, n, o);
+    results[4 * k] = response.value.c[0];
+    results[4 * k + 1] = response.density;
+    results[4 * k + 2] = back.efficiency;
+    results[4 * k + 3] = back.chance;
+}
+
+/* cases: o, ξ, η, choice; directions, o itself where light returns exactly. */
+__kernel void sample_retroreflector(__global const mcv_device_material *material, __global const float *cases, __global float *directions) {
+    const uint k = get_global_id(0);
+    __global const float *in = cases + 6 * k;
+    const mcv_vec3 n = mcv_vec(0.0f, 0.0f, 1.0f);
+    const mcv_vec3 o = mcv_vec(in[0], in[1], in[2]);
+    const mcv_retroreflection back = mcv_retroreflection_at(material, n, o);
+    const mcv_vec3 i = mcv_retroreflector_choose(material, n, o, in[3], in[4], in[5] >= 1.0f - back.chance);
     directions[3 * k] = i.x;
     directions[3 * k + 1] = i.y;
     directions[3 * k + 2] = i.z;

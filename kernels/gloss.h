@@ -10,13 +10,6 @@
 #include "mcvisi/materials/microfacet.h"
 #include "world.h"
 
-/* What a surface that spreads light makes of light from a direction. */
-typedef struct mcv_response {
-    mcv_color value; /* f cosθ [1/sr]: the share that goes on towards the ray, of L/n² */
-    float density;   /* with which mcv_scatter chooses the direction [1/sr] */
-    uint media;      /* the light is in */
-} mcv_response;
-
 /* A glossy surface at a place. */
 typedef struct mcv_gloss {
     uint type; /* MCV_MATERIAL_… */

@@ -12,13 +12,9 @@
 #include "surface.h"
 #if MCV_WITH_GLOSS
 #include "gloss.h"
-#else
-/* What a surface that spreads light makes of light from a direction. */
-typedef struct mcv_response {
-    mcv_color value; /* f cosθ [1/sr]: the share that goes on towards the ray */
-    float density;   /* with which mcv_scatter chooses the direction [1/sr] */
-    uint media;      /* the light is in */
-} mcv_response;
+#endif
+#if MCV_WITH_RETROREFLECTOR
+#include "retroreflector.h"
 #endif
 
 /* A surface seen from where the ray comes from. */
@@ -318,6 +314,45 @@ static mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_meeting meeting
 }
 #endif
 
+#if MCV_WITH_RETROREFLECTOR
+/* The direction is unit. Where the interpolated normal and the face disagree on its side nothing comes. */
+static mcv_response mcv_respond_retroreflector(mcv_world world, mcv_meeting meeting, uint material, uint media, mcv_vec3 direction) {
+    mcv_response response =
+        mcv_retroreflector_respond(world.materials + material, meeting.normal, mcv_scale(meeting.direction, -1.0f), direction);
+    if (!(mcv_dot(direction, meeting.face) > 0.0f)) {
+        response.value = mcv_grey(0.0f);
+        response.density = 0.0f;
+    }
+    response.media = media;
+    return response;
+}
+
+static mcv_scattering mcv_scatter_retroreflector(mcv_world world, mcv_meeting meeting, uint material, uint media, mcv_pair pair,
+                                                 float choice) {
+    mcv_scattering scattering;
+    __global const mcv_device_material *from = world.materials + material;
+    const mcv_vec3 o = mcv_scale(meeting.direction, -1.0f);
+    const mcv_retroreflection back = mcv_retroreflection_at(from, meeting.normal, o);
+    const int returns = back.chance > 0.0f && choice >= 1.0f - back.chance;
+    scattering.media = media;
+    scattering.chance = 1.0f;
+    scattering.event = MCV_EVENT_END;
+    if (returns && from->spread == 0.0f) {
+        scattering.direction = o;
+        MCV_EACH_CHANNEL(i) scattering.factor.c[i] = from->value[i] * back.efficiency / back.chance;
+        scattering.density = 0.0f;
+        scattering.chance = back.chance;
+        scattering.event = MCV_EVENT_REFLECT;
+        return scattering;
+    }
+    scattering.direction = mcv_retroreflector_choose(from, meeting.normal, o, pair.x, pair.y, returns);
+    const mcv_response response = mcv_respond_retroreflector(world, meeting, material, media, scattering.direction);
+    scattering.factor = response.density > 0.0f ? mcv_dim(response.value, 1.0f / response.density) : mcv_grey(0.0f);
+    scattering.density = response.density;
+    return scattering;
+}
+#endif
+
 #if MCV_WITH_NEXT_EVENT
 /* The direction is unit and leads away from the surface; what cannot come from there is 0. */
 static mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, uint media, mcv_vec3 direction) {
@@ -339,6 +374,10 @@ static mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, uint media
         const mcv_gloss_meeting m = mcv_meet_gloss(world, meeting, instance.material, media);
         return mcv_respond_gloss(world, meeting, instance.material, m, direction);
     }
+#endif
+#if MCV_WITH_RETROREFLECTOR
+    if (world.materials[instance.material].type == MCV_MATERIAL_RETROREFLECTOR)
+        return mcv_respond_retroreflector(world, meeting, instance.material, media, direction);
 #endif
     return response;
 }
@@ -404,6 +443,10 @@ static mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, uint med
     if (material.type == MCV_MATERIAL_DIELECTRIC) return mcv_scatter_dielectric(world, meeting, media, instance.medium, pair.x, unmatched);
 #else
     (void)unmatched;
+#endif
+#if MCV_WITH_RETROREFLECTOR
+    if (material.type == MCV_MATERIAL_RETROREFLECTOR)
+        return mcv_scatter_retroreflector(world, meeting, instance.material, media, pair, choice);
 #endif
 #if MCV_WITH_DIFFUSE
     if (material.type == MCV_MATERIAL_DIFFUSE) {

@@ -45,6 +45,9 @@
 #if MCV_WITH_GLOSS
 #include "mcvisi/materials/microfacet.h"
 #endif
+#if MCV_WITH_RETROREFLECTOR
+#include "mcvisi/materials/retroreflector.h"
+#endif
 
 /* MCV_SENSOR is the sensor's name: its struct and its sample function follow. */
 typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
@@ -121,5 +124,12 @@ MCV_FUNCTION float mcv_brightest(mcv_color a) {
     MCV_EACH_CHANNEL(i) most = a.c[i] > most ? a.c[i] : most;
     return most;
 }
+
+/* What a surface that spreads light makes of light from a direction. */
+typedef struct mcv_response {
+    mcv_color value; /* f cosθ [1/sr]: the share that goes on towards the ray, of L/n² */
+    float density;   /* with which mcv_scatter chooses the direction [1/sr] */
+    uint media;      /* the light is in */
+} mcv_response;
 
 #endif

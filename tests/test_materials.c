@@ -230,6 +230,35 @@ static void test_conductor(void **state) {
     mcv_scene_free(scene);
 }
 
+/*
+ * Through a beam splitter at 45°, onto a retroreflector that is tilted by 30°: the lamp beside the camera's axis shines by R T times the
+ * share that the angle leaves, 1/(1 + (tan 30°/tan θ_h)⁴). In a furnace it is as bright as what it returns and what it scatters.
+ */
+static void test_retroreflector(void **state) {
+    const mcv_material splitter = {.as.beam_splitter = {{0.5, 0.25, 0.75}, {0.375, 0.75, 0.25}}};
+    const mcv_material cube = {.as.retroreflector = {{0.9, 0.5, 0.125}, 0.6, 0, {0, 0, 0}}};
+    const mcv_material tape = {.as.retroreflector = {{0.5, 0.5, 0.5}, 0.6, 0, {0.25, 0.25, 0.25}}};
+    const double s = sqrt(0.5), share = 1 / (1 + pow(tan(M_PI / 6) / tan(0.6), 4));
+    double expected[3];
+    mcv_scene *scene = mcv_scene_new("coaxial");
+    (void)state;
+    add_pinhole(scene, PIXELS, 1e-3, looking_down_z(0, 0, 1));
+    add_rectangle(scene, 0.5, 0.5, add_material(scene, MCV_MATERIAL_BEAM_SPLITTER, &splitter),
+                  looking((const double[]){0, 0, 0.5}, (const double[]){s, 0, s}, (const double[]){0, 1, 0}));
+    add_rectangle(scene, 0.5, 0.5, add_material(scene, MCV_MATERIAL_RETROREFLECTOR, &cube),
+                  looking((const double[]){0, 0, 0}, (const double[]){sin(M_PI / 6), 0, cos(M_PI / 6)}, (const double[]){0, 1, 0}));
+    add_emitter(scene, MCV_EMITTER_AREA,
+                add_rectangle(scene, 0.5, 0.5, add_absorber(scene),
+                              looking((const double[]){-1, 0, 0.5}, (const double[]){1, 0, 0}, (const double[]){0, 1, 0})),
+                2, 0);
+    for (int c = 0; c < 3; ++c)
+        expected[c] = 2 * splitter.as.beam_splitter.reflectance[c] * splitter.as.beam_splitter.transmittance[c] *
+                      cube.as.retroreflector.reflectance[c] * share;
+    expect("retroreflector", scene, expected);
+    mcv_scene_free(scene);
+    expect_furnace("tape", tape, MCV_MATERIAL_RETROREFLECTOR, 0.5 / (1 + pow(tan(0.6), -4)) + 0.25, false);
+}
+
 /* Rough surfaces lit by a lamp and by a narrow cone, and through absorbing rough glass: both renderers see the same. */
 static void test_rough_images(void **state) {
     static const struct {
@@ -244,6 +273,8 @@ static void test_rough_images(void **state) {
         {"tinted frosted pane",
          MCV_MATERIAL_METALLIC_ROUGHNESS,
          {.surface_texture = MCV_NONE, .as.metallic_roughness = {{0.9, 0.8, 0.7}, 0, 1.5, 0.9, 0.4, 0.3}}},
+        {"tape", MCV_MATERIAL_RETROREFLECTOR, {.as.retroreflector = {{0.5, 0.6, 0.7}, 0.8, 0.6, {0.3, 0.2, 0.1}}}},
+        {"corner cubes on paper", MCV_MATERIAL_RETROREFLECTOR, {.as.retroreflector = {{0.5, 0.6, 0.7}, 0.8, 0, {0.3, 0.2, 0.1}}}},
         {"absorbing rough glass", MCV_MATERIAL_DIELECTRIC, {.as.dielectric = {1.5, {2, 5, 9}, 0, 0.5}}},
     };
     (void)state;
@@ -295,6 +326,7 @@ int main(void) {
         cmocka_unit_test(test_absorbing_slab), cmocka_unit_test(test_sheet),        cmocka_unit_test(test_mirror),
         cmocka_unit_test(test_beam_splitter),  cmocka_unit_test(test_texture),      cmocka_unit_test(test_conductor),
         cmocka_unit_test(test_rough_furnace),  cmocka_unit_test(test_rough_images), cmocka_unit_test(test_endless_medium),
+        cmocka_unit_test(test_retroreflector),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,6 +3,7 @@
 
 #include "reference/interface.h"
 #include "reference/lights.h"
+#include "reference/retroreflector.h"
 #include "reference/texture.h"
 
 /* Russian roulette from this surface on, for throughputs below the threshold. */
@@ -44,10 +45,11 @@ static void add_emission(const ref_world *world, const path *p, const ref_surfac
 typedef struct spreader {
     const mcv_material *material;
     ref_meeting meeting;
-    double share[3];       /* diffuse: its reflectance there */
-    const ref_media *near; /* media around light on the path's side … */
-    ref_media far;         /* … and on the other */
-    ref_gloss gloss;       /* of microfacets, in this frame, seen from o: */
+    double share[3];                          /* diffuse: its reflectance there */
+    const ref_media *near;                    /* media around light on the path's side … */
+    ref_media far;                            /* … and on the other */
+    const mcv_retroreflector_params *returns; /* a retroreflector that spreads what returns, or NULL */
+    ref_gloss gloss;                          /* of microfacets, in this frame, seen from o: */
     ref_vec x, y, o;
 } spreader;
 
@@ -65,6 +67,7 @@ static double respond(const spreader *s, ref_vec direction, double value[3]) {
     value[0] = value[1] = value[2] = 0;
     if (cosine * ref_dot(direction, s->meeting.face) <= 0) return 0; /* normal and face disagree on its side */
     if (s->gloss.material) return ref_gloss_evaluate(&s->gloss, s->o, to_frame(s, direction), value);
+    if (s->returns) return ref_retroreflector_evaluate(s->returns, s->o, to_frame(s, direction), value);
     for (int channel = 0; cosine > 0 && channel < 3; ++channel) value[channel] = s->share[channel] * cosine / M_PI;
     return fmax(cosine, 0) / M_PI;
 }
@@ -72,6 +75,7 @@ static double respond(const spreader *s, ref_vec direction, double value[3]) {
 /* A direction with the density that `respond` gives; the zero vector: the path ends. */
 static ref_vec choose(const spreader *s, ref_random *random) {
     if (s->gloss.material) return from_frame(s, ref_gloss_sample(&s->gloss, s->o, random));
+    if (s->returns) return from_frame(s, ref_retroreflector_sample(s->returns, s->o, random));
     /* Density cosθ/π: sin²θ is uniform. */
     const double u = ref_random_unit(random), phi = 2 * M_PI * ref_random_unit(random), sine = sqrt(u);
     return from_frame(s, (ref_vec){sine * cos(phi), sine * sin(phi), sqrt(1 - u)});
@@ -251,6 +255,29 @@ static bool meet_gloss(const ref_world *world, path *p, const ref_surface *surfa
     return meet_spreader(world, p, surface, &s, last, random, tally, radiance);
 }
 
+/* Where light returns exactly, what is scattered diffusely is a surface of its own. */
+static bool meet_retroreflector(const ref_world *world, path *p, const ref_surface *surface, bool last, ref_random *random,
+                                ref_tally *tally, double radiance[3]) {
+    const mcv_material *material = &world->scene->materials[world->scene->instances[surface->instance].material];
+    const mcv_retroreflector_params *r = &material->as.retroreflector;
+    spreader s = {.material = material, .meeting = ref_meet(surface, p->direction), .near = &p->media, .far = p->media};
+    find_frame(surface, &s);
+    if (r->divergence > 0) {
+        s.returns = r;
+        return meet_spreader(world, p, surface, &s, last, random, tally, radiance);
+    }
+    const double chance = ref_retroreflector_chance(r, s.o);
+    if (ref_random_unit(random) < chance) {
+        for (int channel = 0; channel < 3; ++channel)
+            p->throughput[channel] *= r->reflectance[channel] * ref_retroreflector_efficiency(r, s.o) / chance;
+        p->direction = ref_scale(-1, p->direction);
+        return true;
+    }
+    for (int channel = 0; channel < 3; ++channel) p->throughput[channel] /= 1 - chance;
+    memcpy(s.share, r->diffuseReflectance, sizeof s.share);
+    return largest(s.share) > 0 && meet_spreader(world, p, surface, &s, last, random, tally, radiance);
+}
+
 static bool meet_surface(const ref_world *world, path *p, const ref_surface *surface, bool last, ref_random *random, ref_tally *tally,
                          double radiance[3]) {
     const mcv_material *material = &world->scene->materials[world->scene->instances[surface->instance].material];
@@ -271,6 +298,8 @@ static bool meet_surface(const ref_world *world, path *p, const ref_surface *sur
         return true;
     case MCV_MATERIAL_METALLIC_ROUGHNESS:
         return meet_gloss(world, p, surface, last, random, tally, radiance);
+    case MCV_MATERIAL_RETROREFLECTOR:
+        return meet_retroreflector(world, p, surface, last, random, tally, radiance);
     case MCV_MATERIAL_SHEET:
         modulate(world, surface, material->as.sheet.transmittance, share);
         meet_sheet(world, p, surface, material->as.sheet.ior, share, random);

@@ -6,6 +6,7 @@
 #include "reference/interface.h"
 #include "reference/path.h"
 #include "reference/reference.h"
+#include "reference/retroreflector.h"
 #include "reference/texture.h"
 
 typedef struct vertices {
@@ -46,6 +47,15 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, ref_vec *di
         vertex->event = MCV_EVENT_REFLECT;
         vertex->transmittance *= material->as.mirror.reflectance[0] * texture[0];
         break;
+    case MCV_MATERIAL_RETROREFLECTOR:
+        if (material->as.retroreflector.divergence > 0) break;
+        vertex->event = MCV_EVENT_REFLECT;
+        vertex->transmittance *=
+            material->as.retroreflector.reflectance[0] *
+            ref_retroreflector_efficiency(&material->as.retroreflector, (ref_vec){ref_length(ref_cross(*direction, meeting.normal)), 0,
+                                                                                  -ref_dot(*direction, meeting.normal)});
+        *direction = ref_scale(-1, *direction);
+        return true;
     case MCV_MATERIAL_CONDUCTOR:
         if (mcv_material_is_rough(material)) break;
         vertex->event = MCV_EVENT_REFLECT;

@@ -272,6 +272,15 @@ static mcv_device_material pack_material(const mcv_material *material) {
         out.chance = reflected + passed > 0 ? (float)(reflected / (reflected + passed)) : 0;
         break;
     }
+    case MCV_MATERIAL_RETROREFLECTOR: {
+        const mcv_retroreflector_params *p = &material->as.retroreflector;
+        value = p->reflectance;
+        for (int k = 0; k < 3; ++k) out.passed[k] = (float)p->diffuseReflectance[k];
+        out.spread = p->divergence > 0 ? (float)tan(fmax(p->divergence, MCV_LEAST_DIVERGENCE)) : 0;
+        out.fall = (float)(1 / tan(p->entranceAngle));
+        out.spreads = p->divergence > 0 || largest(p->diffuseReflectance) > 0;
+        break;
+    }
     default:
         break;
     }
@@ -477,6 +486,7 @@ static uint32_t find_features(const mcv_scene *scene) {
             feature(MCV_FEATURE_SHEET, material->type == MCV_MATERIAL_SHEET || material->type == MCV_MATERIAL_BEAM_SPLITTER) |
             feature(MCV_FEATURE_MIRROR, material->type == MCV_MATERIAL_MIRROR) |
             feature(MCV_FEATURE_GLOSS, mcv_material_is_rough(material) || material->type == MCV_MATERIAL_CONDUCTOR) |
+            feature(MCV_FEATURE_RETROREFLECTOR, material->type == MCV_MATERIAL_RETROREFLECTOR) |
             feature(MCV_FEATURE_TEXTURE, material->texture != MCV_NONE || mcv_material_surface_texture(material) != MCV_NONE) |
             feature(MCV_FEATURE_NORMALS, scene->meshes[instance->mesh].normals) |
             feature(MCV_FEATURE_ABSORPTION, glass && (glass->absorption[0] > 0 || glass->absorption[1] > 0 || glass->absorption[2] > 0));
@@ -494,7 +504,7 @@ static uint32_t find_features(const mcv_scene *scene) {
                                                       emitter->type == MCV_EMITTER_DIRECTIONAL) |
                     feature(MCV_FEATURE_TEXTURE, emitter->texture != MCV_NONE);
     }
-    const bool spreads = features & (1u << MCV_FEATURE_DIFFUSE | 1u << MCV_FEATURE_GLOSS);
+    const bool spreads = features & (1u << MCV_FEATURE_DIFFUSE | 1u << MCV_FEATURE_GLOSS | 1u << MCV_FEATURE_RETROREFLECTOR);
     const uint32_t looked_for = 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_LIGHT_FIELD | 1u << MCV_FEATURE_PROJECTOR |
                                 1u << MCV_FEATURE_AREA | 1u << MCV_FEATURE_BEAM | 1u << MCV_FEATURE_PUNCTUAL |
                                 1u << MCV_FEATURE_ENVIRONMENT_IMAGE;

@@ -118,14 +118,23 @@ mcv_result mcv_scene_add_texture(mcv_scene *scene, const mcv_texture *texture, m
     return mcv_fail_memory(here, error);
 }
 
+static mcv_result check_shares(const double reflectance[3], const char *key, const double other[3], const mcv_place *here,
+                               mcv_error *error) {
+    for (int k = 0; k < 3; ++k)
+        if (reflectance[k] + other[k] > 1)
+            return mcv_fail_at(here, error, "reflectance %g and %s %g must not be more than 1 together", reflectance[k], key, other[k]);
+    return MCV_OK;
+}
+
 /* What no single parameter shows. */
 static mcv_result check_material(const mcv_material *material, const mcv_place *here, mcv_error *error) {
     if (material->type == MCV_MATERIAL_DIELECTRIC && material->as.dielectric.priority != floor(material->as.dielectric.priority))
         return mcv_fail_at(here, error, "priority %g must be an integer", material->as.dielectric.priority);
-    for (int k = 0; material->type == MCV_MATERIAL_BEAM_SPLITTER && k < 3; ++k) {
-        const double r = material->as.beam_splitter.reflectance[k], t = material->as.beam_splitter.transmittance[k];
-        if (r + t > 1) return mcv_fail_at(here, error, "reflectance %g and transmittance %g must not be more than 1 together", r, t);
-    }
+    if (material->type == MCV_MATERIAL_BEAM_SPLITTER)
+        return check_shares(material->as.beam_splitter.reflectance, "transmittance", material->as.beam_splitter.transmittance, here, error);
+    if (material->type == MCV_MATERIAL_RETROREFLECTOR)
+        return check_shares(material->as.retroreflector.reflectance, "diffuseReflectance", material->as.retroreflector.diffuseReflectance,
+                            here, error);
     return MCV_OK;
 }
 

@@ -30,6 +30,7 @@
 #include "mcvisi/materials/diffuse.h"
 #include "mcvisi/materials/metallic_roughness.h"
 #include "mcvisi/materials/mirror.h"
+#include "mcvisi/materials/retroreflector.h"
 #include "mcvisi/materials/sheet.h"
 #include "mcvisi/pattern.h"
 #include "mcvisi/presets/bar.h"

@@ -39,6 +39,7 @@
     X(beam_splitter, "beamSplitter", BEAM_SPLITTER) \
     X(conductor, "conductor", CONDUCTOR) \
     X(metallic_roughness, "metallicRoughness", METALLIC_ROUGHNESS) \
+    X(retroreflector, "retroreflector", RETROREFLECTOR) \
     X(absorber, "absorber", ABSORBER)
 
 #define MCV_SENSOR_ENUM(name, key, NAME) MCV_SENSOR_##NAME,

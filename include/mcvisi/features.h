@@ -15,6 +15,7 @@
     X(SHEET, "sheet", "a thin sheet or a beam splitter transmits") \
     X(MIRROR, "mirror", "a mirror reflects") \
     X(GLOSS, "gloss", "a metal reflects, or a surface of microfacets") \
+    X(RETROREFLECTOR, "retroreflector", "a surface sends light back to where it comes from") \
     X(TEXTURE, "texture", "an image modulates a material or an emitter") \
     X(NORMALS, "normals", "a mesh has interpolated normals") \
     X(PARALLEL, "parallel", "a parallel emitter or a telecentric projector shines") \

@@ -75,9 +75,11 @@ typedef struct mcv_device_material {
     float eta;       /* sheet: 1/n */
     float delta;     /* sheet: (n - 1)(n + 1)/n² */
     uint spreads;    /* 1: light from one direction leaves in many, so that emitters are sampled from here; 0: smooth or black */
-    float passed[3]; /* beam splitter: transmittance */
+    float passed[3]; /* beam splitter: transmittance; retroreflector: diffuse reflectance */
     float chance;    /* beam splitter: with which it reflects */
-    uint padding[4];
+    float spread;    /* retroreflector: tangent of its divergence, 0: light returns exactly */
+    float fall;      /* retroreflector: 1/tangent of its entrance angle */
+    uint padding[2];
 } mcv_device_material;
 MCV_ASSERT_SIZE(mcv_device_material, 64);
 
