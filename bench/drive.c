@@ -58,9 +58,12 @@ drive_options drive_defaults(uint32_t schedule) {
     return (drive_options){.schedule = schedule, .log2_samples = 2, .first_sample = 4, .depth = mcv_render_defaults().depth};
 }
 
-/* All that has no cost where it is not met. Whether rays take turns is a choice, not an element; emitters there must be to look for. */
+/*
+ * All that has no cost where it is not met. Whether rays take turns and pupils aim is a choice, not an element; emitters there must be to
+ * look for.
+ */
 static uint32_t all_features(const mcv_packed *packed) {
-    uint32_t features = ((1u << MCV_FEATURE_COUNT) - 1) & ~(1u << MCV_FEATURE_INTERLEAVE);
+    uint32_t features = ((1u << MCV_FEATURE_COUNT) - 1) & ~(1u << MCV_FEATURE_INTERLEAVE | 1u << MCV_FEATURE_AIM);
     if (packed->emitter_count == 0) features &= ~(1u << MCV_FEATURE_NEXT_EVENT);
     return features | packed->features;
 }
@@ -72,13 +75,17 @@ static mcv_result add_clock(drive *d, const mcv_render_options *options, mcv_err
     const mcv_packed *packed = &d->device.packed;
     mcv_feature_options(packed->features, packed->channels, d->scene->sensors[0].type, options->sampler, s->slice, defines, sizeof defines);
     strncat(defines, " -DMCV_CLOCK", sizeof defines - strlen(defines) - 1);
-    clReleaseKernel(s->kernels[0]);
-    s->kernels[0] = NULL;
+    for (int i = 0; i < MCV_STREAM_KERNEL_COUNT; ++i) {
+        if (s->kernels[i]) clReleaseKernel(s->kernels[i]);
+        s->kernels[i] = NULL;
+    }
     clReleaseProgram(s->program);
     s->program = NULL;
     mcv_cl_release(&s->counters);
     MCV_TRY(mcv_cl_build(d->cl, "tile", defines, &s->program, error));
-    MCV_TRY(mcv_cl_kernel(s->program, "render_tile", &s->kernels[0], error));
+    if (packed->features >> MCV_FEATURE_AIM & 1)
+        MCV_TRY(mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
+    MCV_TRY(mcv_cl_kernel(s->program, "render_tile", &s->kernels[MCV_KERNEL_generate_rays], error));
     const size_t slices = s->capacity / s->slice;
     return mcv_cl_buffer(d->cl, "the counters", sizeof(cl_uint) * slices * (MCV_COUNTER_COUNT + STAGE_COUNT), NULL, &s->counters, error);
 }
@@ -90,8 +97,9 @@ mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options,
     memset(d, 0, sizeof *d);
     d->cl = cl;
     d->scene = scene;
-    MCV_TRY(mcv_device_scene_open(cl, scene, 0, NULL, &d->device, error));
+    MCV_TRY(mcv_device_scene_open(cl, scene, 0, &d->device, error));
     mcv_packed *packed = &d->device.packed;
+    packed->features = mcv_sensor_features(packed, scene->sensors);
     if (options.all_features) {
         packed->features = all_features(packed);
         packed->channels = 3;
@@ -121,7 +129,8 @@ mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options,
     d->sum_count = (size_t)2 * d->frame.path_count / block * packed->channels;
     d->sums = malloc(d->sum_count * sizeof *d->sums);
     if (!d->sums) return mcv_fail(error, MCV_FAILED, "no memory for the sums of a launch");
-    return mcv_device_scene_place(cl, scene, 0, &d->device, &d->frame, error);
+    MCV_TRY(mcv_device_scene_place(cl, scene, 0, &d->device, &d->frame, error));
+    return mcv_schedule_aim(&d->schedule, &d->frame, &d->stats, error);
 }
 
 void drive_close(drive *d) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Error against time: bench_error [--quick] [OUTPUT.json], by default beside the program; the plot stands beside it as .png. The quick
- * one leaves out the reference.
+ * one has 1 to 256 samples and leaves out the reference.
  *
  * Two scenes at few pixels, rendered by the device with random and with Owen-scrambled Sobol' points, and by the reference, which has
  * random points only; 1 to 16384 samples a pixel.
@@ -29,7 +29,7 @@ static const struct {
                     {"reference", "random", true, MCV_SAMPLER_RANDOM, 0.9, 0.62, 0}};
 
 typedef struct results {
-    int series; /* shown: the first … */
+    int series, steps; /* shown: the first … */
     double mean[SCENES];
     convergence_point points[SCENES][SERIES][CONVERGENCE_STEPS];
 } results;
@@ -74,7 +74,7 @@ static void draw_scene(cairo_t *page, const results *r, int scene, bool over_tim
     axes a = {x, y, 330, 250, {INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
     char title[128];
     for (int s = 0; s < r->series; ++s) {
-        for (int i = 0; i < CONVERGENCE_STEPS; ++i) {
+        for (int i = 0; i < r->steps; ++i) {
             const convergence_point *p = &r->points[scene][s][i];
             const double decades[2] = {log10(abscissa(p, over_time)), log10(p->errors.rmse / r->mean[scene])};
             for (int k = 0; k < 2; ++k) {
@@ -88,13 +88,14 @@ static void draw_scene(cairo_t *page, const results *r, int scene, bool over_tim
     for (int s = 0; s < r->series; ++s) {
         cairo_set_source_rgb(page, series[s].red, series[s].green, series[s].blue);
         cairo_set_line_width(page, 2);
-        for (int i = 0; i < CONVERGENCE_STEPS; ++i) {
+        for (int i = 0; i < r->steps; ++i) {
             const convergence_point *p = &r->points[scene][s][i];
             cairo_line_to(page, place_x(&a, abscissa(p, over_time)), place_y(&a, p->errors.rmse / r->mean[scene]));
         }
         cairo_stroke(page);
         if (over_time) continue;
-        snprintf(title, sizeof title, "%s, %s: slope %.2f", series[s].renderer, series[s].sampler, slope_of_rmse(r->points[scene][s]));
+        snprintf(title, sizeof title, "%s, %s: slope %.2f", series[s].renderer, series[s].sampler,
+                 slope_of_rmse(r->points[scene][s], r->steps));
         mcv_page_text(page, a.x + 8, a.y + a.height - 8 - 16 * (r->series - 1 - s), 0, title);
     }
     cairo_set_source_rgb(page, 0, 0, 0);
@@ -114,7 +115,7 @@ static mcv_result draw(const results *r, const char *path, mcv_error *error) {
 /* A row for each number of samples: ours are Sobol' points, their peer the random ones of the same renderer. */
 static void note_series(bench *b, const results *r, int scene, int s, const convergence_point points[CONVERGENCE_STEPS]) {
     char key[64];
-    for (int i = 0; i < CONVERGENCE_STEPS; ++i) {
+    for (int i = 0; i < r->steps; ++i) {
         const bool sobol = series[s].sampler_id == MCV_SAMPLER_SOBOL;
         const double random = r->points[scene][0][i].errors.rmse / r->mean[scene];
         bench_number(b, points[i].errors.rmse / r->mean[scene], sobol ? random : NAN, "RMSE/mean", "%s, %s %s, %llu samples",
@@ -126,7 +127,7 @@ static void note_series(bench *b, const results *r, int scene, int s, const conv
     snprintf(key, sizeof key, "slope %.*s %s %s", (int)strcspn(scene_files[scene], "."), scene_files[scene], series[s].renderer,
              series[s].sampler);
     for (char *c = key; *c; ++c) *c = isalnum((unsigned char)*c) ? *c : '_';
-    bench_summary(b, key, slope_of_rmse(points));
+    bench_summary(b, key, slope_of_rmse(points, r->steps));
 }
 
 static mcv_result measure_scene(bench *b, results *r, int scene, mcv_error *error) {
@@ -135,7 +136,7 @@ static mcv_result measure_scene(bench *b, results *r, int scene, mcv_error *erro
     mcv_render_stats stats;
     MCV_TRY(load_small(scene_files[scene], &loaded, error));
     /* The truth's render also compiles what the first measurement would have to wait for; the random sampler is a program of its own. */
-    mcv_result result = render_truth(loaded, &truth, &stats, error);
+    mcv_result result = render_truth(loaded, r->steps, &truth, &stats, error);
     if (result == MCV_OK) {
         r->mean[scene] = mcv_film_mean(&truth);
         printf("%-20s truth: %u x %u pixels, %llu samples, mean %.4g, standard error %.2g, %.1f s, %s\n", scene_files[scene], truth.width,
@@ -152,7 +153,7 @@ static mcv_result measure_scene(bench *b, results *r, int scene, mcv_error *erro
             result = mcv_render(loaded, 0, &warm, &film, &stats, error);
             mcv_film_free(&film);
         }
-        if (result == MCV_OK) result = converge(loaded, series[s].reference, series[s].sampler_id, &truth, points, error);
+        if (result == MCV_OK) result = converge(loaded, series[s].reference, series[s].sampler_id, &truth, r->steps, points, error);
         if (result == MCV_OK) note_series(b, r, scene, s, points);
     }
     mcv_film_free(&truth);
@@ -165,6 +166,7 @@ static mcv_result run(bench *b, mcv_error *error) {
     char plot[sizeof b->stem + 8];
     snprintf(plot, sizeof plot, "%s.png", b->stem);
     r.series = b->quick ? SERIES - 1 : SERIES;
+    r.steps = b->quick ? 5 : CONVERGENCE_STEPS;
     bench_title("Error: Sobol' points (ours) and random ones (peer)");
     for (int scene = 0; scene < SCENES; ++scene) MCV_TRY(measure_scene(b, &r, scene, error));
     return draw(&r, plot, error);

@@ -17,8 +17,6 @@
 
 static const char first_sample_scene[] = "report-clean.glb";
 
-enum { COMPILE_REPETITIONS = 3 };
-
 /* --- in a process of its own ------------------------------------------------------------------------------------ */
 
 /* And those of the processor: of this process and of those it ran. */
@@ -154,24 +152,22 @@ static mcv_result bench_launches(bench *b, const char *name, const mcv_scene *sc
     return result;
 }
 
-/* Each repetition has an empty cache, which the second run finds filled. */
+/* Once, because it takes long, and the scenes are many. The second run finds the cache filled. */
 static mcv_result bench_compile(const bench *b, const char *name, mcv_error *error) {
     static const char *const programs[2] = {"specialised", "all"};
-    bench few = *b;
-    few.repetitions = b->quick ? 1 : COMPILE_REPETITIONS;
+    bench once = *b;
+    once.repetitions = 1;
     bench_side cold[2] = {0}, warm[2] = {0};
-    for (int r = 0; r < few.repetitions; ++r) {
-        for (int p = 0; p < 2; ++p) {
-            char cache[1100];
-            MCV_TRY(make_cache(b, cache, sizeof cache, error));
-            mcv_result result = ask_child(this_program(), "compile", name, programs[p], cache, cold[p].seconds + r, error);
-            if (result == MCV_OK) result = ask_child(this_program(), "compile", name, programs[p], cache, warm[p].seconds + r, error);
-            remove_cache(cache);
-            MCV_TRY(result);
-        }
+    for (int p = 0; p < 2; ++p) {
+        char cache[1100];
+        MCV_TRY(make_cache(b, cache, sizeof cache, error));
+        mcv_result result = ask_child(this_program(), "compile", name, programs[p], cache, cold[p].seconds, error);
+        if (result == MCV_OK) result = ask_child(this_program(), "compile", name, programs[p], cache, warm[p].seconds, error);
+        remove_cache(cache);
+        MCV_TRY(result);
     }
-    bench_row(&few, BENCH_WALL, cold, cold + 1, 0, "s", "%s, compile, cold", name);
-    bench_row(&few, BENCH_WALL, warm, warm + 1, 0, "s", "%s, compile, warm", name);
+    bench_row(&once, BENCH_WALL, cold, cold + 1, 0, "s", "%s, compile, cold", name);
+    bench_row(&once, BENCH_WALL, warm, warm + 1, 0, "s", "%s, compile, warm", name);
     return MCV_OK;
 }
 

@@ -5,8 +5,8 @@
  * For each scene that ships, at fewer pixels on the same field of view, one launch of the samples 4 … 7 of four replicates:
  *   - seconds, items and bytes of path state of each stage, in the tile schedule (ticks of the processor, kernels/clock.h) and as its
  *     peer in the stream schedule (one launch a stage);
- *   - the rays of that launch, taken from the stream schedule, in the order and the way (one by one or in turns) of the tile schedule,
- * through kernels/intersect.cl and nothing else: rays per second as the peer of the stages that intersect;
+ *   - the rays of that launch, taken from the stream schedule, in the order and the way (kernels/ways.h) of the tile
+ * schedule, through kernels/intersect.cl and nothing else: rays per second as the peer of the stages that intersect;
  *   - the second half of a render of eight samples, which begins those very paths, with all that the host does then: its rays per second
  *     over those of the bare traversal are the share of the time that the render has for what it is about. All cores.
  */
@@ -33,16 +33,21 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 #define MCV_CHANNELS packed->channels
 #define MCV_WITH_DIELECTRIC (features >> MCV_FEATURE_DIELECTRIC & 1)
 #define MCV_WITH_NEXT_EVENT (features >> MCV_FEATURE_NEXT_EVENT & 1)
+#define MCV_WITH_LIGHT_TRACING (features >> MCV_FEATURE_LIGHT_TRACING & 1)
+#define MCV_WITH_GLOSS (features >> MCV_FEATURE_GLOSS & 1)
 #define MCV_X(field, count) words[FIELD_##field] = (count);
     MCV_PATH_FIELDS(MCV_X)
 #undef MCV_X
 #undef MCV_CHANNELS
 #undef MCV_WITH_DIELECTRIC
 #undef MCV_WITH_NEXT_EVENT
+#undef MCV_WITH_LIGHT_TRACING
+#undef MCV_WITH_GLOSS
 }
 
 /* What each stage reads and writes of a path (the heads of kernels/<stage>.cl), -1 at the end. */
 static const int traffic[STAGE_COUNT][16] = {
+    [STAGE_aim_pupils] = {-1},
     [STAGE_generate_rays] = {FIELD_origin, FIELD_direction, FIELD_weight, FIELD_throughput, FIELD_radiance, FIELD_media, FIELD_density, -1},
     [STAGE_intersect_closest] = {FIELD_origin, FIELD_direction, FIELD_hit, -1},
     [STAGE_sample_emitters] = {FIELD_hit, FIELD_direction, FIELD_throughput, FIELD_media, FIELD_shadow_origin, FIELD_shadow_direction,
@@ -246,17 +251,16 @@ typedef struct replay {
     int only; /* of the stages: 0 the closest, 1 the shadow rays */
 } replay;
 
-static const char *const kernel_names[2][KINDS] = {
-    {"intersect_closest", "intersect_closest", "intersect_any", "intersect_closest"},
-    {"intersect_closest", "intersect_closest_list", "intersect_any_list", "intersect_closest_list"}};
+static const char *const kernel_names[KINDS] = {"closest_first", "closest_later", "any_shadow", "closest_shadow"};
 
 static mcv_result replay_open(const drive *d, const ray_list lists[KINDS], replay *r, mcv_error *error) {
-    const bool turns = d->device.packed.features >> MCV_FEATURE_INTERLEAVE & 1;
+    char way[32];
+    snprintf(way, sizeof way, "-DMCV_WITH_INTERLEAVE=%u", d->device.packed.features >> MCV_FEATURE_INTERLEAVE & 1);
     *r = (replay){.cl = d->cl, .scene = &d->device};
-    MCV_TRY(mcv_cl_build(r->cl, "intersect", "", &r->program, error));
+    MCV_TRY(mcv_cl_build(r->cl, "intersect", way, &r->program, error));
     for (int k = 0; k < KINDS; ++k) {
         r->counts[k] = (cl_uint)lists[k].count;
-        MCV_TRY(mcv_cl_kernel(r->program, kernel_names[turns][k], &r->kernels[k], error));
+        MCV_TRY(mcv_cl_kernel(r->program, kernel_names[k], &r->kernels[k], error));
         MCV_TRY(mcv_cl_buffer(r->cl, "the rays", lists[k].count * sizeof(batch_ray), lists[k].rays, &r->rays[k], error));
         MCV_TRY(mcv_cl_buffer(r->cl, "the hits", lists[k].count * sizeof(mcv_hit), NULL, &r->hits[k], error));
     }
@@ -384,7 +388,8 @@ static mcv_result bench_schedules(scene_bench *s) {
     MCV_TRY(bench_time(s->b, sides, 2, s->error));
     items_of(&tile->stats, items);
     for (int i = 0; i < STAGE_COUNT; ++i) {
-        if (!stream->schedule.kernels[i]) continue; /* the stages come first and in this order */
+        /* The stages come first and in this order. Pupils are aimed once and not in each launch. */
+        if (!stream->schedule.kernels[i] || i == STAGE_aim_pupils) continue;
         bench_row(s->b, BENCH_WALL, s->tile.stages + i, s->stream.stages + i, 0, "s", "%s, %s", s->name, stage_names[i]);
         bench_more(s->b, "items", items[i]);
         bench_more(s->b, "bytes", items[i] * bytes_per_item(&tile->device.packed, i));

@@ -22,7 +22,7 @@ MCV_FUNCTION mcv_float_pair mcv_add_pairs(mcv_float_pair a, mcv_float_pair b) {
 }
 
 /* The path's value on the film, 0 (and counted) where it is not finite. */
-MCV_FUNCTION float mcv_path_value(mcv_world world, mcv_slot slot, int channel, uint *nonfinite) {
+MCV_FUNCTION float mcv_path_value(mcv_world world, mcv_slot slot, uint channel, uint *nonfinite) {
     const float weight = MCV_LOAD(slot, weight, 0);
     const float value = MCV_LOAD(slot, radiance, channel) * weight * world.frame->sensor_index_squared;
     if (mcv_abs(value) < INFINITY) return value;
@@ -30,20 +30,50 @@ MCV_FUNCTION float mcv_path_value(mcv_world world, mcv_slot slot, int channel, u
     return 0.0f;
 }
 
-/* slot: the block's first path; sums: two words per channel. */
-static void mcv_accumulate_block(mcv_world world, mcv_slot slot, uint count, __global float *sums, uint *nonfinite) {
-    mcv_float_pair tree[MCV_BLOCK];
-    for (int channel = 0; channel < MCV_CHANNELS; ++channel) {
+#if MCV_TILE
+/*
+ * Writes the sums of count / block blocks of a channel's values: high and low word each. Level by level through all trees at once, from one
+ * array to the other, so that a level is a long loop.
+ */
+static __attribute__((noinline)) void mcv_accumulate_blocks(const float *values, uint count, uint block, __global float *sums) {
+    float highs[2][MCV_SLICE];
+    float lows[2][MCV_SLICE];
+    uint from = 0;
+    for (uint i = 0; i < count; ++i) {
+        highs[0][i] = values[i];
+        lows[0][i] = 0.0f;
+    }
+    for (uint size = block; size > 1u; size /= 2u, from ^= 1u) {
+        count /= 2u;
+        MCV_PARALLEL
         for (uint i = 0; i < count; ++i) {
-            mcv_slot path = slot;
-            path.index += i;
-            tree[i].high = mcv_path_value(world, path, channel, nonfinite);
-            tree[i].low = 0.0f;
+            const mcv_float_pair a = {highs[from][2u * i], lows[from][2u * i]};
+            const mcv_float_pair b = {highs[from][2u * i + 1u], lows[from][2u * i + 1u]};
+            const mcv_float_pair both = mcv_add_pairs(a, b);
+            highs[from ^ 1u][i] = both.high;
+            lows[from ^ 1u][i] = both.low;
         }
-        for (uint size = count; size > 1; size /= 2) {
-            for (uint i = 0; i < size / 2; ++i) tree[i] = mcv_add_pairs(tree[2 * i], tree[2 * i + 1]);
-        }
-        sums[2 * channel] = tree[0].high;
-        sums[2 * channel + 1] = tree[0].low;
+    }
+    for (uint i = 0; i < count; ++i) {
+        sums[2u * MCV_CHANNELS * i] = highs[from][i];
+        sums[2u * MCV_CHANNELS * i + 1u] = lows[from][i];
     }
 }
+#else
+/* Writes the sum of the values, which are lost: high and low word. */
+static void mcv_accumulate_block(float *values, uint count, __global float *sum) {
+    float lows[MCV_BLOCK];
+    for (uint i = 0; i < count; ++i) lows[i] = 0.0f;
+    for (uint size = count / 2; size > 0; size /= 2) {
+        for (uint i = 0; i < size; ++i) {
+            const mcv_float_pair a = {values[2 * i], lows[2 * i]};
+            const mcv_float_pair b = {values[2 * i + 1], lows[2 * i + 1]};
+            const mcv_float_pair both = mcv_add_pairs(a, b);
+            values[i] = both.high;
+            lows[i] = both.low;
+        }
+    }
+    sum[0] = values[0];
+    sum[1] = lows[0];
+}
+#endif

@@ -46,7 +46,7 @@ static mcv_aimed mcv_follow(mcv_world world, mcv_film_sample film, float p_x, fl
             aimed.emitter = emitter;
             return aimed;
         }
-        const mcv_scattering on = mcv_scatter(world, meeting, media, always_refract, &unmatched);
+        const mcv_scattering on = mcv_scatter(world, meeting, media, always_refract, 1.0f, &unmatched);
         if (on.event == MCV_EVENT_END) return aimed;
         origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, on.direction);
         direction = on.direction;

@@ -3,6 +3,7 @@
 #ifndef MCVISI_KERNELS_IDENTITY_H
 #define MCVISI_KERNELS_IDENTITY_H
 
+#include "path.h"
 #include "sampler.h"
 #include "world.h"
 
@@ -24,6 +25,17 @@ MCV_FUNCTION mcv_identity mcv_identify(__constant const mcv_frame *frame, uint p
     id.stream = mcv_hash_2(mcv_hash_2(frame->seed, frame->first_pixel + id.row * frame->row_pitch + id.column), set % frame->replicates);
     id.sample = frame->first_sample + (path & ((1u << frame->log2_samples) - 1u));
     return id;
+}
+
+/* A pair of random numbers of the surface that a path has met. */
+MCV_FUNCTION mcv_pair mcv_draw(mcv_slot slot, uint depth, uint pair) {
+#if MCV_TILE
+    const mcv_pair drawn = {MCV_LOAD(slot, drawn, 2u * pair), MCV_LOAD(slot, drawn, 2u * pair + 1u)};
+    (void)depth;
+    return drawn;
+#else
+    return mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0), MCV_SURFACE_PAIR(depth, pair));
+#endif
 }
 
 #endif

@@ -4,7 +4,7 @@
  * every leaf (what the tests compare with). A work-group is one work-item, which handles a slice of the rays: on a CPU
  * it runs on one core with its stack in the first cache.
  */
-#include "traverse.h"
+#include "ways.h"
 
 /* A ray of the batch: 32 bytes. */
 typedef struct mcv_batch_ray {
@@ -39,49 +39,37 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_any(__glo
 
 #define MCV_BATCH_LIST 256
 
-/* The hits of at most MCV_BATCH_LIST rays that take turns. */
-static void mcv_intersect_batch_list(__global const mcv_node *nodes, __global const mcv_leaf *leaves, __global const mcv_batch_ray *rays,
-                                     uint count, int any, mcv_hit *hits) {
-    uint indices[MCV_BATCH_LIST];
-    const mcv_rows origins = {rays->origin, sizeof(mcv_batch_ray) / sizeof(float), 1};
-    const mcv_rows directions = {rays->direction, sizeof(mcv_batch_ray) / sizeof(float), 1};
-    for (uint i = 0; i < count; ++i) {
-        indices[i] = i;
-        hits[i].t = rays[i].t_max;
+/* Many rays by one of the functions for lists of them, MCV_BATCH_LIST at a time; `result` is what is kept of a hit. */
+#define MCV_BATCH_KERNEL(name, many, output, result) \
+    __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void name(__global const mcv_node *nodes, __global const mcv_leaf *leaves, \
+                                                                      __global const mcv_batch_ray *rays, __global output *out, \
+                                                                      uint count, uint slice) { \
+        const uint first = (uint)get_group_id(0) * slice; \
+        const uint last = min(first + slice, count); \
+        const uint step = sizeof(mcv_batch_ray) / sizeof(float); \
+        uint indices[MCV_BATCH_LIST]; \
+        mcv_hit hits[MCV_BATCH_LIST]; \
+        for (uint i = 0; i < MCV_BATCH_LIST; ++i) indices[i] = i; \
+        for (uint begin = first; begin < last; begin += MCV_BATCH_LIST) { \
+            const uint listed = min(last - begin, (uint)MCV_BATCH_LIST); \
+            const mcv_rows origins = {(__global const uint *)rays[begin].origin, step, 1}; \
+            const mcv_rows directions = {(__global const uint *)rays[begin].direction, step, 1}; \
+            for (uint i = 0; i < listed; ++i) hits[i] = mcv_miss(rays[begin + i].t_max); \
+            many(nodes, leaves, origins, directions, indices, listed, hits); \
+            for (uint i = 0; i < listed; ++i) out[begin + i] = hits[i] result; \
+        } \
     }
-    if (any)
-        mcv_intersect_any_list(nodes, leaves, origins, directions, indices, count, hits);
-    else
-        mcv_intersect_closest_list(nodes, leaves, origins, directions, indices, count, hits);
-}
 
-__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_closest_list(__global const mcv_node *nodes,
-                                                                                    __global const mcv_leaf *leaves,
-                                                                                    __global const mcv_batch_ray *rays,
-                                                                                    __global mcv_hit *hits, uint count, uint slice) {
-    const uint first = (uint)get_group_id(0) * slice;
-    const uint last = min(first + slice, count);
-    mcv_hit found[MCV_BATCH_LIST];
-    for (uint begin = first; begin < last; begin += MCV_BATCH_LIST) {
-        const uint listed = min(last - begin, (uint)MCV_BATCH_LIST);
-        mcv_intersect_batch_list(nodes, leaves, rays + begin, listed, 0, found);
-        for (uint i = 0; i < listed; ++i) hits[begin + i] = found[i];
-    }
-}
+MCV_BATCH_KERNEL(intersect_closest_turns, mcv_intersect_closest_turns, mcv_hit, )
+MCV_BATCH_KERNEL(intersect_any_turns, mcv_intersect_any_turns, int, .triangle != MCV_NONE)
+MCV_BATCH_KERNEL(intersect_closest_bundles, mcv_intersect_closest_bundles, mcv_hit, )
+MCV_BATCH_KERNEL(intersect_any_bundles, mcv_intersect_any_bundles, int, .triangle != MCV_NONE)
 
-__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_any_list(__global const mcv_node *nodes,
-                                                                                __global const mcv_leaf *leaves,
-                                                                                __global const mcv_batch_ray *rays, __global int *found,
-                                                                                uint count, uint slice) {
-    const uint first = (uint)get_group_id(0) * slice;
-    const uint last = min(first + slice, count);
-    mcv_hit hits[MCV_BATCH_LIST];
-    for (uint begin = first; begin < last; begin += MCV_BATCH_LIST) {
-        const uint listed = min(last - begin, (uint)MCV_BATCH_LIST);
-        mcv_intersect_batch_list(nodes, leaves, rays + begin, listed, 1, hits);
-        for (uint i = 0; i < listed; ++i) found[begin + i] = hits[i].triangle != MCV_NONE;
-    }
-}
+/* As the stages of the tile schedule do. */
+MCV_BATCH_KERNEL(closest_first, MCV_CLOSEST_FIRST, mcv_hit, )
+MCV_BATCH_KERNEL(closest_later, MCV_CLOSEST_LATER, mcv_hit, )
+MCV_BATCH_KERNEL(closest_shadow, MCV_CLOSEST_SHADOW, mcv_hit, )
+MCV_BATCH_KERNEL(any_shadow, MCV_ANY_SHADOW, int, .triangle != MCV_NONE)
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_all(__global const mcv_leaf *leaves,
                                                                            __global const mcv_batch_ray *rays, __global mcv_hit *hits,
@@ -92,7 +80,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_all(__glo
         mcv_hit hit = mcv_miss(rays[i].t_max);
         const mcv_ray_frame ray = mcv_ray_setup(mcv_vec(rays[i].origin[0], rays[i].origin[1], rays[i].origin[2]),
                                                 mcv_vec(rays[i].direction[0], rays[i].direction[1], rays[i].direction[2]), 0.0f);
-        for (uint leaf = 0; leaf < leaf_count; ++leaf) mcv_intersect_leaf(leaves + leaf, &ray, &hit);
+        for (uint leaf = 0; leaf < leaf_count; ++leaf) mcv_intersect_leaf(leaves + leaf, &ray.shear, &hit);
         hits[i] = hit;
     }
 }
@@ -108,7 +96,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void count_hits(__global
         int crossings = 0;
         for (uint leaf = 0; leaf < leaf_count; ++leaf) {
             mcv_hit hit = mcv_miss(rays[i].t_max);
-            crossings += mcv_intersect_leaf(leaves + leaf, &ray, &hit);
+            crossings += mcv_intersect_leaf(leaves + leaf, &ray.shear, &hit);
         }
         counts[i] = crossings;
     }

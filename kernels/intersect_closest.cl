@@ -9,12 +9,10 @@ static void mcv_arrive(mcv_world world, mcv_slot slot, mcv_hit hit) {
     MCV_STORE(slot, hit, 2, hit.v);
     MCV_WORD(slot, hit, 3) = hit.triangle;
 #if MCV_WITH_ABSORPTION
-    if (hit.triangle != MCV_NONE) {
-        mcv_color throughput;
-        MCV_LOAD_COLOR(slot, throughput, throughput);
-        throughput = mcv_tint(throughput, mcv_medium_transmittance(world, MCV_WORD(slot, media, 0), hit.t));
-        MCV_STORE_COLOR(slot, throughput, throughput);
-    }
+    mcv_color throughput; /* of a ray that meets nothing t is infinite */
+    MCV_LOAD_COLOR(slot, throughput, throughput);
+    throughput = mcv_tint(throughput, mcv_medium_transmittance(world, MCV_WORD(slot, media, 0), hit.t));
+    MCV_STORE_COLOR(slot, throughput, throughput);
 #else
     (void)world;
 #endif

@@ -18,7 +18,12 @@ static void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_hit hit) {
 #endif
 #if MCV_WITH_ABSORPTION
     const mcv_vec3 direction = MCV_LOAD_3(slot, shadow_direction);
-    light = mcv_tint(light, mcv_medium_transmittance(world, MCV_WORD(slot, media, 0), hit.t * mcv_sqrt(mcv_dot(direction, direction))));
+#if MCV_WITH_GLOSS
+    const uint media = MCV_WORD(slot, shadow_media, 0);
+#else
+    const uint media = MCV_WORD(slot, media, 0);
+#endif
+    light = mcv_tint(light, mcv_medium_transmittance(world, media, hit.t * mcv_sqrt(mcv_dot(direction, direction))));
 #else
     (void)world, (void)hit;
 #endif
@@ -27,8 +32,10 @@ static void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_hit hit) {
     MCV_STORE_COLOR(slot, radiance, radiance);
 }
 
-/* A ray without target ends at the emitter's point, t = 1; one with a target must meet it first. */
-static int mcv_shadow_is_any(mcv_slot slot) { return MCV_WORD(slot, shadow_target, 0) == MCV_NONE; }
+/* A ray without target ends at the emitter's point, t = 1, or nowhere; one with a target must meet it first. */
+static int mcv_shadow_is_any(mcv_slot slot) { return MCV_WORD(slot, shadow_target, 0) >= MCV_SKY; }
+
+static float mcv_shadow_end(mcv_slot slot) { return MCV_WORD(slot, shadow_target, 0) == MCV_NONE ? 1.0f : INFINITY; }
 
 static int mcv_meets_target(mcv_world world, mcv_slot slot, mcv_hit hit) {
     return hit.triangle != MCV_NONE && world.triangles[hit.triangle].w == MCV_WORD(slot, shadow_target, 0);
@@ -38,8 +45,8 @@ MCV_FUNCTION void mcv_intersect_shadow(mcv_world world, mcv_slot slot) {
     const mcv_vec3 origin = MCV_LOAD_3(slot, shadow_origin);
     const mcv_vec3 direction = MCV_LOAD_3(slot, shadow_direction);
     if (mcv_shadow_is_any(slot)) {
-        const mcv_hit end = {1.0f, 0.0f, 0.0f, MCV_NONE};
-        if (!mcv_intersect_any_ray(world.nodes, world.leaves, origin, direction, 1.0f)) mcv_add_shadow_light(world, slot, end);
+        const mcv_hit end = {mcv_shadow_end(slot), 0.0f, 0.0f, MCV_NONE};
+        if (!mcv_intersect_any_ray(world.nodes, world.leaves, origin, direction, end.t)) mcv_add_shadow_light(world, slot, end);
     } else {
         const mcv_hit hit = mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction, INFINITY);
         if (mcv_meets_target(world, slot, hit)) mcv_add_shadow_light(world, slot, hit);

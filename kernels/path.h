@@ -2,42 +2,80 @@
 /*
  * The state of a path between stages, a structure of arrays: word f of the path in slot i of a slice lies at
  * base[f capacity + i]. One list gives the layout on the device and, through mcv_path_words, the allocation on the host.
+ *
+ * The tile schedule (MCV_TILE) keeps a slice in the work-item's private memory and moves the paths that go on together, so that all its
+ * loops run over neighbouring slots. What it works out for a whole slice at once has fields of its own.
  */
 #ifndef MCVISI_KERNELS_PATH_H
 #define MCVISI_KERNELS_PATH_H
 
 #include "mcvisi/dialect.h"
 
-/* X(field, words): what a scene does not need has no words. */
+#ifndef MCV_TILE
+#define MCV_TILE 0
+#endif
+
+/* X(field, words): what a scene does not need has no words. Those before the hit go on with the path to its next surface. */
 #define MCV_PATH_FIELDS(X) \
-    X(origin, 3)                              /* of the current ray [m] */ \
-    X(direction, 3)                           /* unit */ \
-    X(hit, 4)                                 /* t, u, v, triangle */ \
-    X(weight, 1)                              /* of the sensor's ray; 0: the path is not begun */ \
-    X(throughput, MCV_CHANNELS)               /* product of reflectances, transmittances … since the sensor */ \
-    X(radiance, MCV_CHANNELS)                 /* found so far, L/n² */ \
-    X(media, MCV_WITH_DIELECTRIC)             /* set of the media the ray is in */ \
-    X(density, MCV_WITH_NEXT_EVENT)           /* with which the last surface chose the direction [1/sr]; 0: it is smooth */ \
+    X(origin, 3)                     /* of the current ray [m] */ \
+    X(direction, 3)                  /* unit */ \
+    X(weight, 1)                     /* of the sensor's ray; 0: the path is not begun */ \
+    X(throughput, MCV_CHANNELS)      /* product of reflectances, transmittances … since the sensor */ \
+    X(radiance, MCV_CHANNELS)        /* found so far, L/n² */ \
+    X(media, MCV_WITH_DIELECTRIC)    /* set of the media the ray is in */ \
+    X(density, MCV_WITH_NEXT_EVENT)  /* with which the last surface chose the direction [1/sr]; 0: it is smooth */ \
+    X(trail, MCV_WITH_LIGHT_TRACING) /* MCV_TRAIL_… */ \
+    X(stream, 1)                     /* of random numbers: pixel, replicate, seed */ \
+    X(sample, 1) \
+    X(place, MCV_TILE)     /* of the path in its slice */ \
+    X(hit, 4)              /* t, u, v, triangle */ \
+    X(drawn, 6 * MCV_TILE) /* the surface's pairs of random numbers */ \
+    X(point, 3 * MCV_TILE) /* of the surface, as in mcv_surface */ \
+    X(error, 3 * MCV_TILE) \
+    X(face, 3 * MCV_TILE) \
+    X(normal, 3 * MCV_TILE) \
+    X(area, MCV_TILE) \
+    X(bounce, 4 * MCV_TILE)                   /* the direction in which the surface reflects if it is diffuse, and its density */ \
     X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT) /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
-    X(shadow_target, MCV_WITH_NEXT_EVENT)              /* instance that must be met first; MCV_NONE: nothing before t = 1 */ \
+    X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS *MCV_WITH_DIELECTRIC) /* that it leaves the surface in */ \
+    X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing before t = 1; MCV_SKY: nothing at all */ \
     X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */
+
+/*
+ * What a camera path has met. Light paths bring the light of their emitters that comes from smooth surfaces to one that spreads it,
+ * wherever the sensor sees such a one directly or through a sheet or beam splitter: a path that began so leaves that light to them.
+ */
+enum {
+    MCV_TRAIL_STRAIGHT,    /* nothing but what passes light straight on */
+    MCV_TRAIL_BENT,        /* a smooth surface that turned it, before any that spreads light */
+    MCV_TRAIL_SPREAD,      /* one that spreads light, seen directly, and last one that spreads light */
+    MCV_TRAIL_SMOOTH_SINCE /* and smooth ones since */
+};
 
 #if MCV_ON_DEVICE
 
 #define MCV_PATH_OFFSET(field, words) MCV_PATH_##field, MCV_PATH_AFTER_##field = MCV_PATH_##field + (words)-1,
 enum { MCV_PATH_FIELDS(MCV_PATH_OFFSET) MCV_PATH_WORDS };
 
+#if MCV_TILE
+#define MCV_PATH_SPACE __private
+#define MCV_CAPACITY(slot) ((uint)MCV_SLICE)
+#else
+#define MCV_PATH_SPACE __global
+#define MCV_CAPACITY(slot) (slot).capacity
+#endif
+
 /* A path's place: slot `index` of a slice of `capacity` paths. */
 typedef struct mcv_slot {
-    __global uint *base;
+    MCV_PATH_SPACE uint *base;
+#if !MCV_TILE
     uint capacity;
+#endif
     uint index;
 } mcv_slot;
 
-#define MCV_WORD(slot, field, k) (slot).base[((uint)MCV_PATH_##field + (uint)(k)) * (slot).capacity + (slot).index]
-#define MCV_ROWS(slot, field) \
-    { (__global const float *)((slot).base + (size_t)MCV_PATH_##field * (slot).capacity), 1u, (slot).capacity }
+#define MCV_WORD(slot, field, k) (slot).base[((uint)MCV_PATH_##field + (uint)(k)) * MCV_CAPACITY(slot) + (slot).index]
 #define MCV_LOAD(slot, field, k) as_float(MCV_WORD(slot, field, k))
 #define MCV_STORE(slot, field, k, value) (MCV_WORD(slot, field, k) = as_uint(value))
 #define MCV_LOAD_3(slot, field) mcv_vec(MCV_LOAD(slot, field, 0), MCV_LOAD(slot, field, 1), MCV_LOAD(slot, field, 2))

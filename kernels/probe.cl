@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Does the device compute as IEEE 754 says? The host compares the bits (host/cl/cl.c). */
+/*
+ * Does the device compute as IEEE 754 says? The host compares the bits (host/cl/cl.c). It is part of every program: one of its own would
+ * have to be compiled besides.
+ */
 #include "mcvisi/dialect.h"
 
 __kernel void probe_arithmetic(__global const float *inputs, __global float *results) {

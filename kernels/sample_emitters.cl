@@ -2,30 +2,15 @@
 /*
  * Stage: next-event estimation. A surface that spreads light chooses an emitter by power, then a direction to it: uniform in the cone
  * of a parallel emitter that is smaller than the emitter seen from there (which must then be the closest hit), else towards a
- * point uniform by area. Weighed against the surface's own choice of directions by the balance heuristic. Beams and lights without
- * extent, which a direction of the surface's own cannot meet, come in full.
+ * point uniform by area; of an environment's image a pixel by what it brings. Weighed against the surface's own choice of directions by the
+ * balance heuristic. Beams and lights without extent, which a direction of the surface's own cannot meet, come in full.
+ *
  * reads ray, hit -> writes shadow ray
  */
+#include "choose.h"
+#include "environment.h"
 #include "identity.h"
-#include "path.h"
-#include "scatter.h"
-
-/* The i with cdf[i] <= bits < cdf[i + 1], and where between them bits lies, in [0, 1). */
-MCV_FUNCTION uint mcv_search_cdf(__global const uint *cdf, uint count, float xi, float *rest) {
-    const uint bits = (uint)(xi * 2147483648.0f);
-    uint low = 0;
-    uint high = count;
-    while (high - low > 1) {
-        const uint middle = (low + high) / 2;
-        if (cdf[middle] <= bits)
-            low = middle;
-        else
-            high = middle;
-    }
-    const float share = (float)(bits - cdf[low]) / (float)(cdf[low + 1] - cdf[low]);
-    *rest = share < 0.99999994f ? share : 0.99999994f;
-    return low;
-}
+#include "meet_surface.h"
 
 typedef struct mcv_shadow {
     mcv_vec3 origin, direction;
@@ -69,10 +54,27 @@ static mcv_shadow mcv_sample_directional_of(mcv_meeting at, __global const mcv_d
     mcv_shadow shadow;
     const mcv_vec3 direction = mcv_vec(-e->directional.axis[0], -e->directional.axis[1], -e->directional.axis[2]);
     shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, direction);
-    shadow.direction = mcv_scale(direction, e->directional.reach);
-    shadow.target = MCV_NONE;
+    shadow.direction = direction;
+    shadow.target = MCV_SKY;
     shadow.density = 0.0f;
     MCV_EACH_CHANNEL(i) shadow.light.c[i] = e->radiance[i] / e->probability;
+    return shadow;
+}
+#endif
+
+#if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
+/* What rounding puts into a neighbouring pixel counts as that one's. */
+static mcv_shadow mcv_sample_environment_of(mcv_world world, mcv_meeting at, __global const mcv_device_emitter *e, mcv_pair pair) {
+    mcv_shadow shadow;
+    float xi, eta;
+    const uint row = mcv_search_cdf(world.emitter_cdf + e->cdf, e->environment.height, pair.y, &eta);
+    const uint column = mcv_search_cdf(mcv_environment_row(world, e, row), e->environment.width, pair.x, &xi);
+    shadow.direction = mcv_environment_sample(&e->environment, column, row, xi, eta);
+    shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, shadow.direction);
+    shadow.target = MCV_SKY;
+    shadow.density = mcv_environment_density(world, e, shadow.direction);
+    shadow.light = mcv_grey(0.0f);
+    if (shadow.density > 0.0f) shadow.light = mcv_dim(mcv_environment_radiance(world, e, shadow.direction), 1.0f / shadow.density);
     return shadow;
 }
 #endif
@@ -143,6 +145,9 @@ static mcv_shadow mcv_sample_towards(mcv_world world, mcv_meeting at, uint emitt
     if (e->type == MCV_EMITTER_SPOT) return mcv_sample_spot_of(at, e);
     if (e->type == MCV_EMITTER_DIRECTIONAL) return mcv_sample_directional_of(at, e);
 #endif
+#if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
+    if (e->type == MCV_EMITTER_ENVIRONMENT) return mcv_sample_environment_of(world, at, e, pair);
+#endif
 #if MCV_WITH_PARALLEL
     if (mcv_samples_cone(e, at.surface.point)) return mcv_sample_cone_of(at, e, pair);
 #endif
@@ -157,31 +162,38 @@ static mcv_shadow mcv_sample_towards(mcv_world world, mcv_meeting at, uint emitt
 }
 
 /* 1 if there is a shadow ray to follow. */
-static int mcv_sample_emitter(mcv_world world, mcv_slot slot, mcv_identity id, uint depth) {
+static int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) {
     const uint triangle = MCV_WORD(slot, hit, 3);
     if (triangle == MCV_NONE) return 0;
     const uint material = world.instances[world.triangles[triangle].w].material;
     if (!world.materials[material].spreads) return 0;
 
-    const mcv_meeting meeting = mcv_meet(world, MCV_LOAD_3(slot, direction), triangle, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
+    const mcv_meeting meeting = mcv_meet_surface(world, slot);
 
     /* Choose an emitter and a direction. */
-    const mcv_pair choice = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_CHOICE));
-    const mcv_pair pair = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_EMITTER));
+    const mcv_pair choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
+    const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_EMITTER);
     float unused;
     const uint emitter = mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count, choice.x, &unused);
     const mcv_shadow shadow = mcv_sample_towards(world, meeting, emitter, pair);
 
     /* What the surface makes of it, and the balance heuristic against its own choice. */
     if (!(mcv_brightest(shadow.light) > 0.0f)) return 0;
-    const mcv_response response = mcv_respond(world, meeting, mcv_normalize(shadow.direction));
+    uint media = 0;
+#if MCV_WITH_DIELECTRIC
+    media = MCV_WORD(slot, media, 0);
+#endif
+    const mcv_response response = mcv_respond(world, meeting, media, mcv_normalize(shadow.direction));
     if (!(mcv_brightest(response.value) > 0.0f)) return 0;
     mcv_color light;
     MCV_LOAD_COLOR(slot, throughput, light);
     light = mcv_tint(mcv_tint(light, response.value), shadow.light);
     if (shadow.density > 0.0f) light = mcv_dim(light, shadow.density / (shadow.density + response.density));
 #if MCV_WITH_DIELECTRIC
-    light = mcv_dim(light, world.media[mcv_filling_medium(MCV_WORD(slot, media, 0))].inverse_index_squared);
+    light = mcv_dim(light, world.media[mcv_filling_medium(response.media)].inverse_index_squared);
+#if MCV_WITH_GLOSS
+    MCV_WORD(slot, shadow_media, 0) = response.media;
+#endif
 #endif
     MCV_STORE_3(slot, shadow_origin, shadow.origin);
     MCV_STORE_3(slot, shadow_direction, shadow.direction);

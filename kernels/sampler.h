@@ -61,7 +61,7 @@ MCV_FUNCTION uint mcv_sobol_reversed(uint i) {
 MCV_FUNCTION float mcv_unit_interval(uint bits) { return (float)(bits >> 8) * 5.9604644775390625e-8f; }
 
 /* `stream` identifies pixel, replicate and the user's seed; `sample` counts within them. */
-MCV_FUNCTION mcv_pair mcv_sample_pair(uint stream, uint sample, uint pair) {
+MCV_LOOP_FUNCTION mcv_pair mcv_sample_pair(uint stream, uint sample, uint pair) {
     const uint seed = mcv_hash_2(stream, pair);
     mcv_pair result;
 #if MCV_SAMPLER_RANDOM

@@ -10,6 +10,12 @@
 
 #include "sampler.h"
 #include "surface.h"
+#if MCV_WITH_GLOSS
+#include "gloss.h"
+#endif
+#if MCV_WITH_RETROREFLECTOR
+#include "retroreflector.h"
+#endif
 
 /* A surface seen from where the ray comes from. */
 typedef struct mcv_meeting {
@@ -17,17 +23,29 @@ typedef struct mcv_meeting {
     mcv_vec3 direction;    /* of the ray, unit */
     mcv_vec3 face, normal; /* unit, on the ray's side: direction·face < 0, direction·normal < 0 */
     uint inside;           /* 1: the ray comes from behind the front side */
+#if MCV_TILE && MCV_WITH_DIFFUSE
+    int bounces; /* 1: worked out beforehand for many paths is where it goes on if the surface is diffuse */
+    mcv_vec3 bounce;
+    float bounce_density;
+#endif
 } mcv_meeting;
 
-MCV_FUNCTION mcv_meeting mcv_meet(mcv_world world, mcv_vec3 direction, uint triangle, float u, float v) {
+MCV_LOOP_FUNCTION mcv_meeting mcv_meet_at(mcv_surface surface, mcv_vec3 direction) {
     mcv_meeting meeting;
-    meeting.surface = mcv_surface_at(world, triangle, u, v);
+    meeting.surface = surface;
     meeting.direction = direction;
     meeting.inside = mcv_dot(direction, meeting.surface.face) > 0.0f;
     meeting.face = mcv_scale(meeting.surface.face, meeting.inside ? -1.0f : 1.0f);
     meeting.normal = mcv_scale(meeting.surface.normal, meeting.inside ? -1.0f : 1.0f);
-    if (!(mcv_dot(direction, meeting.normal) < 0.0f)) meeting.normal = meeting.face;
+    meeting.normal = mcv_choose(mcv_dot(direction, meeting.normal) < 0.0f, meeting.normal, meeting.face);
+#if MCV_TILE && MCV_WITH_DIFFUSE
+    meeting.bounces = 0;
+#endif
     return meeting;
+}
+
+MCV_FUNCTION mcv_meeting mcv_meet(mcv_world world, mcv_vec3 direction, uint triangle, float u, float v) {
+    return mcv_meet_at(mcv_surface_at(world, triangle, u, v), direction);
 }
 
 /* How a path goes on. */
@@ -40,7 +58,7 @@ typedef struct mcv_scattering {
     uint event; /* MCV_EVENT_… */
 } mcv_scattering;
 
-#if MCV_WITH_DIELECTRIC || MCV_WITH_SHEET || MCV_WITH_MIRROR
+#if MCV_WITH_DIELECTRIC || MCV_WITH_SHEET || MCV_WITH_MIRROR || MCV_WITH_GLOSS
 MCV_FUNCTION mcv_vec3 mcv_reflected(mcv_meeting meeting) {
     const mcv_vec3 d = mcv_reflect(meeting.direction, meeting.normal);
     return mcv_dot(d, meeting.face) > 0.0f ? d : mcv_reflect(meeting.direction, meeting.face);
@@ -48,17 +66,37 @@ MCV_FUNCTION mcv_vec3 mcv_reflected(mcv_meeting meeting) {
 #endif
 
 #if MCV_WITH_DIELECTRIC
+/* The sets of media on the ray's side of a body's surface, where the path's is mended, and beyond it. */
+typedef struct mcv_crossing {
+    uint before, after;
+    mcv_device_interface between;
+#if MCV_WITH_GLOSS
+    uint albedos; /* of the interface, MCV_NONE: it is smooth */
+#endif
+} mcv_crossing;
+
+static mcv_crossing mcv_cross_surface(mcv_world world, uint media, uint medium, uint inside) {
+    mcv_crossing crossing;
+    const uint bit = 1u << (medium - 1u);
+    crossing.before = inside ? media | bit : media & ~bit;
+    crossing.after = crossing.before ^ bit;
+    const uint at = mcv_filling_medium(crossing.before) * (MCV_MAX_MEDIA + 1u) + mcv_filling_medium(crossing.after);
+    crossing.between = world.interfaces[at];
+#if MCV_WITH_GLOSS
+    crossing.albedos = world.interface_albedos[at];
+#endif
+    return crossing;
+}
+
 /* xi in [0, 1) chooses reflection with probability R; 1 always refracts where that is possible. */
 static mcv_scattering mcv_scatter_dielectric(mcv_world world, mcv_meeting meeting, uint media, uint medium, float xi, uint *unmatched) {
     mcv_scattering scattering;
-    const uint bit = 1u << (medium - 1u);
-    const uint before = meeting.inside ? media | bit : media & ~bit;
-    const uint after = before ^ bit;
-    if (before != media) *unmatched += 1u;
-    const mcv_device_interface between = world.interfaces[mcv_filling_medium(before) * (MCV_MAX_MEDIA + 1u) + mcv_filling_medium(after)];
+    const mcv_crossing crossing = mcv_cross_surface(world, media, medium, meeting.inside);
+    const mcv_device_interface between = crossing.between;
+    if (crossing.before != media) *unmatched += 1u;
     scattering.factor = mcv_grey(1.0f);
     scattering.density = 0.0f;
-    scattering.media = after;
+    scattering.media = crossing.after;
     scattering.direction = meeting.direction;
     scattering.event = MCV_EVENT_PASS;
     scattering.chance = 1.0f;
@@ -70,7 +108,7 @@ static mcv_scattering mcv_scatter_dielectric(mcv_world world, mcv_meeting meetin
     const float reflectance = mcv_fresnel(between, cosine, c2);
     if (xi < reflectance || !(c2 > 0.0f)) {
         scattering.chance = reflectance;
-        scattering.media = before;
+        scattering.media = crossing.before;
         scattering.direction = mcv_reflected(meeting);
         scattering.event = MCV_EVENT_REFLECT;
         return scattering;
@@ -135,7 +173,13 @@ static mcv_scattering mcv_scatter_beam_splitter(mcv_meeting meeting, mcv_device_
 #if MCV_WITH_DIFFUSE
 static mcv_scattering mcv_scatter_diffuse(mcv_meeting meeting, mcv_color reflectance, uint media, mcv_pair pair) {
     mcv_scattering scattering;
-    scattering.direction = mcv_diffuse_sample(meeting.normal, pair.x, pair.y, &scattering.density);
+#if MCV_TILE
+    if (meeting.bounces) {
+        scattering.direction = meeting.bounce;
+        scattering.density = meeting.bounce_density;
+    } else
+#endif
+        scattering.direction = mcv_diffuse_sample(meeting.normal, pair.x, pair.y, &scattering.density);
     scattering.chance = 1.0f;
     scattering.factor = mcv_dot(scattering.direction, meeting.face) > 0.0f ? reflectance : mcv_grey(0.0f);
     scattering.media = media;
@@ -144,28 +188,206 @@ static mcv_scattering mcv_scatter_diffuse(mcv_meeting meeting, mcv_color reflect
 }
 #endif
 
-#if MCV_WITH_NEXT_EVENT
-/* What a surface that spreads light makes of light from a direction. */
-typedef struct mcv_response {
-    mcv_color value; /* f cosθ [1/sr]: the share that goes on towards the ray */
-    float density;   /* with which mcv_scatter chooses the direction [1/sr] */
-} mcv_response;
+#if MCV_WITH_GLOSS
+/* A glossy surface as a ray meets it. */
+typedef struct mcv_gloss_meeting {
+    mcv_gloss gloss;
+    mcv_vec3 x, y, z; /* the frame of the surface */
+    mcv_vec3 o;       /* in that frame */
+    mcv_lobes lobes;
+    uint near_media, far_media; /* of light on the ray's side and on the other */
+} mcv_gloss_meeting;
 
-/* The direction is unit and leads away from the surface; what cannot come from there is 0. */
-static mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, mcv_vec3 direction) {
+MCV_FUNCTION mcv_vec3 mcv_gloss_local(mcv_gloss_meeting m, mcv_vec3 v) {
+    return mcv_vec(mcv_dot(v, m.x), mcv_dot(v, m.y), mcv_dot(v, m.z));
+}
+
+/* Whether the material is one of microfacets: a smooth metal is not. */
+static int mcv_is_rough(mcv_world world, mcv_meeting meeting, uint media) {
+    const mcv_device_instance instance = world.instances[meeting.surface.instance];
+    const uint type = world.materials[instance.material].type;
+    if (!world.materials[instance.material].spreads) return 0;
+#if MCV_WITH_DIELECTRIC
+    if (type == MCV_MATERIAL_DIELECTRIC) return mcv_cross_surface(world, media, instance.medium, meeting.inside).albedos != MCV_NONE;
+#else
+    (void)media;
+#endif
+    return type == MCV_MATERIAL_METALLIC_ROUGHNESS || type == MCV_MATERIAL_CONDUCTOR;
+}
+
+static mcv_gloss_meeting mcv_meet_gloss(mcv_world world, mcv_meeting meeting, uint material, uint media) {
+    mcv_gloss_meeting m;
+    __global const mcv_device_gloss *from = world.gloss + material;
+    const mcv_surface surface = meeting.surface;
+    float roughness = from->roughness;
+    m.near_media = m.far_media = media;
+    m.gloss.type = world.materials[material].type;
+    m.gloss.base = mcv_material_value(world, surface, material);
+    m.gloss.metallic = from->metallic;
+    m.gloss.layer = 0.0f;
+    m.gloss.table = from->table;
+    m.gloss.inside = meeting.inside;
+    m.gloss.between.eta = 1.0f;
+    m.gloss.between.delta = 0.0f;
+#if MCV_WITH_TEXTURE
+    if (from->texture != MCV_NONE) {
+        const float s = mcv_texcoord(world, surface, 0);
+        const float t = mcv_texcoord(world, surface, 1);
+        const float scale = mcv_texture_value(world, from->texture, s, t, 1);
+        roughness *= scale;
+        m.gloss.layer = scale * (float)(from->roughnesses - 1);
+        m.gloss.metallic *= mcv_texture_value(world, from->texture, s, t, 2);
+    }
+#endif
+    const float alpha = roughness * roughness > MCV_LEAST_ALPHA ? roughness * roughness : MCV_LEAST_ALPHA;
+    m.gloss.alpha.x = mcv_fma(1.0f - alpha, from->anisotropy, alpha);
+    m.gloss.alpha.y = alpha;
+#if MCV_WITH_DIELECTRIC
+    if (m.gloss.type == MCV_MATERIAL_DIELECTRIC) {
+        const mcv_crossing crossing = mcv_cross_surface(world, media, world.instances[surface.instance].medium, meeting.inside);
+        m.near_media = crossing.before;
+        m.far_media = crossing.after;
+        m.gloss.between = crossing.between;
+        m.gloss.table = crossing.albedos;
+    } else {
+        m.gloss.between.eta = mcv_sqrt(world.media[mcv_filling_medium(media)].inverse_index_squared);
+    }
+#endif
+
+    m.z = meeting.normal;
+    mcv_basis(m.z, &m.x, &m.y);
+    if (from->anisotropy > 0.0f) {
+        const mcv_vec3 tangent = mcv_tangent(world, surface, from->direction);
+        const mcv_vec3 x = mcv_along(tangent, -mcv_dot(tangent, m.z), m.z);
+        if (mcv_dot(x, x) > 0.0f) m.x = mcv_normalize(x);
+        m.y = mcv_cross(m.z, m.x);
+    }
+    m.o = mcv_gloss_local(m, mcv_scale(meeting.direction, -1.0f));
+    m.lobes = mcv_gloss_lobes(from, m.gloss, world.albedos, m.o);
+    return m;
+}
+
+/* The direction is unit. Where the interpolated normal and the face disagree on its side nothing comes. */
+static mcv_response mcv_respond_gloss(mcv_world world, mcv_meeting meeting, uint material, mcv_gloss_meeting m, mcv_vec3 direction) {
+    const mcv_vec3 i = mcv_gloss_local(m, direction);
     mcv_response response;
-    const uint material = world.instances[meeting.surface.instance].material;
+    const int far = i.z < 0.0f;
     response.value = mcv_grey(0.0f);
     response.density = 0.0f;
+    if (far ? mcv_dot(direction, meeting.face) < 0.0f : mcv_dot(direction, meeting.face) > 0.0f)
+        response = mcv_gloss_respond(world.gloss + material, m.gloss, world.albedos, m.lobes, m.o, i);
+    response.media = far ? m.far_media : m.near_media;
+    return response;
+}
+
+static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_meeting meeting, uint material, uint media, mcv_pair pair, float choice) {
+    mcv_scattering scattering;
+    const mcv_gloss_meeting m = mcv_meet_gloss(world, meeting, material, media);
+    const mcv_vec3 i = mcv_gloss_sample(world.gloss + material, m.gloss, m.lobes, m.o, pair.x, pair.y, choice);
+    scattering.direction = mcv_normalize(mcv_along(mcv_along(mcv_scale(m.z, i.z), i.y, m.y), i.x, m.x));
+    const mcv_response response = mcv_respond_gloss(world, meeting, material, m, scattering.direction);
+    scattering.factor = response.density > 0.0f ? mcv_dim(response.value, 1.0f / response.density) : mcv_grey(0.0f);
+    scattering.density = response.density;
+    scattering.chance = 1.0f;
+    scattering.media = response.media;
+    scattering.event = MCV_EVENT_END;
+    return scattering;
+}
+
+/* A smooth metal. */
+static mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_meeting meeting, uint material, uint media) {
+    mcv_scattering scattering;
+    __global const mcv_device_gloss *from = world.gloss + material;
+    float scale = 1.0f;
+#if MCV_WITH_DIELECTRIC
+    scale = mcv_sqrt(world.media[mcv_filling_medium(media)].inverse_index_squared);
+#endif
+    const float cosine = -mcv_dot(meeting.direction, meeting.normal);
+    MCV_EACH_CHANNEL(i)
+    scattering.factor.c[i] = mcv_conductor_fresnel(from->n[i] * scale, from->k[i] * scale, cosine < 1.0f ? cosine : 1.0f);
+    scattering.direction = mcv_reflected(meeting);
+    scattering.density = 0.0f;
+    scattering.chance = 1.0f;
+    scattering.media = media;
+    scattering.event = MCV_EVENT_REFLECT;
+    return scattering;
+}
+#endif
+
+#if MCV_WITH_RETROREFLECTOR
+/* The direction is unit. Where the interpolated normal and the face disagree on its side nothing comes. */
+static mcv_response mcv_respond_retroreflector(mcv_world world, mcv_meeting meeting, uint material, uint media, mcv_vec3 direction) {
+    mcv_response response =
+        mcv_retroreflector_respond(world.materials + material, meeting.normal, mcv_scale(meeting.direction, -1.0f), direction);
+    if (!(mcv_dot(direction, meeting.face) > 0.0f)) {
+        response.value = mcv_grey(0.0f);
+        response.density = 0.0f;
+    }
+    response.media = media;
+    return response;
+}
+
+static mcv_scattering mcv_scatter_retroreflector(mcv_world world, mcv_meeting meeting, uint material, uint media, mcv_pair pair,
+                                                 float choice) {
+    mcv_scattering scattering;
+    __global const mcv_device_material *from = world.materials + material;
+    const mcv_vec3 o = mcv_scale(meeting.direction, -1.0f);
+    const mcv_retroreflection back = mcv_retroreflection_at(from, meeting.normal, o);
+    const int returns = back.chance > 0.0f && choice >= 1.0f - back.chance;
+    scattering.media = media;
+    scattering.chance = 1.0f;
+    scattering.event = MCV_EVENT_END;
+    if (returns && from->spread == 0.0f) {
+        scattering.direction = o;
+        MCV_EACH_CHANNEL(i) scattering.factor.c[i] = from->value[i] * back.efficiency / back.chance;
+        scattering.density = 0.0f;
+        scattering.chance = back.chance;
+        scattering.event = MCV_EVENT_REFLECT;
+        return scattering;
+    }
+    scattering.direction = mcv_retroreflector_choose(from, meeting.normal, o, pair.x, pair.y, returns);
+    const mcv_response response = mcv_respond_retroreflector(world, meeting, material, media, scattering.direction);
+    scattering.factor = response.density > 0.0f ? mcv_dim(response.value, 1.0f / response.density) : mcv_grey(0.0f);
+    scattering.density = response.density;
+    return scattering;
+}
+#endif
+
+#if MCV_WITH_NEXT_EVENT
+/* The direction is unit and leads away from the surface; what cannot come from there is 0. */
+static mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, uint media, mcv_vec3 direction) {
+    mcv_response response;
+    const mcv_device_instance instance = world.instances[meeting.surface.instance];
+    response.value = mcv_grey(0.0f);
+    response.density = 0.0f;
+    response.media = media;
 #if MCV_WITH_DIFFUSE
-    if (world.materials[material].type == MCV_MATERIAL_DIFFUSE) {
+    if (world.materials[instance.material].type == MCV_MATERIAL_DIFFUSE) {
         const float cosine = mcv_dot(direction, meeting.normal);
         if (!(cosine > 0.0f) || !(mcv_dot(direction, meeting.face) > 0.0f)) return response;
         response.density = mcv_diffuse_density(cosine);
-        response.value = mcv_dim(mcv_material_value(world, meeting.surface, material), response.density);
+        response.value = mcv_dim(mcv_material_value(world, meeting.surface, instance.material), response.density);
     }
 #endif
+#if MCV_WITH_GLOSS
+    if (mcv_is_rough(world, meeting, media)) {
+        const mcv_gloss_meeting m = mcv_meet_gloss(world, meeting, instance.material, media);
+        return mcv_respond_gloss(world, meeting, instance.material, m, direction);
+    }
+#endif
+#if MCV_WITH_RETROREFLECTOR
+    if (world.materials[instance.material].type == MCV_MATERIAL_RETROREFLECTOR)
+        return mcv_respond_retroreflector(world, meeting, instance.material, media, direction);
+#endif
     return response;
+}
+#endif
+
+#if MCV_WITH_LIGHT_TRACING
+/* Does the surface pass light straight on, but for what it reflects? */
+MCV_FUNCTION int mcv_is_plate(mcv_world world, mcv_meeting meeting) {
+    const uint type = world.materials[world.instances[meeting.surface.instance].material].type;
+    return type == MCV_MATERIAL_SHEET || type == MCV_MATERIAL_BEAM_SPLITTER;
 }
 #endif
 
@@ -196,7 +418,7 @@ MCV_FUNCTION mcv_color mcv_emission_met(mcv_world world, mcv_meeting meeting, ui
 }
 
 /* Chooses how the path goes on from the surface it met. */
-static mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, uint media, mcv_pair pair, uint *unmatched) {
+static mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, uint media, mcv_pair pair, float choice, uint *unmatched) {
     mcv_scattering scattering;
     const mcv_device_instance instance = world.instances[meeting.surface.instance];
     const mcv_device_material material = world.materials[instance.material];
@@ -206,10 +428,25 @@ static mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, uint med
     scattering.chance = 1.0f;
     scattering.media = media;
     scattering.event = MCV_EVENT_END;
+#if MCV_WITH_GLOSS
+    if (mcv_is_rough(world, meeting, media)) {
+#if MCV_WITH_DIELECTRIC
+        if (instance.medium != 0 && mcv_cross_surface(world, media, instance.medium, meeting.inside).before != media) *unmatched += 1u;
+#endif
+        return mcv_scatter_gloss(world, meeting, instance.material, media, pair, choice);
+    }
+    if (material.type == MCV_MATERIAL_CONDUCTOR) return mcv_scatter_conductor(world, meeting, instance.material, media);
+#else
+    (void)choice;
+#endif
 #if MCV_WITH_DIELECTRIC
     if (material.type == MCV_MATERIAL_DIELECTRIC) return mcv_scatter_dielectric(world, meeting, media, instance.medium, pair.x, unmatched);
 #else
     (void)unmatched;
+#endif
+#if MCV_WITH_RETROREFLECTOR
+    if (material.type == MCV_MATERIAL_RETROREFLECTOR)
+        return mcv_scatter_retroreflector(world, meeting, instance.material, media, pair, choice);
 #endif
 #if MCV_WITH_DIFFUSE
     if (material.type == MCV_MATERIAL_DIFFUSE) {

@@ -3,12 +3,30 @@
  * Stage: what a surface does to a path. Adds what it emits, then chooses how the path goes on. Each path is continued or ended
  * exactly once. reads ray, hit -> writes radiance, and ray, throughput, media, density | ends
  */
+#include "environment.h"
 #include "identity.h"
-#include "path.h"
-#include "scatter.h"
+#include "meet_surface.h"
+
+#if MCV_WITH_LIGHT_TRACING
+/* Do light paths bring what the emitter sends along this path? */
+MCV_FUNCTION int mcv_is_traced(mcv_world world, mcv_slot slot, uint emitter) {
+    return MCV_WORD(slot, trail, 0) == MCV_TRAIL_SMOOTH_SINCE && world.emitters[emitter].light_flux > 0.0f;
+}
+
+MCV_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, mcv_meeting meeting, mcv_scattering on) {
+    const uint before = MCV_WORD(slot, trail, 0);
+    if (before == MCV_TRAIL_BENT) return;
+    if (on.density > 0.0f)
+        MCV_WORD(slot, trail, 0) = MCV_TRAIL_SPREAD;
+    else if (before != MCV_TRAIL_STRAIGHT)
+        MCV_WORD(slot, trail, 0) = MCV_TRAIL_SMOOTH_SINCE;
+    else if (on.event != MCV_EVENT_PASS || !mcv_is_plate(world, meeting))
+        MCV_WORD(slot, trail, 0) = MCV_TRAIL_BENT;
+}
+#endif
 
 /* 1 if the path goes on. */
-static int mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_identity id, uint depth, uint *unmatched) {
+static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *unmatched) {
     const uint triangle = MCV_WORD(slot, hit, 3);
     mcv_color throughput;
     mcv_color radiance;
@@ -25,34 +43,40 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_identity id, ui
 
     /* A ray that leaves the scene sees the environment. */
     if (triangle == MCV_NONE) {
-#if MCV_WITH_ENVIRONMENT
-        float share = 1.0f;
-#if MCV_WITH_DIELECTRIC
-        share = world.media[mcv_filling_medium(media)].inverse_index_squared;
-#endif
-        MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i] * share, world.frame->environment[i], radiance.c[i]);
+#if MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE
+        const mcv_color met = mcv_environment_met(world, MCV_LOAD_3(slot, direction), media, density);
+        MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], met.c[i], radiance.c[i]);
         MCV_STORE_COLOR(slot, radiance, radiance);
 #endif
         return 0;
     }
 
-    const mcv_meeting meeting = mcv_meet(world, MCV_LOAD_3(slot, direction), triangle, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
+    const mcv_meeting meeting = mcv_meet_surface(world, slot);
     const uint emitter = world.instances[meeting.surface.instance].emitter;
+#if MCV_WITH_LIGHT_TRACING
+    if (emitter != MCV_NONE && !mcv_is_traced(world, slot, emitter)) {
+#else
     if (emitter != MCV_NONE) {
+#endif
         const mcv_color met = mcv_emission_met(world, meeting, emitter, media, density, MCV_LOAD(slot, hit, 0));
         MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], met.c[i], radiance.c[i]);
         MCV_STORE_COLOR(slot, radiance, radiance);
     }
 
-    const mcv_pair pair = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_SCATTER));
-    const mcv_scattering on = mcv_scatter(world, meeting, media, pair, unmatched);
+    const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_SCATTER);
+    float chosen = 0.0f;
+#if MCV_WITH_GLOSS || MCV_WITH_RETROREFLECTOR
+    /* The other number of this pair plays roulette; this one has chosen an emitter, which is another estimate. */
+    chosen = mcv_draw(slot, depth, MCV_PAIR_CHOICE).x;
+#endif
+    const mcv_scattering on = mcv_scatter(world, meeting, media, pair, chosen, unmatched);
     throughput = mcv_tint(throughput, on.factor);
     float brightest = mcv_brightest(throughput);
     if (!(brightest > 0.0f)) return 0;
 
     /* Russian roulette, on the throughput alone. */
     if (depth >= 4u && brightest < 1.0f) {
-        const mcv_pair choice = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_CHOICE));
+        const mcv_pair choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
         if (choice.y >= brightest) return 0;
         throughput = mcv_dim(throughput, 1.0f / brightest);
     }
@@ -65,6 +89,9 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_identity id, ui
 #endif
 #if MCV_WITH_NEXT_EVENT
     MCV_STORE(slot, density, 0, on.density);
+#endif
+#if MCV_WITH_LIGHT_TRACING
+    mcv_leave_trail(world, slot, meeting, on);
 #endif
     return 1;
 }

@@ -17,7 +17,21 @@ MCV_FUNCTION mcv_vec3 mcv_to_world(__constant const mcv_frame *frame, mcv_vec3 v
                    mcv_fma(m[6], v.x, mcv_fma(m[7], v.y, m[8] * v.z)));
 }
 
-MCV_FUNCTION mcv_ray mcv_place_sight(__constant const mcv_frame *frame, mcv_sight sight) {
+#if MCV_WITH_LIGHT_TRACING
+/* The other way round: the matrix is orthogonal. */
+MCV_FUNCTION mcv_vec3 mcv_to_optical(__constant const mcv_frame *frame, mcv_vec3 v) {
+    __constant const float *m = frame->to_world;
+    return mcv_vec(mcv_fma(m[0], v.x, mcv_fma(m[3], v.y, m[6] * v.z)), mcv_fma(m[1], v.x, mcv_fma(m[4], v.y, m[7] * v.z)),
+                   mcv_fma(m[2], v.x, mcv_fma(m[5], v.y, m[8] * v.z)));
+}
+
+MCV_FUNCTION mcv_vec3 mcv_point_to_optical(__constant const mcv_frame *frame, mcv_vec3 p) {
+    __constant const float *m = frame->to_world;
+    return mcv_to_optical(frame, mcv_sub(p, mcv_vec(m[9], m[10], m[11])));
+}
+#endif
+
+MCV_LOOP_FUNCTION mcv_ray mcv_place_sight(__constant const mcv_frame *frame, mcv_sight sight) {
     __constant const float *m = frame->to_world;
     mcv_ray ray;
     ray.origin = mcv_add(mcv_to_world(frame, sight.origin), mcv_vec(m[9], m[10], m[11]));
@@ -30,7 +44,7 @@ MCV_FUNCTION mcv_ray mcv_place_sight(__constant const mcv_frame *frame, mcv_sigh
  * A ray of sight of a pixel: half of the samples take the whole pupil, half the ellipse of the pixel's aim; weighed by the balance
  * heuristic, density of the pupil over that of the mixture.
  */
-MCV_FUNCTION mcv_sight mcv_aimed_sight(mcv_world world, mcv_film_sample film, mcv_pair pair) {
+MCV_LOOP_FUNCTION mcv_sight mcv_aimed_sight(mcv_world world, mcv_film_sample film, mcv_pair pair) {
     __global const mcv_device_aim *aim = world.aims + (size_t)film.row * world.frame->width + film.column;
     mcv_sight sight;
     float cosine, sine;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The stream schedule, for GPUs: one launch per stage over all paths of a pass. Queues hold the slots of the paths that a
- * stage has work for; their lengths stay on the device, the host launches blind and stages end early. Which order a queue gets
- * its entries in does not matter: a path writes its own slot alone.
+ * The stream schedule, for GPUs: one launch per stage and depth over the paths of a pass that live. Queues hold the slots of the paths
+ * that a stage has work for; their lengths stay on the device, and what the host launches beyond them ends at once. A work-group appends
+ * its paths together and in their order, so that neighbours in a queue are near to each other in memory. Which order the groups come in
+ * does not matter: a path writes its own slot alone.
  *
  * Queue 0 and 1: active paths of even and odd depths; queue 2: shadow rays. lengths[d]: active paths at depth d; after the
  * frame's depth + 1 of them, shadow rays at each depth.
@@ -19,6 +20,9 @@
 #endif
 #include "shade_surfaces.cl"
 #include "accumulate_film.cl"
+#if MCV_WITH_LIGHT_TRACING
+#include "trace_emitter_paths.cl"
+#endif
 
 #define MCV_STREAM_GROUP 64
 #define MCV_STAGE_KERNEL(stage) \
@@ -37,6 +41,21 @@ MCV_FUNCTION mcv_slot mcv_stream_slot(__global uint *paths, uint capacity, uint 
     return slot;
 }
 
+/*
+ * Appends the paths of the work-group's items that go on to a queue: one addition to its length for all of them. To be called by all items
+ * or by none; room: two words that they share.
+ */
+MCV_FUNCTION void mcv_append(__global uint *queue, __global uint *length, uint path, int goes_on, __local uint *room) {
+    uint place = 0;
+    if (get_local_id(0) == 0) room[0] = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (goes_on) place = atomic_inc(&room[0]);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) == 0 && room[0] > 0) room[1] = atomic_add(length, room[0]);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (goes_on) queue[room[1] + place] = path;
+}
+
 #if MCV_WITH_AIM
 /* One work-item per pixel. */
 __kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void aim_pupils(MCV_WORLD_PARAMETERS __global mcv_device_aim *out) {
@@ -48,12 +67,13 @@ __kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void aim_
 
 MCV_STAGE_KERNEL(generate_rays) {
     MCV_MAKE_WORLD(world)
+    __local uint room[2];
     const uint path = get_global_id(0);
+    int begun = 0;
     (void)sums, (void)counters, (void)depth;
-    if (path >= world.frame->path_count) return;
-    if (mcv_generate_ray(world, mcv_stream_slot(paths, capacity, path), mcv_identify(world.frame, path))) {
-        MCV_ACTIVE(0)[atomic_inc(&lengths[0])] = path;
-    }
+    if (path < world.frame->path_count)
+        begun = mcv_generate_ray(world, mcv_stream_slot(paths, capacity, path), mcv_identify(world.frame, path));
+    mcv_append(MCV_ACTIVE(0), &lengths[0], path, begun, room);
 }
 
 MCV_STAGE_KERNEL(intersect_closest) {
@@ -66,13 +86,16 @@ MCV_STAGE_KERNEL(intersect_closest) {
 #if MCV_WITH_NEXT_EVENT
 MCV_STAGE_KERNEL(sample_emitters) {
     MCV_MAKE_WORLD(world)
+    __local uint room[2];
     const uint i = get_global_id(0);
+    uint path = 0;
+    int looks = 0;
     (void)sums, (void)counters;
-    if (i >= lengths[depth]) return;
-    const uint path = MCV_ACTIVE(depth)[i];
-    if (mcv_sample_emitter(world, mcv_stream_slot(paths, capacity, path), mcv_identify(world.frame, path), depth)) {
-        MCV_SHADOWS[atomic_inc(&MCV_SHADOW_LENGTH(depth))] = path;
+    if (i < lengths[depth]) {
+        path = MCV_ACTIVE(depth)[i];
+        looks = mcv_sample_emitter(world, mcv_stream_slot(paths, capacity, path), depth);
     }
+    mcv_append(MCV_SHADOWS, &MCV_SHADOW_LENGTH(depth), path, looks, room);
 }
 
 MCV_STAGE_KERNEL(intersect_shadow) {
@@ -85,18 +108,21 @@ MCV_STAGE_KERNEL(intersect_shadow) {
 
 MCV_STAGE_KERNEL(shade_surfaces) {
     MCV_MAKE_WORLD(world)
+    __local uint room[2];
     const uint i = get_global_id(0);
+    uint path = 0;
     uint unmatched = 0;
+    int goes_on = 0;
     (void)sums;
-    if (i >= lengths[depth]) return;
-    const uint path = MCV_ACTIVE(depth)[i];
-    const mcv_slot slot = mcv_stream_slot(paths, capacity, path);
-    if (mcv_shade_surface(world, slot, mcv_identify(world.frame, path), depth, &unmatched)) {
-        MCV_ACTIVE(depth + 1u)[atomic_inc(&lengths[depth + 1u])] = path;
+    if (i < lengths[depth]) {
+        path = MCV_ACTIVE(depth)[i];
+        const mcv_slot slot = mcv_stream_slot(paths, capacity, path);
+        goes_on = mcv_shade_surface(world, slot, depth, &unmatched);
         /* What the depth limit cuts. */
-        if (depth + 1u == world.frame->depth) atomic_add(&counters[MCV_COUNTER_lost], mcv_lost_energy(slot));
+        if (goes_on && depth + 1u == world.frame->depth) atomic_add(&counters[MCV_COUNTER_lost], mcv_lost_energy(slot));
+        if (unmatched > 0) atomic_add(&counters[MCV_COUNTER_unmatched], unmatched);
     }
-    if (unmatched > 0) atomic_add(&counters[MCV_COUNTER_unmatched], unmatched);
+    mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], path, goes_on, room);
 }
 
 /* One work-item per block. */
@@ -107,19 +133,39 @@ MCV_STAGE_KERNEL(accumulate_film) {
     uint nonfinite = 0;
     (void)queues, (void)lengths, (void)depth;
     if (i >= world.frame->path_count / block) return;
-    mcv_accumulate_block(world, mcv_stream_slot(paths, capacity, i * block), block, sums + (size_t)i * (2 * MCV_CHANNELS), &nonfinite);
+    for (uint channel = 0; channel < MCV_CHANNELS; ++channel) {
+        float values[MCV_BLOCK];
+        for (uint k = 0; k < block; ++k)
+            values[k] = mcv_path_value(world, mcv_stream_slot(paths, capacity, i * block + k), channel, &nonfinite);
+        mcv_accumulate_block(values, block, sums + (size_t)(i * MCV_CHANNELS + channel) * 2);
+    }
     if (nonfinite > 0) atomic_add(&counters[MCV_COUNTER_nonfinite], nonfinite);
 }
+
+#if MCV_WITH_LIGHT_TRACING
+/* One work-item per path. */
+__kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void trace_emitter_paths(MCV_WORLD_PARAMETERS __global uint *splats,
+                                                                                                __global uint *counters) {
+    MCV_MAKE_WORLD(world)
+    const uint path = get_global_id(0);
+    uint counts[MCV_COUNTER_COUNT] = {0};
+    if (path >= world.frame->path_count) return;
+    mcv_trace_emitter_path(world, path, splats, counts);
+    for (uint i = 0; i < MCV_COUNTER_COUNT; ++i) {
+        if (counts[i] > 0) atomic_add(&counters[i], counts[i]);
+    }
+}
+#endif
 
 /* The lengths of the queues are what was counted on the way: one work-item adds them up. */
 MCV_STAGE_KERNEL(count_rays) {
     MCV_MAKE_WORLD(world)
     (void)paths, (void)sums, (void)queues, (void)capacity, (void)depth;
     if (get_global_id(0) > 0) return;
-    counters[MCV_COUNTER_paths] = lengths[0];
+    counters[MCV_COUNTER_paths] += lengths[0];
     for (uint d = 0; d < world.frame->depth; ++d) {
         counters[MCV_COUNTER_rays] += lengths[d];
         counters[MCV_COUNTER_shadow_rays] += MCV_SHADOW_LENGTH(d);
     }
-    counters[MCV_COUNTER_depth_cut] = lengths[world.frame->depth];
+    counters[MCV_COUNTER_depth_cut] += lengths[world.frame->depth];
 }

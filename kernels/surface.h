@@ -9,6 +9,11 @@
 #include "texture.h"
 #endif
 
+/* The three vertices of a triangle and its instance. No vector: the compiler vectorises loops of scalars only. */
+typedef struct mcv_corners {
+    uint x, y, z, w;
+} mcv_corners;
+
 typedef struct mcv_surface {
     mcv_vec3 point, error; /* [m]; |error of a coordinate| */
     mcv_vec3 face;         /* unit normal of the triangle, on the front side */
@@ -16,11 +21,21 @@ typedef struct mcv_surface {
     float area;            /* of the triangle [m²] */
     uint triangle, instance;
     float u, v;
-    uint4 corners;
+    mcv_corners corners;
 } mcv_surface;
 
 MCV_FUNCTION mcv_vec3 mcv_vertex_vector(__global const float *vectors, uint vertex) {
     return mcv_vec(vectors[3 * vertex], vectors[3 * vertex + 1], vectors[3 * vertex + 2]);
+}
+
+MCV_FUNCTION mcv_corners mcv_triangle_corners(mcv_world world, uint triangle) {
+    __global const uint *words = (__global const uint *)(world.triangles + triangle);
+    mcv_corners corners;
+    corners.x = words[0];
+    corners.y = words[1];
+    corners.z = words[2];
+    corners.w = words[3];
+    return corners;
 }
 
 #if MCV_WITH_NORMALS
@@ -30,9 +45,9 @@ MCV_FUNCTION mcv_vec3 mcv_interpolate(mcv_vec3 a, mcv_vec3 b, mcv_vec3 c, float 
 #endif
 
 /* The place (u, v) on a triangle. */
-MCV_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, float u, float v) {
+MCV_LOOP_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, float u, float v) {
     mcv_surface surface;
-    const uint4 corners = world.triangles[triangle];
+    const mcv_corners corners = mcv_triangle_corners(world, triangle);
     const mcv_vec3 a = mcv_vertex_vector(world.positions, corners.x);
     const mcv_vec3 b = mcv_vertex_vector(world.positions, corners.y);
     const mcv_vec3 c = mcv_vertex_vector(world.positions, corners.z);
@@ -47,13 +62,11 @@ MCV_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, float u,
     surface.area = 0.5f * mcv_sqrt(mcv_dot(doubled, doubled));
     surface.normal = surface.face;
 #if MCV_WITH_NORMALS
-    if (world.instances[corners.w].smooth) {
-        const mcv_vec3 n =
-            mcv_normalize(mcv_interpolate(mcv_vertex_vector(world.normals, corners.x), mcv_vertex_vector(world.normals, corners.y),
-                                          mcv_vertex_vector(world.normals, corners.z), u, v));
-        /* Opposite vertex normals may cancel: the face's then. */
-        if (mcv_dot(n, n) > 0.5f) surface.normal = n;
-    }
+    const mcv_vec3 n =
+        mcv_normalize(mcv_interpolate(mcv_vertex_vector(world.normals, corners.x), mcv_vertex_vector(world.normals, corners.y),
+                                      mcv_vertex_vector(world.normals, corners.z), u, v));
+    /* Opposite vertex normals may cancel, and those of a flat mesh are 0: the face's then. */
+    surface.normal = mcv_choose(mcv_dot(n, n) > 0.5f, n, surface.face);
 #endif
     return surface;
 }
@@ -70,6 +83,22 @@ MCV_FUNCTION float mcv_texcoord(mcv_world world, mcv_surface surface, uint axis)
 
 MCV_FUNCTION mcv_color mcv_texture_at(mcv_world world, mcv_surface surface, uint texture) {
     return mcv_texture_lookup(world, texture, mcv_texcoord(world, surface, 0), mcv_texcoord(world, surface, 1));
+}
+#endif
+
+#if MCV_WITH_GLOSS
+/* The direction that lies at an angle, given by its cosine and sine, from the tangent; along the surface only about. */
+MCV_FUNCTION mcv_vec3 mcv_tangent(mcv_world world, mcv_surface surface, __global const float *angle) {
+    const uint corners[3] = {surface.corners.x, surface.corners.y, surface.corners.z};
+    const float weights[3] = {1.0f - surface.u - surface.v, surface.u, surface.v};
+    mcv_vec3 tangent = mcv_vec(0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < 3; ++i) {
+        __global const float *t = world.tangents + 4 * corners[i];
+        tangent = mcv_along(tangent, weights[i], mcv_vec(t[0], t[1], t[2]));
+    }
+    const float hand = world.tangents[4 * surface.corners.x + 3];
+    const mcv_vec3 x = mcv_normalize(mcv_along(tangent, -mcv_dot(tangent, surface.normal), surface.normal));
+    return mcv_along(mcv_scale(x, angle[0]), hand * angle[1], mcv_cross(surface.normal, x));
 }
 #endif
 
@@ -98,8 +127,20 @@ MCV_FUNCTION mcv_color mcv_light_field_value(mcv_world world, mcv_surface surfac
 }
 #endif
 
+#if MCV_WITH_PROJECTOR && MCV_WITH_TEXTURE
+/* The image's value for a place on a projector's lens and a direction. */
+MCV_FUNCTION mcv_color mcv_projector_value(mcv_world world, mcv_surface surface, __global const mcv_device_emitter *e, mcv_vec3 direction) {
+    const mcv_device_texture image = world.textures[e->texture];
+    float across, down;
+    const float s = mcv_texcoord(world, surface, 0);
+    const float t = mcv_texcoord(world, surface, 1);
+    if (!mcv_projector_place(&e->projector, s, t, direction, &across, &down)) return mcv_grey(0.0f);
+    return mcv_texel(world, image, (int)mcv_cell(across, image.width), (int)mcv_cell(down, image.height));
+}
+#endif
+
 /* Does any surface emit what a ray can meet? */
-#define MCV_WITH_EMISSION (MCV_WITH_PARALLEL || MCV_WITH_LIGHT_FIELD || MCV_WITH_AREA)
+#define MCV_WITH_EMISSION (MCV_WITH_PARALLEL || MCV_WITH_LIGHT_FIELD || MCV_WITH_PROJECTOR || MCV_WITH_AREA)
 
 #if MCV_WITH_EMISSION
 /* Radiance that an emitter's surface sends in a direction (unit, away from the surface), in its medium. */
@@ -114,6 +155,13 @@ MCV_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint em
 #if MCV_WITH_LIGHT_FIELD && MCV_WITH_TEXTURE
     if (e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) {
         radiance = mcv_light_field_value(world, surface, e, direction);
+        MCV_EACH_CHANNEL(i) radiance.c[i] *= e->radiance[i];
+        return radiance;
+    }
+#endif
+#if MCV_WITH_PROJECTOR && MCV_WITH_TEXTURE
+    if (e->type == MCV_EMITTER_PROJECTOR) {
+        radiance = mcv_projector_value(world, surface, e, direction);
         MCV_EACH_CHANNEL(i) radiance.c[i] *= e->radiance[i];
         return radiance;
     }

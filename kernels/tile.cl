@@ -1,9 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The tile schedule, for CPUs: one work-item per work-group takes a slice of MCV_SLICE paths, which stays in its core's
- * cache, through all stages.
+ * The tile schedule, for CPUs: one work-item per work-group takes a slice of MCV_SLICE paths through all stages. Their state is
+ * private, so that it stays in the core's cache and no other memory sees it. The paths under way lie side by side in the slots
+ * 0 … alive - 1: what can be worked out without branches runs as a plain loop over them, which the compiler vectorises.
  */
+#define MCV_TILE 1
+#define MCV_ROWS_SPACE __private
+
+/* Before a loop whose turns do not read what others write. PoCL's front end cannot vectorise it before its back end has inlined fma. */
+#ifdef __clang__
+#pragma clang diagnostic ignored "-Wpass-failed"
+#define MCV_PARALLEL _Pragma("clang loop vectorize(assume_safety)")
+#else
+#define MCV_PARALLEL
+#endif
+
 #include "world.h"
+#include "ways.h"
 #if MCV_WITH_AIM
 #include "aim_pupils.cl"
 #endif
@@ -15,36 +28,32 @@
 #endif
 #include "shade_surfaces.cl"
 #include "accumulate_film.cl"
+#if MCV_WITH_LIGHT_TRACING
+#include "trace_emitter_paths.cl"
+#endif
 #include "clock.h"
 
-/*
- * The stages that intersect, over the paths of a slice. Rays that have been scattered take turns where the scene is large; those
- * from the sensor go the same way and find in the cache what the one before fetched.
- */
-static void mcv_intersect_paths(mcv_world world, mcv_slot slot, const uint *paths, uint count, uint depth) {
-#if MCV_WITH_INTERLEAVE
-    if (depth > 0) {
-        const mcv_rows origins = MCV_ROWS(slot, origin), directions = MCV_ROWS(slot, direction);
-        mcv_hit hits[MCV_SLICE];
-        for (uint i = 0; i < count; ++i) hits[i].t = INFINITY;
-        mcv_intersect_closest_list(world.nodes, world.leaves, origins, directions, paths, count, hits);
-        for (uint i = 0; i < count; ++i) {
-            slot.index = paths[i];
-            mcv_arrive(world, slot, hits[i]);
-        }
-        return;
-    }
-#endif
-    (void)depth;
+#define MCV_ROWS(slot, field) \
+    { (slot).base + MCV_PATH_##field *MCV_SLICE, 1u, MCV_SLICE }
+
+/* The stages that intersect, over the paths of a slice. */
+static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count, uint depth) {
+    const mcv_rows origins = MCV_ROWS(slot, origin), directions = MCV_ROWS(slot, direction);
+    uint all[MCV_SLICE];
+    mcv_hit hits[MCV_SLICE];
     for (uint i = 0; i < count; ++i) {
-        slot.index = paths[i];
-        mcv_intersect_closest(world, slot);
+        all[i] = i;
+        hits[i] = mcv_miss(INFINITY);
     }
+    if (depth > 0)
+        MCV_CLOSEST_LATER(world.nodes, world.leaves, origins, directions, all, count, hits);
+    else
+        MCV_CLOSEST_FIRST(world.nodes, world.leaves, origins, directions, all, count, hits);
+    for (slot.index = 0; slot.index < count; ++slot.index) mcv_arrive(world, slot, hits[slot.index]);
 }
 
 #if MCV_WITH_NEXT_EVENT
 static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *paths, uint count) {
-#if MCV_WITH_INTERLEAVE
     const mcv_rows origins = MCV_ROWS(slot, shadow_origin), directions = MCV_ROWS(slot, shadow_direction);
     for (int any = 0; any < 2; ++any) {
         uint chosen[MCV_SLICE];
@@ -53,24 +62,18 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
         for (uint i = 0; i < count; ++i) {
             slot.index = paths[i];
             if (mcv_shadow_is_any(slot) != any) continue;
-            hits[chosen_count].t = any ? 1.0f : INFINITY;
+            hits[chosen_count] = mcv_miss(mcv_shadow_end(slot));
             chosen[chosen_count++] = paths[i];
         }
         if (any)
-            mcv_intersect_any_list(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
+            MCV_ANY_SHADOW(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
         else
-            mcv_intersect_closest_list(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
+            MCV_CLOSEST_SHADOW(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
         for (uint i = 0; i < chosen_count; ++i) {
             slot.index = chosen[i];
             if (any ? hits[i].triangle == MCV_NONE : mcv_meets_target(world, slot, hits[i])) mcv_add_shadow_light(world, slot, hits[i]);
         }
     }
-#else
-    for (uint i = 0; i < count; ++i) {
-        slot.index = paths[i];
-        mcv_intersect_shadow(world, slot);
-    }
-#endif
 }
 #endif
 
@@ -84,69 +87,202 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void aim_pupils(MCV_WORL
 }
 #endif
 
-__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void render_tile(MCV_WORLD_PARAMETERS __global uint *paths, __global float *sums,
-                                                                         __global uint *counters) {
+#if MCV_WITH_LIGHT_TRACING
+/* One work-item per slice of paths. */
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_emitter_paths(MCV_WORLD_PARAMETERS __global uint *splats,
+                                                                                 __global uint *counters) {
     MCV_MAKE_WORLD(world)
     const uint slice = get_group_id(0);
     const uint first = slice * MCV_SLICE;
-    const uint count = min((uint)MCV_SLICE, world.frame->path_count - first);
-    uint active[MCV_SLICE];
+    const uint last = min(first + MCV_SLICE, world.frame->path_count);
     uint counts[MCV_COUNTER_COUNT] = {0};
-    uint alive = 0;
-    mcv_slot slot;
-    slot.base = paths + (size_t)slice * (MCV_PATH_WORDS * MCV_SLICE);
-    slot.capacity = MCV_SLICE;
-    MCV_CLOCK_BEGIN
+    for (uint path = first; path < last; ++path) mcv_trace_emitter_path(world, path, splats, counts);
+    for (uint i = 0; i < MCV_COUNTER_COUNT; ++i) counters[slice * MCV_COUNTER_COUNT + i] += counts[i];
+}
+#endif
 
+/* The paths in the slots chosen[0 … count - 1], in ascending order, go on in the slots 0 … count - 1: the last ones where others ended. */
+static __attribute__((noinline)) void mcv_move_paths(uint *paths, const uint *chosen, uint count) {
+    uint from[MCV_SLICE];
+    uint to[MCV_SLICE];
+    uint moves = 0;
+    for (uint slot = 0, next = 0; slot < count; ++slot) {
+        if (chosen[next] == slot) {
+            ++next;
+        } else {
+            to[moves] = slot;
+            from[moves] = chosen[count - 1u - moves];
+            ++moves;
+        }
+    }
+    for (uint word = 0; word < MCV_PATH_hit; ++word) {
+        uint *row = paths + word * MCV_SLICE;
+        for (uint i = 0; i < moves; ++i) row[to[i]] = row[from[i]];
+    }
+}
+
+/* Draws one of the pairs of random numbers of the surfaces that the paths have met. */
+static __attribute__((noinline)) void mcv_draw_pairs(uint *paths, uint count, uint depth, uint pair) {
+    mcv_slot slot;
+    slot.base = paths;
+    MCV_PARALLEL
     for (uint i = 0; i < count; ++i) {
         slot.index = i;
-        if (mcv_generate_ray(world, slot, mcv_identify(world.frame, first + i))) active[alive++] = i;
+        const mcv_pair drawn = mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0), MCV_SURFACE_PAIR(depth, pair));
+        MCV_STORE(slot, drawn, 2u * pair, drawn.x);
+        MCV_STORE(slot, drawn, 2u * pair + 1u, drawn.y);
     }
+}
+
+#if MCV_WITH_DIFFUSE
+/* Where the paths go on from the surfaces that they have met if these are diffuse. */
+static __attribute__((noinline)) void mcv_choose_bounces(uint *paths, uint count) {
+    mcv_slot slot;
+    slot.base = paths;
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        mcv_surface surface;
+        surface.face = MCV_LOAD_3(slot, face);
+        surface.normal = MCV_LOAD_3(slot, normal);
+        const mcv_meeting meeting = mcv_meet_at(surface, MCV_LOAD_3(slot, direction));
+        const float xi = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
+        const float eta = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER + 1);
+        float density;
+        const mcv_vec3 bounce = mcv_diffuse_sample(meeting.normal, xi, eta, &density);
+        MCV_STORE_3(slot, bounce, bounce);
+        MCV_STORE(slot, bounce, 3, density);
+    }
+}
+#endif
+
+/* Works out the surfaces that the paths have met. */
+static __attribute__((noinline)) void mcv_find_surfaces(mcv_world world, uint *paths, uint count) {
+    mcv_slot slot;
+    uint met = 0;
+    slot.base = paths;
+    for (uint i = 0; i < count; ++i) met |= paths[(MCV_PATH_hit + 3) * MCV_SLICE + i] != MCV_NONE;
+    if (!met) return; /* a scene may have no triangle at all */
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        mcv_find_surface(world, slot);
+    }
+}
+
+/* Begins the paths first … first + count - 1 of the launch; returns how many have. */
+static __attribute__((noinline)) uint mcv_begin_paths(mcv_world world, mcv_slot slot, uint first, uint count) {
+    uint columns[MCV_SLICE];
+    uint rows[MCV_SLICE];
+    uint begun[MCV_SLICE];
+    uint alive = 0;
+    const uint samples = 1u << world.frame->log2_samples;
+    mcv_identity id = mcv_identify(world.frame, first);
+    for (slot.index = 0; slot.index < count; ++slot.index) {
+        const uint sample = (first + slot.index) & (samples - 1u);
+        if (sample == 0) id = mcv_identify(world.frame, first + slot.index);
+        id.sample = world.frame->first_sample + sample;
+        columns[slot.index] = id.column;
+        rows[slot.index] = id.row;
+        MCV_WORD(slot, stream, 0) = id.stream;
+        MCV_WORD(slot, sample, 0) = id.sample;
+    }
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        mcv_identity begun_by;
+        begun_by.column = columns[i];
+        begun_by.row = rows[i];
+        begun_by.stream = MCV_WORD(slot, stream, 0);
+        begun_by.sample = MCV_WORD(slot, sample, 0);
+        mcv_generate_ray(world, slot, begun_by);
+        MCV_WORD(slot, place, 0) = i;
+    }
+    for (slot.index = 0; slot.index < count; ++slot.index) {
+        begun[alive] = slot.index;
+        alive += MCV_LOAD(slot, weight, 0) > 0.0f;
+    }
+    if (alive < count) mcv_move_paths(slot.base, begun, alive);
+    return alive;
+}
+
+/* A path has ended: its value waits for the others of its pixel. */
+MCV_FUNCTION void mcv_end_path(mcv_world world, mcv_slot slot, float *values, uint *nonfinite) {
+    for (uint channel = 0; channel < MCV_CHANNELS; ++channel)
+        values[channel * MCV_SLICE + MCV_WORD(slot, place, 0)] = mcv_path_value(world, slot, channel, nonfinite);
+}
+
+/* Not inlined: PoCL makes three functions of a kernel, of which it calls one. */
+static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint slice, __global float *sums, __global uint *counters,
+                                                       __global uint *clocks) {
+    const uint first = slice * MCV_SLICE;
+    const uint count = min((uint)MCV_SLICE, world.frame->path_count - first);
+    uint paths[MCV_PATH_WORDS * MCV_SLICE];
+    float values[MCV_CHANNELS * MCV_SLICE];
+    uint chosen[MCV_SLICE];
+    uint counts[MCV_COUNTER_COUNT] = {0};
+    mcv_slot slot;
+    slot.base = paths;
+    MCV_CLOCK_BEGIN
+
+    for (uint i = 0; i < MCV_CHANNELS * MCV_SLICE; ++i) values[i] = 0.0f;
+    uint alive = mcv_begin_paths(world, slot, first, count);
     counts[MCV_COUNTER_paths] = alive;
     MCV_CLOCK_STAGE(generate_rays)
     for (uint depth = 0; depth < world.frame->depth && alive > 0; ++depth) {
         counts[MCV_COUNTER_rays] += alive;
-        mcv_intersect_paths(world, slot, active, alive, depth);
+        mcv_intersect_paths(world, slot, alive, depth);
         MCV_CLOCK_STAGE(intersect_closest)
+        mcv_find_surfaces(world, paths, alive);
 #if MCV_WITH_NEXT_EVENT
         /* An emitter is a surface too: the last surface a path may meet does not look for one. */
         if (depth + 1 < world.frame->depth) {
-            uint shadows[MCV_SLICE];
             uint shadow_count = 0;
-            for (uint a = 0; a < alive; ++a) {
-                slot.index = active[a];
-                if (mcv_sample_emitter(world, slot, mcv_identify(world.frame, first + slot.index), depth))
-                    shadows[shadow_count++] = slot.index;
+            mcv_draw_pairs(paths, alive, depth, MCV_PAIR_CHOICE);
+            mcv_draw_pairs(paths, alive, depth, MCV_PAIR_EMITTER);
+            for (slot.index = 0; slot.index < alive; ++slot.index) {
+                if (mcv_sample_emitter(world, slot, depth)) chosen[shadow_count++] = slot.index;
             }
             MCV_CLOCK_STAGE(sample_emitters)
-            mcv_intersect_shadows(world, slot, shadows, shadow_count);
+            mcv_intersect_shadows(world, slot, chosen, shadow_count);
             MCV_CLOCK_STAGE(intersect_shadow)
             counts[MCV_COUNTER_shadow_rays] += shadow_count;
-        }
+        } else
+#endif
+            mcv_draw_pairs(paths, alive, depth, MCV_PAIR_CHOICE);
+        mcv_draw_pairs(paths, alive, depth, MCV_PAIR_SCATTER);
+#if MCV_WITH_DIFFUSE
+        mcv_choose_bounces(paths, alive);
 #endif
         uint next = 0;
-        for (uint a = 0; a < alive; ++a) {
-            slot.index = active[a];
-            if (mcv_shade_surface(world, slot, mcv_identify(world.frame, first + slot.index), depth, &counts[MCV_COUNTER_unmatched])) {
-                active[next++] = slot.index;
-            }
+        for (slot.index = 0; slot.index < alive; ++slot.index) {
+            if (mcv_shade_surface(world, slot, depth, &counts[MCV_COUNTER_unmatched]))
+                chosen[next++] = slot.index;
+            else
+                mcv_end_path(world, slot, values, &counts[MCV_COUNTER_nonfinite]);
         }
+        if (next < alive) mcv_move_paths(paths, chosen, next);
         alive = next;
         MCV_CLOCK_STAGE(shade_surfaces)
     }
 
-    for (uint a = 0; a < alive; ++a) {
-        slot.index = active[a];
+    for (slot.index = 0; slot.index < alive; ++slot.index) {
         counts[MCV_COUNTER_lost] += mcv_lost_energy(slot);
+        mcv_end_path(world, slot, values, &counts[MCV_COUNTER_nonfinite]);
     }
     counts[MCV_COUNTER_depth_cut] = alive;
 
     const uint block = min((uint)MCV_BLOCK, 1u << world.frame->log2_samples);
-    for (slot.index = 0; slot.index < count; slot.index += block) {
-        mcv_accumulate_block(world, slot, block, sums + (size_t)((first + slot.index) / block) * (2 * MCV_CHANNELS),
-                             &counts[MCV_COUNTER_nonfinite]);
-    }
+    for (uint channel = 0; channel < MCV_CHANNELS; ++channel)
+        mcv_accumulate_blocks(values + channel * MCV_SLICE, count, block, sums + ((size_t)(first / block) * MCV_CHANNELS + channel) * 2u);
     MCV_CLOCK_STAGE(accumulate_film)
-    MCV_CLOCK_END(counters + get_num_groups(0) * MCV_COUNTER_COUNT + slice * MCV_CLOCK_COUNT)
+    MCV_CLOCK_END(clocks + slice * MCV_CLOCK_COUNT)
+    (void)clocks;
     for (uint i = 0; i < MCV_COUNTER_COUNT; ++i) counters[slice * MCV_COUNTER_COUNT + i] = counts[i];
+}
+
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void render_tile(MCV_WORLD_PARAMETERS __global float *sums,
+                                                                         __global uint *counters) {
+    MCV_MAKE_WORLD(world)
+    mcv_render_slice(world, get_group_id(0), sums, counters, counters + get_num_groups(0) * MCV_COUNTER_COUNT);
 }

@@ -3,6 +3,7 @@
  * Follows given rays through smooth surfaces, always refracted where that is possible, and writes every vertex: what
  * `mcvisi trace` and the tests look at. One work-item per ray; `stride` vertices each.
  */
+#include "environment.h"
 #include "intersect_closest.cl"
 #include "path.h"
 #include "scatter.h"
@@ -63,10 +64,7 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
             on.direction = normal;
             on.event = MCV_EVENT_MISS;
             distance = INFINITY;
-            radiance = world.frame->environment[0];
-#if MCV_WITH_DIELECTRIC
-            radiance *= world.media[mcv_filling_medium(on.media)].inverse_index_squared;
-#endif
+            radiance = mcv_environment_met(world, direction, on.media, 0.0f).c[0];
             continue;
         }
 
@@ -74,7 +72,7 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         const mcv_meeting meeting = mcv_meet(world, direction, triangle, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
         const uint emitter = world.instances[meeting.surface.instance].emitter;
         radiance = emitter == MCV_NONE ? 0.0f : mcv_emission_met(world, meeting, emitter, on.media, 0.0f, 0.0f).c[0];
-        on = mcv_scatter(world, meeting, on.media, always_refract, &unmatched);
+        on = mcv_scatter(world, meeting, on.media, always_refract, 1.0f, &unmatched);
         point = meeting.surface.point;
         normal = meeting.normal;
         origin = mcv_offset_origin(point, meeting.surface.error, meeting.face, on.direction);

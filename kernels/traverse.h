@@ -15,7 +15,7 @@
  * u R from V - o, 2 u R from the product with the shear, 2 u R from the last rounding. The edge functions' relative error of
  * 2 u moves the point on the triangle by 4 u times its diameter, at most 8 u R; the distance along the ray's main axis
  * rounds by 6 u R. The computed hit so lies within 19 u R of the triangle per coordinate, and the slabs themselves round
- * by 5 u R. Boxes that are widened by 32 u R therefore contain, at the computed t, every hit the triangle test can report:
+ * by 6 u R. Boxes that are widened by 32 u R therefore contain, at the computed t, every hit the triangle test can report:
  * traversal and a loop over all triangles find the same hit, to the last bit, always. The same holds where several leaves share a
  * triangle: the point of the triangle that the hit is near to lies in the box of one of them.
  */
@@ -66,15 +66,19 @@ static inline uint mcv_pop_bit(uint *mask) {
     return bit;
 }
 
+/* A ray for the tests of triangles: x, y, z are the rows (times 4) of the axes such that z is the ray's main axis. */
+typedef struct mcv_shear {
+    uint row_x, row_y, row_z;
+    float origin_x, origin_y, origin_z;
+    float shear_x, shear_y, scale_z; /* direction x / z, y / z, 1 / z */
+} mcv_shear;
+
 /* What all tests of one ray share. */
 typedef struct mcv_ray_frame {
     /* Slabs: t = bound * inverse + offset, the offsets with the margin of 32 u R. */
     float inverse[3], near_offset[3], far_offset[3];
     uint near_row[3]; /* 0: the lower bound is met first, 1: the upper */
-    /* Shear: x, y, z are the rows (times 4) of the axes such that z is the ray's main axis. */
-    uint row_x, row_y, row_z;
-    float origin_x, origin_y, origin_z;
-    float shear_x, shear_y, scale_z; /* direction x / z, y / z, 1 / z */
+    mcv_shear shear;
 } mcv_ray_frame;
 
 /*
@@ -100,16 +104,16 @@ static inline mcv_ray_frame mcv_ray_setup(mcv_vec3 origin, mcv_vec3 direction, f
     }
     const int main_z = dz >= dx && dz >= dy;
     const int main_y = !main_z && dy >= dx;
-    ray.row_x = main_z ? 0u : main_y ? 8u : 4u;
-    ray.row_y = main_z ? 4u : main_y ? 0u : 8u;
-    ray.row_z = main_z ? 8u : main_y ? 4u : 0u;
-    ray.origin_x = main_z ? o[0] : main_y ? o[2] : o[1];
-    ray.origin_y = main_z ? o[1] : main_y ? o[0] : o[2];
-    ray.origin_z = main_z ? o[2] : main_y ? o[1] : o[0];
+    ray.shear.row_x = main_z ? 0u : main_y ? 8u : 4u;
+    ray.shear.row_y = main_z ? 4u : main_y ? 0u : 8u;
+    ray.shear.row_z = main_z ? 8u : main_y ? 4u : 0u;
+    ray.shear.origin_x = main_z ? o[0] : main_y ? o[2] : o[1];
+    ray.shear.origin_y = main_z ? o[1] : main_y ? o[0] : o[2];
+    ray.shear.origin_z = main_z ? o[2] : main_y ? o[1] : o[0];
     const float along = main_z ? d[2] : main_y ? d[1] : d[0];
-    ray.shear_x = (main_z ? d[0] : main_y ? d[2] : d[1]) / along;
-    ray.shear_y = (main_z ? d[1] : main_y ? d[0] : d[2]) / along;
-    ray.scale_z = 1.0f / along;
+    ray.shear.shear_x = (main_z ? d[0] : main_y ? d[2] : d[1]) / along;
+    ray.shear.shear_y = (main_z ? d[1] : main_y ? d[0] : d[2]) / along;
+    ray.shear.scale_z = 1.0f / along;
     return ray;
 }
 
@@ -156,7 +160,7 @@ static inline int4 mcv_edge_rises(float4 px, float4 py, float4 qx, float4 qy) { 
  * functions, is off by 3 (2 (X δy + Y δx) + 4 u X Y); where that exceeds |det|, the triangle is seen edge-on and nothing is known. The rest
  * rounds by 12 u Z: 7 for the mean and 4 for the edge functions as weights.
  */
-static inline int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_ray_frame *ray, mcv_hit *hit) {
+static inline __attribute__((always_inline)) int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_shear *ray, mcv_hit *hit) {
     float4 x[3], y[3], z[3];
 #pragma unroll
     for (int corner = 0; corner < 3; ++corner) {
@@ -168,7 +172,8 @@ static inline int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_ra
     const float4 a = mcv_edge_function(x[2], y[2], x[1], y[1]);
     const float4 b = mcv_edge_function(x[0], y[0], x[2], y[2]);
     const float4 c = mcv_edge_function(x[1], y[1], x[0], y[0]);
-    int4 inside = ((a >= 0.0f) & (b >= 0.0f) & (c >= 0.0f)) | ((a <= 0.0f) & (b <= 0.0f) & (c <= 0.0f));
+    /* min and max may lose a NaN; det and t keep it, and t > 0 is then false. */
+    int4 inside = (min(a, min(b, c)) >= 0.0f) | (max(a, max(b, c)) <= 0.0f);
     if (!mcv_mask4(inside)) return 0;
 
     if (mcv_mask4(inside & ((a == 0.0f) | (b == 0.0f) | (c == 0.0f)))) {
@@ -184,25 +189,30 @@ static inline int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_ra
     const float4 det = a + b + c;
     const float4 depth = fma(a, z[0], fma(b, z[1], c * z[2])) / det;
     const float4 t = depth * ray->scale_z;
+    inside &= (det != 0.0f) & (t > 0.0f) & (t <= hit->t);
     const float4 sign = (float4)(ray->scale_z < 0.0f ? -1.0f : 1.0f);
-    const float4 front = min(z[0] * sign, min(z[1] * sign, z[2] * sign)), back = max(z[0] * sign, max(z[1] * sign, z[2] * sign));
-    const float4 big_x = max(fabs(x[0]), max(fabs(x[1]), fabs(x[2])));
-    const float4 big_y = max(fabs(y[0]), max(fabs(y[1]), fabs(y[2])));
-    const float4 big_z = max(fabs(front), fabs(back));
-    const float4 error_x = MCV_GAMMA(3) * (big_x + fabs(ray->shear_x) * big_z);
-    const float4 error_y = MCV_GAMMA(3) * (big_y + fabs(ray->shear_y) * big_z);
-    const float4 error_det = 3.0f * (2.0f * (big_x * error_y + big_y * error_x) + 4.0f * MCV_UNIT_ROUNDOFF * big_x * big_y);
-    const float4 sure_det = fabs(det) - error_det;
-    const float4 range = back - front;
-    const float4 x1 = x[1] - x[0], y1 = y[1] - y[0], z1 = z[1] - z[0], x2 = x[2] - x[0], y2 = y[2] - y[0], z2 = z[2] - z[0];
-    const float4 slope_x = fabs(y1 * z2 - z1 * y2) + 10.0f * range * error_y;
-    const float4 slope_y = fabs(z1 * x2 - x1 * z2) + 10.0f * range * error_x;
-    const float4 error_depth = (slope_x * error_x + slope_y * error_y) / sure_det + 12.0f * MCV_UNIT_ROUNDOFF * big_z;
-    const int4 ahead = (front > 0.0f) | ((sure_det > 0.0f) & (depth * sign > error_depth));
-    inside &= (det != 0.0f) & (t > 0.0f) & (t <= hit->t) & ahead;
-
+    const float4 front = min(z[0] * sign, min(z[1] * sign, z[2] * sign));
     uint mask = mcv_mask4(inside);
     if (!mask) return 0;
+    if (mcv_mask4(inside & (front <= 0.0f))) {
+        const float4 back = max(z[0] * sign, max(z[1] * sign, z[2] * sign));
+        const float4 big_x = max(fabs(x[0]), max(fabs(x[1]), fabs(x[2])));
+        const float4 big_y = max(fabs(y[0]), max(fabs(y[1]), fabs(y[2])));
+        const float4 big_z = max(fabs(front), fabs(back));
+        const float4 error_x = MCV_GAMMA(3) * (big_x + fabs(ray->shear_x) * big_z);
+        const float4 error_y = MCV_GAMMA(3) * (big_y + fabs(ray->shear_y) * big_z);
+        const float4 error_det = 3.0f * (2.0f * (big_x * error_y + big_y * error_x) + 4.0f * MCV_UNIT_ROUNDOFF * big_x * big_y);
+        const float4 sure_det = fabs(det) - error_det;
+        const float4 range = back - front;
+        const float4 x1 = x[1] - x[0], y1 = y[1] - y[0], z1 = z[1] - z[0], x2 = x[2] - x[0], y2 = y[2] - y[0], z2 = z[2] - z[0];
+        const float4 slope_x = fabs(y1 * z2 - z1 * y2) + 10.0f * range * error_y;
+        const float4 slope_y = fabs(z1 * x2 - x1 * z2) + 10.0f * range * error_x;
+        const float4 error_depth = (slope_x * error_x + slope_y * error_y) / sure_det + 12.0f * MCV_UNIT_ROUNDOFF * big_z;
+        inside &= (front > 0.0f) | ((sure_det > 0.0f) & (depth * sign > error_depth));
+        mask = mcv_mask4(inside);
+        if (!mask) return 0;
+    }
+
     float lane_t[4], lane_b[4], lane_c[4], lane_det[4];
     vstore4(t, 0, lane_t);
     vstore4(b, 0, lane_b);
@@ -250,7 +260,7 @@ static inline __attribute__((always_inline)) int mcv_traverse_step(__global cons
                                                                    const mcv_ray_frame *ray, int any, mcv_hit *hit, uint *current,
                                                                    uint *count, ulong *waiting) {
     if (*current & MCV_CHILD_LEAF) {
-        if (mcv_intersect_leaf(leaves + (*current & ~MCV_CHILD_LEAF), ray, hit) && any) return 0;
+        if (mcv_intersect_leaf(leaves + (*current & ~MCV_CHILD_LEAF), &ray->shear, hit) && any) return 0;
     } else {
         __global const mcv_node *node = nodes + *current;
         float8 entry;
@@ -328,15 +338,18 @@ static inline __attribute__((noinline)) int mcv_intersect_any_ray(__global const
 #define MCV_INTERLEAVED 16
 #endif
 
-/* Vectors in memory: component k of number i is base[i * step + k * component]. */
+/* Vectors in memory, of bits: component k of number i is base[i * step + k * component]. */
+#ifndef MCV_ROWS_SPACE
+#define MCV_ROWS_SPACE __global
+#endif
 typedef struct mcv_rows {
-    __global const float *base;
+    MCV_ROWS_SPACE const uint *base;
     uint step, component;
 } mcv_rows;
 
 static inline mcv_vec3 mcv_row(mcv_rows rows, uint i) {
-    __global const float *v = rows.base + (size_t)i * rows.step;
-    return mcv_vec(v[0], v[rows.component], v[2u * rows.component]);
+    MCV_ROWS_SPACE const uint *v = rows.base + (size_t)i * rows.step;
+    return mcv_vec(as_float(v[0]), as_float(v[rows.component]), as_float(v[2u * rows.component]));
 }
 
 /* A ray on its way. */
@@ -348,7 +361,8 @@ typedef struct mcv_traversal {
 } mcv_traversal;
 
 /*
- * The hits of the rays indices[0 … count - 1], each with 0 < t < hits[i].t on entry: the closest or, where any hit will do, one of them.
+ * The hits of the rays indices[0 … count - 1]: the closest or, where any hit will do, one of them. On entry hits[i] is the miss (mcv_miss)
+ * that it stays where nothing is hit.
  * Several rays take turns, a step each: while one waits for memory the others compute. This pays where rays go different ways through a
  * scene larger than the caches.
  */
@@ -376,7 +390,7 @@ static inline __attribute__((always_inline)) void mcv_take_turns(__global const 
         for (; busy < MCV_INTERLEAVED && next < count; ++next) {
             mcv_traversal *t = traversals + order[busy++];
             t->ray = mcv_ray_setup(mcv_row(origins, indices[next]), mcv_row(directions, indices[next]), nodes->extent);
-            t->hit = mcv_miss(hits[next].t);
+            t->hit = hits[next];
             t->number = next;
             t->current = t->count = 0;
         }
@@ -384,15 +398,15 @@ static inline __attribute__((always_inline)) void mcv_take_turns(__global const 
     }
 }
 
-static inline __attribute__((noinline)) void mcv_intersect_closest_list(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                                                        mcv_rows origins, mcv_rows directions, const uint *indices,
-                                                                        uint count, mcv_hit *hits) {
+static inline __attribute__((noinline)) void mcv_intersect_closest_turns(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                                                                         mcv_rows origins, mcv_rows directions, const uint *indices,
+                                                                         uint count, mcv_hit *hits) {
     mcv_take_turns(nodes, leaves, origins, directions, indices, count, 0, hits);
 }
 
-static inline __attribute__((noinline)) void mcv_intersect_any_list(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                                                    mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
-                                                                    mcv_hit *hits) {
+static inline __attribute__((noinline)) void mcv_intersect_any_turns(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                                                                     mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
+                                                                     mcv_hit *hits) {
     mcv_take_turns(nodes, leaves, origins, directions, indices, count, 1, hits);
 }
 

@@ -42,10 +42,20 @@
 #if MCV_WITH_SHEET
 #include "mcvisi/materials/sheet.h"
 #endif
+#if MCV_WITH_GLOSS
+#include "mcvisi/materials/microfacet.h"
+#endif
+#if MCV_WITH_RETROREFLECTOR
+#include "mcvisi/materials/retroreflector.h"
+#endif
 
 /* MCV_SENSOR is the sensor's name: its struct and its sample function follow. */
 typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
 #define mcv_sensor_sample MCV_JOIN(mcv_, MCV_SENSOR, _sample)
+#if MCV_WITH_LIGHT_TRACING
+#define mcv_sensor_invert MCV_JOIN(mcv_, MCV_SENSOR, _invert)
+#define mcv_sensor_connect MCV_JOIN(mcv_, MCV_SENSOR, _connect)
+#endif
 #if MCV_WITH_AIM
 #define mcv_sensor_through MCV_JOIN(mcv_, MCV_SENSOR, _through)
 #endif
@@ -59,10 +69,14 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
     X(__global const float, positions) \
     X(__global const float, normals) \
     X(__global const float, texcoords) \
+    X(__global const float, tangents) /* direction and handedness of its bitangent */ \
     X(__global const mcv_device_instance, instances) \
     X(__global const mcv_device_material, materials) \
+    X(__global const mcv_device_gloss, gloss) \
+    X(__global const float, albedos) \
     X(__global const mcv_device_medium, media) \
     X(__global const mcv_device_interface, interfaces) \
+    X(__global const uint, interface_albedos) /* where the albedos of a rough interface begin, or MCV_NONE: smooth */ \
     X(__global const mcv_device_emitter, emitters) \
     X(__global const uint, emitter_cdf) \
     X(__global const mcv_device_texture, textures) \
@@ -86,7 +100,8 @@ typedef struct mcv_color {
     float c[MCV_CHANNELS];
 } mcv_color;
 
-#define MCV_EACH_CHANNEL(i) for (int i = 0; i < MCV_CHANNELS; ++i)
+/* Unrolled: a loop within keeps a loop over paths from being vectorised. */
+#define MCV_EACH_CHANNEL(i) _Pragma("unroll") for (int i = 0; i < MCV_CHANNELS; ++i)
 
 MCV_FUNCTION mcv_color mcv_grey(float value) {
     mcv_color color;
@@ -109,5 +124,12 @@ MCV_FUNCTION float mcv_brightest(mcv_color a) {
     MCV_EACH_CHANNEL(i) most = a.c[i] > most ? a.c[i] : most;
     return most;
 }
+
+/* What a surface that spreads light makes of light from a direction. */
+typedef struct mcv_response {
+    mcv_color value; /* f cosθ [1/sr]: the share that goes on towards the ray, of L/n² */
+    float density;   /* with which mcv_scatter chooses the direction [1/sr] */
+    uint media;      /* the light is in */
+} mcv_response;
 
 #endif

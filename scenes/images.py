@@ -39,6 +39,23 @@ def projector():
     return scene.gltf()
 
 
+def lens_projector():
+    """A projector of f 16 mm throws a picture of 64 x 40 mm on a plate with a tall block, 0.25 m away: sharp below, blurred on the block."""
+    scene = Scene("A projector with a lens: its picture is sharp on the plate and blurred on the block, which stands before its focus.")
+    scene.node("plate", mesh=scene.mesh("plate", diffuse(scene, "plate", 0.6), [(-0.05, -0.05, 0), (0.05, -0.05, 0), (0.05, 0.05, 0), (-0.05, 0.05, 0)],
+                                        [(0, 1, 2), (0, 2, 3)]))
+    scene.node("block", mesh=scene.mesh("block", diffuse(scene, "block", 0.6), *box((-0.01, -0.008, 0), (0.01, 0.008, 0.03))),
+               translation=[0.012, -0.006, 0])
+    # b = f w/(w - f) = 17.094 mm, so that 64 pixels of 68.376 um become 64 mm.
+    scene.node("projector", translation=[-0.06, 0, 0.24269322], rotation=facing((0.06, 0, -0.24269322)),
+               emitter={"type": "projector", "image": scene.image("pattern", stripes(64, 40)), "focalLength": "16mm", "focusDistance": "250mm",
+                        "lensDiameter": "12mm", "pixelSize": "68.376um", "power": 0.01})
+    scene.node("camera", translation=[0, 0, 0.15],
+               sensor={"type": "telecentric", "magnification": 0.1, "workingDistance": "135mm", "fNumber": 8, "resolution": [320, 240],
+                       "pixelSize": "24um"})
+    return scene.gltf()
+
+
 def views(macro, angular):
     """M x N macro pixels of J x K directions: red grows with the column of the macro pixel, green with its row, and a disk moves over the display with the direction."""
     rows = []
@@ -71,4 +88,4 @@ def light_field():
 
 
 def files():
-    return {"projector.gltf": projector(), "light-field.gltf": light_field()}
+    return {"projector.gltf": projector(), "lens-projector.gltf": lens_projector(), "light-field.gltf": light_field()}

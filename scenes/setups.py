@@ -81,7 +81,7 @@ def telecentric(scene, name="camera"):
 
 
 def stains(width, height):
-    """Grey of between 140 and 215 (sRGB) that changes smoothly, from random numbers at the knots of three grids."""
+    """Grey of between 70 and 230 (sRGB) that changes smoothly, from random numbers at the knots of three grids."""
     source = random.Random(7)
     grids = [[[source.random() for _ in range(n + 2)] for _ in range(n + 2)] for n in (4, 9, 20)]
 
@@ -96,7 +96,7 @@ def stains(width, height):
         row = []
         for x in range(width):
             value = sum(w * smooth(g, (x + 0.5) / width, (y + 0.5) / height) for w, g in zip((0.45, 0.35, 0.2), grids))
-            row.append((140 + int(75 * value),) * 3)
+            row.append((70 + int(160 * value),) * 3)
         rows.append(row)
     return rows
 
@@ -142,7 +142,7 @@ def engraved(light):
     source = random.Random(3)
     columns, rows, cell, depth = 19, 15, 0.001, 0.0002
     across, down = (columns - len(LETTERS[0])) // 2, (rows - len(LETTERS)) // 2
-    tilts = {(i, j): (source.gauss(0, 0.02), source.gauss(0, 0.02)) for j in range(rows + 1) for i in range(columns + 1)}
+    tilts = {(i, j): (source.gauss(0, 0.04), source.gauss(0, 0.04)) for j in range(rows + 1) for i in range(columns + 1)}
     top, bottom = ([], [], []), ([], [], [])
 
     def milled(i, j):
@@ -174,8 +174,8 @@ def engraved(light):
                 add(bottom, [(ax, ay, 0), (bx, by, 0), (bx, by, -depth), (ax, ay, -depth)], [(-di, dj, 0)] * 4)
     for name, material, mesh in (("top", steel, top), ("milled", floor, bottom)):
         scene.node(name, mesh=scene.mesh(name, material, mesh[0], mesh[2], mesh[1]))
-    height, emitter = {"ring": (0.05, {"type": "ring", "innerDiameter": "40mm", "outerDiameter": "70mm", "tilt": "20deg"}),
-                       "dome": (0, {"type": "dome", "diameter": "100mm", "holeDiameter": "22mm"}),
+    height, emitter = {"ring": (0.08, {"type": "ring", "innerDiameter": "24mm", "outerDiameter": "50mm"}),
+                       "dome": (0, {"type": "dome", "diameter": "240mm", "holeDiameter": "20mm"}),
                        "coaxial": (0.06, {"type": "coaxial", "size": ["34mm", "34mm"], "halfAngle": "20deg"})}[light]
     scene.node(light, translation=[0, 0, height], emitter=dict(emitter, radiance=1))
     telecentric(scene)
@@ -189,7 +189,7 @@ def structured_light():
     plate = scene.mesh("plate", grey, [(-0.05, -0.05, 0), (0.05, -0.05, 0), (0.05, 0.05, 0), (-0.05, 0.05, 0)], [(0, 1, 2), (0, 2, 3)])
     scene.node("plate", mesh=plate)
     scene.node("step", mesh=scene.mesh("step", grey, *box((-0.009, -0.008, 0), (0.009, 0.0, 0.004))))
-    scene.node("projector", pose={"target": [0, 0, 0], "distance": "100mm", "azimuth": "-30deg"},
+    scene.node("projector", pose={"target": [0, 0, 0], "distance": "200mm", "azimuth": "-30deg"},
                emitter={"type": "telecentricProjector", "size": ["40mm", "40mm"], "halfAngle": "0.2deg", "power": 0.02,
                         "pattern": {"type": "phaseShift", "steps": 4, "periods": 6, "resolution": [480, 480]}, "index": 0})
     scene.node("camera", translation=[0, 0, 0.150], sensor={"type": "telecentric", "magnification": 0.2, "workingDistance": "150mm", "fNumber": 8,

@@ -11,9 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Samples per pixel 4^0, 4^1 … 4^7: more than four decades. The truth has 16 times the most, of another seed, in four scrambles. */
+/* Samples per pixel 4^0, 4^1 … 4^7: more than four decades, or fewer steps. The truth has 16 times the most, of another seed, in four
+ * scrambles. */
 enum { CONVERGENCE_STEPS = 8, TRUTH_REPLICATES = 4, TRUTH_SEED = 1000003 };
-#define TRUTH_SAMPLES (16 << 2 * (CONVERGENCE_STEPS - 1))
 
 typedef struct image_errors {
     double rmse;         /* root of the mean squared difference [the image's unit] */
@@ -44,10 +44,10 @@ static inline image_errors errors_against(const mcv_film *film, const mcv_film *
 }
 
 /* The exponent of y ~ samples^slope over samples 4^0, 4^1 …, by least squares in logarithms. */
-static inline double convergence_slope(const double y[CONVERGENCE_STEPS]) {
+static inline double convergence_slope(const double *y, int steps) {
     double xy = 0, xx = 0;
-    for (int i = 0; i < CONVERGENCE_STEPS; ++i) {
-        const double x = (i - 0.5 * (CONVERGENCE_STEPS - 1)) * log(4);
+    for (int i = 0; i < steps; ++i) {
+        const double x = (i - 0.5 * (steps - 1)) * log(4);
         xy += x * log(y[i]);
         xx += x * x;
     }
@@ -80,11 +80,11 @@ static inline mcv_result load_small(const char *name, mcv_scene **scene, mcv_err
     return MCV_OK;
 }
 
-/* The image of the device with TRUTH_SAMPLES samples, made here. */
-static inline mcv_result render_truth(const mcv_scene *scene, mcv_film *truth, mcv_render_stats *stats, mcv_error *error) {
+/* The image of the device for so many steps, made here. */
+static inline mcv_result render_truth(const mcv_scene *scene, int steps, mcv_film *truth, mcv_render_stats *stats, mcv_error *error) {
     mcv_render_options options = mcv_render_defaults();
     options.replicates = TRUTH_REPLICATES;
-    options.last = TRUTH_SAMPLES / TRUTH_REPLICATES;
+    options.last = ((uint64_t)16 << 2 * (steps - 1)) / TRUTH_REPLICATES;
     options.seed = TRUTH_SEED;
     return mcv_render(scene, 0, &options, truth, stats, error);
 }
@@ -96,9 +96,9 @@ typedef struct convergence_point {
 } convergence_point;
 
 /* One image of one scramble for each number of samples. */
-static inline mcv_result converge(const mcv_scene *scene, bool reference, uint32_t sampler, const mcv_film *truth,
-                                  convergence_point points[CONVERGENCE_STEPS], mcv_error *error) {
-    for (int i = 0; i < CONVERGENCE_STEPS; ++i) {
+static inline mcv_result converge(const mcv_scene *scene, bool reference, uint32_t sampler, const mcv_film *truth, int steps,
+                                  convergence_point *points, mcv_error *error) {
+    for (int i = 0; i < steps; ++i) {
         mcv_render_options options = mcv_render_defaults();
         mcv_render_stats stats = {0};
         mcv_film film = {0};
@@ -113,10 +113,10 @@ static inline mcv_result converge(const mcv_scene *scene, bool reference, uint32
     return MCV_OK;
 }
 
-static inline double slope_of_rmse(const convergence_point points[CONVERGENCE_STEPS]) {
+static inline double slope_of_rmse(const convergence_point *points, int steps) {
     double rmse[CONVERGENCE_STEPS];
-    for (int i = 0; i < CONVERGENCE_STEPS; ++i) rmse[i] = points[i].errors.rmse;
-    return convergence_slope(rmse);
+    for (int i = 0; i < steps; ++i) rmse[i] = points[i].errors.rmse;
+    return convergence_slope(rmse, steps);
 }
 
 #endif

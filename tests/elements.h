@@ -23,17 +23,24 @@ static inline int close_device(void **state) {
     return 0;
 }
 
+static uint32_t element_features; /* that elements.cl is compiled for */
+
 /* Runs a kernel of elements.cl over `count` cases, a multiple of 64. Without a first argument, `first_bytes` is 0. */
 static inline void run_elements(const char *kernel_name, uint32_t sensor_type, const void *first, size_t first_bytes, size_t count,
                                 const void *in, size_t in_bytes, void *out, size_t out_bytes) {
+    static char built[1024]; /* what the program below is for */
+    static cl_program program;
     char options[1024];
-    cl_program program;
     cl_kernel kernel;
     cl_mem first_buffer = NULL;
     cl_mem in_buffer;
     cl_mem out_buffer;
-    mcv_feature_options(0, 1, sensor_type, MCV_SAMPLER_SOBOL, MCV_BLOCK, options, sizeof options);
-    BUILD(mcv_cl_build(&cl, "elements", options, &program, &builder_error));
+    mcv_feature_options(element_features, 1, sensor_type, MCV_SAMPLER_SOBOL, MCV_BLOCK, options, sizeof options);
+    if (strcmp(options, built) != 0) {
+        if (program) clReleaseProgram(program);
+        BUILD(mcv_cl_build(&cl, "elements", options, &program, &builder_error));
+        strcpy(built, options);
+    }
     BUILD(mcv_cl_kernel(program, kernel_name, &kernel, &builder_error));
     BUILD(mcv_cl_buffer(&cl, "cases", in_bytes, in, &in_buffer, &builder_error));
     BUILD(mcv_cl_buffer(&cl, "results", out_bytes, NULL, &out_buffer, &builder_error));
@@ -48,7 +55,6 @@ static inline void run_elements(const char *kernel_name, uint32_t sensor_type, c
     mcv_cl_release(&in_buffer);
     mcv_cl_release(&out_buffer);
     clReleaseKernel(kernel);
-    clReleaseProgram(program);
 }
 
 /* Rays of sight of `count` cases: column, row, x, y, ξ, η as words, integers first; to origin, direction, weight in the optical frame. */

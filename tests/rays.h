@@ -15,7 +15,7 @@ typedef struct batch_ray {
 typedef struct tracer {
     mcv_cl cl;
     cl_program program;
-    cl_kernel closest, any, closest_list, any_list, all, count;
+    cl_kernel closest, any, closest_turns, any_turns, closest_bundles, any_bundles, all, count;
     cl_mem nodes, leaves;
     cl_uint leaf_count;
 } tracer;
@@ -28,15 +28,17 @@ static inline mcv_result tracer_open(tracer *t, mcv_error *error) {
     MCV_TRY(mcv_cl_build(&t->cl, "intersect", "", &t->program, error));
     MCV_TRY(mcv_cl_kernel(t->program, "intersect_closest", &t->closest, error));
     MCV_TRY(mcv_cl_kernel(t->program, "intersect_any", &t->any, error));
-    MCV_TRY(mcv_cl_kernel(t->program, "intersect_closest_list", &t->closest_list, error));
-    MCV_TRY(mcv_cl_kernel(t->program, "intersect_any_list", &t->any_list, error));
+    MCV_TRY(mcv_cl_kernel(t->program, "intersect_closest_turns", &t->closest_turns, error));
+    MCV_TRY(mcv_cl_kernel(t->program, "intersect_any_turns", &t->any_turns, error));
+    MCV_TRY(mcv_cl_kernel(t->program, "intersect_closest_bundles", &t->closest_bundles, error));
+    MCV_TRY(mcv_cl_kernel(t->program, "intersect_any_bundles", &t->any_bundles, error));
     MCV_TRY(mcv_cl_kernel(t->program, "intersect_all", &t->all, error));
     return mcv_cl_kernel(t->program, "count_hits", &t->count, error);
 }
 
 static inline void tracer_close(tracer *t) {
-    const cl_kernel kernels[] = {t->closest, t->any, t->closest_list, t->any_list, t->all, t->count};
-    for (int i = 0; i < 6; ++i) {
+    const cl_kernel kernels[] = {t->closest, t->any, t->closest_turns, t->any_turns, t->closest_bundles, t->any_bundles, t->all, t->count};
+    for (size_t i = 0; i < sizeof kernels / sizeof kernels[0]; ++i) {
         if (kernels[i]) clReleaseKernel(kernels[i]);
     }
     if (t->program) clReleaseProgram(t->program);
@@ -54,10 +56,11 @@ static inline mcv_result tracer_load(tracer *t, const mcv_bvh *bvh, mcv_error *e
     return mcv_cl_buffer(&t->cl, "the leaves", bvh->leaf_count * sizeof *bvh->leaves, bvh->leaves, &t->leaves, error);
 }
 
-/* Runs one of the kernels over rays; `out` takes an mcv_hit per ray from closest, closest_list and all, a cl_int from the others. */
+/* Runs one of the kernels over rays; `out` takes an mcv_hit per ray from closest… and all, a cl_int from the others. */
 static inline mcv_result tracer_run(tracer *t, cl_kernel kernel, const batch_ray *rays, cl_uint count, void *out, mcv_error *error) {
     const bool through_nodes = kernel != t->all && kernel != t->count;
-    const size_t bytes = count * (kernel == t->closest || kernel == t->closest_list || kernel == t->all ? sizeof(mcv_hit) : sizeof(cl_int));
+    const bool hits = kernel == t->closest || kernel == t->closest_turns || kernel == t->closest_bundles || kernel == t->all;
+    const size_t bytes = count * (hits ? sizeof(mcv_hit) : sizeof(cl_int));
     const cl_uint slice = RAYS_PER_GROUP;
     const size_t groups = (count + slice - 1) / slice;
     cl_mem in, result;

@@ -17,10 +17,10 @@ static void test_slopes(void **state) {
     convergence_point random[CONVERGENCE_STEPS] = {{0}}, sobol[CONVERGENCE_STEPS] = {{0}};
     (void)state;
     BUILD(load_small("part-backlight.gltf", &scene, &builder_error));
-    BUILD(render_truth(scene, &truth, &stats, &builder_error));
-    BUILD(converge(scene, false, MCV_SAMPLER_RANDOM, &truth, random, &builder_error));
-    BUILD(converge(scene, false, MCV_SAMPLER_SOBOL, &truth, sobol, &builder_error));
-    const double slope = slope_of_rmse(random), steeper = slope_of_rmse(sobol);
+    BUILD(render_truth(scene, CONVERGENCE_STEPS, &truth, &stats, &builder_error));
+    BUILD(converge(scene, false, MCV_SAMPLER_RANDOM, &truth, CONVERGENCE_STEPS, random, &builder_error));
+    BUILD(converge(scene, false, MCV_SAMPLER_SOBOL, &truth, CONVERGENCE_STEPS, sobol, &builder_error));
+    const double slope = slope_of_rmse(random, CONVERGENCE_STEPS), steeper = slope_of_rmse(sobol, CONVERGENCE_STEPS);
     print_message("slope %.3f random, %.3f Sobol'; RMSE %.3g and %.3g after %llu samples\n", slope, steeper,
                   random[CONVERGENCE_STEPS - 1].errors.rmse, sobol[CONVERGENCE_STEPS - 1].errors.rmse,
                   (unsigned long long)random[CONVERGENCE_STEPS - 1].samples);

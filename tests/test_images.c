@@ -26,6 +26,7 @@ static const image_case area_light = {"part-arealight.gltf", 10, 16, 8};
 static const image_case box = {"diffuse-box.gltf", 4, 16, 8};
 static const image_case furnace = {"furnace.glb", 4, 8, 4};
 static const image_case projector = {"projector.gltf", 8, 16, 16};
+static const image_case lens_projector = {"lens-projector.gltf", 8, 16, 16};
 /* As shipped: with fewer macro pixels all rays of one would meet on an edge of the display's, where rounding decides. */
 static const image_case display = {"light-field.gltf", 1, 8, 8};
 static const image_case thin_lens = {"depth-of-field.gltf", 8, 16, 8};
@@ -193,6 +194,11 @@ static void test_projector(void **state) {
     expect_same(&projector);
 }
 
+static void test_lens_projector(void **state) {
+    (void)state;
+    expect_same(&lens_projector);
+}
+
 static void test_light_field_display(void **state) {
     (void)state;
     expect_same(&display);
@@ -213,6 +219,7 @@ int main(void) {
         cmocka_unit_test(test_furnace),
         cmocka_unit_test(test_thin_lens),
         cmocka_unit_test(test_projector),
+        cmocka_unit_test(test_lens_projector),
         cmocka_unit_test(test_light_field_display),
     };
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -101,6 +101,30 @@ static void test_lamp_within_the_cone(void **state) {
 }
 
 /*
+ * Light leaves a surface on the front of its triangles and by its normals: where these contradict one another throughout, nowhere. Once
+ * the whole lamp, and once all but a small part of it, which the lamp's cone over the spot leaves out.
+ */
+static void test_normals_against_their_triangles(void **state) {
+    static const float positions[] = {-0.5f, -0.5f, 0, 0.5f, -0.5f, 0, 0.5f, 0.5f, 0, -0.5f, 0.5f, 0, 1, 1, 0, 1.1f, 1, 0, 1, 1.1f, 0};
+    static const float normals[] = {0, 0, -1, 0, 0, -1, 0, 0, -1, 0, 0, -1, 0, 0, -1, 0, 0, -1, 0, 0, -1};
+    static const uint32_t indices[] = {0, 1, 2, 0, 2, 3, 4, 6, 5};
+    (void)state;
+    for (uint32_t triangles = 2; triangles <= 3; ++triangles) {
+        mcv_scene *scene = floor_scene(0.1);
+        const mcv_mesh mesh = {.vertex_count = 7,
+                               .triangle_count = triangles,
+                               .positions = (float *)positions,
+                               .normals = (float *)normals,
+                               .indices = (uint32_t *)indices};
+        const mcv_transform above = {{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1}};
+        add_emitter(scene, MCV_EMITTER_PARALLEL, add_instance(scene, &mesh, add_absorber(scene), above), 3, 0.1);
+        const mcv_estimate m = render(scene);
+        if (m.mean != 0) fail_msg("%u triangles: the spot under their backs has %g, expected 0", triangles, m.mean);
+        mcv_scene_free(scene);
+    }
+}
+
+/*
  * A parallel panel of 100 mm whose cone has 0.5° in all (half-angle 0.25°), 100 mm over a diffuse floor: the variance of independent
  * samples, directions chosen in the cone against points chosen on the panel. The panel's edge lies over x = 0: inside the light, and in the
  * penumbra, 100 mm tan 0.25° = 0.44 mm to both sides, where the cone's share on the panel falls from 1 to 0. Averaged over the penumbra the
@@ -153,6 +177,7 @@ static void test_variance_of_a_narrow_panel(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_cone_within_the_lamp), cmocka_unit_test(test_lamp_within_the_cone),
+                                       cmocka_unit_test(test_normals_against_their_triangles),
                                        cmocka_unit_test(test_variance_of_a_narrow_panel)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -287,11 +287,12 @@ static void test_materials(void **state) {
     mcv_scene *scene = must_load(text, NULL);
     assert_int_equal(scene->material_count, 6);
     const mcv_material *m = scene->materials;
-    static const uint32_t types[] = {MCV_MATERIAL_DIFFUSE, MCV_MATERIAL_DIELECTRIC, MCV_MATERIAL_SHEET,
-                                     MCV_MATERIAL_MIRROR,  MCV_MATERIAL_DIELECTRIC, MCV_MATERIAL_ABSORBER};
+    static const uint32_t types[] = {MCV_MATERIAL_METALLIC_ROUGHNESS, MCV_MATERIAL_DIELECTRIC, MCV_MATERIAL_SHEET, MCV_MATERIAL_MIRROR,
+                                     MCV_MATERIAL_DIELECTRIC,         MCV_MATERIAL_ABSORBER};
     for (int i = 0; i < 6; ++i)
         if (m[i].type != types[i]) fail_msg("material %s has type %u, must have %u", m[i].name, m[i].type, types[i]);
-    assert_true(m[0].as.diffuse.reflectance[1] == 0.2);
+    const mcv_metallic_roughness_params *plastic = &m[0].as.metallic_roughness;
+    assert_true(plastic->baseColor[1] == 0.2 && plastic->metallic == 0 && plastic->roughness == 1 && plastic->ior == 1.5);
     assert_true(m[1].as.dielectric.ior == 1.7);
     assert_true(m[1].as.dielectric.absorption[0] == 0);
     assert_close(m[1].as.dielectric.absorption[1], 2 * log(4), 4, 4, "absorption: colour 1/4 after 0.5 m");
@@ -299,7 +300,6 @@ static void test_materials(void **state) {
     assert_true(m[2].as.sheet.ior == 1.5 && m[2].as.sheet.transmittance[0] == 0.9);
     assert_true(m[3].as.mirror.reflectance[0] == 1);
     assert_true(m[4].as.dielectric.ior == 1 && m[4].as.dielectric.priority == 1);
-    assert_warns(scene, "materials plastic: rendered as diffuse");
     assert_warns(scene, "materials black: rendered opaque");
     assert_int_equal(scene->instances[0].material, 1);
     assert_int_equal(mcv_scene_channels(scene), 3);
@@ -663,13 +663,51 @@ static void test_extras(void **state) {
     mcv_scene_free(scene);
 }
 
+/*
+ * A metal by name has the n and k of its table at the scene's wavelengths: a grey scene at the d line, one with a given wavelength there.
+ * Copper at 582.1 and 616.8 nm: (0.70, 2.704) and (0.30, 3.205) (Johnson and Christy 1972), by line between.
+ */
+static void test_metals(void **state) {
+    (void)state;
+    static const char rest[] = "\"nodes\":[{\"mesh\":0}],\"materials\":[{\"name\":\"pipe\",\"extensions\":{\"MCVISI_materials\":"
+                               "{\"type\":\"conductor\",\"metal\":\"copper\"}}}]";
+    static const struct {
+        const char *spectrum;
+        double wavelength;
+    } cases[] = {{"", 587.6e-9}, {",\"extensions\":{\"MCVISI_spectrum\":{\"wavelengths\":\"600nm\"}}", 600e-9}};
+    for (int i = 0; i < 2; ++i) {
+        char both[512];
+        snprintf(both, sizeof both, "%s%s", rest, cases[i].spectrum);
+        char *text = square_scene(",\"material\":0", both);
+        mcv_scene *scene = must_load(text, NULL);
+        const mcv_conductor_params *copper = &scene->materials[0].as.conductor;
+        const double share = (cases[i].wavelength * 1e9 - 582.1) / (616.8 - 582.1);
+        assert_int_equal(mcv_scene_channels(scene), 1);
+        assert_true(fabs(mcv_scene_wavelength(scene, 2) - cases[i].wavelength) < 1e-21);
+        assert_true(fabs(copper->n[1] - (0.70 - 0.40 * share)) < 1e-12 && fabs(copper->k[1] - (2.704 + 0.501 * share)) < 1e-12);
+        mcv_scene_free(scene);
+        free(text);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_primitives), cmocka_unit_test(test_accessors),      cmocka_unit_test(test_normals),
-        cmocka_unit_test(test_hierarchy),  cmocka_unit_test(test_mirrored),       cmocka_unit_test(test_made_by_hand),
-        cmocka_unit_test(test_materials),  cmocka_unit_test(test_textures),       cmocka_unit_test(test_glb),
-        cmocka_unit_test(test_cameras),    cmocka_unit_test(test_rectangle),      cmocka_unit_test(test_power_of_meshes),
-        cmocka_unit_test(test_overrides),  cmocka_unit_test(test_ambiguous_name), cmocka_unit_test(test_extras),
-        cmocka_unit_test(test_pose),       cmocka_unit_test(test_assets)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_primitives),
+                                       cmocka_unit_test(test_accessors),
+                                       cmocka_unit_test(test_normals),
+                                       cmocka_unit_test(test_hierarchy),
+                                       cmocka_unit_test(test_mirrored),
+                                       cmocka_unit_test(test_made_by_hand),
+                                       cmocka_unit_test(test_materials),
+                                       cmocka_unit_test(test_metals),
+                                       cmocka_unit_test(test_textures),
+                                       cmocka_unit_test(test_glb),
+                                       cmocka_unit_test(test_cameras),
+                                       cmocka_unit_test(test_rectangle),
+                                       cmocka_unit_test(test_power_of_meshes),
+                                       cmocka_unit_test(test_overrides),
+                                       cmocka_unit_test(test_ambiguous_name),
+                                       cmocka_unit_test(test_extras),
+                                       cmocka_unit_test(test_pose),
+                                       cmocka_unit_test(test_assets)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

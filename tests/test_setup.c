@@ -42,6 +42,38 @@ static void add_panel(mcv_scene *scene, mcv_transform to_world) {
     add_emitter(scene, MCV_EMITTER_PARALLEL, add_rectangle(scene, 0.1, 0.1, add_absorber(scene), to_world), 1, 0.02);
 }
 
+/* An emitter with an image of one white pixel, on a rectangle that faces the camera; the scene takes its other parameters from `values`. */
+static mcv_scene *before_picture(mcv_emitter *values, double f_number) {
+    static const uint8_t white[4] = {255, 255, 255, 255};
+    mcv_scene *scene = mcv_scene_new("picture");
+    const mcv_sensor sensor = telecentric(f_number);
+    const mcv_texture texture = {
+        .name = (char *)"white", .width = 1, .height = 1, .wrap_s = 33071, .wrap_t = 33071, .nearest = true, .rgba = (uint8_t *)white};
+    float positions[] = {-0.05f, -0.05f, 0, 0.05f, -0.05f, 0, 0.05f, 0.05f, 0, -0.05f, 0.05f, 0}, texcoords[] = {0, 1, 1, 1, 1, 0, 0, 0};
+    uint32_t indices[] = {0, 2, 1, 0, 3, 2};
+    const mcv_mesh mesh = {.vertex_count = 4, .triangle_count = 2, .positions = positions, .texcoords = texcoords, .indices = indices};
+    add_sensor(scene, MCV_SENSOR_TELECENTRIC, &sensor, looking_down_z(0, 0, 0));
+    BUILD(mcv_scene_add_texture(scene, &texture, &builder_error));
+    values->name = (char *)"picture";
+    values->texture = MCV_NONE;
+    values->instance = add_instance(scene, &mesh, add_absorber(scene), looking_up_z(0, 0, -0.3));
+    BUILD(mcv_scene_add_emitter(scene, values, &builder_error));
+    return scene;
+}
+
+/* A projector of one square pixel of this side, 100 mm behind a lens of 100 mm, that throws it to a depth. */
+static mcv_emitter projector_of(double side, double depth) {
+    mcv_emitter projector = {.type = MCV_EMITTER_PROJECTOR};
+    mcv_params_set_defaults(mcv_emitter_table(projector.type), &projector.as);
+    mcv_projector_params *p = &projector.as.projector;
+    p->image = 0;
+    p->imageDistance = p->lensDiameter = 0.1;
+    p->focalLength = 1 / (1 / 0.1 + 1 / depth);
+    p->pixelSize[0] = p->pixelSize[1] = side;
+    for (int k = 0; k < 3; ++k) p->radiance[k] = 1;
+    return projector;
+}
+
 static void test_emitter_that_lights_nothing(void **state) {
     const double half[3] = {1e-3, 1e-3, 1e-3};
     (void)state;
@@ -70,6 +102,18 @@ static void test_emitter_that_lights_nothing(void **state) {
         add_panel(scene, looking_down_z(0, 0, 0));
         add_box(scene, half, add_diffuse(scene, 0.5), looking_up_z(asides[i], 0, -0.3));
         expect(scene, "emitter \"emitter\" lights nothing", i, "a panel whose beam passes a part");
+    }
+
+    /*
+     * A projector throws a picture with half a diagonal of 2 / 20 from a lens of 100 mm, in a square whose corners are 70.7 mm from the
+     * middle: focused at 0.5 m, the edge adds 0.05 / 0.5. At 0.3 m it reaches 70.7 + 60 mm; the box's ball has 1.7 mm.
+     */
+    for (int i = 0; i < 2; ++i) {
+        mcv_emitter projector = projector_of(0.02 / sqrt(2), 0.5);
+        scene = before_picture(&projector, 8);
+        scene->sensors[0].to_world = looking((const double[3]){0, 0, -1}, (const double[3]){0, 0, -1}, (const double[3]){0, 1, 0});
+        add_box(scene, half, add_diffuse(scene, 0.5), looking_up_z(i ? 0.135 : 0.130, 0, 0));
+        expect(scene, "emitter \"picture\" lights nothing", i, "a projector whose beam passes a part");
     }
 
     scene = with_camera(looking_down_z(0, 0, 0));
@@ -215,25 +259,6 @@ static void test_pupil(void **state) {
     mcv_scene_free(scene);
 }
 
-/* An emitter with an image of one white pixel, on a rectangle that faces the camera; the scene takes its other parameters from `values`. */
-static mcv_scene *before_picture(mcv_emitter *values, double f_number) {
-    static const uint8_t white[4] = {255, 255, 255, 255};
-    mcv_scene *scene = mcv_scene_new("picture");
-    const mcv_sensor sensor = telecentric(f_number);
-    const mcv_texture texture = {
-        .name = (char *)"white", .width = 1, .height = 1, .wrap_s = 33071, .wrap_t = 33071, .nearest = true, .rgba = (uint8_t *)white};
-    float positions[] = {-0.05f, -0.05f, 0, 0.05f, -0.05f, 0, 0.05f, 0.05f, 0, -0.05f, 0.05f, 0}, texcoords[] = {0, 1, 1, 1, 1, 0, 0, 0};
-    uint32_t indices[] = {0, 2, 1, 0, 3, 2};
-    const mcv_mesh mesh = {.vertex_count = 4, .triangle_count = 2, .positions = positions, .texcoords = texcoords, .indices = indices};
-    add_sensor(scene, MCV_SENSOR_TELECENTRIC, &sensor, looking_down_z(0, 0, 0));
-    BUILD(mcv_scene_add_texture(scene, &texture, &builder_error));
-    values->name = (char *)"picture";
-    values->texture = MCV_NONE;
-    values->instance = add_instance(scene, &mesh, add_absorber(scene), looking_up_z(0, 0, -0.3));
-    BUILD(mcv_scene_add_emitter(scene, values, &builder_error));
-    return scene;
-}
-
 /*
  * A projector's cone fills a pupil as the parallel emitter's does. A light field emitter's directions are a square in the pupil, of
  * half-width a f for sines up to a (the tangents of NA 1/64 are longer by 1.2e-4): of the stop's area it takes (2 a/NA)²/π while its
@@ -251,6 +276,12 @@ static void test_pupil_before_pictures(void **state) {
     for (int k = 0; k < 3; ++k) p->radiance[k] = 1;
     mcv_scene *scene = before_picture(&projector, 8);
     check("share of the pupil before a projector", filling_of(scene), pow(tan(0.01) / aperture, 2), inside);
+    mcv_scene_free(scene);
+
+    /* One with a lens that throws its picture to infinity fills a square of half-width 5 mrad in tangents, of which the pupil is a disk. */
+    mcv_emitter lens = projector_of(0.01 * 0.1, INFINITY);
+    scene = before_picture(&lens, 8);
+    check("share of the pupil before a projector with a lens", filling_of(scene), pow(0.01 / aperture, 2) / M_PI, inside);
     mcv_scene_free(scene);
 
     mcv_emitter display = {.type = MCV_EMITTER_LIGHT_FIELD_EMITTER};

@@ -35,8 +35,9 @@ static const struct {
     {"emitters/parallel.h", BIT(PARALLEL)},
     {"emitters/telecentric_projector.h", 0},
     {"emitters/light_field.h", BIT(LIGHT_FIELD)},
+    {"emitters/projector.h", BIT(PROJECTOR)},
     {"emitters/area.h", BIT(AREA)},
-    {"emitters/environment.h", 0},
+    {"emitters/environment.h", BIT(ENVIRONMENT_IMAGE)},
     {"emitters/collimated_beam.h", BIT(BEAM)},
     {"emitters/point.h", 0},
     {"emitters/spot.h", BIT(PUNCTUAL)},
@@ -46,6 +47,10 @@ static const struct {
     {"materials/sheet.h", BIT(SHEET)},
     {"materials/mirror.h", 0},
     {"materials/beam_splitter.h", 0},
+    {"materials/conductor.h", 0},
+    {"materials/metallic_roughness.h", 0},
+    {"materials/microfacet.h", BIT(GLOSS)},
+    {"materials/retroreflector.h", BIT(RETROREFLECTOR)},
     {"materials/absorber.h", 0},
 };
 

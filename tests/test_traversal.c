@@ -59,6 +59,7 @@ static batch_ray ray_between(const double from[3], const double to[3]) {
 
 /* Rays of all sorts near a mesh of about unit size: at vertices, edges and faces, along axes, from the surface, anywhere. */
 static void make_mixed_rays(const mesh *m, uint64_t seed, batch_ray *rays, uint32_t count) {
+    double first_from[3] = {0}, first_to[3] = {0};
     for (uint32_t i = 0; i < count; ++i) {
         double from[3], to[3], d[3];
         surface_point(m, &seed, (int)(i % 3), to);
@@ -66,6 +67,16 @@ static void make_mixed_rays(const mesh *m, uint64_t seed, batch_ray *rays, uint3
         const double distance = i % 5 ? 3.0 : 300.0;
         for (int k = 0; k < 3; ++k) from[k] = i % 7 == 0 ? 1.2 * d[k] : to[k] + distance * d[k];
         if (i % 11 == 0) surface_point(m, &seed, 2, from);
+        /* Half of them in eights that go much the same way, from one point, parallel or neither. */
+        if (i / 8 % 2 && i % 8) {
+            for (int k = 0; k < 3; ++k) {
+                from[k] = first_from[k] + (i / 16 % 3 ? 0.02 * (random_unit(&seed) - 0.5) : 0.0);
+                to[k] = i / 16 % 3 == 1 ? first_to[k] + from[k] - first_from[k] : 0.02 * to[k] + 0.98 * first_to[k];
+            }
+        } else {
+            memcpy(first_from, from, sizeof from);
+            memcpy(first_to, to, sizeof to);
+        }
         rays[i] = ray_between(from, to);
         if (i % 13 == 0) { /* along an axis, through a vertex or a point of an edge exactly */
             const int axis = (int)(random_bits(&seed) % 3);
@@ -81,49 +92,56 @@ static void make_mixed_rays(const mesh *m, uint64_t seed, batch_ray *rays, uint3
 
 static void test_same_hit_as_all_triangles(void **state) {
     (void)state;
-    enum { COUNT = 220000 * RAY_FACTOR };
+    enum { COUNT = 220000 };
     mesh meshes[] = {mesh_sphere(5, 0.1), mesh_terrain(12, 0.3, 1), mesh_needles(250, 2), mesh_bipyramid(120), mesh_duplicates(256, 3)};
     batch_ray *rays = calloc(COUNT, sizeof *rays);
-    mcv_hit *got = calloc(COUNT, sizeof *got), *wanted = calloc(COUNT, sizeof *wanted), *got_list = calloc(COUNT, sizeof *got_list);
-    int *found = calloc(COUNT, sizeof *found), *found_list = calloc(COUNT, sizeof *found_list);
-    uint32_t hits = 0, wrong = 0;
+    mcv_hit *got = calloc(COUNT, sizeof *got), *wanted = calloc(COUNT, sizeof *wanted), *got_many = calloc(COUNT, sizeof *got_many);
+    int *found = calloc(COUNT, sizeof *found), *found_many = calloc(COUNT, sizeof *found_many);
+    uint64_t hits = 0, wrong = 0;
     for (uint32_t number = 0; number < sizeof meshes / sizeof meshes[0]; ++number) {
         mesh *m = meshes + number;
         mcv_bvh bvh;
         load(m, &bvh);
-        make_mixed_rays(m, 100 + number, rays, COUNT);
-        run(device.closest, rays, COUNT, got);
-        run(device.any, rays, COUNT, found);
-        run(device.all, rays, COUNT, wanted);
-        run(device.closest_list, rays, COUNT, got_list);
-        run(device.any_list, rays, COUNT, found_list);
-        for (uint32_t i = 0; i < COUNT; ++i) {
-            hits += wanted[i].triangle != MCV_NONE;
-            /* Of the four equal triangles in a plane of the last mesh only the first may be seen. */
-            if (number == 4 && wanted[i].triangle != MCV_NONE && wanted[i].triangle % 8 - 1 < 3) ++wrong;
-            /* Rays that take turns find what they find alone. */
-            const bool same_list = memcmp(got + i, got_list + i, sizeof *got) == 0 && found[i] == found_list[i];
-            if (!same_list && wrong++ < 5) print_error("mesh %u, ray %u: another answer when rays take turns\n", number, i);
-            if (memcmp(got + i, wanted + i, sizeof *got) == 0 && found[i] == (wanted[i].triangle != MCV_NONE)) continue;
-            if (wrong++ < 5) {
-                print_error("mesh %u, ray %u from (%a, %a, %a) along (%a, %a, %a): hierarchy t %a, u %a, v %a, triangle %u (any: %d), all "
-                            "triangles t %a, u %a, v %a, triangle %u\n",
-                            number, i, rays[i].origin[0], rays[i].origin[1], rays[i].origin[2], rays[i].direction[0], rays[i].direction[1],
-                            rays[i].direction[2], got[i].t, got[i].u, got[i].v, got[i].triangle, found[i], wanted[i].t, wanted[i].u,
-                            wanted[i].v, wanted[i].triangle);
+        for (uint32_t round = 0; round < RAY_FACTOR; ++round) {
+            make_mixed_rays(m, 100 + number + 1000 * round, rays, COUNT);
+            run(device.closest, rays, COUNT, got);
+            run(device.any, rays, COUNT, found);
+            run(device.all, rays, COUNT, wanted);
+            for (int bundles = 0; bundles < 2; ++bundles) {
+                run(bundles ? device.closest_bundles : device.closest_turns, rays, COUNT, got_many);
+                run(bundles ? device.any_bundles : device.any_turns, rays, COUNT, found_many);
+                for (uint32_t i = 0; i < COUNT; ++i) {
+                    const bool same = memcmp(got + i, got_many + i, sizeof *got) == 0 && found[i] == found_many[i];
+                    if (!same && wrong++ < 5)
+                        print_error("mesh %u, ray %u: another answer in %s\n", number, i, bundles ? "a bundle" : "turns");
+                }
+            }
+            for (uint32_t i = 0; i < COUNT; ++i) {
+                hits += wanted[i].triangle != MCV_NONE;
+                /* Of the four equal triangles in a plane of the last mesh only the first may be seen. */
+                if (number == 4 && wanted[i].triangle != MCV_NONE && wanted[i].triangle % 8 - 1 < 3) ++wrong;
+                if (memcmp(got + i, wanted + i, sizeof *got) == 0 && found[i] == (wanted[i].triangle != MCV_NONE)) continue;
+                if (wrong++ < 5) {
+                    print_error(
+                        "mesh %u, ray %u from (%a, %a, %a) along (%a, %a, %a): hierarchy t %a, u %a, v %a, triangle %u (any: %d), all "
+                        "triangles t %a, u %a, v %a, triangle %u\n",
+                        number, i, rays[i].origin[0], rays[i].origin[1], rays[i].origin[2], rays[i].direction[0], rays[i].direction[1],
+                        rays[i].direction[2], got[i].t, got[i].u, got[i].v, got[i].triangle, found[i], wanted[i].t, wanted[i].u,
+                        wanted[i].v, wanted[i].triangle);
+                }
             }
         }
         mcv_bvh_free(&bvh);
         mesh_free(m);
     }
-    print_message("%u rays, %u hits, %u differ\n", 5 * COUNT, hits, wrong);
+    print_message("%u rays, %lu hits, %lu differ\n", 5 * COUNT * RAY_FACTOR, hits, wrong);
     assert_int_equal(wrong, 0);
     /* Four of five rays of a mesh aim at it; the other meshes hide nothing. Fewer hits would mean an empty test. */
-    assert_true(hits > 3 * COUNT);
+    assert_true(hits > 3ul * COUNT * RAY_FACTOR);
     free(rays);
     free(got);
-    free(got_list);
-    free(found_list);
+    free(got_many);
+    free(found_many);
     free(wanted);
     free(found);
 }
@@ -135,11 +153,11 @@ static void test_same_hit_as_all_triangles(void **state) {
  */
 static void test_closed_meshes_have_even_crossings(void **state) {
     (void)state;
-    enum { COUNT = 400000 * RAY_FACTOR };
-    mesh meshes[] = {mesh_sphere(3, 0.0), mesh_sphere(4, 0.2), mesh_bipyramid(50)};
+    enum { COUNT = 400000 };
+    mesh meshes[] = {mesh_sphere(3, 0.0), mesh_sphere(4, 0.2), mesh_bipyramid(50), mesh_sphere(1, 0.0), mesh_bipyramid(4)};
     batch_ray *rays = calloc(COUNT, sizeof *rays);
     int *crossings = calloc(COUNT, sizeof *crossings);
-    uint32_t wrong = 0, crossed = 0;
+    uint64_t wrong = 0, crossed = 0, all = 0;
     for (uint32_t number = 0; number < sizeof meshes / sizeof meshes[0]; ++number) {
         mesh *m = meshes + number;
         uint64_t seed = 200 + number;
@@ -150,33 +168,38 @@ static void test_closed_meshes_have_even_crossings(void **state) {
         }
         mcv_error error = {""};
         must(tracer_load(&device, &single, &error), &error);
-        for (uint32_t i = 0; i < COUNT; ++i) {
-            double from[3], to[3], d[3];
-            surface_point(m, &seed, (int)(i % 2), to);
-            random_direction(&seed, d);
-            /* All three meshes hold a ball of radius 0.2 about the origin and lie in one of radius 1.3. */
-            for (int k = 0; k < 3; ++k) from[k] = (i % 4 == 3 ? 0.2 * random_unit(&seed) : 5.0) * d[k];
-            rays[i] = ray_between(from, to);
-            if (i % 8 == 1) { /* along an axis and through a vertex exactly */
-                for (int k = 0; k < 3; ++k) rays[i].direction[k] = k == (int)(i / 8 % 3) ? 1.0f : 0.0f;
-                for (int k = 0; k < 3; ++k) rays[i].origin[k] = (float)to[k] - 5.0f * rays[i].direction[k];
+        /* Most rays go where a ray costs least: through meshes of 8 and 12 triangles. */
+        const uint32_t rounds = number < 3 ? RAY_FACTOR : 12 * RAY_FACTOR;
+        all += (uint64_t)rounds * COUNT;
+        for (uint32_t round = 0; round < rounds; ++round) {
+            for (uint32_t i = 0; i < COUNT; ++i) {
+                double from[3], to[3], d[3];
+                surface_point(m, &seed, (int)(i % 2), to);
+                random_direction(&seed, d);
+                /* All meshes hold a ball of radius 0.2 about the origin and lie in one of radius 1.3. */
+                for (int k = 0; k < 3; ++k) from[k] = (i % 4 == 3 ? 0.2 * random_unit(&seed) : 5.0) * d[k];
+                rays[i] = ray_between(from, to);
+                if (i % 8 == 1) { /* along an axis and through a vertex exactly */
+                    for (int k = 0; k < 3; ++k) rays[i].direction[k] = k == (int)(i / 8 % 3) ? 1.0f : 0.0f;
+                    for (int k = 0; k < 3; ++k) rays[i].origin[k] = (float)to[k] - 5.0f * rays[i].direction[k];
+                }
             }
-        }
-        run(device.count, rays, COUNT, crossings);
-        for (uint32_t i = 0; i < COUNT; ++i) {
-            crossed += crossings[i] > 0;
-            if (crossings[i] % 2 != (i % 4 == 3) && wrong++ < 5) {
-                print_error("mesh %u, ray %u from (%a, %a, %a) along (%a, %a, %a), which begins %s, crosses %d triangles\n", number, i,
-                            rays[i].origin[0], rays[i].origin[1], rays[i].origin[2], rays[i].direction[0], rays[i].direction[1],
-                            rays[i].direction[2], i % 4 == 3 ? "inside" : "outside", crossings[i]);
+            run(device.count, rays, COUNT, crossings);
+            for (uint32_t i = 0; i < COUNT; ++i) {
+                crossed += crossings[i] > 0;
+                if (crossings[i] % 2 != (i % 4 == 3) && wrong++ < 5) {
+                    print_error("mesh %u, ray %u from (%a, %a, %a) along (%a, %a, %a), which begins %s, crosses %d triangles\n", number, i,
+                                rays[i].origin[0], rays[i].origin[1], rays[i].origin[2], rays[i].direction[0], rays[i].direction[1],
+                                rays[i].direction[2], i % 4 == 3 ? "inside" : "outside", crossings[i]);
+                }
             }
         }
         mcv_bvh_free(&single);
         mesh_free(m);
     }
-    print_message("%u rays, %u crossed a mesh, %u of the wrong parity\n", 3 * COUNT, crossed, wrong);
+    print_message("%lu rays, %lu crossed a mesh, %lu of the wrong parity\n", all, crossed, wrong);
     assert_int_equal(wrong, 0);
-    assert_true(crossed > 2 * COUNT);
+    assert_true(crossed > all / 3 * 2);
     free(rays);
     free(crossings);
 }
@@ -184,7 +207,7 @@ static void test_closed_meshes_have_even_crossings(void **state) {
 /* From inside a larger closed mesh nothing gets out, through the hierarchy. */
 static void test_nothing_leaves_a_closed_mesh(void **state) {
     (void)state;
-    enum { COUNT = 1000000 * RAY_FACTOR };
+    enum { COUNT = 1000000 };
     mesh m = mesh_sphere(60, 0.1);
     batch_ray *rays = calloc(COUNT, sizeof *rays);
     mcv_hit *hits = calloc(COUNT, sizeof *hits);
@@ -192,18 +215,20 @@ static void test_nothing_leaves_a_closed_mesh(void **state) {
     mcv_bvh bvh;
     load(&m, &bvh);
     uint64_t seed = 300;
-    for (uint32_t i = 0; i < COUNT; ++i) {
-        double from[3], to[3];
-        surface_point(&m, &seed, (int)(i % 2), to);
-        random_direction(&seed, from);
-        for (int k = 0; k < 3; ++k) from[k] *= 0.5 * random_unit(&seed);
-        rays[i] = ray_between(from, to);
+    uint64_t wrong = 0;
+    for (uint32_t round = 0; round < RAY_FACTOR; ++round) {
+        for (uint32_t i = 0; i < COUNT; ++i) {
+            double from[3], to[3];
+            surface_point(&m, &seed, (int)(i % 2), to);
+            random_direction(&seed, from);
+            for (int k = 0; k < 3; ++k) from[k] *= 0.5 * random_unit(&seed);
+            rays[i] = ray_between(from, to);
+        }
+        run(device.closest, rays, COUNT, hits);
+        run(device.any, rays, COUNT, found);
+        for (uint32_t i = 0; i < COUNT; ++i) wrong += hits[i].triangle == MCV_NONE || !found[i];
     }
-    run(device.closest, rays, COUNT, hits);
-    run(device.any, rays, COUNT, found);
-    uint32_t wrong = 0;
-    for (uint32_t i = 0; i < COUNT; ++i) wrong += hits[i].triangle == MCV_NONE || !found[i];
-    print_message("%d rays, %u escaped\n", COUNT, wrong);
+    print_message("%d rays, %lu escaped\n", COUNT * RAY_FACTOR, wrong);
     assert_int_equal(wrong, 0);
     mcv_bvh_free(&bvh);
     mesh_free(&m);
@@ -250,7 +275,7 @@ static double exact_depth(const mesh *m, uint32_t triangle, const batch_ray *ray
  */
 static void test_hits_lie_ahead_within_their_error(void **state) {
     (void)state;
-    enum { COUNT = 100000 * RAY_FACTOR };
+    enum { COUNT = 100000 };
     mesh meshes[] = {mesh_sphere(5, 0.1), mesh_terrain(12, 0.3, 1), mesh_needles(250, 2), mesh_bipyramid(120)};
     batch_ray *rays = malloc(COUNT * sizeof *rays);
     mcv_hit *hits = malloc(COUNT * sizeof *hits);
@@ -260,27 +285,29 @@ static void test_hits_lie_ahead_within_their_error(void **state) {
         mesh *m = meshes + number;
         mcv_bvh bvh;
         load(m, &bvh);
-        make_mixed_rays(m, 500 + number, rays, COUNT);
-        uint64_t seed = 600 + number;
-        for (uint32_t i = 0; i < COUNT; i += 2) {
-            double from[3], d[3];
-            surface_point(m, &seed, 2, from);
-            random_direction(&seed, d);
-            for (int k = 0; k < 3; ++k) d[k] += from[k];
-            rays[i] = ray_between(from, d);
-        }
-        run(device.closest, rays, COUNT, hits);
-        for (uint32_t i = 0; i < COUNT; ++i) {
-            if (hits[i].triangle == MCV_NONE) continue;
-            double bound;
-            const double depth = exact_depth(m, hits[i].triangle, rays + i, &bound);
-            float main_component = 0.0f;
-            for (int k = 0; k < 3; ++k) main_component = fmaxf(main_component, fabsf(rays[i].direction[k]));
-            const double off = fabs((double)hits[i].t * main_component - depth);
-            checked += isfinite(bound);
-            behind += depth <= 0.0;
-            inexact += off > bound;
-            worst = fmax(worst, off / bound);
+        for (uint32_t round = 0; round < RAY_FACTOR; ++round) {
+            make_mixed_rays(m, 500 + number + 1000 * round, rays, COUNT);
+            uint64_t seed = 600 + number + 1000 * round;
+            for (uint32_t i = 0; i < COUNT; i += 2) {
+                double from[3], d[3];
+                surface_point(m, &seed, 2, from);
+                random_direction(&seed, d);
+                for (int k = 0; k < 3; ++k) d[k] += from[k];
+                rays[i] = ray_between(from, d);
+            }
+            run(device.closest, rays, COUNT, hits);
+            for (uint32_t i = 0; i < COUNT; ++i) {
+                if (hits[i].triangle == MCV_NONE) continue;
+                double bound;
+                const double depth = exact_depth(m, hits[i].triangle, rays + i, &bound);
+                float main_component = 0.0f;
+                for (int k = 0; k < 3; ++k) main_component = fmaxf(main_component, fabsf(rays[i].direction[k]));
+                const double off = fabs((double)hits[i].t * main_component - depth);
+                checked += isfinite(bound);
+                behind += depth <= 0.0;
+                inexact += off > bound;
+                worst = fmax(worst, off / bound);
+            }
         }
         mcv_bvh_free(&bvh);
         mesh_free(m);
@@ -289,7 +316,7 @@ static void test_hits_lie_ahead_within_their_error(void **state) {
                   worst);
     assert_int_equal(behind, 0);
     assert_int_equal(inexact, 0);
-    assert_true(checked > COUNT);
+    assert_true(checked > COUNT * RAY_FACTOR);
     free(rays);
     free(hits);
 }
@@ -419,11 +446,15 @@ static void test_odd_rays_miss(void **state) {
         load(&m, &bvh);
         run(device.closest, odd, COUNT, hits);
         run(device.any, odd, COUNT, found);
-        for (int i = 0; i < 2 * COUNT; ++i) {
-            /* Once more, taking turns. */
+        for (int i = 0; i < 3 * COUNT; ++i) {
+            /* Twice more, in turns and in bundles. */
             if (i == COUNT) {
-                run(device.closest_list, odd, COUNT, hits);
-                run(device.any_list, odd, COUNT, found);
+                run(device.closest_turns, odd, COUNT, hits);
+                run(device.any_turns, odd, COUNT, found);
+            }
+            if (i == 2 * COUNT) {
+                run(device.closest_bundles, odd, COUNT, hits);
+                run(device.any_bundles, odd, COUNT, found);
             }
             const int ray = i % COUNT;
             if (hits[ray].triangle != MCV_NONE || found[ray])

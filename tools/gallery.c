@@ -9,20 +9,23 @@
  */
 #include "output/exr.h"
 #include "output/figure.h"
+#include "output/png.h"
 #include "scene/scene.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { MAX_IMAGES = 4, MAX_PANELS = 3, TEXT = 128 };
 
 /* --- numbers ---------------------------------------------------------------------------------------------------- */
 
-/* The images of one panel, one channel each: the mean of what there were. */
+/* The images of one panel, one channel each (the mean of what there were), and the first one's standard error. */
 typedef struct images {
-    mcv_image of[MAX_IMAGES];
+    mcv_image of[MAX_IMAGES], error;
 } images;
 
 static double value(const mcv_image *image, uint32_t column, uint32_t row) { return image->pixels[(size_t)row * image->width + column]; }
@@ -59,23 +62,30 @@ static void say_widths(const images *seen, char *text) {
 typedef enum region { REGION_NONE, REGION_DEFECT, REGION_SURROUNDINGS } region;
 typedef region region_of(double x, double y);
 
-/* Contrast to noise |μ1 - μ2|/√((σ1² + σ2²)/2) of two regions; noise is all that is uneven in them. The axis is in the middle. */
-static double contrast_to_noise(const mcv_image *image, double pitch, region_of *classify) {
-    double n[3] = {0}, sum[3] = {0}, squares[3] = {0};
+/* A camera's full well: what is white in the picture fills it, and more is lost. */
+static const double electrons_at_white = 10000;
+
+/*
+ * Contrast to noise |μ1 - μ2|/σ2 of a defect and its surroundings. Noise is what is uneven in these, and the shot noise of a camera's
+ * electrons; that of the render is taken off by its standard errors. The axis is in the middle.
+ */
+static double contrast_to_noise(const images *seen, double pitch, region_of *classify) {
+    const mcv_image *image = seen->of;
+    const double white = mcv_preview_white(image);
+    double n[3] = {0}, sum[3] = {0}, squares[3] = {0}, errors[3] = {0};
     for (uint32_t row = 0; row < image->height; ++row)
         for (uint32_t column = 0; column < image->width; ++column) {
-            const double v = value(image, column, row);
+            const double v = fmin(value(image, column, row), white), error = value(&seen->error, column, row);
             const region r = classify((column + 0.5 - 0.5 * image->width) * pitch, (0.5 * image->height - row - 0.5) * pitch);
             n[r] += 1;
             sum[r] += v;
             squares[r] += v * v;
+            errors[r] += error * error;
         }
-    double mean[3], variance[3];
-    for (int r = REGION_DEFECT; r <= REGION_SURROUNDINGS; ++r) {
-        mean[r] = sum[r] / n[r];
-        variance[r] = squares[r] / n[r] - mean[r] * mean[r];
-    }
-    return fabs(mean[REGION_DEFECT] - mean[REGION_SURROUNDINGS]) / sqrt((variance[REGION_DEFECT] + variance[REGION_SURROUNDINGS]) / 2);
+    const double around = sum[REGION_SURROUNDINGS] / n[REGION_SURROUNDINGS];
+    const double seen_variance = squares[REGION_SURROUNDINGS] / n[REGION_SURROUNDINGS] - around * around;
+    const double uneven = fmax(seen_variance - errors[REGION_SURROUNDINGS] / n[REGION_SURROUNDINGS], 0);
+    return fabs(sum[REGION_DEFECT] / n[REGION_DEFECT] - around) / sqrt(uneven + white * around / electrons_at_white);
 }
 
 static const double part_pitch = 51e-6; /* of the cameras in scenes/setups.py: 25.5 µm at m = 1/2 */
@@ -103,11 +113,11 @@ static region about_letters(double x, double y) {
 }
 
 static void say_scratch(const images *seen, char *text) {
-    snprintf(text, TEXT, "contrast to noise %.1f", contrast_to_noise(seen->of, part_pitch, about_scratch));
+    snprintf(text, TEXT, "contrast to noise %.1f", contrast_to_noise(seen, part_pitch, about_scratch));
 }
 
 static void say_letters(const images *seen, char *text) {
-    snprintf(text, TEXT, "contrast to noise %.1f", contrast_to_noise(seen->of, part_pitch, about_letters));
+    snprintf(text, TEXT, "contrast to noise %.1f", contrast_to_noise(seen, part_pitch, about_letters));
 }
 
 /* The phase of the pattern from its four steps. */
@@ -133,6 +143,61 @@ static void say_shift(const images *seen, char *text) {
     snprintf(text, TEXT, "the step shifts the stripes by %.1f px", fabs(atan2(shift[1], shift[0]) / atan2(slope[1], slope[0])));
 }
 
+/* The display of scenes/light-field.gltf, and the value (mean of R, G, B) of its pixel. */
+static double displayed(const mcv_texture *texture, uint32_t column, uint32_t row) {
+    double sum = 0;
+    for (uint32_t k = 0; k < 3; ++k) sum += mcv_srgb_decode(texture->rgba[4 * ((size_t)row * texture->width + column) + k]);
+    return sum / 3;
+}
+
+static uint32_t cell(double share, uint32_t count) { return (uint32_t)fmin(fmax(floor(share * count), 0), count - 1.0); }
+
+/*
+ * What differs between the image and the display: the root of the mean square over that of the display. The camera faces the display in
+ * the depth in focus, so its macro pixel looks at the one opposite; its pixel's middle says through where on the lens, and that in which
+ * direction the display's pixel shines (include/mcvisi/emitters/light_field.h).
+ */
+static void say_display(const images *seen, char *text) {
+    mcv_scene *scene;
+    mcv_error error;
+    double difference = 0, power = 0;
+    snprintf(text, TEXT, "no scene");
+    if (mcv_scene_load("scenes/light-field.gltf", (mcv_overrides){NULL, 0}, &scene, &error) != MCV_OK) return;
+    const mcv_light_field_params *camera = &scene->sensors[0].as.light_field;
+    const mcv_light_field_emitter_params *display = &scene->emitters[0].as.light_field_emitter;
+    const uint32_t *macro = display->spatialResolution, *angular = display->angularResolution;
+    const double distance = -scene->sensors[0].to_world.m[11];
+    for (uint32_t row = 0; row < seen->of->height; ++row)
+        for (uint32_t column = 0; column < seen->of->width; ++column) {
+            const uint32_t m = macro[0] - 1 - column / angular[0], n = row / angular[1];
+            const double u = (column % angular[0] + 0.5) / angular[0], v = (row % angular[1] + 0.5) / angular[1];
+            const double x = -(2 * u - 1) * camera->lensDiameter / 2 - ((m + 0.5) / macro[0] - 0.5) * display->size[0];
+            const double y = -(2 * v - 1) * camera->lensDiameter / 2 - (0.5 - (n + 0.5) / macro[1]) * display->size[1];
+            const double scale = 1 / (sqrt(x * x + y * y + distance * distance) * display->angularRange);
+            const uint32_t j = cell((x * scale + 1) / 2, angular[0]), k = cell((1 - y * scale) / 2, angular[1]);
+            const double shown = displayed(scene->textures + scene->emitters[0].texture, m * angular[0] + j, n * angular[1] + k);
+            const double off = value(seen->of, column, row) - shown;
+            difference += off * off;
+            power += shown * shown;
+        }
+    snprintf(text, TEXT, "differs from the display by %.0f %%", 100 * sqrt(difference / power));
+    mcv_scene_free(scene);
+}
+
+static int compare_values(const void *a, const void *b) {
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* How much brighter the caustic, which takes up more than a thousandth of the picture, is than the paper, which takes up most of it. */
+static void say_peak(const images *seen, char *text) {
+    float *pixels = seen->of->pixels;
+    const size_t count = (size_t)seen->of->width * seen->of->height;
+    qsort(pixels, count, sizeof *pixels, compare_values);
+    snprintf(text, TEXT, "the caustic is %.1f times as bright as the paper",
+             (double)pixels[count - count / 1000] / (double)pixels[count / 2]);
+}
+
 /* --- the gallery ------------------------------------------------------------------------------------------------ */
 
 typedef struct panel {
@@ -151,9 +216,26 @@ static const entry entries[] = {
     {"bolts",
      "Entocentric and telecentric",
      "Two equal bolts, one 20 mm nearer. A lens shows the nearer one larger, a telecentric lens both alike: widths of the plain shank.",
-     {{"wrong: entocentric lens", "scenes/bolts.gltf --sensor entocentric --spp 256", NULL},
-      {"right: telecentric lens", "scenes/bolts.gltf --sensor telecentric --spp 256", NULL}},
+     {{"wrong: entocentric lens", "scenes/bolts.gltf --sensor entocentric --spp 64", NULL},
+      {"right: telecentric lens", "scenes/bolts.gltf --sensor telecentric --spp 64", NULL}},
      say_widths},
+    {"light-field",
+     "A light field display before a light field camera",
+     "The display shows in each direction a disk at another place; the camera, focused on it, sees each of its pixels in one of its own. "
+     "Focused "
+     "107 mm behind it, a macro pixel mixes neighbours.",
+     {{"wrong: focused behind the display", "scenes/light-field.gltf --set sensors/camera/imageDistance=57mm --spp 32", NULL},
+      {"right: focused on the display", "scenes/light-field.gltf --spp 32", NULL}},
+     say_display},
+    {"structured-light",
+     "Where a projector stands",
+     "A step 4 mm high under the first of four phase-shifted patterns. What a height does to the stripes grows with the tangent of the "
+     "angle between "
+     "projector and camera; the numbers come from the phase of all four.",
+     {{"wrong: 2° beside the camera", "scenes/structured-light.gltf --set nodes/projector/azimuth=-2deg --spp 32",
+       "emitters/projector/index"},
+      {"right: 30° beside it", "scenes/structured-light.gltf --spp 32", "emitters/projector/index"}},
+     say_shift},
     {"scratch",
      "Bright field and dark field",
      "A scratch 100 µm wide in stained steel. Light from where the camera looks shows stains and scratch, light from low around "
@@ -166,18 +248,16 @@ static const entry entries[] = {
      "Engraved steel, ground and not quite even. A ring light glares where the surface mirrors it; a dome lights evenly, letters too; a "
      "coaxial light is mirrored by what is flat and lost in what is milled.",
      {{"wrong: ring light", "scenes/engraved-ring.gltf --spp 256", NULL},
-      {"better: dome light", "scenes/engraved-dome.gltf --spp 256", NULL},
+      {"better: dome light", "scenes/engraved-dome.gltf --spp 128", NULL},
       {"right: coaxial light", "scenes/engraved-coaxial.gltf --spp 1024", NULL}},
      say_letters},
-    {"structured-light",
-     "Where a projector stands",
-     "A step 4 mm high under the first of four phase-shifted patterns. What a height does to the stripes grows with the tangent of the "
-     "angle between "
-     "projector and camera; the numbers come from the phase of all four.",
-     {{"wrong: 2° beside the camera", "scenes/structured-light.gltf --set nodes/projector/azimuth=-2deg --spp 256",
-       "emitters/projector/index"},
-      {"right: 30° beside it", "scenes/structured-light.gltf --spp 256", "emitters/projector/index"}},
-     say_shift},
+    {"caustic",
+     "A caustic on paper",
+     "A glass ball under a lamp of the same power. How sharply the ball gathers the light tells how parallel it is. Camera paths would "
+     "not find the lamp behind the ball: light paths do.",
+     {{"wrong: a wide cone, 16°", "scenes/caustic.gltf --set emitters/lamp/halfAngle=8deg --spp 1024", NULL},
+      {"right: a narrow one, 0.5°", "scenes/caustic.gltf --spp 1024", NULL}},
+     say_peak},
 };
 enum { ENTRIES = sizeof entries / sizeof entries[0] };
 
@@ -202,17 +282,24 @@ static void list(void) {
 }
 
 /* The mean of its channels. */
-static mcv_result read_grey(const char *path, mcv_image *grey, mcv_error *error) {
-    mcv_exr exr;
-    MCV_TRY(mcv_exr_read(path, &exr, error));
-    const mcv_image *image = &exr.parts[0].image;
+static mcv_result grey_of(const mcv_image *image, mcv_image *grey, mcv_error *error) {
     const size_t pixels = (size_t)image->width * image->height;
-    const mcv_result result = mcv_image_new(grey, image->width, image->height, 1, error);
-    for (size_t i = 0; result == MCV_OK && i < pixels; ++i) {
+    MCV_TRY(mcv_image_new(grey, image->width, image->height, 1, error));
+    for (size_t i = 0; i < pixels; ++i) {
         double sum = 0;
         for (uint32_t c = 0; c < image->channels; ++c) sum += image->pixels[c * pixels + i];
         grey->pixels[i] = (float)(sum / image->channels);
     }
+    return MCV_OK;
+}
+
+static mcv_result read_image(const char *path, mcv_image *image, mcv_image *error_image, mcv_error *error) {
+    mcv_exr exr;
+    MCV_TRY(mcv_exr_read(path, &exr, error));
+    mcv_result result = grey_of(&exr.parts[0].image, image, error);
+    if (result == MCV_OK && error_image)
+        result = exr.part_count > 1 ? grey_of(&exr.parts[1].image, error_image, error)
+                                    : mcv_fail(error, MCV_BAD_INPUT, "%s: has no standard errors", path);
     mcv_exr_free(&exr);
     return result;
 }
@@ -223,14 +310,15 @@ static mcv_result say_number(const entry *e, int number, const char *renders, ch
     for (int n = 0; n < count_images(e->panels + number) && result == MCV_OK; ++n) {
         char path[4096];
         snprintf(path, sizeof path, "%s/%s-%d-%d.exr", renders, e->name, number, n);
-        result = read_grey(path, seen.of + n, error);
+        result = read_image(path, seen.of + n, n == 0 ? &seen.error : NULL, error);
     }
     if (result == MCV_OK) e->say(&seen, text);
     for (int n = 0; n < MAX_IMAGES; ++n) mcv_image_free(seen.of + n);
+    mcv_image_free(&seen.error);
     return result;
 }
 
-enum { WIDTH = 280, HEIGHT = 210, MARGIN = 8, LINES = 44 };
+enum { WIDTH = 224, HEIGHT = 168, MARGIN = 8, LINES = 40, LETTERS = 11 };
 
 static mcv_result draw_panel(cairo_t *page, int x, const entry *e, int number, const char *renders, const char *text, mcv_error *error) {
     char path[4096];
@@ -241,13 +329,49 @@ static mcv_result draw_panel(cairo_t *page, int x, const entry *e, int number, c
     cairo_translate(page, x, MARGIN);
     cairo_scale(page, (double)WIDTH / cairo_image_surface_get_width(picture), (double)HEIGHT / cairo_image_surface_get_height(picture));
     cairo_set_source_surface(page, picture, 0, 0);
-    cairo_pattern_set_filter(cairo_get_source(page), CAIRO_FILTER_NEAREST);
+    cairo_pattern_set_filter(cairo_get_source(page),
+                             cairo_image_surface_get_width(picture) < WIDTH ? CAIRO_FILTER_NEAREST : CAIRO_FILTER_GOOD);
     cairo_paint(page);
     cairo_restore(page);
     cairo_surface_destroy(picture);
-    mcv_page_text(page, x + WIDTH / 2.0, MARGIN + HEIGHT + 18, 0.5, e->panels[number].caption);
-    mcv_page_text(page, x + WIDTH / 2.0, MARGIN + HEIGHT + 36, 0.5, text);
+    mcv_page_text(page, x + WIDTH / 2.0, MARGIN + HEIGHT + 16, 0.5, e->panels[number].caption);
+    mcv_page_text(page, x + WIDTH / 2.0, MARGIN + HEIGHT + 31, 0.5, text);
     return status == CAIRO_STATUS_SUCCESS ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: cairo: %s", path, cairo_status_to_string(status));
+}
+
+/* Grey where the page is, which takes less room than cairo's PNG. Frees the page. */
+static mcv_result write_page(cairo_t *page, const char *path, mcv_error *error) {
+    cairo_surface_t *surface = cairo_get_target(page);
+    cairo_surface_flush(surface);
+    const uint32_t width = (uint32_t)cairo_image_surface_get_width(surface), height = (uint32_t)cairo_image_surface_get_height(surface);
+    const size_t pixels = (size_t)width * height, stride = (size_t)cairo_image_surface_get_stride(surface);
+    const unsigned char *data = cairo_image_surface_get_data(surface);
+    mcv_image image;
+    mcv_result result = mcv_image_new(&image, width, height, 3, error);
+    bool grey = true;
+    for (size_t i = 0; i < pixels && result == MCV_OK; ++i) {
+        uint32_t rgb;
+        memcpy(&rgb, data + i / width * stride + 4 * (i % width), sizeof rgb);
+        for (int k = 0; k < 3; ++k) image.pixels[(size_t)k * pixels + i] = (float)(rgb >> (16 - 8 * k) & 255);
+        grey = grey && (rgb >> 16 & 255) == (rgb >> 8 & 255) && (rgb & 255) == (rgb >> 8 & 255);
+    }
+    if (grey) image.channels = 1;
+    if (result == MCV_OK) result = mcv_png_write_values(path, &image, 8, error);
+    mcv_image_free(&image);
+    cairo_destroy(page);
+    return result;
+}
+
+/* Nothing is drawn before everything that it takes is there. */
+static mcv_result check_renders(const entry *e, const char *renders, mcv_error *error) {
+    for (int k = 0; k < count_panels(e); ++k)
+        for (int n = 0; n < count_images(e->panels + k); ++n)
+            for (int picture = 0; picture < (n == 0 ? 2 : 1); ++picture) {
+                char path[4096];
+                snprintf(path, sizeof path, "%s/%s-%d-%d.%s", renders, e->name, k, n, picture ? "png" : "exr");
+                if (access(path, R_OK) != 0) return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", path, strerror(errno));
+            }
+    return MCV_OK;
 }
 
 static mcv_result draw(const entry *e, const char *renders, const char *pictures, mcv_error *error) {
@@ -255,13 +379,13 @@ static mcv_result draw(const entry *e, const char *renders, const char *pictures
     char texts[MAX_PANELS][TEXT], path[4096];
     cairo_t *page;
     for (int k = 0; k < panels; ++k) MCV_TRY(say_number(e, k, renders, texts[k], error));
-    MCV_TRY(mcv_page_new(&page, (uint32_t)(MARGIN + panels * (WIDTH + MARGIN)), HEIGHT + MARGIN + LINES, 13, error));
+    MCV_TRY(mcv_page_new(&page, (uint32_t)(MARGIN + panels * (WIDTH + MARGIN)), HEIGHT + MARGIN + LINES, LETTERS, error));
     mcv_result result = MCV_OK;
     for (int k = 0; k < panels && result == MCV_OK; ++k)
         result = draw_panel(page, MARGIN + k * (WIDTH + MARGIN), e, k, renders, texts[k], error);
     snprintf(path, sizeof path, "%s/%s.png", pictures, e->name);
     if (result == MCV_OK)
-        MCV_TRY(mcv_page_write(page, path, error));
+        MCV_TRY(write_page(page, path, error));
     else
         cairo_destroy(page);
     printf("\n### %s\n\n%s\n\n![%s](../%s)\n\n", e->title, e->text, e->title, path);
@@ -280,6 +404,7 @@ int main(int argc, char **argv) {
         fputs("gallery list\ngallery draw RENDERS PICTURES\n", stderr);
         return MCV_USAGE;
     }
+    for (int i = 0; i < ENTRIES && result == MCV_OK; ++i) result = check_renders(entries + i, argv[2], &error);
     for (int i = 0; i < ENTRIES && result == MCV_OK; ++i) result = draw(entries + i, argv[2], argv[3], &error);
     if (result != MCV_OK) fprintf(stderr, "gallery: %s\n", error.text);
     return (int)result;

@@ -80,6 +80,14 @@ static uint32_t open_record(builder *b, const task *t, mcv_record children[MCV_B
         const mcv_record opened = children[chosen];
         mcv_record_split(&b->splitter, &opened, halve, children + chosen, children + count++);
     }
+    /* Where any hit will do, children are visited in their order: those that cost least first. */
+    for (uint32_t i = 1; i < count; ++i) {
+        const mcv_record moved = children[i];
+        uint32_t place = i;
+        for (; place > 0 && mcv_record_count(children + place - 1) > mcv_record_count(&moved); --place)
+            children[place] = children[place - 1];
+        children[place] = moved;
+    }
     return count;
 }
 
@@ -199,8 +207,8 @@ static void make_references(worker *w) {
         for (int corner = 0; corner < 3; ++corner) {
             const float *p = b->splitter.positions + 3 * (size_t)b->splitter.indices[3 * (size_t)i + corner];
             for (int axis = 0; axis < 3; ++axis) {
-                r->lower[axis] = fminf(r->lower[axis], p[axis]);
-                r->upper[axis] = fmaxf(r->upper[axis], p[axis]);
+                r->lower[axis] = p[axis] < r->lower[axis] ? p[axis] : r->lower[axis];
+                r->upper[axis] = p[axis] > r->upper[axis] ? p[axis] : r->upper[axis];
             }
         }
         mcv_record_add(&all, r);
@@ -344,7 +352,7 @@ mcv_result mcv_bvh_build(const float *positions, const uint32_t *indices, uint32
         threads = processors > 0 ? (uint32_t)processors : 1;
     }
     if (threads > MOST_THREADS) threads = MOST_THREADS;
-    builder b = {.splitter = {.positions = positions, .indices = indices},
+    builder b = {.splitter = {.positions = positions, .indices = indices, .threads = threads},
                  .triangle_count = triangle_count,
                  .threads = threads,
                  .bvh = bvh,

@@ -2,8 +2,14 @@
 #include "accel/split.h"
 
 #include <math.h>
+#include <pthread.h>
 
-enum { MOST_BINS = 32, SPATIAL_BINS = 16 };
+enum {
+    MOST_BINS = 32,
+    SPATIAL_BINS = 16,
+    MOST_BINNERS = 16,     /* threads that bin one record */
+    LEAST_SHARE = 1 << 16, /* references that are worth a thread: some ms */
+};
 
 /*
  * Spatial splits are looked for where the sides of the best other split overlap by this share of the root's area, of the node's own
@@ -82,31 +88,86 @@ static void sweep(const binning *plane, const mcv_box *bounds, const uint32_t *e
     }
 }
 
-/* Nothing is found if all centroids fall into one bin on every axis. */
-static candidate find_object_split(const mcv_splitter *s, const mcv_record *r) {
-    const uint32_t wanted = 4 + mcv_record_count(r) / 16;
-    const uint32_t bins = wanted < MOST_BINS ? wanted : MOST_BINS;
+/* A range of references sorted into the bins of all axes. */
+typedef struct object_bins {
+    const mcv_splitter *splitter;
+    const binning *axes;
+    uint32_t begin, end;
     mcv_box bounds[3][MOST_BINS];
     uint32_t counts[3][MOST_BINS];
-    binning axes[3];
-    candidate best = {.cost = INFINITY};
+} object_bins;
+
+static void *fill_bins(void *user) {
+    object_bins *b = user;
     for (int axis = 0; axis < 3; ++axis) {
-        axes[axis] = bin_axis(&r->centroids, axis, bins);
-        for (uint32_t i = 0; i < bins; ++i) {
-            bounds[axis][i] = mcv_box_empty();
-            counts[axis][i] = 0;
+        for (uint32_t i = 0; i < b->axes[axis].bins; ++i) {
+            b->bounds[axis][i] = mcv_box_empty();
+            b->counts[axis][i] = 0;
         }
     }
-    for (uint32_t i = r->begin; i < r->end; ++i) {
-        const mcv_reference *here = s->references + i;
+    for (uint32_t i = b->begin; i < b->end; ++i) {
+        const mcv_reference *here = b->splitter->references + i;
         const mcv_box added = reference_box(here);
         for (int axis = 0; axis < 3; ++axis) {
-            const uint32_t bin = bin_of(&axes[axis], here);
-            mcv_box_add(&bounds[axis][bin], &added);
-            ++counts[axis][bin];
+            const uint32_t bin = bin_of(&b->axes[axis], here);
+            mcv_box_add(&b->bounds[axis][bin], &added);
+            ++b->counts[axis][bin];
         }
     }
-    for (int axis = 0; axis < 3; ++axis) sweep(&axes[axis], bounds[axis], counts[axis], counts[axis], &best);
+    return NULL;
+}
+
+static void merge_bins(object_bins *into, const object_bins *other) {
+    for (int axis = 0; axis < 3; ++axis) {
+        for (uint32_t i = 0; i < into->axes[axis].bins; ++i) {
+            mcv_box_add(&into->bounds[axis][i], &other->bounds[axis][i]);
+            into->counts[axis][i] += other->counts[axis][i];
+        }
+    }
+}
+
+/* Shares the range among as many threads; where one cannot be started, its part is done here. */
+static void fill_bins_together(object_bins *all, uint32_t threads) {
+    const uint32_t begin = all->begin, count = all->end - all->begin;
+    object_bins parts[MOST_BINNERS];
+    pthread_t handles[MOST_BINNERS];
+    bool started[MOST_BINNERS];
+    for (uint32_t i = 1; i < threads; ++i) {
+        parts[i].splitter = all->splitter;
+        parts[i].axes = all->axes;
+        parts[i].begin = begin + (uint32_t)((uint64_t)count * i / threads);
+        parts[i].end = begin + (uint32_t)((uint64_t)count * (i + 1) / threads);
+        started[i] = pthread_create(handles + i, NULL, fill_bins, parts + i) == 0;
+    }
+    all->end = begin + count / threads;
+    fill_bins(all);
+    for (uint32_t i = 1; i < threads; ++i) {
+        if (started[i])
+            pthread_join(handles[i], NULL);
+        else
+            fill_bins(parts + i);
+        merge_bins(all, parts + i);
+    }
+}
+
+/* Nothing is found if all centroids fall into one bin on every axis. */
+static candidate find_object_split(const mcv_splitter *s, const mcv_record *r) {
+    const uint32_t count = mcv_record_count(r), wanted = 4 + count / 16;
+    binning axes[3];
+    candidate best = {.cost = INFINITY};
+    for (int axis = 0; axis < 3; ++axis) axes[axis] = bin_axis(&r->centroids, axis, wanted < MOST_BINS ? wanted : MOST_BINS);
+    object_bins all;
+    all.splitter = s;
+    all.axes = axes;
+    all.begin = r->begin;
+    all.end = r->end;
+    /* While few records are so large, few threads have one. */
+    const uint32_t threads = count / LEAST_SHARE < s->threads ? count / LEAST_SHARE : s->threads;
+    if (threads > 1)
+        fill_bins_together(&all, threads < MOST_BINNERS ? threads : MOST_BINNERS);
+    else
+        fill_bins(&all);
+    for (int axis = 0; axis < 3; ++axis) sweep(&axes[axis], all.bounds[axis], all.counts[axis], all.counts[axis], &best);
     return best;
 }
 
@@ -174,6 +235,53 @@ static void split_reference(const mcv_splitter *s, const mcv_reference *whole, i
     *has_left = true;
 }
 
+static inline mcv_box point_box(const float *p) { return (mcv_box){{p[0], p[1], p[2], 0.0f}, {p[0], p[1], p[2], 0.0f}}; }
+
+/*
+ * Adds the boxes of a reference's parts in bins first … last: those of the pieces of its triangle's edges. They only serve to choose a
+ * plane, so float will do, and for a triangle that crosses just one, so will the halves of its box.
+ */
+static void add_parts(const mcv_splitter *s, const mcv_reference *whole, const binning *b, uint32_t first, uint32_t last, mcv_box *bounds) {
+    const int axis = b->axis;
+    const mcv_box box = reference_box(whole);
+    if (last <= first + 1) {
+        mcv_box left = box, right = box;
+        if (last > first) {
+            left.upper[axis] = smaller(left.upper[axis], plane_of(b, last));
+            right.lower[axis] = larger(right.lower[axis], plane_of(b, last));
+        }
+        mcv_box_add(&bounds[first], &left);
+        mcv_box_add(&bounds[last], &right);
+        return;
+    }
+    mcv_box parts[SPATIAL_BINS];
+    for (uint32_t i = first; i <= last; ++i) parts[i] = mcv_box_empty();
+    const uint32_t *corners = s->indices + 3 * (size_t)whole->triangle;
+    for (int corner = 0; corner < 3; ++corner) {
+        const float *p = s->positions + 3 * (size_t)corners[corner], *q = s->positions + 3 * (size_t)corners[(corner + 1) % 3];
+        const float *low = p[axis] <= q[axis] ? p : q, *high = low == p ? q : p;
+        const uint32_t bin = spatial_bin(b, p[axis]), from = spatial_bin(b, low[axis]), to = spatial_bin(b, high[axis]);
+        const mcv_box here = point_box(p);
+        if (bin >= first && bin <= last) mcv_box_add(&parts[bin], &here);
+        for (uint32_t i = from < first ? first : from; i < to && i < last; ++i) {
+            const float plane = plane_of(b, i + 1), t = (plane - low[axis]) / (high[axis] - low[axis]);
+            const float crossing[3] = {low[0] + t * (high[0] - low[0]), low[1] + t * (high[1] - low[1]), low[2] + t * (high[2] - low[2])};
+            const mcv_box there = point_box(crossing);
+            mcv_box_add(&parts[i], &there);
+            mcv_box_add(&parts[i + 1], &there);
+        }
+    }
+    for (uint32_t i = first; i <= last; ++i) {
+        mcv_box part;
+        for (int k = 0; k < 4; ++k) {
+            part.lower[k] = larger(parts[i].lower[k], box.lower[k]);
+            part.upper[k] = smaller(parts[i].upper[k], box.upper[k]);
+        }
+        if (part.lower[0] <= part.upper[0] && part.lower[1] <= part.upper[1] && part.lower[2] <= part.upper[2])
+            mcv_box_add(&bounds[i], &part);
+    }
+}
+
 static candidate find_spatial_split(const mcv_splitter *s, const mcv_record *r) {
     candidate best = {.cost = INFINITY};
     for (int axis = 0; axis < 3; ++axis) {
@@ -183,23 +291,9 @@ static candidate find_spatial_split(const mcv_splitter *s, const mcv_record *r) 
         if (!(bins.scale > 0.0f)) continue;
         for (uint32_t i = 0; i < SPATIAL_BINS; ++i) bounds[i] = mcv_box_empty();
         for (uint32_t i = r->begin; i < r->end; ++i) {
-            mcv_reference rest = s->references[i];
-            const uint32_t first = spatial_bin(&bins, rest.lower[axis]), last = spatial_bin(&bins, rest.upper[axis]);
-            bool has_rest = true;
-            for (uint32_t bin = first; bin < last && has_rest; ++bin) {
-                mcv_reference left, right;
-                bool has_left;
-                split_reference(s, &rest, axis, plane_of(&bins, bin + 1), &left, &has_left, &right, &has_rest);
-                if (has_left) {
-                    const mcv_box added = reference_box(&left);
-                    mcv_box_add(&bounds[bin], &added);
-                }
-                rest = right;
-            }
-            if (has_rest) {
-                const mcv_box added = reference_box(&rest);
-                mcv_box_add(&bounds[last], &added);
-            }
+            const mcv_reference *here = s->references + i;
+            const uint32_t first = spatial_bin(&bins, here->lower[axis]), last = spatial_bin(&bins, here->upper[axis]);
+            add_parts(s, here, &bins, first, last, bounds);
             ++entries[first];
             ++exits[last];
         }

@@ -38,6 +38,7 @@ typedef struct mcv_splitter {
     const uint32_t *indices;
     mcv_reference *references;
     float root_area; /* as mcv_box_area */
+    uint32_t threads;
 } mcv_splitter;
 
 mcv_box mcv_box_empty(void);
@@ -70,7 +71,8 @@ static inline void mcv_record_add(mcv_record *r, const mcv_reference *added) {
 
 /*
  * Splits by whichever heuristic is cheaper or, if none finds anything or must be asked (halve), into halves. Both sides get
- * at least one reference.
+ * at least one reference. Large records are binned by several of the threads, which changes nothing: counts and boxes do not depend on
+ * the order in which they are added up.
  */
 void mcv_record_split(const mcv_splitter *s, const mcv_record *r, bool halve, mcv_record *left, mcv_record *right);
 

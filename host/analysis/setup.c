@@ -125,8 +125,15 @@ static bool meets_a_part(const beam *b, const mcv_scene *scene, uint32_t except)
 }
 
 /* The tangent of the widest angle from the normal at which it emits; infinite where it knows no such bound. */
-static double widest(const mcv_emitter *emitter) {
+static double widest(const mcv_scene *scene, const mcv_emitter *emitter) {
     const double half_angle = mcv_emitter_half_angle(emitter);
+    if (emitter->type == MCV_EMITTER_PROJECTOR) { /* the image's corner, seen from the lens's edge */
+        const mcv_projector_params *p = &emitter->as.projector;
+        uint32_t pixels[2];
+        mcv_projector_resolution(p, scene->textures + emitter->texture, pixels);
+        return hypot(pixels[0] * p->pixelSize[0], pixels[1] * p->pixelSize[1]) / (2 * p->imageDistance) +
+               fabs(mcv_kappa(p->focalLength, p->imageDistance)) * p->lensDiameter / 2;
+    }
     if (emitter->type != MCV_EMITTER_LIGHT_FIELD_EMITTER) return half_angle < M_PI / 2 ? tan(half_angle) : INFINITY; /* NaN: no cone */
     const double sine = M_SQRT2 * emitter->as.light_field_emitter.angularRange; /* in the corner of the J x K directions */
     return sine < 1 ? sine / sqrt(1 - sine * sine) : INFINITY;
@@ -134,7 +141,7 @@ static double widest(const mcv_emitter *emitter) {
 
 static bool lights_nothing(const mcv_scene *scene, const mcv_emitter *emitter) {
     double point[3];
-    beam b = {.tangent = widest(emitter)};
+    beam b = {.tangent = widest(scene, emitter)};
     if (emitter->instance == MCV_NONE) return false;
     if (!is_flat(scene->meshes + scene->instances[emitter->instance].mesh)) return false;
     if (!plane_of(scene, emitter->instance, b.axis, point)) return false;

@@ -161,8 +161,8 @@ static void choose(void *user, unsigned index, const mcv_cl *cl) {
     c->cl = *cl;
 }
 
-/* Runs kernels/probe.cl on numbers whose results IEEE 754 fixes to the bit. */
-static mcv_result probe(mcv_cl *cl, mcv_error *error) {
+/* Runs kernels/probe.cl, which every program holds, on numbers whose results IEEE 754 fixes to the bit. */
+static mcv_result probe(mcv_cl *cl, cl_program program, mcv_error *error) {
     static const float inputs[][3] = {{1.0f + 0x1p-12f, 1.0f + 0x1p-12f, -1.0f},
                                       {1.0f, 3.0f, 0.0f},
                                       {0x1p-126f, 0.25f, 0x1p-140f},
@@ -171,12 +171,10 @@ static mcv_result probe(mcv_cl *cl, mcv_error *error) {
                                       {1e20f, 3e-9f, -3e11f}};
     enum { CASES = sizeof inputs / sizeof inputs[0], RESULTS = 4 };
     float results[CASES][RESULTS];
-    cl_program program = NULL;
     cl_kernel kernel = NULL;
     cl_mem in = NULL;
     cl_mem out = NULL;
-    mcv_result result = mcv_cl_build(cl, "probe", "", &program, error);
-    if (result == MCV_OK) result = mcv_cl_kernel(program, "probe_arithmetic", &kernel, error);
+    mcv_result result = mcv_cl_kernel(program, "probe_arithmetic", &kernel, error);
     if (result == MCV_OK) result = mcv_cl_buffer(cl, "the probe's numbers", sizeof inputs, inputs, &in, error);
     if (result == MCV_OK) result = mcv_cl_buffer(cl, "the probe's results", sizeof results, NULL, &out, error);
     if (result == MCV_OK) result = MCV_LAUNCH(cl, kernel, CASES, 1, error, MCV_ARG(in), MCV_ARG(out));
@@ -196,7 +194,7 @@ static mcv_result probe(mcv_cl *cl, mcv_error *error) {
     mcv_cl_release(&in);
     mcv_cl_release(&out);
     if (kernel) clReleaseKernel(kernel);
-    if (program) clReleaseProgram(program);
+    cl->probed = result == MCV_OK;
     return result;
 }
 
@@ -212,10 +210,9 @@ mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error) {
     cl->context = clCreateContext(NULL, 1, &cl->device, NULL, NULL, &code);
     MCV_TRY_CL(code, error);
     cl->queue = clCreateCommandQueue(cl->context, cl->device, CL_QUEUE_PROFILING_ENABLE, &code);
-    mcv_result result =
-        code == CL_SUCCESS ? probe(cl, error) : mcv_fail(error, MCV_DEVICE, "clCreateCommandQueue failed with %s", mcv_cl_error_name(code));
-    if (result != MCV_OK) mcv_cl_close(cl);
-    return result;
+    if (code == CL_SUCCESS) return MCV_OK;
+    mcv_cl_close(cl);
+    return mcv_fail(error, MCV_DEVICE, "clCreateCommandQueue failed with %s", mcv_cl_error_name(code));
 }
 
 void mcv_cl_close(mcv_cl *cl) {
@@ -279,6 +276,7 @@ mcv_result mcv_cl_build(mcv_cl *cl, const char *name, const char *options, cl_pr
         }
     }
     free(from_files);
+    if (result == MCV_OK && !cl->probed) result = probe(cl, *program, error);
     if (result != MCV_OK && *program) {
         clReleaseProgram(*program);
         *program = NULL;

@@ -22,12 +22,13 @@ typedef struct mcv_cl {
     bool correct_divide_sqrt; /* -cl-fp32-correctly-rounded-divide-sqrt is supported */
     cl_ulong memory, largest_allocation;
     cl_uint units;
+    bool probed; /* the device computes as it must */
 } mcv_cl;
 
 /*
  * Opens a device. `which` is NULL (a GPU if there is one, else the first), a number as `mcvisi devices` prints it, or
  * "PLATFORM:TYPE:NAME" of case-insensitive substrings (TYPE cpu, gpu or empty). MCVISI_OPENCL_DEVICE in the environment
- * stands in for NULL. A device that fails the probe (fma, IEEE division and square root, denormals kept) is refused.
+ * stands in for NULL.
  */
 mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error);
 void mcv_cl_close(mcv_cl *cl);
@@ -37,7 +38,8 @@ mcv_result mcv_cl_list(void (*told)(void *user, unsigned index, const mcv_cl *de
 
 /*
  * Builds kernels/<name>.cl with the given -D options (such as "-DMCV_CHANNELS=1 -DMCV_SENSOR_telecentric"), from the
- * library or, where MCVISI_KERNEL_DIR names the repository's root, from its sources.
+ * library or, where MCVISI_KERNEL_DIR names the repository's root, from its sources. With the first program the device is probed: one
+ * that fails (fma, IEEE division and square root, denormals kept) is refused.
  */
 mcv_result mcv_cl_build(mcv_cl *cl, const char *name, const char *options, cl_program *program, mcv_error *error);
 mcv_result mcv_cl_kernel(cl_program program, const char *name, cl_kernel *kernel, mcv_error *error);

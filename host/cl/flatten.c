@@ -75,7 +75,8 @@ mcv_result mcv_flatten(const char *root, const char *program, char **text, mcv_e
     flattening f = {.root = root, .error = error, .out = open_memstream(text, &size)};
     if (!f.out) return mcv_fail(error, MCV_FAILED, "%s: no memory to read the OpenCL program", program);
     snprintf(name, sizeof name, "%s.cl", program);
-    const mcv_result result = flatten_file(&f, name, 0, false);
+    mcv_result result = flatten_file(&f, name, 0, false);
+    if (result == MCV_OK) result = flatten_file(&f, "probe.cl", 0, false);
     fclose(f.out);
     if (result != MCV_OK) {
         free(*text);

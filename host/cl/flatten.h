@@ -7,8 +7,8 @@
 #include "mcvisi/mcvisi.h"
 
 /*
- * Reads <root>/kernels/<program>.cl; includes are looked for in <root>/kernels and <root>/include. *text is malloc'ed.
- * Lines with `#include <…>` are left out: they belong to the host's side of a header.
+ * Reads <root>/kernels/<program>.cl and, for mcv_cl_build, the probe; includes are looked for in <root>/kernels and <root>/include. *text
+ * is malloc'ed. Lines with `#include <…>` are left out: they belong to the host's side of a header.
  */
 mcv_result mcv_flatten(const char *root, const char *program, char **text, mcv_error *error);
 

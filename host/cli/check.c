@@ -156,9 +156,24 @@ static void report_radiometry(mcv_report *report, const char *key, const char *u
     mcv_report_spectrum(report, key, unit, (const double[]){factor * mean[0] * l[0], factor * mean[1] * l[1], factor * mean[2] * l[2]});
 }
 
+/* A projector's lens, and the size of its picture where that is sharp. */
+static void report_lens(mcv_report *report, const mcv_scene *scene, const mcv_emitter *emitter) {
+    const mcv_projector_params *p = &emitter->as.projector;
+    const double scale = p->focusDistance / p->imageDistance;
+    uint32_t pixels[2];
+    mcv_projector_resolution(p, scene->textures + emitter->texture, pixels);
+    mcv_report_number(report, "focalLength", "m", p->focalLength);
+    mcv_report_number(report, "imageDistance", "m", p->imageDistance);
+    mcv_report_number(report, "focusDistance", "m", p->focusDistance);
+    mcv_report_number(report, "lensDiameter", "m", p->lensDiameter);
+    mcv_report_number(report, "fNumber", "", p->fNumber);
+    mcv_report_numbers(report, "picture_in_focus", "m", " x ",
+                       (const double[]){scale * pixels[0] * p->pixelSize[0], scale * pixels[1] * p->pixelSize[1]}, 2);
+}
+
 static void report_emitter(mcv_report *report, const mcv_scene *scene, uint32_t index) {
     const mcv_emitter *emitter = scene->emitters + index;
-    const double half_angle = mcv_emitter_half_angle(emitter), power = mcv_emitter_unit_power(emitter);
+    const double half_angle = mcv_emitter_half_angle(emitter), power = mcv_emitter_unit_power(scene, emitter);
     const char *unit, *key = mcv_emitter_brightness(emitter, &unit);
     const bool radiant = strcmp(key, "radiance") == 0;
     double mean[3];
@@ -169,12 +184,13 @@ static void report_emitter(mcv_report *report, const mcv_scene *scene, uint32_t 
         const mcv_instance *instance = scene->instances + emitter->instance;
         mcv_report_text(report, "node", instance->name);
         report_place(report, &instance->to_world);
-    } else if (emitter->type != MCV_EMITTER_ENVIRONMENT) {
+    } else if (emitter->type != MCV_EMITTER_ENVIRONMENT || emitter->texture != MCV_NONE) {
         report_place(report, &emitter->to_world);
     }
     if (!isnan(half_angle)) mcv_report_number(report, "halfAngle", "rad", half_angle);
     mcv_report_number(report, "solid_angle", "sr", mcv_emitter_solid_angle(emitter));
     report_radiometry(report, key, unit, emitter, 1, (const double[]){1, 1, 1});
+    if (emitter->type == MCV_EMITTER_PROJECTOR) report_lens(report, scene, emitter);
     if (radiant) report_radiometry(report, "exitance", "W/m²", emitter, mcv_emitter_projected_solid_angle(emitter), mean);
     if (emitter->instance != MCV_NONE) mcv_report_number(report, "area", "m²", emitter->area);
     if (!isnan(power)) report_radiometry(report, "power", "W", emitter, power, mean);

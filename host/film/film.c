@@ -37,6 +37,8 @@ mcv_result mcv_film_new(mcv_film *film, uint32_t width, uint32_t height, uint32_
 
 void mcv_film_free(mcv_film *film) {
     free(film->sums);
+    free(film->camera_sums);
+    free(film->splats);
     *film = (mcv_film){0};
 }
 
@@ -58,9 +60,30 @@ mcv_result mcv_film_merge(mcv_film *a, const mcv_film *b, mcv_error *error) {
                         (unsigned long long)a->samples, (unsigned long long)b->samples);
     }
     const size_t count = (size_t)a->width * a->height * a->channels * a->replicates;
-    for (size_t i = 0; i < count; ++i) a->sums[i] = a->samples == 0 ? b->sums[i] : a->sums[i] + b->sums[i];
-    a->samples += b->samples;
+    if (a->samples == 0 && b->splats && !a->splats) MCV_TRY(mcv_film_take_splats(a, b->splat_value, error));
+    if (!a->splats != !b->splats || (a->splats && a->splat_value != b->splat_value))
+        return mcv_fail(error, MCV_FAILED, "films of which one has light paths and the other has none, or others, cannot be merged");
+    for (size_t i = 0; a->splats && i < count; ++i) a->splats[i] += b->splats[i];
+    mcv_film_add(a, b->splats ? b->camera_sums : b->sums, b->samples);
     return MCV_OK;
+}
+
+mcv_result mcv_film_take_splats(mcv_film *film, double value, mcv_error *error) {
+    const size_t count = (size_t)film->width * film->height * film->channels * film->replicates;
+    film->camera_sums = calloc(count, sizeof *film->camera_sums);
+    film->splats = calloc(count, sizeof *film->splats);
+    film->splat_value = value;
+    if (film->camera_sums && film->splats) return MCV_OK;
+    return mcv_fail(error, MCV_FAILED, "a film of %u x %u pixels needs %.3g GB of memory more for light paths, which is not there",
+                    film->width, film->height, 16e-9 * (double)count);
+}
+
+void mcv_film_add(mcv_film *film, const double *round, uint64_t samples) {
+    const size_t count = (size_t)film->width * film->height * film->channels * film->replicates;
+    double *sums = film->splats ? film->camera_sums : film->sums;
+    for (size_t i = 0; i < count; ++i) sums[i] = film->samples == 0 ? round[i] : sums[i] + round[i];
+    for (size_t i = 0; film->splats && i < count; ++i) film->sums[i] = sums[i] + film->splat_value * (double)film->splats[i];
+    film->samples += samples;
 }
 
 mcv_result mcv_image_new(mcv_image *image, uint32_t width, uint32_t height, uint32_t channels, mcv_error *error) {

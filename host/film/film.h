@@ -16,6 +16,10 @@ typedef struct mcv_film {
     uint32_t width, height, channels, replicates;
     uint64_t samples; /* per replicate and pixel, so far */
     double *sums;     /* [replicate][channel][row][column] */
+    /* Where light paths add to the film, else NULL: the sums' parts, of which splats are exact in any order. */
+    double *camera_sums;
+    uint64_t *splats;
+    double splat_value; /* of one unit */
 } mcv_film;
 
 enum { MCV_MAX_REPLICATES = 64 };
@@ -35,6 +39,12 @@ double mcv_tree_sum(const double *values, size_t count, size_t stride);
  * many samples as b (the tree would be another one).
  */
 mcv_result mcv_film_merge(mcv_film *a, const mcv_film *b, mcv_error *error);
+
+/* Before the first samples: the film is to have splats, too. */
+mcv_result mcv_film_take_splats(mcv_film *film, double value, mcv_error *error);
+
+/* Adds a round of camera paths, laid out as the sums; film->splats are those of all samples so far already. */
+void mcv_film_add(mcv_film *film, const double *round, uint64_t samples);
 
 /* A plane of floats per channel, as written to files: [channel][row][column]. */
 typedef struct mcv_image {

@@ -153,9 +153,24 @@ static bool attach_planes(exr_coding_channel_info_t *channels, int count, const 
     return true;
 }
 
+/* OpenEXR's own compression, which compress_chunk calls. */
+typedef exr_result_t compressor(exr_encode_pipeline_t *pipeline);
+
+/*
+ * Readers take a chunk for uncompressed when it is as long as that. OpenEXR 3.1 stores the compressed bytes even if they are exactly as
+ * many, and so loses the chunk: then the plain ones belong there.
+ */
+static exr_result_t compress_chunk(exr_encode_pipeline_t *pipeline) {
+    TRY_EXR((*(compressor *const *)pipeline->encoding_user_data)(pipeline));
+    if (pipeline->compressed_bytes == pipeline->packed_bytes && pipeline->compressed_buffer != pipeline->packed_buffer)
+        memcpy(pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->packed_bytes);
+    return EXR_ERR_SUCCESS;
+}
+
 static exr_result_t encode_part(exr_context_t context, int index, const mcv_exr_part *part) {
     exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
     exr_result_t result = EXR_ERR_SUCCESS;
+    compressor *compress = NULL;
     int32_t lines = 0;
     TRY_EXR(exr_get_scanlines_per_chunk(context, index, &lines));
     for (uint32_t row = 0; row < part->image.height && result == EXR_ERR_SUCCESS; row += (uint32_t)lines) {
@@ -166,7 +181,12 @@ static exr_result_t encode_part(exr_context_t context, int index, const mcv_exr_
             row == 0 ? exr_encoding_initialize(context, index, &chunk, &pipeline) : exr_encoding_update(context, index, &chunk, &pipeline);
         if (result != EXR_ERR_SUCCESS) break;
         if (!attach_planes(pipeline.channels, pipeline.channel_count, part, row)) result = EXR_ERR_INVALID_ARGUMENT;
-        if (result == EXR_ERR_SUCCESS && row == 0) result = exr_encoding_choose_default_routines(context, index, &pipeline);
+        if (result == EXR_ERR_SUCCESS && row == 0) {
+            result = exr_encoding_choose_default_routines(context, index, &pipeline);
+            compress = pipeline.compress_fn;
+            pipeline.encoding_user_data = &compress;
+            if (compress) pipeline.compress_fn = compress_chunk;
+        }
         if (result == EXR_ERR_SUCCESS) result = exr_encoding_run(context, index, &pipeline);
     }
     exr_encoding_destroy(context, &pipeline);

@@ -60,7 +60,7 @@ mcv_result ref_emitters_new(const mcv_scene *scene, ref_emitters *emitters, mcv_
     if (!emitters->items) return mcv_fail(error, MCV_FAILED, "reference renderer: no memory for the emitters of %s", scene->path);
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
         if (scene->emitters[i].type == MCV_EMITTER_ENVIRONMENT) {
-            for (int channel = 0; channel < 3; ++channel) emitters->environment[channel] = scene->emitters[i].radiance[channel];
+            emitters->environment = &scene->emitters[i];
             continue;
         }
         if (!mcv_emitter_has_surface(scene->emitters[i].type) || scene->emitters[i].type == MCV_EMITTER_COLLIMATED_BEAM)
@@ -101,6 +101,18 @@ static void show_image(const mcv_scene *scene, const mcv_emitter *emitter, const
         const mcv_telecentric_projector_params *p = &emitter->as.telecentric_projector;
         const double right = ref_dot(place, x) / p->size[0] * (p->mirror ? -1 : 1), up = ref_dot(place, y) / p->size[1];
         ref_texel(image, part(0.5 + right, image->width), part(0.5 - up, image->height), rgb);
+    } else if (emitter->type == MCV_EMITTER_PROJECTOR) {
+        const mcv_projector_params *p = &emitter->as.projector;
+        const double ahead = -ref_dot(direction, (ref_vec){m[2], m[5], m[8]}), o_x = ref_dot(place, x), o_y = ref_dot(place, y);
+        const double reciprocal_throw = 1 / p->focalLength - 1 / p->imageDistance, b = p->imageDistance;
+        const double right = b / p->pixelSize[0] * (ref_dot(direction, x) / ahead + reciprocal_throw * o_x) * (p->mirror ? -1 : 1);
+        const bool pattern = p->pattern.type != MCV_NONE; /* whose image is a line of it */
+        const double columns = pattern ? p->pattern.resolution[0] : image->width, rows = pattern ? p->pattern.resolution[1] : image->height;
+        const double column = columns / 2 + right;
+        const double row = rows / 2 - b / p->pixelSize[1] * (ref_dot(direction, y) / ahead + reciprocal_throw * o_y);
+        const bool through = hypot(o_x, o_y) <= p->lensDiameter / 2 && ahead > 0;
+        if (through && column >= 0 && column < columns && row >= 0 && row < rows)
+            ref_texel(image, part(column / columns, image->width), part(row / rows, image->height), rgb);
     } else {
         const mcv_light_field_emitter_params *p = &emitter->as.light_field_emitter;
         const uint32_t *macro = p->spatialResolution, *angular = p->angularResolution;
@@ -112,6 +124,19 @@ static void show_image(const mcv_scene *scene, const mcv_emitter *emitter, const
     for (int channel = 0; channel < 3; ++channel) radiance[channel] *= rgb[channel];
 }
 
+void ref_environment(const mcv_scene *scene, const ref_emitters *emitters, ref_vec direction, double radiance[3]) {
+    const mcv_emitter *sky = emitters->environment;
+    double rgb[3] = {1, 1, 1};
+    if (sky && sky->texture != MCV_NONE) {
+        const mcv_texture *image = &scene->textures[sky->texture];
+        const double *m = sky->to_world.m;
+        const double right = ref_dot(direction, (ref_vec){m[0], m[3], m[6]}), back = ref_dot(direction, (ref_vec){m[2], m[5], m[8]});
+        const double polar = ref_angle(direction, (ref_vec){m[1], m[4], m[7]});
+        ref_texel(image, part(0.5 + atan2(right, -back) / (2 * M_PI), image->width), part(polar / M_PI, image->height), rgb);
+    }
+    for (int channel = 0; channel < 3; ++channel) radiance[channel] = sky ? sky->radiance[channel] * rgb[channel] : 0;
+}
+
 void ref_emitted(const mcv_scene *scene, const ref_surface *surface, ref_vec direction, double radiance[3]) {
     const uint32_t index = scene->instances[surface->instance].emitter;
     radiance[0] = radiance[1] = radiance[2] = 0;
@@ -119,7 +144,8 @@ void ref_emitted(const mcv_scene *scene, const ref_surface *surface, ref_vec dir
     if (!(ref_dot(direction, surface->normal) > 0) || !(ref_dot(direction, surface->geometric) > 0)) return;
     const mcv_emitter *emitter = &scene->emitters[index];
     if (cone_of(emitter) > 0 && ref_angle(direction, surface->normal) > cone_of(emitter)) return;
-    const bool shows = emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR || emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER;
+    const bool shows = emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR || emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER ||
+                       emitter->type == MCV_EMITTER_PROJECTOR;
     ref_texture_lookup(scene, shows ? MCV_NONE : emitter->texture, surface->texcoord, radiance);
     for (int channel = 0; channel < 3; ++channel) radiance[channel] *= emitter->radiance[channel];
     if (shows) show_image(scene, emitter, surface, direction, radiance);

@@ -19,12 +19,15 @@ typedef struct ref_emitter {
 typedef struct ref_emitters {
     uint32_t count; /* without the environment */
     ref_emitter *items;
-    double environment[3]; /* radiance, 0 without one */
+    const mcv_emitter *environment; /* or NULL */
 } ref_emitters;
 
 /* Fails only without memory. */
 mcv_result ref_emitters_new(const mcv_scene *scene, ref_emitters *emitters, mcv_error *error);
 void ref_emitters_free(ref_emitters *emitters);
+
+/* The radiance of the environment in the unit direction away from the scene, 0 without one. */
+void ref_environment(const mcv_scene *scene, const ref_emitters *emitters, ref_vec direction, double radiance[3]);
 
 /* The radiance that a surface emits in the unit direction, 0 where its instance is no emitter. */
 void ref_emitted(const mcv_scene *scene, const ref_surface *surface, ref_vec direction, double radiance[3]);

@@ -6,6 +6,7 @@
 #include "reference/geometry.h"
 #include "reference/random.h"
 #include "reference/sight.h"
+#include "scene/emitters.h"
 #include "scene/sensors.h"
 
 enum { PIXELS = 16, PLACES = 16, PLACES_IN_PIXEL = 4, MOST_RAYS = 1 << 18 };
@@ -19,17 +20,36 @@ typedef struct tally {
 /* Is it dark from some directions? */
 static bool has_cone(const mcv_emitter *emitter) {
     return emitter->type == MCV_EMITTER_PARALLEL || emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR ||
-           emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER;
+           emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER || emitter->type == MCV_EMITTER_PROJECTOR;
 }
 
-/* Does it emit along `direction` from where it has this normal, whatever its image says? */
-static bool in_cone(const mcv_scene *scene, const mcv_emitter *emitter, ref_vec direction, ref_vec normal) {
+/* Does light of the image leave this place on a projector's lens in a direction? In the node's axes, the image's tangents as in its header.
+ */
+static bool in_picture(const mcv_scene *scene, const mcv_emitter *emitter, ref_vec place, ref_vec direction) {
+    const mcv_projector_params *p = &emitter->as.projector;
+    const double kappa = 1 / p->focalLength - 1 / p->imageDistance;
+    uint32_t pixels[2];
+    mcv_projector_resolution(p, scene->textures + emitter->texture, pixels);
+    if (!(direction.z < 0) || hypot(place.x, place.y) > p->lensDiameter / 2) return false;
+    const double right = direction.x / -direction.z + kappa * place.x, up = direction.y / -direction.z + kappa * place.y;
+    return fabs(right) <= pixels[0] * p->pixelSize[0] / (2 * p->imageDistance) &&
+           fabs(up) <= pixels[1] * p->pixelSize[1] / (2 * p->imageDistance);
+}
+
+/* Does it emit along `direction` from a place where it has this normal, whatever its image says? */
+static bool in_cone(const mcv_scene *scene, const mcv_emitter *emitter, ref_vec direction, const ref_surface *surface) {
     const double *m = scene->instances[emitter->instance].to_world.m;
+    const ref_vec normal = surface->normal;
     if (emitter->type == MCV_EMITTER_PARALLEL) return ref_angle(direction, normal) <= emitter->as.parallel.halfAngle;
     if (emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR)
         return ref_angle(direction, normal) <= emitter->as.telecentric_projector.halfAngle;
     const double range = emitter->as.light_field_emitter.angularRange;
-    const ref_vec right = {m[0], m[3], m[6]}, up = {m[1], m[4], m[7]};
+    const ref_vec right = {m[0], m[3], m[6]}, up = {m[1], m[4], m[7]}, back = {m[2], m[5], m[8]};
+    if (emitter->type == MCV_EMITTER_PROJECTOR) {
+        const ref_vec place = ref_sub(surface->position, (ref_vec){m[9], m[10], m[11]});
+        return in_picture(scene, emitter, (ref_vec){ref_dot(place, right), ref_dot(place, up), 0},
+                          (ref_vec){ref_dot(direction, right), ref_dot(direction, up), ref_dot(direction, back)});
+    }
     return fabs(ref_dot(direction, right)) <= range && fabs(ref_dot(direction, up)) <= range;
 }
 
@@ -43,7 +63,7 @@ static void look(const ref_geometry *geometry, ref_sight sight, tally *tallies) 
     const ref_surface surface = ref_surface_at(geometry, &hit);
     const ref_vec back = ref_scale(-1, sight.direction);
     if (!(ref_dot(back, surface.geometric) > 0)) return; /* behind it there is nothing to face */
-    const bool lit = in_cone(scene, scene->emitters + number, back, surface.normal);
+    const bool lit = in_cone(scene, scene->emitters + number, back, &surface);
     tallies[number].seen_now = true;
     tallies[number].lit_now = tallies[number].lit_now || lit;
 }

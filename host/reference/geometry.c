@@ -269,5 +269,13 @@ ref_surface ref_surface_at(const ref_geometry *geometry, const ref_hit *hit) {
         }
     }
     if (ref_dot(sum, sum) > 0) surface.normal = ref_unit(sum);
+    for (int i = 0; mesh->tangents && i < 3; ++i) {
+        double tangent[4];
+        mcv_scene_tangent(scene, triangle->instance, vertices[i], tangent);
+        surface.tangent = ref_add(surface.tangent, ref_scale(hit->weights[i], ref_from(tangent)));
+        if (i == 0) surface.hand = tangent[3];
+    }
+    surface.tangent = ref_sub(surface.tangent, ref_scale(ref_dot(surface.tangent, surface.normal), surface.normal));
+    if (ref_dot(surface.tangent, surface.tangent) > 0) surface.tangent = ref_unit(surface.tangent);
     return surface;
 }

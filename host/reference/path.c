@@ -3,6 +3,7 @@
 
 #include "reference/interface.h"
 #include "reference/lights.h"
+#include "reference/retroreflector.h"
 #include "reference/texture.h"
 
 /* Russian roulette from this surface on, for throughputs below the threshold. */
@@ -44,15 +45,40 @@ static void add_emission(const ref_world *world, const path *p, const ref_surfac
 typedef struct spreader {
     const mcv_material *material;
     ref_meeting meeting;
-    double share[3]; /* its reflectance there */
+    double share[3];                          /* diffuse: its reflectance there */
+    const ref_media *near;                    /* media around light on the path's side … */
+    ref_media far;                            /* … and on the other */
+    const mcv_retroreflector_params *returns; /* a retroreflector that spreads what returns, or NULL */
+    ref_gloss gloss;                          /* of microfacets, in this frame, seen from o: */
+    ref_vec x, y, o;
 } spreader;
+
+static ref_vec to_frame(const spreader *s, ref_vec v) {
+    return (ref_vec){ref_dot(v, s->x), ref_dot(v, s->y), ref_dot(v, s->meeting.normal)};
+}
+
+static ref_vec from_frame(const spreader *s, ref_vec v) {
+    return ref_add(ref_scale(v.z, s->meeting.normal), ref_add(ref_scale(v.x, s->x), ref_scale(v.y, s->y)));
+}
 
 /* f cosθ for light from the direction, and the density with which the path would choose it. */
 static double respond(const spreader *s, ref_vec direction, double value[3]) {
     const double cosine = ref_dot(direction, s->meeting.normal);
-    const bool comes = cosine > 0 && ref_dot(direction, s->meeting.face) > 0;
-    for (int channel = 0; channel < 3; ++channel) value[channel] = comes ? s->share[channel] * cosine / M_PI : 0;
-    return comes ? cosine / M_PI : 0;
+    value[0] = value[1] = value[2] = 0;
+    if (cosine * ref_dot(direction, s->meeting.face) <= 0) return 0; /* normal and face disagree on its side */
+    if (s->gloss.material) return ref_gloss_evaluate(&s->gloss, s->o, to_frame(s, direction), value);
+    if (s->returns) return ref_retroreflector_evaluate(s->returns, s->o, to_frame(s, direction), value);
+    for (int channel = 0; cosine > 0 && channel < 3; ++channel) value[channel] = s->share[channel] * cosine / M_PI;
+    return fmax(cosine, 0) / M_PI;
+}
+
+/* A direction with the density that `respond` gives; the zero vector: the path ends. */
+static ref_vec choose(const spreader *s, ref_random *random) {
+    if (s->gloss.material) return from_frame(s, ref_gloss_sample(&s->gloss, s->o, random));
+    if (s->returns) return from_frame(s, ref_retroreflector_sample(s->returns, s->o, random));
+    /* Density cosθ/π: sin²θ is uniform. */
+    const double u = ref_random_unit(random), phi = 2 * M_PI * ref_random_unit(random), sine = sqrt(u);
+    return from_frame(s, (ref_vec){sine * cos(phi), sine * sin(phi), sqrt(1 - u)});
 }
 
 /* Adds the light of one emitter at a surface that spreads it. */
@@ -74,7 +100,8 @@ static void add_direct(const ref_world *world, const path *p, const ref_emitter 
     ref_emitted(world->scene, &source, ref_scale(-1, direction), emitted);
     const double density = ref_emitter_density(emitter, surface->position, direction, &source);
     if (largest(emitted) == 0 || density == 0) return;
-    const mcv_dielectric_params *filling = ref_media_filling(&p->media, world->scene);
+    const bool beyond = ref_dot(direction, s->meeting.face) < 0;
+    const mcv_dielectric_params *filling = ref_media_filling(beyond ? &s->far : s->near, world->scene);
     const double ior = ref_media_ior(filling);
     const double scale = 1 / (density + own) / (ior * ior); /* balance heuristic / density */
     for (int channel = 0; channel < 3; ++channel) {
@@ -96,7 +123,8 @@ static void add_light(const ref_world *world, const path *p, const mcv_emitter *
     const bool blocked = ref_closest_hit(&world->geometry, surface->position, light.direction, surface->number, &hit) &&
                          hit.distance < light.distance && hit.triangle->instance != light.instance;
     if (blocked) return;
-    const mcv_dielectric_params *filling = ref_media_filling(&p->media, world->scene);
+    const bool beyond = ref_dot(light.direction, s->meeting.face) < 0;
+    const mcv_dielectric_params *filling = ref_media_filling(beyond ? &s->far : s->near, world->scene);
     const double ior = ref_media_ior(filling);
     for (int channel = 0; channel < 3; ++channel) {
         const double absorption = filling && filling->absorption[channel] > 0 ? exp(-filling->absorption[channel] * light.distance) : 1;
@@ -113,31 +141,53 @@ static bool meet_spreader(const ref_world *world, path *p, const ref_surface *su
             add_direct(world, p, &world->emitters.items[i], surface, s, random, tally, radiance);
     for (uint32_t i = 0; i < world->scene->emitter_count && !last; ++i)
         add_light(world, p, &world->scene->emitters[i], surface, s, tally, radiance);
-    /* Density cosθ/π: sin²θ is uniform. */
-    const double u = ref_random_unit(random), phi = 2 * M_PI * ref_random_unit(random), sine = sqrt(u), cosine = sqrt(1 - u);
-    ref_vec x, y;
-    ref_frame(s->meeting.normal, &x, &y);
-    const ref_vec direction =
-        ref_add(ref_scale(cosine, s->meeting.normal), ref_add(ref_scale(sine * cos(phi), x), ref_scale(sine * sin(phi), y)));
-    if (!(ref_dot(direction, s->meeting.face) > 0)) return false; /* into the surface: absorbed */
-    p->direction = direction;
-    p->density = world->sample_emitters ? cosine / M_PI : 0;
-    multiply(p->throughput, s->share);
+    double value[3];
+    const ref_vec direction = choose(s, random);
+    const double density = respond(s, direction, value);
+    if (!(density > 0)) return false; /* into the surface: absorbed */
+    p->direction = ref_unit(direction);
+    p->density = world->sample_emitters ? density : 0;
+    if (ref_dot(direction, s->meeting.face) < 0) p->media = s->far;
+    for (int channel = 0; channel < 3; ++channel) p->throughput[channel] *= value[channel] / density;
     return true;
 }
 
-static void meet_dielectric(const ref_world *world, path *p, const ref_surface *surface, ref_random *random, ref_tally *tally) {
+/* The frame of a surface of microfacets: its first axis is the rougher direction. */
+static void find_frame(const ref_surface *surface, spreader *s) {
+    const double rotation = mcv_material_roughness(s->material).rotation;
+    ref_frame(s->meeting.normal, &s->x, &s->y);
+    if (ref_dot(surface->tangent, surface->tangent) > 0) {
+        const ref_vec across = ref_scale(surface->hand, ref_cross(surface->normal, surface->tangent));
+        const ref_vec turned = ref_add(ref_scale(cos(rotation), surface->tangent), ref_scale(sin(rotation), across));
+        const ref_vec flat = ref_sub(turned, ref_scale(ref_dot(turned, s->meeting.normal), s->meeting.normal));
+        if (ref_dot(flat, flat) > 0) s->x = ref_unit(flat);
+        s->y = ref_cross(s->meeting.normal, s->x);
+    }
+    s->o = to_frame(s, ref_scale(-1, s->meeting.direction));
+}
+
+static bool meet_dielectric(const ref_world *world, path *p, const ref_surface *surface, bool last, ref_random *random, ref_tally *tally,
+                            double radiance[3]) {
     const ref_meeting meeting = ref_meet(surface, p->direction);
     ref_media beyond;
     if (!ref_media_cross(&p->media, &beyond, surface->instance, meeting.front)) ++tally->unmatched;
     const double from = ref_media_ior(ref_media_filling(&p->media, world->scene));
     const double to = ref_media_ior(ref_media_filling(&beyond, world->scene));
+    const uint32_t number = world->scene->instances[surface->instance].material;
+    const ref_gloss_table *table = ref_gloss_find(&world->gloss, world->scene, number, meeting.front ? from : to);
+    if (table && from != to) {
+        spreader s = {.material = &world->scene->materials[number], .meeting = meeting, .near = &p->media, .far = beyond};
+        s.gloss = (ref_gloss){.material = s.material, .table = table, .roughness = 1, .from = from, .to = to, .inside = !meeting.front};
+        find_frame(surface, &s);
+        return meet_spreader(world, p, surface, &s, last, random, tally, radiance);
+    }
     if (ref_random_unit(random) < ref_reflectance(&meeting, from, to)) {
         p->direction = ref_reflect(&meeting);
     } else {
         p->direction = ref_refract(&meeting, from, to);
         p->media = beyond;
     }
+    return true;
 }
 
 static void meet_mirror(path *p, const ref_surface *surface, const double reflectance[3]) {
@@ -174,6 +224,60 @@ static void modulate(const ref_world *world, const ref_surface *surface, const d
     multiply(product, parameter);
 }
 
+static void meet_conductor(const ref_world *world, path *p, const ref_surface *surface, const mcv_conductor_params *metal) {
+    const ref_meeting meeting = ref_meet(surface, p->direction);
+    const double outside = ref_media_ior(ref_media_filling(&p->media, world->scene));
+    const double cosine = fmin(-ref_dot(meeting.direction, meeting.normal), 1);
+    for (int channel = 0; channel < 3; ++channel)
+        p->throughput[channel] *= ref_conductor_reflectance(metal->n[channel] / outside, metal->k[channel] / outside, cosine);
+    p->direction = ref_reflect(&meeting);
+}
+
+/* An opaque or thin surface of microfacets. */
+static bool meet_gloss(const ref_world *world, path *p, const ref_surface *surface, bool last, ref_random *random, ref_tally *tally,
+                       double radiance[3]) {
+    const uint32_t number = world->scene->instances[surface->instance].material;
+    const mcv_material *material = &world->scene->materials[number];
+    const uint32_t texture = mcv_material_surface_texture(material);
+    spreader s = {.material = material, .meeting = ref_meet(surface, p->direction), .near = &p->media, .far = p->media};
+    s.gloss = (ref_gloss){.material = material,
+                          .table = ref_gloss_find(&world->gloss, world->scene, number, 0),
+                          .roughness = 1,
+                          .from = ref_media_ior(ref_media_filling(&p->media, world->scene))};
+    if (material->type == MCV_MATERIAL_METALLIC_ROUGHNESS) {
+        double scales[3];
+        ref_texture_lookup(world->scene, texture, surface->texcoord, scales);
+        modulate(world, surface, material->as.metallic_roughness.baseColor, s.gloss.base);
+        s.gloss.roughness = scales[1];
+        s.gloss.metallic = material->as.metallic_roughness.metallic * scales[2];
+    }
+    find_frame(surface, &s);
+    return meet_spreader(world, p, surface, &s, last, random, tally, radiance);
+}
+
+/* Where light returns exactly, what is scattered diffusely is a surface of its own. */
+static bool meet_retroreflector(const ref_world *world, path *p, const ref_surface *surface, bool last, ref_random *random,
+                                ref_tally *tally, double radiance[3]) {
+    const mcv_material *material = &world->scene->materials[world->scene->instances[surface->instance].material];
+    const mcv_retroreflector_params *r = &material->as.retroreflector;
+    spreader s = {.material = material, .meeting = ref_meet(surface, p->direction), .near = &p->media, .far = p->media};
+    find_frame(surface, &s);
+    if (r->divergence > 0) {
+        s.returns = r;
+        return meet_spreader(world, p, surface, &s, last, random, tally, radiance);
+    }
+    const double chance = ref_retroreflector_chance(r, s.o);
+    if (ref_random_unit(random) < chance) {
+        for (int channel = 0; channel < 3; ++channel)
+            p->throughput[channel] *= r->reflectance[channel] * ref_retroreflector_efficiency(r, s.o) / chance;
+        p->direction = ref_scale(-1, p->direction);
+        return true;
+    }
+    for (int channel = 0; channel < 3; ++channel) p->throughput[channel] /= 1 - chance;
+    memcpy(s.share, r->diffuseReflectance, sizeof s.share);
+    return largest(s.share) > 0 && meet_spreader(world, p, surface, &s, last, random, tally, radiance);
+}
+
 static bool meet_surface(const ref_world *world, path *p, const ref_surface *surface, bool last, ref_random *random, ref_tally *tally,
                          double radiance[3]) {
     const mcv_material *material = &world->scene->materials[world->scene->instances[surface->instance].material];
@@ -181,13 +285,21 @@ static bool meet_surface(const ref_world *world, path *p, const ref_surface *sur
     p->density = 0; /* emitters behind smooth surfaces, passed straight or not, are not sampled */
     switch (material->type) {
     case MCV_MATERIAL_DIFFUSE: {
-        spreader s = {.material = material, .meeting = ref_meet(surface, p->direction)};
+        spreader s = {.material = material, .meeting = ref_meet(surface, p->direction), .near = &p->media, .far = p->media};
+        find_frame(surface, &s);
         modulate(world, surface, material->as.diffuse.reflectance, s.share);
         return meet_spreader(world, p, surface, &s, last, random, tally, radiance);
     }
     case MCV_MATERIAL_DIELECTRIC:
-        meet_dielectric(world, p, surface, random, tally);
+        return meet_dielectric(world, p, surface, last, random, tally, radiance);
+    case MCV_MATERIAL_CONDUCTOR:
+        if (mcv_material_is_rough(material)) return meet_gloss(world, p, surface, last, random, tally, radiance);
+        meet_conductor(world, p, surface, &material->as.conductor);
         return true;
+    case MCV_MATERIAL_METALLIC_ROUGHNESS:
+        return meet_gloss(world, p, surface, last, random, tally, radiance);
+    case MCV_MATERIAL_RETROREFLECTOR:
+        return meet_retroreflector(world, p, surface, last, random, tally, radiance);
     case MCV_MATERIAL_SHEET:
         modulate(world, surface, material->as.sheet.transmittance, share);
         meet_sheet(world, p, surface, material->as.sheet.ior, share, random);
@@ -231,9 +343,11 @@ void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *
         ref_hit hit;
         ++tally->rays;
         if (!ref_closest_hit(&world->geometry, p.origin, p.direction, p.skip, &hit)) {
+            double sky[3];
+            ref_environment(world->scene, &world->emitters, p.direction, sky);
             for (int channel = 0; channel < 3; ++channel)
                 if (!filling || filling->absorption[channel] == 0) /* it is infinitely far away */
-                    value[channel] += p.throughput[channel] * world->emitters.environment[channel] / (ior * ior);
+                    value[channel] += p.throughput[channel] * sky[channel] / (ior * ior);
             break;
         }
         const ref_surface surface = ref_surface_at(&world->geometry, &hit);

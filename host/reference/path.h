@@ -2,12 +2,13 @@
 /*
  * Path tracing from the sensor. A path carries L/n², so that smooth interfaces multiply by their transmittances only; its
  * value is n_sensor² Σ throughput · L_e/n_emitter². At an interface the branch is chosen with Fresnel's probability. From
- * diffuse surfaces area and parallel emitters are also sampled, both estimates weighed by the balance heuristic (Veach 1997).
+ * surfaces that spread light area and parallel emitters are also sampled, both estimates weighed by the balance heuristic (Veach 1997).
  */
 #ifndef MCVISI_HOST_REFERENCE_PATH_H
 #define MCVISI_HOST_REFERENCE_PATH_H
 
 #include "reference/emission.h"
+#include "reference/gloss.h"
 #include "reference/media.h"
 #include "reference/sight.h"
 #include "render/render.h"
@@ -16,6 +17,7 @@ typedef struct ref_world {
     const mcv_scene *scene;
     ref_geometry geometry;
     ref_emitters emitters;
+    ref_gloss_tables gloss;
     ref_media media; /* around the sensor */
     uint32_t depth;  /* surfaces a path may meet; after the last one no ray is traced */
     bool sample_emitters;

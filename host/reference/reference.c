@@ -188,6 +188,7 @@ mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_
         result = mcv_fail(error, MCV_FAILED, "render: no memory for a round of %u x %u pixels; give fewer replicates", width, height);
     if (result == MCV_OK) result = ref_geometry_new(scene, &world.geometry, error);
     if (result == MCV_OK) result = ref_emitters_new(scene, &world.emitters, error);
+    if (result == MCV_OK) result = ref_gloss_tables_new(scene, &world.gloss, error);
     if (result == MCV_OK) {
         const double lens[3] = {r.sensor->to_world.m[9], r.sensor->to_world.m[10], r.sensor->to_world.m[11]};
         result = ref_media_at(&world.geometry, ref_from(lens), winding, &world.media, error);
@@ -199,6 +200,7 @@ mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_
         mcv_film_free(film);
     }
     ref_emitters_free(&world.emitters);
+    ref_gloss_tables_free(&world.gloss);
     ref_geometry_free(&world.geometry);
     free(r.rows);
     free(r.sums);

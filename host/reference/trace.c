@@ -2,9 +2,11 @@
 /* mcv_reference_trace: single paths, deterministic at interfaces. */
 #include <stdlib.h>
 
+#include "reference/gloss.h"
 #include "reference/interface.h"
 #include "reference/path.h"
 #include "reference/reference.h"
+#include "reference/retroreflector.h"
 #include "reference/texture.h"
 
 typedef struct vertices {
@@ -45,6 +47,21 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, ref_vec *di
         vertex->event = MCV_EVENT_REFLECT;
         vertex->transmittance *= material->as.mirror.reflectance[0] * texture[0];
         break;
+    case MCV_MATERIAL_RETROREFLECTOR:
+        if (material->as.retroreflector.divergence > 0) break;
+        vertex->event = MCV_EVENT_REFLECT;
+        vertex->transmittance *=
+            material->as.retroreflector.reflectance[0] *
+            ref_retroreflector_efficiency(&material->as.retroreflector, (ref_vec){ref_length(ref_cross(*direction, meeting.normal)), 0,
+                                                                                  -ref_dot(*direction, meeting.normal)});
+        *direction = ref_scale(-1, *direction);
+        return true;
+    case MCV_MATERIAL_CONDUCTOR:
+        if (mcv_material_is_rough(material)) break;
+        vertex->event = MCV_EVENT_REFLECT;
+        vertex->transmittance *= ref_conductor_reflectance(material->as.conductor.n[0] / ior, material->as.conductor.k[0] / ior,
+                                                           fmin(-ref_dot(*direction, meeting.normal), 1));
+        break;
     case MCV_MATERIAL_BEAM_SPLITTER: /* goes straight on */
         vertex->event = MCV_EVENT_PASS;
         vertex->transmittance *= material->as.beam_splitter.transmittance[0];
@@ -58,6 +75,7 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, ref_vec *di
         ref_media beyond;
         ref_media_cross(media, &beyond, surface->instance, meeting.front);
         const double from = ref_media_ior(ref_media_filling(media, scene)), to = ref_media_ior(ref_media_filling(&beyond, scene));
+        if (mcv_material_is_rough(material) && from != to) break;
         reflectance = ref_reflectance(&meeting, from, to);
         vertex->event = reflectance == 1 ? MCV_EVENT_REFLECT : from == to ? MCV_EVENT_PASS : MCV_EVENT_REFRACT;
         if (vertex->event == MCV_EVENT_REFLECT) break;
@@ -103,7 +121,9 @@ static mcv_result trace_ray(const ref_world *world, ref_media media, uint32_t ra
             vertex.distance = INFINITY;
             vertex.triangle = MCV_NONE;
             vertex.event = MCV_EVENT_MISS;
-            vertex.radiance = world->emitters.environment[0] / squared;
+            double sky[3];
+            ref_environment(scene, &world->emitters, direction, sky);
+            vertex.radiance = sky[0] / squared;
             if (filling && filling->absorption[0] > 0) vertex.transmittance = 0;
             store(vertex.normal, (ref_vec){0, 0, 0});
         }

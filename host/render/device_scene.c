@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "render/device_scene.h"
 
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "accel/bvh.h"
+#include "render/light.h"
 #include "scene/sensors.h"
 
 /* The device structs of all sensors, for the size of the buffer. */
@@ -43,6 +45,8 @@ static bool same(const mcv_digest *a, const mcv_digest *b) {
 /* A feature's array, or no bytes where the scene lacks it. */
 static size_t present(const void *data, size_t bytes) { return data ? bytes : 0; }
 
+enum { STRUCTURE = 2 }; /* the first plans: nodes and leaves, new or already taken */
+
 /* The buffer of a plan out of the scene before, if it has one of this size. */
 static void take_buffer(mcv_device_scene *kept, const mcv_device_scene *d, const plan *p, uint32_t index) {
     cl_mem *from = (cl_mem *)((char *)kept + ((const char *)p->buffer - (const char *)d));
@@ -53,6 +57,7 @@ static void take_buffer(mcv_device_scene *kept, const mcv_device_scene *d, const
 
 static mcv_result fill_buffer(mcv_cl *cl, const plan *p, uint32_t index, mcv_device_scene *kept, mcv_device_scene *d, mcv_error *error) {
     if (p->bytes == 0) return MCV_OK;
+    if (index < STRUCTURE) return mcv_cl_buffer(cl, p->what, p->bytes, p->data, p->buffer, error);
     d->contents[index] = p->data ? digest((mcv_digest){0}, p->data, p->bytes) : (mcv_digest){.bytes = p->bytes};
     if (kept) take_buffer(kept, d, p, index);
     if (!*p->buffer) return mcv_cl_buffer(cl, p->what, p->bytes, p->data, p->buffer, error);
@@ -75,10 +80,14 @@ static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene 
         {&d->positions, "the vertices", 12 * vertices, p->positions},
         {&d->normals, "the normals", present(p->normals, 12 * vertices), p->normals},
         {&d->texcoords, "the texture coordinates", present(p->texcoords, 8 * vertices), p->texcoords},
+        {&d->tangents, "the tangents", present(p->tangents, 16 * vertices), p->tangents},
         {&d->instances, "the instances", p->instance_count * sizeof *p->instances, p->instances},
         {&d->materials, "the materials", p->material_count * sizeof *p->materials, p->materials},
+        {&d->gloss, "the glossy materials", present(p->gloss, p->material_count * sizeof *p->gloss), p->gloss},
+        {&d->albedos, "the albedos of microfacets", 4 * p->albedo_count, p->albedos},
         {&d->media, "the media", dielectric ? sizeof p->media : 0, p->media},
         {&d->interfaces, "the interfaces", dielectric ? sizeof p->interfaces : 0, p->interfaces},
+        {&d->interface_albedos, "the rough interfaces", dielectric && p->gloss ? sizeof p->interface_albedos : 0, p->interface_albedos},
         {&d->emitters, "the emitters", p->emitter_count * sizeof *p->emitters, p->emitters},
         {&d->emitter_cdf, "the emitters' areas", emitters ? 4 * p->cdf_count : 0, p->emitter_cdf},
         {&d->textures, "the list of textures", textures ? p->texture_count * sizeof *p->textures : 0, p->textures},
@@ -98,11 +107,13 @@ static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene 
 
 /* The large arrays, which only the device needs. */
 static void free_vertices(mcv_packed *packed) {
-    float **const arrays[] = {&packed->positions, &packed->normals, &packed->texcoords};
+    float **const arrays[] = {&packed->positions, &packed->normals, &packed->texcoords, &packed->tangents};
     uint32_t **const tables[] = {&packed->triangles, &packed->emitter_cdf, &packed->texels};
-    for (size_t i = 0; i < 3; ++i) {
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
         free(*arrays[i]);
         *arrays[i] = NULL;
+    }
+    for (size_t i = 0; i < sizeof tables / sizeof tables[0]; ++i) {
         free(*tables[i]);
         *tables[i] = NULL;
     }
@@ -141,39 +152,107 @@ static mcv_result move_structure(mcv_cl *cl, mcv_device_scene *kept, mcv_device_
     return result;
 }
 
-mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *kept, mcv_device_scene *device,
-                                 mcv_error *error) {
-    mcv_bvh bvh = {0};
-    memset(device, 0, sizeof *device);
-    MCV_TRY(mcv_pack(scene, &device->packed, error));
+/* The acceleration structure on its way. */
+typedef struct mcv_hierarchy_build {
+    const mcv_packed *packed;
+    uint32_t threads;
+    bool own_thread;
+    pthread_t thread;
+    mcv_bvh bvh;
+    mcv_result result;
+    mcv_error error;
+} mcv_hierarchy_build;
+
+static void *build_hierarchy(void *user) {
+    mcv_hierarchy_build *b = user;
+    b->result = mcv_bvh_build(b->packed->positions, b->packed->indices, b->packed->triangle_count, b->threads, &b->bvh, &b->error);
+    return NULL;
+}
+
+/* The structure of the scene before, if it can be used; otherwise device->kept_structure stays false. */
+static mcv_result keep_structure(mcv_cl *cl, mcv_device_scene *kept, mcv_device_scene *device, mcv_error *error) {
     const mcv_packed *p = &device->packed;
-    mcv_result result = MCV_OK;
     device->positions_digest = digest((mcv_digest){0}, p->positions, 12 * (size_t)p->vertex_count);
     device->indices_digest = digest((mcv_digest){0}, p->indices, 12 * (size_t)p->triangle_count);
-    if (kept && kept->nodes && same(&kept->indices_digest, &device->indices_digest)) {
-        if (same(&kept->positions_digest, &device->positions_digest))
-            take_structure(kept, device);
-        else
-            result = move_structure(cl, kept, device, error);
-    }
-    if (result == MCV_OK && !device->kept_structure) {
-        result = mcv_bvh_build(p->positions, p->indices, p->triangle_count, threads, &bvh, error);
-        device->node_count = bvh.node_count;
-        device->leaf_count = bvh.leaf_count;
-    }
+    if (!kept || !kept->nodes || !same(&kept->indices_digest, &device->indices_digest)) return MCV_OK;
+    if (!same(&kept->positions_digest, &device->positions_digest)) return move_structure(cl, kept, device, error);
+    take_structure(kept, device);
+    return MCV_OK;
+}
+
+mcv_result mcv_device_scene_begin(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *kept, mcv_device_scene *device,
+                                  mcv_error *error) {
+    memset(device, 0, sizeof *device);
+    MCV_TRY(mcv_pack(scene, &device->packed, error));
+    mcv_hierarchy_build *b = device->in_building = calloc(1, sizeof *b);
+    if (!b) return mcv_fail(error, MCV_FAILED, "no memory for the acceleration structure");
+    b->packed = &device->packed;
+    b->threads = threads;
+    MCV_TRY(keep_structure(cl, kept, device, error));
+    if (device->kept_structure) return MCV_OK;
+    b->own_thread = pthread_create(&b->thread, NULL, build_hierarchy, b) == 0;
+    if (!b->own_thread) build_hierarchy(b);
+    return MCV_OK;
+}
+
+static void wait_for_hierarchy(mcv_device_scene *device) {
+    mcv_hierarchy_build *b = device->in_building;
+    if (b && b->own_thread) pthread_join(b->thread, NULL);
+    if (b) b->own_thread = false;
     free(device->packed.indices);
     device->packed.indices = NULL;
-    if (result == MCV_OK) result = fill_buffers(cl, &bvh, kept, device, error);
-    mcv_bvh_free(&bvh);
+}
+
+static void end_building(mcv_device_scene *device) {
+    if (device->in_building) mcv_bvh_free(&device->in_building->bvh);
+    free(device->in_building);
+    device->in_building = NULL;
     free_vertices(&device->packed);
+}
+
+mcv_result mcv_device_scene_finish(mcv_cl *cl, mcv_device_scene *kept, mcv_device_scene *device, mcv_error *error) {
+    wait_for_hierarchy(device);
+    const mcv_hierarchy_build *b = device->in_building;
+    mcv_result result = b->result;
+    if (result == MCV_OK && !device->kept_structure) {
+        device->node_count = b->bvh.node_count;
+        device->leaf_count = b->bvh.leaf_count;
+    }
+    if (result == MCV_OK)
+        result = fill_buffers(cl, &b->bvh, kept, device, error);
+    else
+        *error = b->error;
+    end_building(device);
     return result;
 }
 
+mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *device, mcv_error *error) {
+    MCV_TRY(mcv_device_scene_begin(cl, scene, threads, NULL, device, error));
+    return mcv_device_scene_finish(cl, NULL, device, error);
+}
+
 void mcv_device_scene_close(mcv_device_scene *device) {
+    wait_for_hierarchy(device);
+    end_building(device);
 #define MCV_X(name) mcv_cl_release(&device->name);
     MCV_SCENE_BUFFERS(MCV_X)
 #undef MCV_X
+    mcv_cl_release(&device->splats);
     mcv_packed_free(&device->packed);
+}
+
+static mcv_result open_splats(mcv_cl *cl, const mcv_sensor *sensor, mcv_device_scene *device, mcv_frame *frame, mcv_error *error) {
+    const mcv_packed *packed = &device->packed;
+    const size_t bytes = 8 * (size_t)frame->width * frame->height * packed->channels * frame->replicates;
+    const cl_uint nothing = 0;
+    const uint32_t tiles = (frame->width + 7) / 8 * ((frame->height + 7) / 8);
+    frame->light_cdf = packed->light_cdf;
+    frame->splat_scale = (float)(1 / mcv_splat_unit(packed, sensor, frame));
+    frame->log2_pixels = 6;
+    while (1u << frame->log2_pixels < 64 * (uint64_t)tiles) ++frame->log2_pixels;
+    MCV_TRY(mcv_cl_buffer(cl, "what light paths bring", bytes, NULL, &device->splats, error));
+    MCV_TRY_CL(clEnqueueFillBuffer(cl->queue, device->splats, &nothing, sizeof nothing, 0, bytes, 0, NULL, NULL), error);
+    return MCV_OK;
 }
 
 mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t sensor, mcv_device_scene *device, mcv_frame *frame,
@@ -201,11 +280,13 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
     while (filling < MCV_MAX_MEDIA && frame->initial_media >> filling != 0) ++filling;
     frame->sensor_index_squared = filling > 0 ? 1.0f / packed->media[filling].inverse_index_squared : 1.0f;
     memcpy(frame->environment, packed->environment, sizeof frame->environment);
+    frame->environment_emitter = packed->environment_emitter;
     mcv_pack_placement(packed, &from->to_world, frame->to_world);
     if (packed->features >> MCV_FEATURE_AIM & 1) {
         const size_t bytes = sizeof(mcv_device_aim) * frame->width * frame->height;
         MCV_TRY(mcv_cl_buffer(cl, "the aims of the pixels", bytes, NULL, &device->aims, error));
     }
+    if (packed->features >> MCV_FEATURE_LIGHT_TRACING & 1) MCV_TRY(open_splats(cl, from, device, frame, error));
     return mcv_cl_write(cl, device->sensor, 0, sizeof prepared, &prepared, error);
 }
 

@@ -16,10 +16,14 @@
     X(positions) \
     X(normals) \
     X(texcoords) \
+    X(tangents) \
     X(instances) \
     X(materials) \
+    X(gloss) \
+    X(albedos) \
     X(media) \
     X(interfaces) \
+    X(interface_albedos) \
     X(emitters) \
     X(emitter_cdf) \
     X(textures) \
@@ -35,10 +39,12 @@ typedef struct mcv_digest {
 } mcv_digest;
 
 typedef struct mcv_device_scene {
-    mcv_packed packed; /* what is large is freed once it is on the device */
+    mcv_packed packed;                       /* what is large is freed once it is on the device */
+    struct mcv_hierarchy_build *in_building; /* between begin and finish */
 #define MCV_X(name) cl_mem name;
     MCV_SCENE_BUFFERS(MCV_X)
 #undef MCV_X
+    cl_mem splats;       /* [replicate][channel][row][column], of 64 bits: what light paths have brought so far */
     bool kept_structure; /* the acceleration structure is that of the scene before, moved where triangles have moved */
     mcv_digest positions_digest, indices_digest; /* that it stands for */
     uint32_t node_count, leaf_count;
@@ -47,12 +53,19 @@ typedef struct mcv_device_scene {
 } mcv_device_scene;
 
 /*
- * Packs the scene, builds the acceleration structure, plans the buffers against the device's limits and fills them. On failure
- * mcv_device_scene_close is still to be called. `kept` may be the scene rendered before on the same device, or NULL: buffers whose content
- * is the same are taken from it, the acceleration structure if triangles have at most moved a little; it too is still to be closed.
+ * Packs the scene and begins to build the acceleration structure, in a thread of its own. What programs are compiled from is known then.
+ * On failure mcv_device_scene_close is still to be called. `kept` may be the scene rendered before on the same device, or NULL: buffers
+ * whose content is the same are taken from it, and the acceleration structure if triangles have at most moved a little; it too is still
+ * to be closed, after mcv_device_scene_finish.
  */
-mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *kept, mcv_device_scene *device,
-                                 mcv_error *error);
+mcv_result mcv_device_scene_begin(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *kept, mcv_device_scene *device,
+                                  mcv_error *error);
+
+/* Waits for the acceleration structure, plans the buffers against the device's limits and fills them. */
+mcv_result mcv_device_scene_finish(mcv_cl *cl, mcv_device_scene *kept, mcv_device_scene *device, mcv_error *error);
+
+/* Both, of a scene of its own. */
+mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *device, mcv_error *error);
 void mcv_device_scene_close(mcv_device_scene *device);
 
 /* Places a sensor: fills its buffer, and in the frame what depends on sensor and scene alone. */

@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "../../kernels/path.h"
+#include "render/light.h"
 #include "render/pack.h"
 #include "render/render.h"
 #include "scene/sensors.h"
@@ -60,6 +61,7 @@ uint32_t mcv_sensor_features(const mcv_packed *packed, const mcv_sensor *sensor)
     /* The same optics may spread what the pupil collects over some larger angle. */
     const double alpha = (through_optics ? 4 : 1) * pupil_half_angle(sensor, through_optics);
     const double *m = sensor->to_world.m;
+    uint32_t features = packed->features | (mcv_traces_light(packed, sensor) ? 1u << MCV_FEATURE_LIGHT_TRACING : 0);
     for (uint32_t i = 0; i < packed->emitter_count; ++i) {
         const mcv_device_emitter *e = &packed->emitters[i];
         if (e->type != MCV_EMITTER_PARALLEL || !e->parallel.from_receiver) continue;
@@ -67,15 +69,17 @@ uint32_t mcv_sensor_features(const mcv_packed *packed, const mcv_sensor *sensor)
         /* Of the emitter's axis and the node's z: both point towards where the light goes. */
         const double apart = acos(fmin(fmax(e->parallel.axis[0] * m[2] + e->parallel.axis[1] * m[5] + e->parallel.axis[2] * m[8], -1), 1));
         const bool facing = through_optics || sensor->type != MCV_SENSOR_TELECENTRIC || apart <= alpha + beta;
-        if (beta < alpha && facing) return packed->features | 1u << MCV_FEATURE_AIM;
+        if (beta < alpha && facing) features |= 1u << MCV_FEATURE_AIM;
     }
-    return packed->features;
+    return features;
 }
 
 uint32_t mcv_path_words(uint32_t features, uint32_t channels) {
 #define MCV_CHANNELS channels
 #define MCV_WITH_DIELECTRIC (features >> MCV_FEATURE_DIELECTRIC & 1)
+#define MCV_WITH_GLOSS (features >> MCV_FEATURE_GLOSS & 1)
 #define MCV_WITH_NEXT_EVENT (features >> MCV_FEATURE_NEXT_EVENT & 1)
+#define MCV_WITH_LIGHT_TRACING (features >> MCV_FEATURE_LIGHT_TRACING & 1)
 #define MCV_X(field, words) +(words)
     return 0 MCV_PATH_FIELDS(MCV_X);
 #undef MCV_X

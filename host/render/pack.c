@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "mcvisi/accel.h"
+#include "render/gloss.h"
+#include "render/light.h"
 #include "scene/emitters.h"
 #include "scene/mesh.h"
 #include "scene/transform.h"
@@ -22,10 +25,13 @@ void mcv_packed_free(mcv_packed *packed) {
     free(packed->positions);
     free(packed->normals);
     free(packed->texcoords);
+    free(packed->tangents);
     free(packed->indices);
     free(packed->triangles);
     free(packed->instances);
     free(packed->materials);
+    free(packed->gloss);
+    free(packed->albedos);
     free(packed->emitters);
     free(packed->emitter_cdf);
     free(packed->textures);
@@ -101,6 +107,11 @@ static void pack_instance(const mcv_scene *scene, mcv_packed *packed, uint32_t i
             if (!mcv_normalize3(n, n)) memset(n, 0, sizeof n); /* the face's stands in for it */
             for (int k = 0; k < 3; ++k) packed->normals[3 * to + k] = (float)n[k];
         }
+        if (packed->tangents && mesh->tangents) {
+            double t[4];
+            mcv_scene_tangent(scene, index, v, t);
+            for (int k = 0; k < 4; ++k) packed->tangents[4 * to + k] = (float)t[k];
+        }
         if (packed->texcoords && mesh->texcoords) memcpy(packed->texcoords + 2 * to, mesh->texcoords + 2 * (size_t)v, 2 * sizeof(float));
     }
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
@@ -132,6 +143,7 @@ static bool comes_before(const body_medium *a, const body_medium *b) {
  * priority on top. Bodies of one material whose boxes do not touch share a bit.
  */
 static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
+    double index[MCV_MAX_MEDIA + 1] = {1.0};
     const mcv_box *boxes = packed->boxes;
     body_medium media[MCV_MAX_MEDIA];
     uint32_t count = 0;
@@ -172,7 +184,6 @@ static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, mcv_e
     for (uint32_t i = 0; i < scene->instance_count; ++i) packed->instances[i].medium = medium_of[i] > 0 ? place[medium_of[i] - 1] + 1 : 0;
     free(medium_of);
 
-    double index[MCV_MAX_MEDIA + 1] = {1.0};
     for (uint32_t m = 0; m < count; ++m) {
         const mcv_dielectric_params *params = &scene->materials[sorted[m].material].as.dielectric;
         index[m + 1] = params->ior;
@@ -186,7 +197,9 @@ static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, mcv_e
             between->delta = (float)((index[b] - index[a]) * (index[b] + index[a]) / (index[b] * index[b]));
         }
     }
-    return MCV_OK;
+    uint32_t materials[MCV_MAX_MEDIA + 1] = {0};
+    for (uint32_t m = 0; m < count; ++m) materials[m + 1] = sorted[m].material;
+    return packed->gloss ? mcv_pack_interfaces(scene, packed, count, materials, index, error) : MCV_OK;
 }
 
 /*
@@ -241,6 +254,9 @@ static mcv_device_material pack_material(const mcv_material *material) {
     case MCV_MATERIAL_MIRROR:
         value = material->as.mirror.reflectance;
         break;
+    case MCV_MATERIAL_METALLIC_ROUGHNESS:
+        value = material->as.metallic_roughness.baseColor;
+        break;
     case MCV_MATERIAL_SHEET: {
         const double n = material->as.sheet.ior;
         value = material->as.sheet.transmittance;
@@ -256,10 +272,20 @@ static mcv_device_material pack_material(const mcv_material *material) {
         out.chance = reflected + passed > 0 ? (float)(reflected / (reflected + passed)) : 0;
         break;
     }
+    case MCV_MATERIAL_RETROREFLECTOR: {
+        const mcv_retroreflector_params *p = &material->as.retroreflector;
+        value = p->reflectance;
+        for (int k = 0; k < 3; ++k) out.passed[k] = (float)p->diffuseReflectance[k];
+        out.spread = p->divergence > 0 ? (float)tan(fmax(p->divergence, MCV_LEAST_DIVERGENCE)) : 0;
+        out.fall = (float)(1 / tan(p->entranceAngle));
+        out.spreads = p->divergence > 0 || largest(p->diffuseReflectance) > 0;
+        break;
+    }
     default:
         break;
     }
     for (int k = 0; value && k < 3; ++k) out.value[k] = (float)value[k];
+    if (mcv_material_is_rough(material)) out.spreads = 1;
     return out;
 }
 
@@ -289,21 +315,8 @@ static void pack_textures(const mcv_scene *scene, mcv_packed *packed) {
 
 /* Emitters */
 
-/* Cumulative shares in units of 2^-31; the last entry is 2^31. Returns their sum in the given unit. */
-static double write_cdf(uint32_t *cdf, uint32_t count, const double *values) {
-    double total = 0;
-    double sum = 0;
-    for (uint32_t i = 0; i < count; ++i) total += values[i];
-    for (uint32_t i = 0; i < count; ++i) {
-        cdf[i] = total > 0 ? (uint32_t)(sum / total * 0x1p31) : 0;
-        sum += values[i];
-    }
-    cdf[count] = 0x80000000u;
-    return total;
-}
-
 /* The diagonal of the box around all instances. */
-static double scene_size(const mcv_packed *packed) {
+double mcv_packed_size(const mcv_packed *packed) {
     mcv_box all = empty_box();
     for (uint32_t i = 0; i < packed->instance_count; ++i) {
         extend(&all, packed->boxes[i].lower);
@@ -314,13 +327,30 @@ static double scene_size(const mcv_packed *packed) {
     return isfinite(size) ? size : 0;
 }
 
-/* Over all channels; of a directional light what falls on the scene's ball. */
+/* Over all channels; of what comes from infinitely far away that which falls on the scene's ball. */
 static double emitter_power(const mcv_scene *scene, const mcv_packed *packed, const mcv_emitter *emitter) {
     double mean[3];
     mcv_emitter_image_mean(scene, emitter, mean);
     const double brightness = emitter->radiance[0] * mean[0] + emitter->radiance[1] * mean[1] + emitter->radiance[2] * mean[2];
-    if (emitter->type == MCV_EMITTER_DIRECTIONAL) return brightness * pi * pow(scene_size(packed) / 2, 2);
-    return brightness * mcv_emitter_unit_power(emitter);
+    const double disk = pi * pow(mcv_packed_size(packed) / 2, 2);
+    if (emitter->type == MCV_EMITTER_DIRECTIONAL) return brightness * disk;
+    if (emitter->type == MCV_EMITTER_ENVIRONMENT) return brightness * mcv_emitter_solid_angle(emitter) * disk;
+    return brightness * mcv_emitter_unit_power(scene, emitter);
+}
+
+/*
+ * A sixteenth of all choices goes in equal parts to all emitters that shine: one that is dim beside the others may be the only one close
+ * by, and lights without extent are found in no other way.
+ */
+static void share_choices(double *powers, uint32_t count) {
+    double total = 0;
+    uint32_t shining = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        total += powers[i];
+        shining += powers[i] > 0;
+    }
+    for (uint32_t i = 0; i < count; ++i)
+        if (powers[i] > 0) powers[i] = 15 * powers[i] + total / shining;
 }
 
 /* The middle of the instance's box, re-centred. */
@@ -340,6 +370,12 @@ static void prepare_emitter(const mcv_scene *scene, const mcv_packed *packed, ui
     case MCV_EMITTER_LIGHT_FIELD_EMITTER:
         mcv_light_field_emitter_prepare(scene, index, &to->light_field);
         break;
+    case MCV_EMITTER_PROJECTOR:
+        mcv_projector_prepare(scene, index, &to->projector);
+        break;
+    case MCV_EMITTER_ENVIRONMENT:
+        mcv_environment_prepare(scene, index, &to->environment);
+        break;
     case MCV_EMITTER_COLLIMATED_BEAM:
         mcv_collimated_beam_prepare(scene, index, &to->beam);
         break;
@@ -349,7 +385,7 @@ static void prepare_emitter(const mcv_scene *scene, const mcv_packed *packed, ui
         mcv_spot_prepare(scene, index, packed->centre, &to->spot);
         break;
     case MCV_EMITTER_DIRECTIONAL:
-        mcv_directional_prepare(scene, index, scene_size(packed), &to->directional);
+        mcv_directional_prepare(scene, index, &to->directional);
         break;
     default:
         break;
@@ -362,9 +398,40 @@ static void pack_surface(const mcv_scene *scene, mcv_packed *packed, const mcv_e
     to->cdf = (uint32_t)next;
     to->triangle_count = scene->meshes[scene->instances[from->instance].mesh].triangle_count;
     for (uint32_t t = 0; t < to->triangle_count; ++t) areas[t] = mcv_scene_triangle_area(scene, from->instance, t);
-    write_cdf(packed->emitter_cdf + next, to->triangle_count, areas);
+    mcv_write_cdf(packed->emitter_cdf + next, to->triangle_count, areas);
     find_middle(packed, from->instance, to->middle);
     packed->instances[from->instance].emitter = number;
+}
+
+bool mcv_is_looked_for(const mcv_emitter *emitter) { return emitter->type != MCV_EMITTER_ENVIRONMENT || emitter->texture != MCV_NONE; }
+
+/* Entries of an environment's image in the table of shares: of its rows, then of each row's pixels. */
+static size_t environment_entries(const mcv_texture *image) { return image->height + 1 + (size_t)image->height * (image->width + 1); }
+
+/* The shares of rows and pixels in what comes from the sky, from entry `next` of the table on. */
+static mcv_result pack_environment(const mcv_scene *scene, mcv_packed *packed, const mcv_emitter *from, uint32_t number, size_t next,
+                                   mcv_error *error) {
+    const mcv_texture *image = scene->textures + from->texture;
+    bool failed = false;
+    double *rows = allocate(image->height, sizeof(double), &failed);
+    double *pixels = allocate(image->width, sizeof(double), &failed);
+    double decoded[256];
+    mcv_srgb_table(decoded);
+    for (uint32_t row = 0; !failed && row < image->height; ++row) {
+        uint32_t *cdf = packed->emitter_cdf + next + image->height + 1 + (size_t)row * (image->width + 1);
+        for (uint32_t column = 0; column < image->width; ++column) {
+            double rgb[3];
+            mcv_texture_value(image, decoded, column, row, rgb);
+            pixels[column] = from->radiance[0] * rgb[0] + from->radiance[1] * rgb[1] + from->radiance[2] * rgb[2];
+        }
+        rows[row] = mcv_write_cdf(cdf, image->width, pixels) * sin((2.0 * row + 1) * pi / (2.0 * image->height));
+    }
+    if (!failed) mcv_write_cdf(packed->emitter_cdf + next, image->height, rows);
+    packed->emitters[number].cdf = (uint32_t)next;
+    packed->environment_emitter = number;
+    free(rows);
+    free(pixels);
+    return failed ? mcv_fail(error, MCV_FAILED, "%s: no memory for the environment's image", scene->path) : MCV_OK;
 }
 
 static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
@@ -372,11 +439,12 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
     size_t next = packed->emitter_count + 1;
     uint32_t count = 0;
     bool failed = false;
+    mcv_result result = MCV_OK;
     double *powers = allocate(scene->emitter_count, sizeof(double), &failed);
     double *areas = allocate(scene->triangle_count, sizeof(double), &failed);
-    for (uint32_t i = 0; !failed && i < scene->emitter_count; ++i) {
+    for (uint32_t i = 0; !failed && result == MCV_OK && i < scene->emitter_count; ++i) {
         const mcv_emitter *from = &scene->emitters[i];
-        if (from->type == MCV_EMITTER_ENVIRONMENT) continue;
+        if (!mcv_is_looked_for(from)) continue;
         mcv_device_emitter *to = &packed->emitters[count];
         *to = (mcv_device_emitter){.type = from->type, .instance = from->instance, .texture = from->texture, .area = (float)from->area};
         for (int k = 0; k < 3; ++k) to->radiance[k] = (float)from->radiance[k];
@@ -384,26 +452,28 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
             pack_surface(scene, packed, from, count, next, areas);
             next += to->triangle_count + 1;
         }
+        if (from->type == MCV_EMITTER_ENVIRONMENT) {
+            result = pack_environment(scene, packed, from, count, next, error);
+            next += environment_entries(scene->textures + from->texture);
+        }
         prepare_emitter(scene, packed, i, to);
         powers[count++] = emitter_power(scene, packed, from);
     }
     if (!failed) {
-        const double total = write_cdf(cdf, count, powers);
+        share_choices(powers, count);
+        const double total = mcv_write_cdf(cdf, count, powers);
         for (uint32_t i = 0; i < count; ++i) packed->emitters[i].probability = (float)((cdf[i + 1] - cdf[i]) * 0x1p-31);
         if (!(total > 0)) packed->features &= ~(1u << MCV_FEATURE_NEXT_EVENT);
     }
     free(powers);
     free(areas);
-    return failed ? mcv_fail(error, MCV_FAILED, "%s: no memory for the emitters", scene->path) : MCV_OK;
+    if (failed) return mcv_fail(error, MCV_FAILED, "%s: no memory for the emitters", scene->path);
+    if (result != MCV_OK) return result;
+    packed->light_cdf = (uint32_t)next;
+    return mcv_pack_light(scene, packed, cdf + next, error);
 }
 
 /* What the scene needs */
-
-/*
- * From here on the acceleration structure, some 80 bytes per triangle, is so much larger than a core's caches that rays which diffuse
- * surfaces send everywhere are faster in turns than one after the other (bench/README.md). Rays that are only refracted keep together.
- */
-enum { MANY_TRIANGLES = 200000 };
 
 static uint32_t find_features(const mcv_scene *scene) {
     uint32_t features = 0;
@@ -415,7 +485,9 @@ static uint32_t find_features(const mcv_scene *scene) {
             feature(MCV_FEATURE_DIFFUSE, material->type == MCV_MATERIAL_DIFFUSE) | feature(MCV_FEATURE_DIELECTRIC, glass) |
             feature(MCV_FEATURE_SHEET, material->type == MCV_MATERIAL_SHEET || material->type == MCV_MATERIAL_BEAM_SPLITTER) |
             feature(MCV_FEATURE_MIRROR, material->type == MCV_MATERIAL_MIRROR) |
-            feature(MCV_FEATURE_TEXTURE, material->texture != MCV_NONE) |
+            feature(MCV_FEATURE_GLOSS, mcv_material_is_rough(material) || material->type == MCV_MATERIAL_CONDUCTOR) |
+            feature(MCV_FEATURE_RETROREFLECTOR, material->type == MCV_MATERIAL_RETROREFLECTOR) |
+            feature(MCV_FEATURE_TEXTURE, material->texture != MCV_NONE || mcv_material_surface_texture(material) != MCV_NONE) |
             feature(MCV_FEATURE_NORMALS, scene->meshes[instance->mesh].normals) |
             feature(MCV_FEATURE_ABSORPTION, glass && (glass->absorption[0] > 0 || glass->absorption[1] > 0 || glass->absorption[2] > 0));
     }
@@ -423,17 +495,21 @@ static uint32_t find_features(const mcv_scene *scene) {
         const mcv_emitter *emitter = &scene->emitters[i];
         features |= feature(MCV_FEATURE_PARALLEL, !isnan(mcv_emitter_half_angle(emitter))) |
                     feature(MCV_FEATURE_LIGHT_FIELD, emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) |
+                    feature(MCV_FEATURE_PROJECTOR, emitter->type == MCV_EMITTER_PROJECTOR) |
                     feature(MCV_FEATURE_AREA, emitter->type == MCV_EMITTER_AREA) |
-                    feature(MCV_FEATURE_ENVIRONMENT, emitter->type == MCV_EMITTER_ENVIRONMENT) |
+                    feature(MCV_FEATURE_ENVIRONMENT, !mcv_is_looked_for(emitter)) |
+                    feature(MCV_FEATURE_ENVIRONMENT_IMAGE, emitter->type == MCV_EMITTER_ENVIRONMENT && mcv_is_looked_for(emitter)) |
                     feature(MCV_FEATURE_BEAM, emitter->type == MCV_EMITTER_COLLIMATED_BEAM) |
                     feature(MCV_FEATURE_PUNCTUAL, emitter->type == MCV_EMITTER_POINT || emitter->type == MCV_EMITTER_SPOT ||
                                                       emitter->type == MCV_EMITTER_DIRECTIONAL) |
                     feature(MCV_FEATURE_TEXTURE, emitter->texture != MCV_NONE);
     }
-    const uint32_t looked_for = 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_LIGHT_FIELD | 1u << MCV_FEATURE_AREA |
-                                1u << MCV_FEATURE_BEAM | 1u << MCV_FEATURE_PUNCTUAL;
-    return features | feature(MCV_FEATURE_NEXT_EVENT, (features >> MCV_FEATURE_DIFFUSE & 1) && (features & looked_for)) |
-           feature(MCV_FEATURE_INTERLEAVE, (features >> MCV_FEATURE_DIFFUSE & 1) && scene->triangle_count >= MANY_TRIANGLES);
+    const bool spreads = features & (1u << MCV_FEATURE_DIFFUSE | 1u << MCV_FEATURE_GLOSS | 1u << MCV_FEATURE_RETROREFLECTOR);
+    const uint32_t looked_for = 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_LIGHT_FIELD | 1u << MCV_FEATURE_PROJECTOR |
+                                1u << MCV_FEATURE_AREA | 1u << MCV_FEATURE_BEAM | 1u << MCV_FEATURE_PUNCTUAL |
+                                1u << MCV_FEATURE_ENVIRONMENT_IMAGE;
+    return features | feature(MCV_FEATURE_NEXT_EVENT, spreads && (features & looked_for)) |
+           feature(MCV_FEATURE_INTERLEAVE, spreads && scene->triangle_count >= MCV_MANY_TRIANGLES);
 }
 
 static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
@@ -462,15 +538,16 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error
         const mcv_texture *texture = &scene->textures[i];
         packed->texel_count += texel_words(texture) * texture->width * texture->height;
     }
-    packed->cdf_count = 1;
+    packed->cdf_count = 2;
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
         const mcv_emitter *emitter = &scene->emitters[i];
-        if (emitter->type == MCV_EMITTER_ENVIRONMENT) {
+        if (!mcv_is_looked_for(emitter)) {
             for (int k = 0; k < 3; ++k) packed->environment[k] = (float)emitter->radiance[k];
             continue;
         }
         ++packed->emitter_count;
-        packed->cdf_count += 1;
+        packed->cdf_count += 2;
+        if (emitter->type == MCV_EMITTER_ENVIRONMENT) packed->cdf_count += environment_entries(scene->textures + emitter->texture);
         if (mcv_emitter_has_surface(emitter->type))
             packed->cdf_count += 1 + scene->meshes[scene->instances[emitter->instance].mesh].triangle_count;
     }
@@ -479,6 +556,8 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error
     packed->positions = allocate(3 * vertices, sizeof(float), &failed);
     if (packed->features >> MCV_FEATURE_NORMALS & 1) packed->normals = allocate(3 * vertices, sizeof(float), &failed);
     if (packed->features >> MCV_FEATURE_TEXTURE & 1) packed->texcoords = allocate(2 * vertices, sizeof(float), &failed);
+    if (packed->features >> MCV_FEATURE_GLOSS & 1) packed->gloss = allocate(scene->material_count, sizeof *packed->gloss, &failed);
+    if (mcv_scene_has_directions(scene)) packed->tangents = allocate(4 * vertices, sizeof(float), &failed);
     packed->indices = allocate(3 * (size_t)scene->triangle_count, sizeof(uint32_t), &failed);
     packed->triangles = allocate(4 * (size_t)scene->triangle_count, sizeof(uint32_t), &failed);
     packed->instances = allocate(scene->instance_count, sizeof *packed->instances, &failed);
@@ -496,15 +575,14 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         const mcv_instance *instance = &scene->instances[i];
         const mcv_mesh *mesh = &scene->meshes[instance->mesh];
-        packed->instances[i] = (mcv_device_instance){.material = instance->material,
-                                                     .emitter = MCV_NONE,
-                                                     .smooth = mesh->normals != NULL,
-                                                     .first_triangle = instance->first_triangle};
+        packed->instances[i] =
+            (mcv_device_instance){.material = instance->material, .emitter = MCV_NONE, .first_triangle = instance->first_triangle};
         pack_instance(scene, packed, i, first_vertex);
         first_vertex += mesh->vertex_count;
     }
     for (uint32_t i = 0; i < scene->material_count; ++i) packed->materials[i] = pack_material(&scene->materials[i]);
     pack_textures(scene, packed);
+    if (packed->gloss) MCV_TRY(mcv_pack_gloss(scene, packed, error));
     MCV_TRY(assign_media(scene, packed, error));
     return pack_emitters(scene, packed, error);
 }

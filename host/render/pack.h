@@ -25,15 +25,23 @@ typedef struct mcv_packed {
     float *positions, *normals, *texcoords; /* 3, 3, 2 per vertex; normals and texcoords NULL where no feature needs them */
     uint32_t *indices;                      /* 3 per triangle, for the acceleration structure */
     uint32_t *triangles;                    /* 4 per triangle: the vertices and the instance */
+    float *tangents;                        /* 4 per vertex: direction, handedness; NULL where no glossy surface has a direction */
     mcv_device_instance *instances;
     mcv_device_material *materials;
+    mcv_device_gloss *gloss; /* of each material, or NULL */
+    float *albedos;
+    size_t albedo_count;
     mcv_device_medium media[MCV_MAX_MEDIA + 1];
     mcv_device_interface interfaces[(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
+    uint32_t interface_albedos[(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
     mcv_device_emitter *emitters;
-    uint32_t *emitter_cdf; /* first emitter_count + 1 entries: which emitter; then each emitter's triangles */
+    uint32_t
+        *emitter_cdf; /* first emitter_count + 1 entries: which emitter; then each emitter's triangles; then which light paths start from */
+    uint32_t light_cdf; /* where those begin */
     mcv_device_texture *textures;
-    uint32_t *texels; /* first 256 words: the sRGB decoding as floats */
-    float environment[3];
+    uint32_t *texels;             /* first 256 words: the sRGB decoding as floats */
+    float environment[3];         /* its radiance, without an image */
+    uint32_t environment_emitter; /* with one */
 } mcv_packed;
 
 /* Fails without memory, or with more than MCV_MAX_MEDIA bodies that overlap. On failure *packed is empty. */
@@ -43,12 +51,18 @@ void mcv_packed_free(mcv_packed *packed);
 /* The set of media (bit i: medium i + 1) whose closed surfaces surround a world point. */
 uint32_t mcv_media_around(const mcv_scene *scene, const mcv_packed *packed, const double point[3]);
 
+/* The diagonal of the box around all instances [m]. */
+double mcv_packed_size(const mcv_packed *packed);
+
+/* Is it chosen by next-event estimation? A constant environment is not: all directions are as good. */
+bool mcv_is_looked_for(const mcv_emitter *emitter);
+
 /* Where the sensor is, as the device wants it: the optical frame to the re-centred world. */
 void mcv_pack_placement(const mcv_packed *packed, const mcv_transform *to_world, float placement[12]);
 
 /*
  * The packed scene's features with those that depend on the sensor, too: AIM where its pupil sees a parallel emitter at larger angles than
- * the emitter's cone.
+ * the emitter's cone, LIGHT_TRACING where light paths reach it.
  */
 uint32_t mcv_sensor_features(const mcv_packed *packed, const mcv_sensor *sensor);
 

@@ -89,16 +89,6 @@ static mcv_result check_options(const mcv_scene *scene, uint32_t sensor, const m
     return MCV_OK;
 }
 
-/* The scene on the device; what the scene before has in common with it is taken over. */
-static mcv_result open_scene(renderer *r, const mcv_scene *scene) {
-    mcv_device_scene kept = r->scene;
-    const mcv_result result = mcv_device_scene_open(&r->cl, scene, r->options->threads, kept.nodes ? &kept : NULL, &r->scene, r->error);
-    r->stats->kept_structure = r->scene.kept_structure;
-    mcv_device_scene_close(&kept);
-    if (result != MCV_OK) mcv_device_scene_close(&r->scene); /* half a scene is nothing to keep */
-    return result;
-}
-
 /* A program for the scene: that at work, the one before, or a new one. */
 static mcv_result open_schedule(renderer *r, uint32_t sensor_type) {
     const mcv_render_options *o = r->options;
@@ -123,20 +113,24 @@ static mcv_result open_schedule(renderer *r, uint32_t sensor_type) {
     return result;
 }
 
-static mcv_result open_renderer(renderer *r, const mcv_scene *scene, uint32_t sensor) {
+/* kept: the scene before, or NULL. */
+static mcv_result open_scene(renderer *r, const mcv_scene *scene, uint32_t sensor, mcv_device_scene *kept) {
     const double start = now();
     if (!r->cl.context) MCV_TRY(mcv_cl_open(r->options->device, &r->cl, r->error));
     memcpy(r->stats->device, r->cl.name, sizeof r->stats->device);
     memcpy(r->stats->driver, r->cl.version, sizeof r->stats->driver);
-    MCV_TRY(open_scene(r, scene));
+    MCV_TRY(mcv_device_scene_begin(&r->cl, scene, r->options->threads, kept, &r->scene, r->error));
+    r->stats->kept_structure = r->scene.kept_structure;
     mcv_packed *packed = &r->scene.packed;
     packed->features = mcv_sensor_features(packed, &scene->sensors[sensor]);
+    if (r->options->no_light_paths) packed->features &= ~(1u << MCV_FEATURE_LIGHT_TRACING);
     mcv_feature_names(packed->features, r->stats->features, sizeof r->stats->features);
-    r->stats->seconds_build = now() - start;
 
     const double compile = now();
     MCV_TRY(open_schedule(r, scene->sensors[sensor].type));
     r->stats->seconds_compile = now() - compile;
+    MCV_TRY(mcv_device_scene_finish(&r->cl, kept, &r->scene, r->error));
+    r->stats->seconds_build = now() - start - r->stats->seconds_compile;
 
     r->frame = (mcv_frame){.width = r->film->width,
                            .height = r->film->height,
@@ -144,7 +138,22 @@ static mcv_result open_renderer(renderer *r, const mcv_scene *scene, uint32_t se
                            .seed = r->options->seed,
                            .depth = r->options->depth};
     MCV_TRY(mcv_device_scene_place(&r->cl, scene, sensor, &r->scene, &r->frame, r->error));
+    if (r->scene.splats) {
+        /* As many light paths as there are pixels in whole tiles share each sample. */
+        const double paths = 64.0 * ((r->film->width + 7) / 8) * ((r->film->height + 7) / 8);
+        MCV_TRY(mcv_film_take_splats(r->film, 1 / ((double)r->frame.splat_scale * paths), r->error));
+    }
     return mcv_schedule_aim(&r->schedule, &r->frame, r->stats, r->error);
+}
+
+/* What the scene before has in common with this one is taken over. */
+static mcv_result open_renderer(renderer *r, const mcv_scene *scene, uint32_t sensor) {
+    mcv_device_scene kept = r->scene;
+    memset(&r->scene, 0, sizeof r->scene);
+    const mcv_result result = open_scene(r, scene, sensor, kept.nodes ? &kept : NULL);
+    mcv_device_scene_close(&kept);
+    if (result != MCV_OK) mcv_device_scene_close(&r->scene); /* half a scene is nothing to keep */
+    return result;
 }
 
 static void close_renderer(renderer *r) {
@@ -287,8 +296,8 @@ static mcv_result render_rounds(renderer *r) {
         const double round_begun = now();
         MCV_TRY(render_round(r, next, count, error, &stop));
         if (stop) return MCV_OK;
-        for (size_t i = 0; i < values; ++i) r->film->sums[i] += r->round[i];
-        r->film->samples += count;
+        if (r->film->splats) MCV_TRY(mcv_cl_read(&r->cl, r->scene.splats, 0, 8 * values, r->film->splats, r->error));
+        mcv_film_add(r->film, r->round, count);
         next += count;
         error = mcv_film_relative_error(r->film);
         const double seconds = now() - r->begun;

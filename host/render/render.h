@@ -28,6 +28,7 @@ typedef struct mcv_render_options {
     double error;         /* stop at this relative error; 0: never */
     double seconds;       /* stop after this time; 0: never */
     uint32_t threads;     /* of the reference; 0: all */
+    bool no_light_paths;  /* leave all light to camera paths */
     uint32_t slice;       /* paths per slice of the tile schedule, a multiple of 64; 0: default */
     const char *device;   /* NULL: the first; see mcv_cl_open */
     mcv_progress *progress;
@@ -49,6 +50,7 @@ typedef struct mcv_render_stats {
     double lost_energy; /* their throughput over that of all paths begun: the share of the light that may be missing */
     uint64_t nonfinite; /* samples dropped because they were not finite */
     uint64_t unmatched; /* exits from a medium that the path had not entered */
+    uint64_t saturated; /* light paths that a pixel's sum had no room for */
     double seconds_build, seconds_compile, seconds_first_sample, seconds_render;
     bool kept_structure, kept_program; /* of the render before (mcv_renderer) */
     uint32_t stage_count;              /* the tile schedule has all its stages in one kernel; the reference has none */

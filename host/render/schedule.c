@@ -20,20 +20,26 @@ static uint32_t fitting_paths(const mcv_cl *cl, size_t bytes_per_path, uint32_t 
 
 static bool aims(const mcv_schedule *s) { return s->scene->packed.features >> MCV_FEATURE_AIM & 1; }
 
+static bool traces_light(const mcv_schedule *s) { return s->scene->packed.features >> MCV_FEATURE_LIGHT_TRACING & 1; }
+
 static mcv_result open_tile(mcv_schedule *s, const char *options, mcv_error *error) {
     MCV_TRY(mcv_cl_build(s->cl, "tile", options, &s->program, error));
     if (aims(s)) MCV_TRY(mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
+    if (traces_light(s)) MCV_TRY(mcv_cl_kernel(s->program, "trace_emitter_paths", &s->kernels[MCV_KERNEL_trace_emitter_paths], error));
     return mcv_cl_kernel(s->program, "render_tile", &s->kernels[MCV_KERNEL_generate_rays], error);
 }
 
 static mcv_result open_stream(mcv_schedule *s, const char *options, mcv_error *error) {
     const uint32_t MCV_WITH_AIM = aims(s);
+    const uint32_t MCV_WITH_LIGHT_TRACING = traces_light(s);
     const uint32_t MCV_WITH_NEXT_EVENT = s->scene->packed.features >> MCV_FEATURE_NEXT_EVENT & 1;
     MCV_TRY(mcv_cl_build(s->cl, "stream", options, &s->program, error));
 #define MCV_X(stage, runs) \
     if (runs) MCV_TRY(mcv_cl_kernel(s->program, #stage, &s->kernels[MCV_KERNEL_##stage], error));
     MCV_STREAM_KERNELS(MCV_X)
 #undef MCV_X
+    const size_t path_bytes = 4 * (size_t)mcv_path_words(s->scene->packed.features, s->scene->packed.channels);
+    MCV_TRY(mcv_cl_buffer(s->cl, "the paths of a launch", path_bytes * s->capacity, NULL, &s->paths, error));
     MCV_TRY(mcv_cl_buffer(s->cl, "the queues", 3 * sizeof(cl_uint) * s->capacity, NULL, &s->queues, error));
     return mcv_cl_buffer(s->cl, "the lengths of the queues", 2 * sizeof(cl_uint) * (s->depth + 1), NULL, &s->lengths, error);
 }
@@ -58,12 +64,22 @@ mcv_result mcv_schedule_open(mcv_cl *cl, const mcv_device_scene *scene, uint32_t
     mcv_feature_options(packed->features, packed->channels, sensor_type, options->sampler, s->slice, defines, sizeof defines);
     MCV_TRY(s->kind == MCV_SCHEDULE_TILE ? open_tile(s, defines, error) : open_stream(s, defines, error));
     const size_t counter_sets = s->kind == MCV_SCHEDULE_TILE ? s->capacity / s->slice : 1;
-    MCV_TRY(mcv_cl_buffer(cl, "the paths of a launch", path_bytes * s->capacity, NULL, &s->paths, error));
     MCV_TRY(mcv_cl_buffer(cl, "the sums of a launch", 8 * (size_t)s->capacity * packed->channels, NULL, &s->sums, error));
     return mcv_cl_buffer(cl, "the counters of a launch", sizeof(cl_uint) * counter_sets * MCV_COUNTER_COUNT, NULL, &s->counters, error);
 }
 
+/* Nothing is written any more to where the answers go. */
+static void forget_answers(mcv_schedule *s) {
+    for (int i = 0; i < MCV_DEPTHS_AHEAD; ++i) {
+        if (!s->stream.answers[i]) continue;
+        clWaitForEvents(1, &s->stream.answers[i]);
+        clReleaseEvent(s->stream.answers[i]);
+        s->stream.answers[i] = NULL;
+    }
+}
+
 void mcv_schedule_close(mcv_schedule *schedule) {
+    forget_answers(schedule);
     mcv_cl_release(&schedule->paths);
     mcv_cl_release(&schedule->sums);
     mcv_cl_release(&schedule->counters);
@@ -91,6 +107,7 @@ static mcv_result add_counters(mcv_schedule *s, mcv_render_stats *stats, mcv_err
         stats->lost_energy += c[MCV_COUNTER_lost] * 0x1p-11;
         stats->nonfinite += c[MCV_COUNTER_nonfinite];
         stats->unmatched += c[MCV_COUNTER_unmatched];
+        stats->saturated += c[MCV_COUNTER_saturated];
     }
     free(counters);
     return result;
@@ -124,13 +141,12 @@ static void add_times(mcv_schedule *s, mcv_render_stats *stats) {
 }
 
 static mcv_result start_tile(mcv_schedule *s, const mcv_frame *frame, mcv_error *error) {
-    mcv_arg arguments[MCV_SCENE_ARGUMENTS + 3];
+    mcv_arg arguments[MCV_SCENE_ARGUMENTS + 2];
     mcv_device_scene_arguments(s->scene, arguments);
-    arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->paths);
-    arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->sums);
-    arguments[MCV_SCENE_ARGUMENTS + 2] = MCV_ARG(s->counters);
+    arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->sums);
+    arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->counters);
     s->counter_sets = (frame->path_count + s->slice - 1) / s->slice;
-    return launch(s, MCV_KERNEL_generate_rays, s->counter_sets, 1, arguments, MCV_SCENE_ARGUMENTS + 3, error);
+    return launch(s, MCV_KERNEL_generate_rays, s->counter_sets, 1, arguments, MCV_SCENE_ARGUMENTS + 2, error);
 }
 
 static mcv_result zero(mcv_cl *cl, cl_mem buffer, size_t bytes, mcv_error *error) {
@@ -139,13 +155,7 @@ static mcv_result zero(mcv_cl *cl, cl_mem buffer, size_t bytes, mcv_error *error
     return MCV_OK;
 }
 
-/*
- * All launches of a pass without waiting for any: a stage whose queue is empty ends at once. Only a depth limit beyond the
- * usual is not launched blindly to its end: a million depths are millions of launches.
- */
-static mcv_result start_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
-    cl_uint depth = 0;
-    const uint32_t block = frame->log2_samples < 6 ? 1u << frame->log2_samples : MCV_BLOCK;
+static mcv_result launch_stage(mcv_schedule *s, uint32_t kernel, size_t items, mcv_error *error) {
     mcv_arg arguments[STREAM_ARGUMENTS];
     mcv_device_scene_arguments(s->scene, arguments);
     arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->paths);
@@ -154,28 +164,67 @@ static mcv_result start_stream(mcv_schedule *s, const mcv_frame *frame, mcv_rend
     arguments[MCV_SCENE_ARGUMENTS + 3] = MCV_ARG(s->queues);
     arguments[MCV_SCENE_ARGUMENTS + 4] = MCV_ARG(s->lengths);
     arguments[MCV_SCENE_ARGUMENTS + 5] = MCV_ARG(s->capacity);
-    arguments[MCV_SCENE_ARGUMENTS + 6] = MCV_ARG(depth);
+    arguments[MCV_SCENE_ARGUMENTS + 6] = MCV_ARG(s->stream.depth);
+    return launch(s, kernel, items, STREAM_GROUP, arguments, STREAM_ARGUMENTS, error);
+}
+
+/* The stages of the next depth, for at most so many paths; then asks how many live on. */
+static mcv_result launch_depth(mcv_schedule *s, size_t items, mcv_render_stats *stats, mcv_error *error) {
+    const uint32_t depth = s->stream.depth;
+    const uint32_t asked = depth % MCV_DEPTHS_AHEAD;
+    MCV_TRY(launch_stage(s, MCV_KERNEL_intersect_closest, items, error));
+    if (s->kernels[MCV_KERNEL_sample_emitters] && depth + 1 < s->stream.frame.depth) {
+        MCV_TRY(launch_stage(s, MCV_KERNEL_sample_emitters, items, error));
+        MCV_TRY(launch_stage(s, MCV_KERNEL_intersect_shadow, items, error));
+    }
+    MCV_TRY(launch_stage(s, MCV_KERNEL_shade_surfaces, items, error));
+    MCV_TRY_CL(clEnqueueReadBuffer(s->cl->queue, s->lengths, CL_FALSE, sizeof(cl_uint) * (depth + 1), sizeof(cl_uint),
+                                   &s->stream.living[asked], 0, NULL, &s->stream.answers[asked]),
+               error);
+    ++s->stream.depth;
+    if (s->stream.depth % MCV_TIMED_DEPTHS > 0) return MCV_OK;
+    MCV_TRY(mcv_cl_finish(s->cl, error));
+    add_times(s, stats);
+    return MCV_OK;
+}
+
+/* How many paths lived so many depths ago, or waits until that is known: there are no more of them now. */
+static mcv_result living_paths(mcv_schedule *s, cl_uint *living, mcv_error *error) {
+    const uint32_t asked = s->stream.depth % MCV_DEPTHS_AHEAD;
+    *living = s->stream.frame.path_count;
+    if (s->stream.depth < MCV_DEPTHS_AHEAD) return MCV_OK;
+    MCV_TRY_CL(clWaitForEvents(1, &s->stream.answers[asked]), error);
+    clReleaseEvent(s->stream.answers[asked]);
+    s->stream.answers[asked] = NULL;
+    *living = s->stream.living[asked];
+    return MCV_OK;
+}
+
+/* The first depths of a pass, without waiting for any. */
+static mcv_result start_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
+    s->stream.frame = *frame;
+    s->stream.depth = 0;
+    s->counter_sets = 1;
     MCV_TRY(zero(s->cl, s->lengths, 2 * sizeof(cl_uint) * (s->depth + 1), error));
     MCV_TRY(zero(s->cl, s->counters, sizeof(cl_uint) * MCV_COUNTER_COUNT, error));
-#define MCV_RUN(stage, count) MCV_TRY(launch(s, MCV_KERNEL_##stage, (count), STREAM_GROUP, arguments, STREAM_ARGUMENTS, error))
-    MCV_RUN(generate_rays, frame->path_count);
-    for (depth = 0; depth < frame->depth; ++depth) {
-        MCV_RUN(intersect_closest, frame->path_count);
-        if (s->kernels[MCV_KERNEL_sample_emitters] && depth + 1 < frame->depth) {
-            MCV_RUN(sample_emitters, frame->path_count);
-            MCV_RUN(intersect_shadow, frame->path_count);
-        }
-        MCV_RUN(shade_surfaces, frame->path_count);
-        if (depth % MCV_BLIND_DEPTHS < MCV_BLIND_DEPTHS - 1) continue;
-        cl_uint left;
-        MCV_TRY(mcv_cl_read(s->cl, s->lengths, sizeof left * (depth + 1), sizeof left, &left, error));
-        add_times(s, stats);
-        if (left == 0) break;
+    MCV_TRY(launch_stage(s, MCV_KERNEL_generate_rays, frame->path_count, error));
+    while (s->stream.depth < frame->depth && s->stream.depth < MCV_DEPTHS_AHEAD) MCV_TRY(launch_depth(s, frame->path_count, stats, error));
+    return MCV_OK;
+}
+
+/* The other depths, as long as paths live, and the film. */
+static mcv_result finish_stream(mcv_schedule *s, mcv_render_stats *stats, mcv_error *error) {
+    const mcv_frame *frame = &s->stream.frame;
+    const uint32_t block = frame->log2_samples < 6 ? 1u << frame->log2_samples : MCV_BLOCK;
+    while (s->stream.depth < frame->depth) {
+        cl_uint living;
+        MCV_TRY(living_paths(s, &living, error));
+        if (living == 0) break;
+        MCV_TRY(launch_depth(s, living, stats, error));
     }
-    MCV_RUN(accumulate_film, frame->path_count / block);
-    MCV_RUN(count_rays, 1);
-#undef MCV_RUN
-    s->counter_sets = 1;
+    MCV_TRY(launch_stage(s, MCV_KERNEL_accumulate_film, frame->path_count / block, error));
+    MCV_TRY(launch_stage(s, MCV_KERNEL_count_rays, 1, error));
+    forget_answers(s);
     return MCV_OK;
 }
 
@@ -195,14 +244,28 @@ mcv_result mcv_schedule_aim(mcv_schedule *schedule, const mcv_frame *frame, mcv_
     return MCV_OK;
 }
 
+/* As many light paths as camera paths; after those, whose counters they add to. */
+static mcv_result start_light(mcv_schedule *s, const mcv_frame *frame, mcv_error *error) {
+    mcv_arg arguments[MCV_SCENE_ARGUMENTS + 2];
+    if (!traces_light(s)) return MCV_OK;
+    mcv_device_scene_arguments(s->scene, arguments);
+    arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->scene->splats);
+    arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->counters);
+    const bool tile = s->kind == MCV_SCHEDULE_TILE;
+    return launch(s, MCV_KERNEL_trace_emitter_paths, tile ? s->counter_sets : frame->path_count, tile ? 1 : STREAM_GROUP, arguments,
+                  MCV_SCENE_ARGUMENTS + 2, error);
+}
+
 mcv_result mcv_schedule_start(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
     MCV_TRY(mcv_cl_write(schedule->cl, schedule->scene->frame, 0, sizeof *frame, frame, error));
     MCV_TRY(schedule->kind == MCV_SCHEDULE_TILE ? start_tile(schedule, frame, error) : start_stream(schedule, frame, stats, error));
+    MCV_TRY(start_light(schedule, frame, error));
     MCV_TRY_CL(clFlush(schedule->cl->queue), error);
     return MCV_OK;
 }
 
 mcv_result mcv_schedule_wait(mcv_schedule *schedule, mcv_render_stats *stats, mcv_error *error) {
+    if (schedule->kind == MCV_SCHEDULE_STREAM) MCV_TRY(finish_stream(schedule, stats, error));
     MCV_TRY(add_counters(schedule, stats, error));
     add_times(schedule, stats);
     return MCV_OK;

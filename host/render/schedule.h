@@ -15,8 +15,11 @@
 enum { MCV_STREAM_KERNELS(MCV_X) MCV_STREAM_KERNEL_COUNT };
 #undef MCV_X
 
-/* Launches between two waits. */
-enum { MCV_BLIND_DEPTHS = 64, MCV_MAX_LAUNCHES = 4 * MCV_BLIND_DEPTHS + 8 };
+/*
+ * Stream: how many depths the host is ahead of the device, so that neither waits, and how many there are between two times that the
+ * launches are forgotten.
+ */
+enum { MCV_DEPTHS_AHEAD = 4, MCV_TIMED_DEPTHS = 64, MCV_MAX_LAUNCHES = 4 * MCV_TIMED_DEPTHS + 8 };
 
 typedef struct mcv_schedule {
     mcv_cl *cl;
@@ -29,8 +32,14 @@ typedef struct mcv_schedule {
     cl_kernel
         kernels[MCV_STREAM_KERNEL_COUNT]; /* tile: for generate_rays that of all stages; stream: NULL where the scene needs no such stage */
     cl_mem paths, sums, counters;
-    uint32_t counter_sets;               /* of the launch under way */
-    cl_mem queues, lengths;              /* stream */
+    uint32_t counter_sets;  /* of the launch under way */
+    cl_mem queues, lengths; /* stream */
+    struct {                /* of the launch under way */
+        mcv_frame frame;
+        uint32_t depth;                     /* the next to be launched */
+        cl_uint living[MCV_DEPTHS_AHEAD];   /* after the latest depths, by depth modulo MCV_DEPTHS_AHEAD … */
+        cl_event answers[MCV_DEPTHS_AHEAD]; /* … once they are read */
+    } stream;
     cl_event launches[MCV_MAX_LAUNCHES]; /* since the last wait, with their kernels: for the stages' times */
     uint32_t launched[MCV_MAX_LAUNCHES];
     uint32_t launch_count;

@@ -23,7 +23,7 @@ typedef struct tracer {
 static mcv_result open_tracer(tracer *t, const mcv_scene *scene, size_t ray_count, const mcv_render_options *options, mcv_error *error) {
     char defines[1024];
     MCV_TRY(mcv_cl_open(options->device, &t->cl, error));
-    MCV_TRY(mcv_device_scene_open(&t->cl, scene, options->threads, NULL, &t->scene, error));
+    MCV_TRY(mcv_device_scene_open(&t->cl, scene, options->threads, &t->scene, error));
     const mcv_packed *packed = &t->scene.packed;
     mcv_feature_options(packed->features, packed->channels, MCV_SENSOR_PINHOLE, MCV_SAMPLER_SOBOL, MCV_BLOCK, defines, sizeof defines);
     MCV_TRY(mcv_cl_build(&t->cl, "trace", defines, &t->program, error));
@@ -45,7 +45,7 @@ static mcv_result open_tracer(tracer *t, const mcv_scene *scene, size_t ray_coun
     MCV_TRY(mcv_cl_buffer(&t->cl, "the rays", t->batch * sizeof *t->host_rays, NULL, &t->rays, error));
     MCV_TRY(mcv_cl_buffer(&t->cl, "the vertices", vertices * sizeof *t->host_vertices, NULL, &t->vertices, error));
     MCV_TRY(mcv_cl_buffer(&t->cl, "the numbers of vertices", 4 * (size_t)t->batch, NULL, &t->counts, error));
-    mcv_frame frame = {.depth = options->depth};
+    mcv_frame frame = {.depth = options->depth, .environment_emitter = packed->environment_emitter};
     memcpy(frame.environment, packed->environment, sizeof frame.environment);
     return mcv_cl_write(&t->cl, t->scene.frame, 0, sizeof frame, &frame, error);
 }

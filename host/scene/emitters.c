@@ -2,6 +2,9 @@
 #include "scene/emitters.h"
 
 #include "scene/params.h"
+#include "scene/sensors.h"
+
+#include <float.h>
 
 double mcv_emitter_half_angle(const mcv_emitter *emitter) {
     if (emitter->type == MCV_EMITTER_PARALLEL) return emitter->as.parallel.halfAngle;
@@ -13,15 +16,20 @@ bool mcv_emitter_has_surface(uint32_t type) {
     return type != MCV_EMITTER_ENVIRONMENT && type != MCV_EMITTER_POINT && type != MCV_EMITTER_SPOT && type != MCV_EMITTER_DIRECTIONAL;
 }
 
-mcv_result mcv_emitter_check(const mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_emitter_check(mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
     if (mcv_emitter_half_angle(emitter) == 0) {
         const mcv_place here = mcv_place_key(place, "halfAngle");
         return mcv_fail_at(&here, error, "0 would be a collimated beam: use the type \"collimatedBeam\", or give an angle above 0");
     }
     MCV_TRY(mcv_params_check(mcv_emitter_table(emitter->type), &emitter->as, place, error));
-    if (emitter->type != MCV_EMITTER_SPOT || emitter->as.spot.innerConeAngle < emitter->as.spot.outerConeAngle) return MCV_OK;
+    if (emitter->type == MCV_EMITTER_PROJECTOR) {
+        mcv_projector_params *p = &emitter->as.projector;
+        return mcv_lens_resolve((mcv_lens){p->focalLength, &p->imageDistance, &p->focusDistance, &p->lensDiameter, &p->fNumber}, place,
+                                error);
+    }
+    if (emitter->type != MCV_EMITTER_SPOT || emitter->as.spot.innerConeAngle <= emitter->as.spot.outerConeAngle) return MCV_OK;
     const mcv_place here = mcv_place_key(place, "innerConeAngle");
-    return mcv_fail_at(&here, error, "%g rad must be smaller than outerConeAngle %g rad", emitter->as.spot.innerConeAngle,
+    return mcv_fail_at(&here, error, "%g rad must be at most outerConeAngle %g rad", emitter->as.spot.innerConeAngle,
                        emitter->as.spot.outerConeAngle);
 }
 
@@ -35,6 +43,13 @@ static void *parameter(mcv_emitter *emitter, const char *key) {
 double *mcv_emitter_parameter(mcv_emitter *emitter, const char *key) { return parameter(emitter, key); }
 
 uint32_t *mcv_emitter_image(mcv_emitter *emitter) { return parameter(emitter, "image"); }
+
+void mcv_emitter_size(const mcv_emitter *emitter, double size[2]) {
+    mcv_emitter own = *emitter;
+    const double *given = parameter(&own, "size");
+    for (int i = 0; i < 2; ++i)
+        size[i] = emitter->type == MCV_EMITTER_PROJECTOR ? own.as.projector.lensDiameter : given ? given[i] : (double)NAN;
+}
 
 bool mcv_emitter_mirrors(const mcv_emitter *emitter) {
     mcv_emitter own = *emitter;
@@ -62,6 +77,7 @@ mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *em
     const mcv_place here = mcv_place_key(place, "image");
     if (!image || *image == MCV_NONE) return MCV_OK;
     if (*image >= scene->texture_count) return mcv_fail_at(&here, error, "texture %u does not exist", *image);
+    if (!mcv_emitter_has_surface(emitter->type)) return MCV_OK;
     const mcv_mesh *mesh = scene->meshes + scene->instances[emitter->instance].mesh;
     if (mesh->triangle_count != 2 || !mesh->texcoords)
         return mcv_fail_at(place, error, "an image must lie on a rectangle of two triangles with texture coordinates");
@@ -107,6 +123,45 @@ static double aperture_share(const mcv_collimated_beam_params *p, const mcv_text
     return disk_share(x1, y1) - disk_share(x0, y1) - disk_share(x1, y0) + disk_share(x0, y0);
 }
 
+void mcv_projector_resolution(const mcv_projector_params *p, const mcv_texture *texture, uint32_t pixels[2]) {
+    const bool pattern = p->pattern.type != MCV_NONE;
+    pixels[0] = pattern ? p->pattern.resolution[0] : texture->width;
+    pixels[1] = pattern ? p->pattern.resolution[1] : texture->height;
+}
+
+/* Tangents of the half-angles that a projector's image fills, seen from the middle of the lens. */
+static void image_tangents(const mcv_projector_params *p, const mcv_texture *texture, double tangents[2]) {
+    uint32_t pixels[2];
+    mcv_projector_resolution(p, texture, pixels);
+    for (int i = 0; i < 2; ++i) tangents[i] = pixels[i] * p->pixelSize[i] / (2 * p->imageDistance);
+}
+
+/* What a projector's lens sends of radiance 1 per area of the image over b²: 2π R²/(B (A + B)) at the distance m from the axis. */
+static double lens_share(const mcv_projector_params *p, double m_squared) {
+    const double r = p->lensDiameter / 2, blur = mcv_kappa(p->focalLength, p->imageDistance) * r;
+    const double a = 1 + m_squared - blur * blur, sum = 1 + m_squared + blur * blur;
+    const double b = sqrt(sum * sum - 4 * m_squared * blur * blur);
+    return 2 * M_PI * r * r / (b * (a + b));
+}
+
+/*
+ * The same of the image's part [x0, x1] x [y0, y1], over b: Gauss's rule of 2 x 2 points in cells of at most 0.02, in which the fourth
+ * derivatives, of the order of 100 times the value, leave 1e-8 of it at most.
+ */
+static double image_share(const mcv_projector_params *p, double x0, double x1, double y0, double y1) {
+    const double cell = 0.02, columns = fmax(ceil((x1 - x0) / cell), 1), rows = fmax(ceil((y1 - y0) / cell), 1);
+    const double width = (x1 - x0) / columns, height = (y1 - y0) / rows, off = sqrt(1 / 12.0);
+    double sum = 0;
+    for (double i = 0; i < columns; ++i)
+        for (double j = 0; j < rows; ++j)
+            for (int corner = 0; corner < 4; ++corner) {
+                const double x = x0 + width * (i + 0.5 + (corner & 1 ? off : -off)),
+                             y = y0 + height * (j + 0.5 + (corner & 2 ? off : -off));
+                sum += lens_share(p, x * x + y * y);
+            }
+    return sum * width * height / 4;
+}
+
 /* What a pixel sends at equal values, in any unit. */
 static double pixel_share(const mcv_emitter *emitter, const mcv_texture *texture, uint32_t column, uint32_t row) {
     const mcv_light_field_emitter_params *p = &emitter->as.light_field_emitter;
@@ -115,6 +170,15 @@ static double pixel_share(const mcv_emitter *emitter, const mcv_texture *texture
         return direction_share(p, column % p->angularResolution[0], row % p->angularResolution[1]);
     case MCV_EMITTER_COLLIMATED_BEAM:
         return aperture_share(&emitter->as.collimated_beam, texture, column, row);
+    case MCV_EMITTER_ENVIRONMENT: /* by solid angle */
+        return sin((2.0 * row + 1) * M_PI / (2.0 * texture->height));
+    case MCV_EMITTER_PROJECTOR: {
+        double edge[2];
+        image_tangents(&emitter->as.projector, texture, edge);
+        const double width = 2 * edge[0] / texture->width, height = 2 * edge[1] / texture->height;
+        return image_share(&emitter->as.projector, column * width - edge[0], (column + 1) * width - edge[0], row * height - edge[1],
+                           (row + 1) * height - edge[1]);
+    }
     default:
         return 1;
     }
@@ -122,23 +186,23 @@ static double pixel_share(const mcv_emitter *emitter, const mcv_texture *texture
 
 void mcv_emitter_image_mean(const mcv_scene *scene, const mcv_emitter *emitter, double mean[3]) {
     mcv_emitter own = *emitter;
-    double sum[3] = {0, 0, 0}, total = 0, decoded[256];
+    double sum[3] = {0, 0, 0}, total = 0, rgb[3], decoded[256];
     for (int i = 0; i < 3; ++i) mean[i] = 1;
     if (!mcv_emitter_image(&own) || emitter->texture == MCV_NONE) return;
     const mcv_texture *texture = scene->textures + emitter->texture;
-    for (unsigned value = 0; value < 256; ++value) decoded[value] = mcv_srgb_decode((uint8_t)value);
+    mcv_srgb_table(decoded);
     for (uint32_t row = 0; row < texture->height; ++row)
         for (uint32_t column = 0; column < texture->width; ++column) {
-            const size_t texel = (size_t)row * texture->width + column;
             const double weight = pixel_share(emitter, texture, column, row);
-            for (size_t i = 0; i < 3; ++i)
-                sum[i] += weight * (texture->rgba ? decoded[texture->rgba[4 * texel + i]] : texture->linear[3 * texel + i]);
+            mcv_texture_value(texture, decoded, column, row, rgb);
+            for (size_t i = 0; i < 3; ++i) sum[i] += weight * rgb[i];
             total += weight;
         }
     for (int i = 0; i < 3; ++i) mean[i] = sum[i] / total;
 }
 
 double mcv_emitter_solid_angle(const mcv_emitter *emitter) {
+    if (emitter->type == MCV_EMITTER_PROJECTOR) return (double)NAN;
     if (emitter->type == MCV_EMITTER_AREA) return 2 * M_PI;
     if (emitter->type == MCV_EMITTER_ENVIRONMENT || emitter->type == MCV_EMITTER_POINT) return 4 * M_PI;
     if (emitter->type == MCV_EMITTER_COLLIMATED_BEAM || emitter->type == MCV_EMITTER_DIRECTIONAL) return 0;
@@ -153,6 +217,7 @@ double mcv_emitter_solid_angle(const mcv_emitter *emitter) {
 }
 
 double mcv_emitter_projected_solid_angle(const mcv_emitter *emitter) {
+    if (emitter->type == MCV_EMITTER_PROJECTOR) return (double)NAN;
     if (emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) {
         const double a = emitter->as.light_field_emitter.angularRange;
         return 4 * disk_share(a, a);
@@ -167,7 +232,15 @@ static double half_sine_squared(double angle) {
     return s * s;
 }
 
-double mcv_emitter_unit_power(const mcv_emitter *emitter) {
+/* A projector whose image is not known yet has one of a pixel. */
+static double projector_unit_power(const mcv_scene *scene, const mcv_emitter *emitter) {
+    const mcv_texture pixel = {.width = 1, .height = 1};
+    double edge[2];
+    image_tangents(&emitter->as.projector, emitter->texture == MCV_NONE ? &pixel : scene->textures + emitter->texture, edge);
+    return image_share(&emitter->as.projector, -edge[0], edge[0], -edge[1], edge[1]);
+}
+
+double mcv_emitter_unit_power(const mcv_scene *scene, const mcv_emitter *emitter) {
     const mcv_collimated_beam_params *beam = &emitter->as.collimated_beam;
     const mcv_spot_params *spot = &emitter->as.spot;
     switch (emitter->type) {
@@ -178,6 +251,8 @@ double mcv_emitter_unit_power(const mcv_emitter *emitter) {
         return 4 * M_PI;
     case MCV_EMITTER_SPOT: /* 1 - cosθ = 2 sin²(θ/2) */
         return 4 * M_PI / 3 * (2 * half_sine_squared(spot->innerConeAngle) + half_sine_squared(spot->outerConeAngle));
+    case MCV_EMITTER_PROJECTOR:
+        return projector_unit_power(scene, emitter);
     case MCV_EMITTER_COLLIMATED_BEAM:
         return beam->aperture == MCV_APERTURE_CIRCLE ? M_PI * beam_radius(beam) * beam_radius(beam) : emitter->area;
     default:
@@ -203,18 +278,24 @@ mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter, con
         if (power[i] > 0 && mean[i] == 0)
             return mcv_fail_at(place, error, "its image is black in channel %c, so that no %s gives a power of %g W there: give %s",
                                "RGB"[i], key, power[i], key);
-        emitter->radiance[i] = power[i] > 0 ? power[i] / (mcv_emitter_unit_power(emitter) * mean[i]) : 0;
+        emitter->radiance[i] = power[i] > 0 ? power[i] / (mcv_emitter_unit_power(scene, emitter) * mean[i]) : 0;
     }
     if (isfinite(emitter->radiance[0] + emitter->radiance[1] + emitter->radiance[2])) return MCV_OK;
     return mcv_fail_at(place, error, "an area of %g m² with this cone is too small for a power of %g W", emitter->area, power[0]);
 }
 
-/* Do all vertices of all triangles have the same normal? */
-static bool common_normal(const mcv_scene *scene, uint32_t instance, double normal[3]) {
+/*
+ * Do all vertices of all triangles have the same normal, and does the cone about it leave all triangles on their front? Nothing emits
+ * from the back, whatever the normals say.
+ */
+static bool common_cone(const mcv_scene *scene, uint32_t instance, double beta, double normal[3]) {
     const uint32_t count = scene->meshes[scene->instances[instance].mesh].triangle_count;
     for (uint32_t t = 0; t < count; ++t) {
-        double normals[3][3];
+        double normals[3][3], face[3];
         mcv_scene_vertex_normals(scene, instance, t, normals);
+        mcv_scene_face_normal(scene, instance, t, face);
+        const double length = hypot(hypot(face[0], face[1]), face[2]);
+        if (length > 0 && !(face[0] * normals[0][0] + face[1] * normals[0][1] + face[2] * normals[0][2] > sin(beta) * length)) return false;
         if (t == 0) memcpy(normal, normals[0], sizeof normals[0]);
         for (int corner = 0; corner < 3; ++corner) /* The device holds the axis in float32: what rounds to it is it. */
             for (int i = 0; i < 3; ++i)
@@ -227,7 +308,7 @@ void mcv_parallel_prepare(const mcv_scene *scene, uint32_t index, mcv_parallel *
     const mcv_emitter *emitter = scene->emitters + index;
     const double beta = mcv_emitter_half_angle(emitter);
     double axis[3] = {0, 0, 0};
-    const bool common = common_normal(scene, emitter->instance, axis);
+    const bool common = common_cone(scene, emitter->instance, beta, axis);
     *device = (mcv_parallel){
         .tangent_squared = (float)(tan(beta) * tan(beta)),
         .sin_half = (float)sin(beta / 2),
@@ -255,6 +336,31 @@ static void forward(const mcv_transform *rigid, float axis[3]) {
     for (int i = 0; i < 3; ++i) axis[i] = (float)-rigid->m[3 * i + 2];
 }
 
+void mcv_environment_prepare(const mcv_scene *scene, uint32_t index, mcv_environment *device) {
+    const mcv_texture *image = scene->textures + scene->emitters[index].texture;
+    const double *m = scene->emitters[index].to_world.m;
+    *device = (mcv_environment){.width = image->width, .height = image->height};
+    for (int i = 0; i < 3; ++i) {
+        device->x[i] = (float)m[3 * i];
+        device->y[i] = (float)m[3 * i + 1];
+        device->z[i] = (float)m[3 * i + 2];
+    }
+}
+
+void mcv_projector_prepare(const mcv_scene *scene, uint32_t index, mcv_projector *device) {
+    const mcv_projector_params *p = &scene->emitters[index].as.projector;
+    const mcv_transform *to_world = &scene->instances[scene->emitters[index].instance].to_world;
+    const double kappa = mcv_kappa(p->focalLength, p->imageDistance);
+    double edge[2];
+    image_tangents(p, scene->textures + scene->emitters[index].texture, edge);
+    *device = (mcv_projector){.blur = {(float)(kappa * p->lensDiameter / (2 * edge[0])), (float)(kappa * p->lensDiameter / (2 * edge[1]))}};
+    for (int i = 0; i < 3; ++i) {
+        device->x[i] = (float)(to_world->m[3 * i] / (p->mirror ? -2 * edge[0] : 2 * edge[0]));
+        device->y[i] = (float)(to_world->m[3 * i + 1] / (-2 * edge[1]));
+    }
+    forward(to_world, device->axis);
+}
+
 void mcv_collimated_beam_prepare(const mcv_scene *scene, uint32_t index, mcv_collimated_beam *device) {
     const mcv_collimated_beam_params *p = &scene->emitters[index].as.collimated_beam;
     const mcv_transform *to_world = &scene->instances[scene->emitters[index].instance].to_world;
@@ -275,13 +381,12 @@ void mcv_spot_prepare(const mcv_scene *scene, uint32_t index, const double centr
     const double range = point ? emitter->as.point.range : p->range;
     const double outer = half_sine_squared(p->outerConeAngle), inner = half_sine_squared(p->innerConeAngle);
     *device = (mcv_spot){.edge = point ? 2 : (float)outer,
-                         .slope = point ? 1 : (float)(1 / (outer - inner)),
+                         .slope = point ? 1 : (float)fmin(1 / (outer - inner), FLT_MAX), /* finite for a sharp edge, too */
                          .inverse_range_4 = isnan(range) ? 0 : (float)pow(range, -4)};
     for (int i = 0; i < 3; ++i) device->position[i] = (float)(emitter->to_world.m[9 + i] - centre[i]);
     forward(&emitter->to_world, device->axis);
 }
 
-void mcv_directional_prepare(const mcv_scene *scene, uint32_t index, double size, mcv_directional *device) {
-    device->reach = (float)(2 * size); /* twice: nothing touches its end by rounding */
+void mcv_directional_prepare(const mcv_scene *scene, uint32_t index, mcv_directional *device) {
     forward(&scene->emitters[index].to_world, device->axis);
 }

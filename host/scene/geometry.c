@@ -37,8 +37,7 @@ void mcv_scene_corners(const mcv_scene *scene, uint32_t instance, uint32_t local
     }
 }
 
-/* The face's normal, as long as twice its area. */
-static void face_normal(const mcv_scene *scene, uint32_t instance, uint32_t local, double normal[3]) {
+void mcv_scene_face_normal(const mcv_scene *scene, uint32_t instance, uint32_t local, double normal[3]) {
     double corners[3][3], edge[2][3];
     mcv_scene_corners(scene, instance, local, corners);
     for (int i = 0; i < 3; ++i) {
@@ -52,7 +51,7 @@ void mcv_scene_vertex_normals(const mcv_scene *scene, uint32_t instance, uint32_
     const mcv_instance *placed = scene->instances + instance;
     const float *stored = scene->meshes[placed->mesh].normals;
     double face[3];
-    face_normal(scene, instance, local, face);
+    mcv_scene_face_normal(scene, instance, local, face);
     if (!mcv_normalize3(face, face)) memcpy(face, (double[3]){0, 0, 1}, sizeof face); /* a triangle without area is never hit */
     uint32_t vertices[3];
     mcv_scene_triangle(scene, instance, local, vertices);
@@ -67,9 +66,16 @@ void mcv_scene_vertex_normals(const mcv_scene *scene, uint32_t instance, uint32_
     }
 }
 
+void mcv_scene_tangent(const mcv_scene *scene, uint32_t instance, uint32_t vertex, double tangent[4]) {
+    const mcv_instance *placed = scene->instances + instance;
+    const float *t = scene->meshes[placed->mesh].tangents + 4 * (size_t)vertex;
+    mcv_transform_vector(&placed->to_world, (const double[3]){t[0], t[1], t[2]}, tangent);
+    tangent[3] = mcv_transform_determinant(&placed->to_world) < 0 ? -t[3] : t[3];
+}
+
 double mcv_scene_triangle_area(const mcv_scene *scene, uint32_t instance, uint32_t local) {
     double normal[3];
-    face_normal(scene, instance, local, normal);
+    mcv_scene_face_normal(scene, instance, local, normal);
     return 0.5 * hypot(hypot(normal[0], normal[1]), normal[2]);
 }
 

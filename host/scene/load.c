@@ -3,16 +3,27 @@
 #include "scene/load.h"
 
 #include "scene/overrides.h"
+#include "scene/params.h"
 #include "scene/transform.h"
 #include "scene/validate.h"
 
 #include <stdlib.h>
 
 /* Extensions that are read; a file may require no other. */
-static const char *const known_extensions[] = {"MCVISI_sensors",       "MCVISI_emitters",      "MCVISI_materials",
-                                               "MCVISI_assets",        "MCVISI_pose",          "KHR_materials_transmission",
-                                               "KHR_materials_volume", "KHR_materials_ior",    "KHR_materials_emissive_strength",
-                                               "KHR_lights_punctual",  "KHR_mesh_quantization"};
+static const char *const known_extensions[] = {"MCVISI_sensors",
+                                               "MCVISI_emitters",
+                                               "MCVISI_materials",
+                                               "MCVISI_assets",
+                                               "MCVISI_pose",
+                                               "KHR_materials_transmission",
+                                               "KHR_materials_volume",
+                                               "KHR_materials_ior",
+                                               "KHR_materials_emissive_strength",
+                                               "KHR_lights_punctual",
+                                               "KHR_mesh_quantization",
+                                               "KHR_materials_anisotropy",
+                                               "KHR_materials_diffuse_transmission",
+                                               "MCVISI_spectrum"};
 static bool is_known(const char *name) {
     for (size_t i = 0; i < sizeof known_extensions / sizeof known_extensions[0]; ++i)
         if (strcmp(known_extensions[i], name) == 0) return true;
@@ -275,10 +286,12 @@ mcv_result mcv_load_open(mcv_loader *loader, mcv_overrides overrides, mcv_error 
     const size_t meshes = json_array_size(json_object_get(loader->root, "meshes"));
     loader->images = malloc((images + 1) * sizeof *loader->images);
     loader->textures = malloc((textures + 1) * sizeof *loader->textures);
+    loader->data_textures = malloc((textures + 1) * sizeof *loader->data_textures);
     loader->emission = calloc(materials + 1, sizeof *loader->emission);
     loader->meshes = calloc(meshes + 1, sizeof *loader->meshes);
-    if (!loader->images || !loader->textures || !loader->emission || !loader->meshes) return mcv_fail_memory(&loader->file, error);
-    for (size_t i = 0; i < textures; ++i) loader->textures[i] = MCV_NONE;
+    if (!loader->images || !loader->textures || !loader->data_textures || !loader->emission || !loader->meshes)
+        return mcv_fail_memory(&loader->file, error);
+    for (size_t i = 0; i < textures; ++i) loader->textures[i] = loader->data_textures[i] = MCV_NONE;
     if (!loader->is_asset) MCV_TRY(mcv_load_definitions(loader, error));
     if (!loader->is_asset) MCV_TRY(mcv_load_lights(loader, error));
     MCV_TRY(open_data(loader, error));
@@ -300,6 +313,7 @@ void mcv_load_finish(mcv_loader *loader) {
     free(loader->meshes);
     free(loader->emission);
     free(loader->textures);
+    free(loader->data_textures);
     free(loader->images);
     free(loader->sensors);
     free(loader->emitters);
@@ -312,6 +326,29 @@ void mcv_load_finish(mcv_loader *loader) {
     free(loader->bytes.data);
 }
 
+/* MCVISI_spectrum: {"wavelengths": a length, or one for each of red, green and blue}. */
+static mcv_result load_spectrum(mcv_loader *loader, mcv_error *error) {
+    const json_t *object = mcv_json_extension(loader->root, "MCVISI_spectrum");
+    const mcv_place extensions = mcv_place_key(&loader->file, "extensions"), place = mcv_place_key(&extensions, "MCVISI_spectrum");
+    static const char *const keys[] = {"wavelengths", "extras", NULL};
+    if (!object) return MCV_OK;
+    if (!json_is_object(object)) return mcv_fail_at(&place, error, "must be an object {\"wavelengths\": ...}");
+    MCV_TRY(mcv_params_parse((mcv_param_table){0}, object, keys, NULL, &place, error));
+    const json_t *given = json_object_get(object, "wavelengths");
+    const mcv_place here = mcv_place_key(&place, "wavelengths");
+    for (size_t i = 0; i < 3; ++i) {
+        const json_t *one = json_is_array(given) ? json_array_get(given, json_array_size(given) == 1 ? 0 : i) : given;
+        double *length = &loader->scene->wavelengths[i];
+        const bool is_length =
+            json_is_number(one) || (json_is_string(one) && mcv_parse_quantity(json_string_value(one), MCV_PARAM_length, length));
+        if (json_is_number(one)) *length = json_number_value(one);
+        if ((json_is_array(given) && json_array_size(given) != 1 && json_array_size(given) != 3) || !is_length)
+            return mcv_fail_at(&here, error, "must be a length as in \"587.6nm\", or three, for red, green and blue");
+        if (!(*length >= 1e-7 && *length <= 1e-4)) return mcv_fail_at(&here, error, "%g m must be from 100 nm to 100 um", *length);
+    }
+    return MCV_OK;
+}
+
 mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene **scene, mcv_error *error) {
     mcv_loader loader = {.file = mcv_place_file(path), .solid = MCV_NONE, .plain = MCV_NONE, .absorber = MCV_NONE};
     *scene = loader.scene = mcv_scene_new(path);
@@ -319,7 +356,9 @@ mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene *
     const mcv_transform world = mcv_transform_identity();
     mcv_result result = mcv_load_file(&loader, path, &loader.bytes, &loader.file, error);
     if (result == MCV_OK) result = mcv_load_open(&loader, overrides, error);
+    if (result == MCV_OK) result = load_spectrum(&loader, error);
     if (result == MCV_OK) result = load_nodes(&loader, &world, error);
+    if (result == MCV_OK) mcv_scene_settle_metals(*scene);
     if (result == MCV_OK) result = warn_unused(&loader, error);
     mcv_load_finish(&loader);
     if (result == MCV_OK) return MCV_OK;

@@ -32,6 +32,7 @@ typedef struct mcv_loader {
     mcv_gltf *gltf;
     uint32_t *images;        /* number in gltf of images[i], or MCV_NONE where no material needs it */
     uint32_t *textures;      /* the scene's number of textures[i], or MCV_NONE as long as no material has asked for it */
+    uint32_t *data_textures; /* the same where it holds no colour */
     uint32_t first_material; /* the scene's number of materials[0] */
     mcv_emission *emission;  /* of materials[i] */
     mcv_loaded_mesh *meshes;

@@ -199,11 +199,12 @@ mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_tr
         MCV_TRY(mcv_load_preset(loader, loader->presets + index, mcv_json_name(node), to_world, place, error));
         return add_emitters(loader, &emitter, first, first + 1, error);
     }
-    const double *size = mcv_emitter_parameter(&emitter, "size");
+    double size[2];
+    mcv_emitter_size(&emitter, size);
     const bool rectangle = !isnan(size[0]);
     if (json_object_get(node, "mesh") && rectangle)
-        return mcv_fail_at(&here, error, "size is for a node without a mesh, but node \"%s\" has one: leave one of them out",
-                           mcv_json_name(node));
+        return mcv_fail_at(&here, error, "%s is for a node without a mesh, but node \"%s\" has one: leave one of them out",
+                           mcv_emitter_parameter(&emitter, "size") ? "size" : "a lens", mcv_json_name(node));
     if (!json_object_get(node, "mesh")) {
         if (!rectangle)
             return mcv_fail_at(&here, error, "needs size, because its node \"%s\" has no mesh to emit from", mcv_json_name(node));

@@ -11,6 +11,9 @@
 /* Luminous efficacy of 555 nm [lm/W]: what exporters take white light for. */
 static const double lumens_per_watt = 683;
 
+/* Exporters halve a float32, of which that for 180 degrees is more than pi. */
+static const double widest = (float)M_PI_2;
+
 static mcv_result light_type(const json_t *object, uint32_t *type, const mcv_place *place, mcv_error *error) {
     static const uint32_t types[] = {MCV_EMITTER_POINT, MCV_EMITTER_SPOT, MCV_EMITTER_DIRECTIONAL};
     static const char *const names[] = {"point", "spot", "directional"};
@@ -31,8 +34,11 @@ static mcv_result read_spot(const json_t *light, mcv_spot_params *spot, const mc
     json_t *object;
     MCV_TRY(mcv_json_object(light, "spot", &object, place, error));
     if (!object) return mcv_fail_at(&here, error, "is missing: a spot light has its cone there");
-    MCV_TRY(mcv_json_number(object, "innerConeAngle", 0, M_PI / 2, &spot->innerConeAngle, &here, error));
-    return mcv_json_number(object, "outerConeAngle", DBL_MIN, M_PI / 2, &spot->outerConeAngle, &here, error);
+    MCV_TRY(mcv_json_number(object, "innerConeAngle", 0, widest, &spot->innerConeAngle, &here, error));
+    MCV_TRY(mcv_json_number(object, "outerConeAngle", DBL_MIN, widest, &spot->outerConeAngle, &here, error));
+    spot->innerConeAngle = fmin(spot->innerConeAngle, M_PI / 2);
+    spot->outerConeAngle = fmin(spot->outerConeAngle, M_PI / 2);
+    return MCV_OK;
 }
 
 static mcv_result define_light(const mcv_scene *scene, const json_t *object, mcv_emitter *emitter, const mcv_place *place,

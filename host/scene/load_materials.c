@@ -63,7 +63,7 @@ mcv_result mcv_load_needed_images(mcv_loader *loader, uint32_t *count, mcv_error
             bool needed;
         } textures[] = {{core, "baseColorTexture", &core_place, true},
                         {material, "emissiveTexture", &here, true},
-                        {core, "metallicRoughnessTexture", &core_place, false},
+                        {core, "metallicRoughnessTexture", &core_place, true},
                         {material, "normalTexture", &here, false},
                         {material, "occlusionTexture", &here, false}};
         for (size_t k = 0; k < sizeof textures / sizeof textures[0]; ++k) {
@@ -75,9 +75,21 @@ mcv_result mcv_load_needed_images(mcv_loader *loader, uint32_t *count, mcv_error
     return mcv_load_needed_emitter_images(loader, count, error);
 }
 
-/* The scene's number of a texture; reads it when first asked for. */
-static mcv_result load_texture(mcv_loader *loader, const json_t *part, const char *key, uint32_t *scene_texture, const mcv_place *place,
-                               mcv_error *error) {
+/* Bytes that encode no colour, as shares of 255. */
+static mcv_result decode_data(mcv_texture *texture, const mcv_place *place, mcv_error *error) {
+    const size_t pixels = (size_t)texture->width * texture->height;
+    texture->linear = malloc(3 * sizeof(float) * pixels);
+    if (!texture->linear) return mcv_fail_memory(place, error);
+    for (size_t i = 0; i < 3 * pixels; ++i) texture->linear[i] = (float)(texture->rgba[4 * (i / 3) + i % 3] / 255.0);
+    texture->rgba = NULL;
+    texture->is_data = true;
+    return MCV_OK;
+}
+
+/* The scene's number of a texture; reads it when first asked for, as colours or as data. */
+static mcv_result load_texture(mcv_loader *loader, const json_t *part, const char *key, bool is_data, uint32_t *scene_texture,
+                               const mcv_place *place, mcv_error *error) {
+    uint32_t *const loaded = is_data ? loader->data_textures : loader->textures;
     uint32_t index, source, sampler_index;
     *scene_texture = MCV_NONE;
     MCV_TRY(texture_source(loader, part, key, &index, &source, place, error));
@@ -85,7 +97,7 @@ static mcv_result load_texture(mcv_loader *loader, const json_t *part, const cha
     const json_t *info = json_object_get(part, key);
     if (json_number_value(json_object_get(info, "texCoord")) != 0)
         return mcv_scene_warn(loader->scene, error, "a use of texture %u is left out: it asks for another set than TEXCOORD_0", index);
-    if (loader->textures[index] == MCV_NONE) {
+    if (loaded[index] == MCV_NONE) {
         const json_t *texture = json_array_get(json_object_get(loader->root, "textures"), index);
         const json_t *samplers = json_object_get(loader->root, "samplers");
         MCV_TRY(mcv_json_index(texture, "sampler", json_array_size(samplers), "samplers", &sampler_index, place, error));
@@ -97,10 +109,13 @@ static mcv_result load_texture(mcv_loader *loader, const json_t *part, const cha
         mcv_texture own = {.wrap_s = (uint32_t)wrap_s, .wrap_t = (uint32_t)wrap_t, .nearest = filter == 9728};
         own.rgba = (uint8_t *)mcv_gltf_image(loader->gltf, loader->images[source], &own.width, &own.height);
         own.name = (char *)mcv_json_name(texture);
-        MCV_TRY(mcv_scene_add_texture(loader->scene, &own, error));
-        loader->textures[index] = loader->scene->texture_count - 1;
+        if (is_data) MCV_TRY(decode_data(&own, place, error));
+        const mcv_result result = mcv_scene_add_texture(loader->scene, &own, error);
+        free(own.linear);
+        MCV_TRY(result);
+        loaded[index] = loader->scene->texture_count - 1;
     }
-    *scene_texture = loader->textures[index];
+    *scene_texture = loaded[index];
     return MCV_OK;
 }
 
@@ -108,6 +123,7 @@ static mcv_result load_texture(mcv_loader *loader, const json_t *part, const cha
 
 typedef struct core_material {
     double base[4], metallic, roughness, transmission, thickness, ior;
+    double diffuse_transmission, anisotropy, rotation;
     double attenuation_distance, attenuation[3];
     double emissive[3], emissive_strength;
 } core_material;
@@ -116,10 +132,12 @@ static mcv_result read_core(const json_t *material, core_material *core, const m
     const json_t *part = json_object_get(material, "pbrMetallicRoughness");
     const mcv_place part_place = mcv_place_key(place, "pbrMetallicRoughness");
     const mcv_place extensions = mcv_place_key(place, "extensions");
-    json_t *extension[4];
-    static const char *const names[4] = {"KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_ior",
-                                         "KHR_materials_emissive_strength"};
-    mcv_place places[4];
+    enum { EXTENSIONS = 6 };
+    json_t *extension[EXTENSIONS];
+    static const char *const names[EXTENSIONS] = {"KHR_materials_transmission", "KHR_materials_volume",
+                                                  "KHR_materials_ior",          "KHR_materials_emissive_strength",
+                                                  "KHR_materials_anisotropy",   "KHR_materials_diffuse_transmission"};
+    mcv_place places[EXTENSIONS];
     *core = (core_material){.base = {1, 1, 1, 1},
                             .metallic = 1,
                             .roughness = 1,
@@ -129,7 +147,7 @@ static mcv_result read_core(const json_t *material, core_material *core, const m
                             .emissive_strength = 1};
     json_t *all;
     MCV_TRY(mcv_json_object(material, "extensions", &all, place, error));
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < EXTENSIONS; ++i) {
         places[i] = mcv_place_key(&extensions, names[i]);
         MCV_TRY(mcv_json_object(all, names[i], extension + i, &extensions, error));
     }
@@ -143,35 +161,50 @@ static mcv_result read_core(const json_t *material, core_material *core, const m
     MCV_TRY(mcv_json_numbers(extension[1], "attenuationColor", 3, 0, 1, core->attenuation, &places[1], error));
     MCV_TRY(mcv_json_number(extension[2], "ior", 0, DBL_MAX, &core->ior, &places[2], error));
     MCV_TRY(mcv_json_number(extension[3], "emissiveStrength", 0, DBL_MAX, &core->emissive_strength, &places[3], error));
+    MCV_TRY(mcv_json_number(extension[4], "anisotropyStrength", 0, 1, &core->anisotropy, &places[4], error));
+    MCV_TRY(mcv_json_number(extension[4], "anisotropyRotation", -DBL_MAX, DBL_MAX, &core->rotation, &places[4], error));
+    MCV_TRY(mcv_json_number(extension[5], "diffuseTransmissionFactor", 0, 1, &core->diffuse_transmission, &places[5], error));
+    core->rotation = remainder(core->rotation, 2 * M_PI);
     if (core->ior > 0 && core->ior < 1) return mcv_fail_at(&places[2], error, "ior %g must be 1 or more", core->ior);
     return MCV_OK;
 }
 
-/* Design: smooth full transmission is glass or, without thickness, a sheet; a smooth metal is a mirror; the rest is diffuse. */
-static bool map_core(const core_material *core, mcv_material *material) {
-    const bool smooth = core->roughness == 0;
-    if (core->transmission == 1 && smooth && core->metallic == 0 && core->thickness > 0) {
+/*
+ * Full transmission is glass or, without thickness, a sheet where it is smooth; a smooth metal is a mirror; the rest is what the core
+ * material says. `textured` tells that an image scales roughness and metallic. False: something of it is lost.
+ */
+static bool map_core(const core_material *core, bool textured, mcv_material *material) {
+    const bool smooth = core->roughness == 0, clear = core->transmission == 1 && (core->metallic == 0);
+    if (clear && core->thickness > 0 && !textured) {
         material->type = MCV_MATERIAL_DIELECTRIC;
-        material->as.dielectric.ior = core->ior;
+        material->as.dielectric = (mcv_dielectric_params){
+            .ior = core->ior, .roughness = core->roughness, .anisotropy = core->anisotropy, .anisotropyRotation = core->rotation};
         for (int i = 0; i < 3; ++i) /* a colour of 0 has an infinite coefficient: the largest that is allowed */
             material->as.dielectric.absorption[i] =
                 core->attenuation[i] == 1 ? 0 : fmin(-log(core->attenuation[i]) / core->attenuation_distance, 1e30);
         return true;
     }
-    if (core->transmission == 1 && smooth && core->metallic == 0) {
+    if (clear && smooth) {
         material->type = MCV_MATERIAL_SHEET;
         material->as.sheet.ior = core->ior;
         memcpy(material->as.sheet.transmittance, core->base, sizeof material->as.sheet.transmittance);
         return true;
     }
-    if (core->metallic == 1 && smooth && core->transmission == 0) {
+    if (core->metallic == 1 && smooth && core->transmission == 0 && !textured) {
         material->type = MCV_MATERIAL_MIRROR;
         memcpy(material->as.mirror.reflectance, core->base, sizeof material->as.mirror.reflectance);
         return true;
     }
-    material->type = MCV_MATERIAL_DIFFUSE;
-    memcpy(material->as.diffuse.reflectance, core->base, sizeof material->as.diffuse.reflectance);
-    return false;
+    material->type = MCV_MATERIAL_METALLIC_ROUGHNESS;
+    material->as.metallic_roughness = (mcv_metallic_roughness_params){.metallic = core->metallic,
+                                                                      .ior = core->ior,
+                                                                      .transmission = core->transmission,
+                                                                      .diffuseTransmission = core->diffuse_transmission,
+                                                                      .roughness = core->roughness,
+                                                                      .anisotropy = core->anisotropy,
+                                                                      .anisotropyRotation = core->rotation};
+    memcpy(material->as.metallic_roughness.baseColor, core->base, sizeof material->as.metallic_roughness.baseColor);
+    return !(core->thickness > 0 && core->transmission > 0);
 }
 
 static mcv_result read_own(const json_t *object, mcv_material *material, const mcv_place *place, mcv_error *error) {
@@ -205,11 +238,12 @@ static mcv_result warn_names(mcv_scene *scene, json_t *names, const char *senten
     return result;
 }
 
-static mcv_result load_material(mcv_loader *loader, const json_t *object, size_t index, json_t *diffuse, json_t *cut_out,
+static mcv_result load_material(mcv_loader *loader, const json_t *object, size_t index, json_t *thin, json_t *cut_out,
                                 const mcv_place *place, mcv_error *error) {
     const char *name = mcv_json_name(object), *alpha = "OPAQUE";
+    const json_t *part = json_object_get(object, "pbrMetallicRoughness");
     core_material core;
-    mcv_material material = {.name = (char *)name, .texture = MCV_NONE};
+    mcv_material material = {.name = (char *)name, .texture = MCV_NONE, .surface_texture = MCV_NONE};
     mcv_emission *emission = loader->emission + index;
     MCV_TRY(read_core(object, &core, place, error));
     MCV_TRY(mcv_json_string(object, "alphaMode", &alpha, place, error));
@@ -220,33 +254,35 @@ static mcv_result load_material(mcv_loader *loader, const json_t *object, size_t
     }
     if (own)
         MCV_TRY(read_own(own, &material, place, error));
-    else if (!map_core(&core, &material))
-        note(diffuse, name, index);
+    else if (!map_core(&core, json_object_get(part, "metallicRoughnessTexture"), &material))
+        note(thin, name, index);
     if (strcmp(alpha, "OPAQUE") != 0) note(cut_out, name, index);
-    const json_t *part = json_object_get(object, "pbrMetallicRoughness");
-    if (material.type == MCV_MATERIAL_DIFFUSE || material.type == MCV_MATERIAL_SHEET || material.type == MCV_MATERIAL_MIRROR)
-        MCV_TRY(load_texture(loader, part, "baseColorTexture", &material.texture, place, error));
+    if (material.type == MCV_MATERIAL_DIFFUSE || material.type == MCV_MATERIAL_SHEET || material.type == MCV_MATERIAL_MIRROR ||
+        material.type == MCV_MATERIAL_METALLIC_ROUGHNESS)
+        MCV_TRY(load_texture(loader, part, "baseColorTexture", false, &material.texture, place, error));
+    if (material.type == MCV_MATERIAL_METALLIC_ROUGHNESS)
+        MCV_TRY(load_texture(loader, part, "metallicRoughnessTexture", true, &material.surface_texture, place, error));
     emission->texture = MCV_NONE;
     for (int i = 0; i < 3; ++i) emission->radiance[i] = core.emissive[i] * core.emissive_strength;
     if (emission->radiance[0] + emission->radiance[1] + emission->radiance[2] > 0)
-        MCV_TRY(load_texture(loader, object, "emissiveTexture", &emission->texture, place, error));
+        MCV_TRY(load_texture(loader, object, "emissiveTexture", false, &emission->texture, place, error));
     return mcv_scene_add_material(loader->scene, &material, error);
 }
 
 mcv_result mcv_load_materials(mcv_loader *loader, mcv_error *error) {
     const json_t *materials = json_object_get(loader->root, "materials");
     const mcv_place place = mcv_place_key(&loader->file, "materials");
-    json_t *diffuse = json_object(), *cut_out = json_object();
+    json_t *thin = json_object(), *cut_out = json_object();
     loader->first_material = loader->scene->material_count;
     mcv_result result = MCV_OK;
     for (size_t i = 0; result == MCV_OK && i < json_array_size(materials); ++i) {
         const json_t *object = json_array_get(materials, i);
         const mcv_place here = mcv_place_element(&place, mcv_json_name(object), i);
-        result = load_material(loader, object, i, diffuse, cut_out, &here, error);
+        result = load_material(loader, object, i, thin, cut_out, &here, error);
     }
-    if (result == MCV_OK) result = warn_names(loader->scene, diffuse, "rendered as diffuse, their gloss is not", error);
+    if (result == MCV_OK) result = warn_names(loader->scene, thin, "rendered as thin walls, their volume is ignored", error);
     if (result == MCV_OK) result = warn_names(loader->scene, cut_out, "rendered opaque, their alpha is ignored", error);
-    json_decref(diffuse);
+    json_decref(thin);
     json_decref(cut_out);
     return result;
 }

@@ -83,13 +83,14 @@ static mcv_result read_indices(const mcv_loader *loader, const json_t *primitive
 }
 
 /* Reads the arrays of one primitive; on failure the caller frees what is there. */
-static mcv_result read_primitive(mcv_loader *loader, const json_t *primitive, uint64_t mode, mcv_mesh *mesh, const mcv_place *place,
-                                 mcv_error *error) {
+static mcv_result read_primitive(mcv_loader *loader, const json_t *primitive, uint64_t mode, bool needs_tangents, mcv_mesh *mesh,
+                                 const mcv_place *place, mcv_error *error) {
     const json_t *attributes = json_object_get(primitive, "attributes");
     const mcv_place here = mcv_place_key(place, "attributes");
     uint64_t vertices = 0;
     MCV_TRY(read_attribute(loader, attributes, "POSITION", &mesh->positions, &vertices, &here, error));
     MCV_TRY(read_attribute(loader, attributes, "NORMAL", &mesh->normals, &vertices, &here, error));
+    if (needs_tangents) MCV_TRY(read_attribute(loader, attributes, "TANGENT", &mesh->tangents, &vertices, &here, error));
     MCV_TRY(read_attribute(loader, attributes, "TEXCOORD_0", &mesh->texcoords, &vertices, &here, error));
     mesh->vertex_count = (uint32_t)vertices;
     uint64_t listed = vertices;
@@ -124,8 +125,10 @@ static mcv_result load_primitive(mcv_loader *loader, const json_t *primitive, mc
         MCV_TRY(mcv_load_plain(loader, &material, error));
     else
         material += loader->first_material;
+    const bool directed = mcv_material_roughness(&loader->scene->materials[material]).anisotropy > 0;
     mcv_mesh mesh = {.name = strdup(name)};
-    const mcv_result result = mesh.name ? read_primitive(loader, primitive, mode, &mesh, place, error) : mcv_fail_memory(place, error);
+    const mcv_result result =
+        mesh.name ? read_primitive(loader, primitive, mode, directed, &mesh, place, error) : mcv_fail_memory(place, error);
     if (result != MCV_OK) {
         mcv_mesh_free(&mesh);
         return result;

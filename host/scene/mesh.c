@@ -15,10 +15,8 @@ static mcv_result check_finite(const float *values, uint32_t count, uint32_t com
     return MCV_OK;
 }
 
-/* Sums the faces around each vertex whose normal has no direction; one without any face that has one looks along z. */
-static mcv_result repair_normals(mcv_mesh *mesh, const mcv_place *place, mcv_error *error) {
-    double *sums = calloc(mesh->vertex_count, 3 * sizeof *sums);
-    if (!sums) return mcv_fail_memory(place, error);
+/* Adds to each vertex the normals of the faces around it, by their area. */
+static void add_faces(const mcv_mesh *mesh, double *sums) {
     for (size_t t = 0; t < mesh->triangle_count; ++t) {
         const uint32_t *v = mesh->indices + 3 * t;
         double edge[2][3], normal[3];
@@ -31,6 +29,13 @@ static mcv_result repair_normals(mcv_mesh *mesh, const mcv_place *place, mcv_err
         for (int corner = 0; corner < 3; ++corner)
             for (int i = 0; i < 3; ++i) sums[3 * (size_t)v[corner] + i] += normal[i];
     }
+}
+
+/* Sums the faces around each vertex whose normal has no direction; one without any face that has one looks along z. */
+static mcv_result repair_normals(mcv_mesh *mesh, const mcv_place *place, mcv_error *error) {
+    double *sums = calloc(mesh->vertex_count, 3 * sizeof *sums);
+    if (!sums) return mcv_fail_memory(place, error);
+    add_faces(mesh, sums);
     for (size_t v = 0; v < mesh->vertex_count; ++v) {
         float *n = mesh->normals + 3 * v;
         double unit[3] = {0, 0, 1};
@@ -46,6 +51,7 @@ mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_place *p
     MCV_TRY(check_finite(mesh->positions, mesh->vertex_count, 3, "POSITION", place, error));
     MCV_TRY(check_finite(mesh->normals, mesh->vertex_count, 3, "NORMAL", place, error));
     MCV_TRY(check_finite(mesh->texcoords, mesh->vertex_count, 2, "TEXCOORD_0", place, error));
+    MCV_TRY(check_finite(mesh->tangents, mesh->vertex_count, 4, "TANGENT", place, error));
     for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; ++i)
         if (mesh->indices[i] >= mesh->vertex_count) {
             const mcv_place here = mcv_place_key(place, "indices");
@@ -62,11 +68,51 @@ mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_place *p
     return *repaired ? repair_normals(mesh, place, error) : MCV_OK;
 }
 
+/* Adds to the sums of three vertices how the position changes with u and with v, by the triangle's area in u and v. */
+static void add_gradients(const mcv_mesh *mesh, const uint32_t v[3], double *sums) {
+    double edge[2][3], du[2], dv[2];
+    for (int e = 0; e < 2; ++e) {
+        for (int i = 0; i < 3; ++i) edge[e][i] = (double)mesh->positions[3 * (size_t)v[e + 1] + i] - mesh->positions[3 * (size_t)v[0] + i];
+        du[e] = (double)mesh->texcoords[2 * (size_t)v[e + 1]] - mesh->texcoords[2 * (size_t)v[0]];
+        dv[e] = (double)mesh->texcoords[2 * (size_t)v[e + 1] + 1] - mesh->texcoords[2 * (size_t)v[0] + 1];
+    }
+    const double sign = du[0] * dv[1] - du[1] * dv[0] < 0 ? -1 : 1;
+    for (int corner = 0; corner < 3; ++corner)
+        for (int i = 0; i < 3; ++i) {
+            sums[6 * (size_t)v[corner] + i] += sign * (dv[1] * edge[0][i] - dv[0] * edge[1][i]);
+            sums[6 * (size_t)v[corner] + 3 + i] += sign * (du[0] * edge[1][i] - du[1] * edge[0][i]);
+        }
+}
+
+mcv_result mcv_mesh_make_tangents(mcv_mesh *mesh, const mcv_place *place, mcv_error *error) {
+    double *sums = calloc(mesh->vertex_count, 9 * sizeof *sums); /* ∂p/∂u, ∂p/∂v; then the faces' normals */
+    mesh->tangents = malloc(4 * sizeof(float) * mesh->vertex_count);
+    if (!sums || !mesh->tangents) {
+        free(sums);
+        return mcv_fail_memory(place, error);
+    }
+    double *normals = sums + 6 * (size_t)mesh->vertex_count;
+    for (size_t t = 0; mesh->texcoords && t < mesh->triangle_count; ++t) add_gradients(mesh, mesh->indices + 3 * t, sums);
+    add_faces(mesh, normals);
+    for (size_t v = 0; v < mesh->vertex_count; ++v) {
+        double unit[3] = {1, 0, 0}, bitangent[3];
+        const double *across = sums + 6 * v + 3;
+        const bool given = mcv_normalize3(sums + 6 * v, unit);
+        mcv_cross3(normals + 3 * v, unit, bitangent);
+        const bool mirrored = given && bitangent[0] * across[0] + bitangent[1] * across[1] + bitangent[2] * across[2] < 0;
+        for (int i = 0; i < 3; ++i) mesh->tangents[4 * v + i] = (float)unit[i];
+        mesh->tangents[4 * v + 3] = mirrored ? -1 : 1;
+    }
+    free(sums);
+    return MCV_OK;
+}
+
 void mcv_mesh_free(mcv_mesh *mesh) {
     free(mesh->name);
     free(mesh->positions);
     free(mesh->normals);
     free(mesh->texcoords);
+    free(mesh->tangents);
     free(mesh->indices);
     *mesh = (mcv_mesh){0};
 }

@@ -11,6 +11,12 @@
  * mean of the adjacent faces' (weighed by area), and are counted in *repaired.
  */
 mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_place *place, mcv_error *error);
+/*
+ * Tangents along increasing u of the texture coordinates, from the triangles around each vertex; where there are none, or they say nothing,
+ * along the x axis of the mesh's node.
+ */
+mcv_result mcv_mesh_make_tangents(mcv_mesh *mesh, const mcv_place *place, mcv_error *error);
+
 void mcv_mesh_free(mcv_mesh *mesh);
 
 /* Like mcv_scene_add_mesh, but takes over the arrays, which have passed mcv_mesh_check. On failure they are freed. */

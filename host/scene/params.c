@@ -36,7 +36,7 @@ const char *const *mcv_param_options(const char *key) {
 #define MCV_OPTIONS(choice, ...) {#choice, {__VA_ARGS__, NULL}},
     static const struct {
         const char *key;
-        const char *options[8];
+        const char *options[9];
     } choices[] = {MCV_CHOICES(MCV_OPTIONS)};
     for (size_t i = 0; i < sizeof choices / sizeof choices[0]; ++i)
         if (strcmp(choices[i].key, key) == 0) return choices[i].options;

@@ -10,6 +10,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* Red, green and blue; and what stands for all light: the d line of helium, at which catalogues give refractive indices. */
+static const double default_wavelengths[3] = {611.4e-9, 549.1e-9, 464.2e-9};
+static const double grey_wavelength = 587.6e-9;
+
 mcv_scene *mcv_scene_new(const char *path) {
     mcv_scene *scene = calloc(1, sizeof *scene);
     if (scene && !(scene->path = strdup(path))) {
@@ -114,14 +118,23 @@ mcv_result mcv_scene_add_texture(mcv_scene *scene, const mcv_texture *texture, m
     return mcv_fail_memory(here, error);
 }
 
+static mcv_result check_shares(const double reflectance[3], const char *key, const double other[3], const mcv_place *here,
+                               mcv_error *error) {
+    for (int k = 0; k < 3; ++k)
+        if (reflectance[k] + other[k] > 1)
+            return mcv_fail_at(here, error, "reflectance %g and %s %g must not be more than 1 together", reflectance[k], key, other[k]);
+    return MCV_OK;
+}
+
 /* What no single parameter shows. */
 static mcv_result check_material(const mcv_material *material, const mcv_place *here, mcv_error *error) {
     if (material->type == MCV_MATERIAL_DIELECTRIC && material->as.dielectric.priority != floor(material->as.dielectric.priority))
         return mcv_fail_at(here, error, "priority %g must be an integer", material->as.dielectric.priority);
-    for (int k = 0; material->type == MCV_MATERIAL_BEAM_SPLITTER && k < 3; ++k) {
-        const double r = material->as.beam_splitter.reflectance[k], t = material->as.beam_splitter.transmittance[k];
-        if (r + t > 1) return mcv_fail_at(here, error, "reflectance %g and transmittance %g must not be more than 1 together", r, t);
-    }
+    if (material->type == MCV_MATERIAL_BEAM_SPLITTER)
+        return check_shares(material->as.beam_splitter.reflectance, "transmittance", material->as.beam_splitter.transmittance, here, error);
+    if (material->type == MCV_MATERIAL_RETROREFLECTOR)
+        return check_shares(material->as.retroreflector.reflectance, "diffuseReflectance", material->as.retroreflector.diffuseReflectance,
+                            here, error);
     return MCV_OK;
 }
 
@@ -131,10 +144,19 @@ mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material
     if (material->type >= MCV_MATERIAL_COUNT) return mcv_fail_at(here, error, "%u is no type of material", material->type);
     if (material->texture != MCV_NONE && material->texture >= scene->texture_count)
         return mcv_fail_at(here, error, "texture %u does not exist", material->texture);
+    const uint32_t surface_texture = mcv_material_surface_texture(material);
+    if (surface_texture != MCV_NONE && (surface_texture >= scene->texture_count || !scene->textures[surface_texture].linear))
+        return mcv_fail_at(here, error, "texture %u does not exist or is not linear", surface_texture);
     MCV_TRY(mcv_params_check(mcv_material_table(material->type), &material->as, here, error));
     MCV_TRY(check_material(material, here, error));
     bool failed = false;
     mcv_material own = *material;
+    mcv_conductor_params *metal = own.type == MCV_MATERIAL_CONDUCTOR ? &own.as.conductor : NULL;
+    if (metal && isnan(metal->n[0]) != isnan(metal->k[0])) return mcv_fail_at(here, error, "n and k must be given together");
+    own.by_name = metal && isnan(metal->n[0]);
+    for (int i = 0; own.by_name && i < 3; ++i)
+        mcv_metal_index(metal->metal, scene->wavelengths[i] > 0 ? scene->wavelengths[i] : default_wavelengths[i], metal->n + i,
+                        metal->k + i);
     own.name = copy_name(material->name, &failed);
     if (!failed && append(&scene->materials, &scene->material_count, &own, sizeof own)) return MCV_OK;
     free(own.name);
@@ -159,6 +181,7 @@ mcv_result mcv_scene_add_mesh(mcv_scene *scene, const mcv_mesh *mesh, mcv_error 
     own.positions = copy(mesh->positions, 3 * vertices * sizeof(float), &failed);
     own.normals = copy(mesh->normals, 3 * vertices * sizeof(float), &failed);
     own.texcoords = copy(mesh->texcoords, 2 * vertices * sizeof(float), &failed);
+    own.tangents = copy(mesh->tangents, 4 * vertices * sizeof(float), &failed);
     own.indices = copy(mesh->indices, 3 * (size_t)mesh->triangle_count * sizeof(uint32_t), &failed);
     uint32_t repaired;
     const mcv_result result = failed ? mcv_fail_memory(here, error) : mcv_mesh_check(&own, &repaired, here, error);
@@ -177,6 +200,9 @@ mcv_result mcv_scene_add_instance(mcv_scene *scene, const mcv_instance *instance
     const uint32_t triangles = scene->meshes[instance->mesh].triangle_count;
     if (triangles > INT32_MAX - scene->triangle_count)
         return mcv_fail_at(here, error, "%u triangles and these %u are more than %d", scene->triangle_count, triangles, INT32_MAX);
+    mcv_mesh *mesh = &scene->meshes[instance->mesh];
+    if (mcv_material_roughness(&scene->materials[instance->material]).anisotropy > 0 && !mesh->tangents)
+        MCV_TRY(mcv_mesh_make_tangents(mesh, here, error));
     bool failed = false;
     mcv_instance own = *instance;
     own.name = copy_name(instance->name, &failed);
@@ -254,6 +280,28 @@ mcv_result mcv_scene_warn(mcv_scene *scene, mcv_error *error, const char *format
     return mcv_fail_memory(&file, error);
 }
 
+/* --- wavelengths ------------------------------------------------------------------------------------------------ */
+
+double mcv_scene_wavelength(const mcv_scene *scene, int channel) {
+    if (scene->wavelengths[channel] > 0) return scene->wavelengths[channel];
+    return mcv_scene_channels(scene) == 1 ? grey_wavelength : default_wavelengths[channel];
+}
+
+void mcv_scene_settle_metals(mcv_scene *scene) {
+    /* Grey first: if the scene is, they stay so. */
+    for (int colour = scene->wavelengths[0] > 0; colour < 2; ++colour) {
+        for (uint32_t i = 0; i < scene->material_count; ++i) {
+            mcv_conductor_params *metal = &scene->materials[i].as.conductor;
+            if (scene->materials[i].type != MCV_MATERIAL_CONDUCTOR || !scene->materials[i].by_name) continue;
+            for (int k = 0; k < 3; ++k) {
+                const double wavelength = scene->wavelengths[k] > 0 ? scene->wavelengths[k] : default_wavelengths[k];
+                mcv_metal_index(metal->metal, colour ? wavelength : grey_wavelength, metal->n + k, metal->k + k);
+            }
+        }
+        if (mcv_scene_channels(scene) == 1) return;
+    }
+}
+
 /* --- channels --------------------------------------------------------------------------------------------------- */
 
 static bool grey(const double spectrum[3]) { return spectrum[0] == spectrum[1] && spectrum[1] == spectrum[2]; }
@@ -273,6 +321,7 @@ uint32_t mcv_scene_channels(const mcv_scene *scene) {
         if (!grey_parameters(mcv_material_table(scene->materials[i].type), &scene->materials[i].as)) return 3;
     for (uint32_t i = 0; i < scene->texture_count; ++i) {
         const mcv_texture *texture = scene->textures + i;
+        if (texture->is_data) continue;
         const size_t pixels = (size_t)texture->width * texture->height;
         for (const uint8_t *p = texture->rgba; p && p < texture->rgba + 4 * pixels; p += 4)
             if (p[0] != p[1] || p[1] != p[2]) return 3;

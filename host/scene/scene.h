@@ -20,13 +20,17 @@
 #include "mcvisi/emitters/light_field.h"
 #include "mcvisi/emitters/parallel.h"
 #include "mcvisi/emitters/point.h"
+#include "mcvisi/emitters/projector.h"
 #include "mcvisi/emitters/spot.h"
 #include "mcvisi/emitters/telecentric_projector.h"
 #include "mcvisi/materials/absorber.h"
 #include "mcvisi/materials/beam_splitter.h"
+#include "mcvisi/materials/conductor.h"
 #include "mcvisi/materials/dielectric.h"
 #include "mcvisi/materials/diffuse.h"
+#include "mcvisi/materials/metallic_roughness.h"
 #include "mcvisi/materials/mirror.h"
+#include "mcvisi/materials/retroreflector.h"
 #include "mcvisi/materials/sheet.h"
 #include "mcvisi/pattern.h"
 #include "mcvisi/presets/bar.h"
@@ -62,12 +66,15 @@ typedef struct mcv_texture {
     bool nearest;            /* magnification filter; otherwise bilinear */
     uint8_t *rgba;           /* or NULL: then linear */
     float *linear;           /* R G B, finite, 0 or more */
+    bool is_data;            /* no colour: roughness and metallic */
 } mcv_texture;
 
 typedef struct mcv_material {
     char *name;
-    uint32_t type;    /* MCV_MATERIAL_… */
-    uint32_t texture; /* multiplies reflectance or transmittance, or MCV_NONE */
+    uint32_t type;            /* MCV_MATERIAL_… */
+    uint32_t texture;         /* multiplies reflectance or transmittance, or MCV_NONE */
+    bool by_name;             /* a conductor whose n and k come from its metal and the scene's wavelengths */
+    uint32_t surface_texture; /* of a metallicRoughness: linear, multiplies roughness (green) and metallic (blue), or MCV_NONE */
     union {
 #define MCV_X(name, key, NAME) mcv_##name##_params name;
         MCV_MATERIALS(MCV_X)
@@ -82,6 +89,7 @@ typedef struct mcv_mesh {
     float *positions;  /* 3 per vertex [m] */
     float *normals;    /* 3 per vertex, unit, or NULL: flat */
     float *texcoords;  /* 2 per vertex (TEXCOORD_0), or NULL */
+    float *tangents;   /* 4 per vertex: direction and the bitangent's sign; NULL where no material asks for them */
     uint32_t *indices; /* 3 per triangle */
 } mcv_mesh;
 
@@ -131,8 +139,9 @@ typedef struct mcv_scene {
     mcv_instance *instances;
     mcv_emitter *emitters;
     mcv_sensor *sensors;
-    uint64_t fingerprint; /* FNV-1a of all files that were read, in their order */
-    char **warnings;      /* sentences for the user */
+    double wavelengths[3]; /* of the channels [m]; 0: the defaults */
+    uint64_t fingerprint;  /* FNV-1a of all files that were read, in their order */
+    char **warnings;       /* sentences for the user */
     uint32_t warning_count;
 } mcv_scene;
 
@@ -161,6 +170,7 @@ mcv_result mcv_scene_add_mesh(mcv_scene *scene, const mcv_mesh *mesh, mcv_error 
 mcv_result mcv_scene_add_instance(mcv_scene *scene, const mcv_instance *instance, mcv_error *error);
 mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, mcv_error *error);
 mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_error *error);
+/* A mesh without tangents gets them, by its texture coordinates or else along its x axis, when a material is put on it that needs them. */
 mcv_result mcv_scene_warn(mcv_scene *scene, mcv_error *error, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 /* All parameters of `params` at their defaults (NaN where unset), for hand-made elements: table from mcv_<kind>_table(type). */
@@ -174,11 +184,38 @@ mcv_param_table mcv_emitter_table(uint32_t type); /* presets too */
 mcv_param_table mcv_material_table(uint32_t type);
 void mcv_params_set_defaults(mcv_param_table table, void *params);
 
+/*
+ * The wavelength that a channel stands for [m]. Unless the scene says, a grey scene is rendered at the d line of helium, 587.6 nm, and the
+ * channels of a coloured one at 611.4, 549.1 and 464.2 nm.
+ */
+double mcv_scene_wavelength(const mcv_scene *scene, int channel);
+
+/* Sets n and k of conductors given by name. Call it when all else is in the scene: what it holds decides whether it is grey. */
+void mcv_scene_settle_metals(mcv_scene *scene);
+
+/* n and k of a metal (an option of `metal`), between the wavelengths of its table by line, beyond them at their ends. */
+void mcv_metal_index(int metal, double wavelength, double *n, double *k);
+
+/* The microfacets of a material; all 0 where it is smooth or has none. */
+typedef struct mcv_roughness {
+    double roughness;  /* α is its square */
+    double anisotropy; /* 0 … 1 */
+    double rotation;   /* of the rougher direction from the tangent, counter-clockwise [rad] */
+} mcv_roughness;
+mcv_roughness mcv_material_roughness(const mcv_material *material);
+bool mcv_material_is_rough(const mcv_material *material);            /* it consists of microfacets */
+uint32_t mcv_material_surface_texture(const mcv_material *material); /* of roughness and metallic, or MCV_NONE */
+bool mcv_scene_has_directions(const mcv_scene *scene);               /* whether a material is anisotropic */
+
 /* Pixels of the sensor's image. */
 void mcv_sensor_film_size(const mcv_sensor *sensor, uint32_t *width, uint32_t *height);
 
 /* The linear value of a byte encoded as IEC 61966-2-1 says. */
 double mcv_srgb_decode(uint8_t value);
+
+/* Linear R, G, B of a texture's pixel; `decoded` holds mcv_srgb_decode of all bytes. */
+void mcv_texture_value(const mcv_texture *texture, const double decoded[256], uint32_t column, uint32_t row, double rgb[3]);
+void mcv_srgb_table(double decoded[256]);
 
 /* The number of channels that the spectra need: 1 if all are grey and no texture is coloured, else 3. */
 uint32_t mcv_scene_channels(const mcv_scene *scene);
@@ -187,8 +224,11 @@ uint32_t mcv_scene_channels(const mcv_scene *scene);
 uint32_t mcv_scene_instance_of(const mcv_scene *scene, uint32_t global);
 void mcv_scene_triangle(const mcv_scene *scene, uint32_t instance, uint32_t local, uint32_t vertices[3]); /* of the mesh, in that order */
 void mcv_scene_corners(const mcv_scene *scene, uint32_t instance, uint32_t local, double corners[3][3]);
+void mcv_scene_face_normal(const mcv_scene *scene, uint32_t instance, uint32_t local, double normal[3]); /* twice the area long */
 void mcv_scene_vertex_normals(const mcv_scene *scene, uint32_t instance, uint32_t local,
                               double normals[3][3]); /* unit; flat meshes: the face's */
+/* A vertex's tangent in the world, not normalised, and the sign of its bitangent: normal x tangent. */
+void mcv_scene_tangent(const mcv_scene *scene, uint32_t instance, uint32_t vertex, double tangent[4]);
 void mcv_transform_point(const mcv_transform *transform, const double p[3], double out[3]);
 void mcv_transform_vector(const mcv_transform *transform, const double v[3], double out[3]);
 mcv_transform mcv_transform_compose(const mcv_transform *outer, const mcv_transform *inner);

@@ -117,13 +117,7 @@ static double etendue(int radiometry, double area, double distance) {
 
 static double disk_area(double diameter) { return M_PI / 4 * diameter * diameter; }
 
-/* The parameters that MCV_LENS_PARAMS gives two sensors. */
-typedef struct lens {
-    double f, *b, *w, *diameter, *f_number;
-} lens;
-
-/* b and D_l from what stands for them, and the other way round. A focus at infinity or behind the lens has no focusDistance. */
-static mcv_result resolve_lens(lens l, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_lens_resolve(mcv_lens l, const mcv_place *place, mcv_error *error) {
     const mcv_place focus = mcv_place_key(place, "focusDistance");
     if (isnan(*l.b) && isnan(*l.w)) return mcv_fail_at(place, error, "needs imageDistance or focusDistance, to say where it is in focus");
     if (*l.w <= l.f) return mcv_fail_at(&focus, error, "%g m must exceed focalLength %g m", *l.w, l.f);
@@ -139,7 +133,7 @@ static mcv_result resolve_lens(lens l, const mcv_place *place, mcv_error *error)
 }
 
 mcv_result mcv_thin_lens_resolve(mcv_thin_lens_params *p, const mcv_place *place, mcv_error *error) {
-    return resolve_lens((lens){p->focalLength, &p->imageDistance, &p->focusDistance, &p->lensDiameter, &p->fNumber}, place, error);
+    return mcv_lens_resolve((mcv_lens){p->focalLength, &p->imageDistance, &p->focusDistance, &p->lensDiameter, &p->fNumber}, place, error);
 }
 
 void mcv_thin_lens_prepare(const mcv_thin_lens_params *params, mcv_thin_lens *device) {
@@ -239,7 +233,7 @@ void mcv_telecentric_prepare(const mcv_telecentric_params *params, mcv_telecentr
 /* --- light field ------------------------------------------------------------------------------------------------ */
 
 mcv_result mcv_light_field_resolve(mcv_light_field_params *p, const mcv_place *place, mcv_error *error) {
-    return resolve_lens((lens){p->focalLength, &p->imageDistance, &p->focusDistance, &p->lensDiameter, &p->fNumber}, place, error);
+    return mcv_lens_resolve((mcv_lens){p->focalLength, &p->imageDistance, &p->focusDistance, &p->lensDiameter, &p->fNumber}, place, error);
 }
 
 void mcv_light_field_prepare(const mcv_light_field_params *params, mcv_light_field *device) {

@@ -21,6 +21,14 @@ static inline double mcv_kappa(double focal_length, double image_distance) {
     return (image_distance - focal_length) / (image_distance * focal_length);
 }
 
+/* The parameters that MCV_LENS_PARAMS gives an element. */
+typedef struct mcv_lens {
+    double f, *b, *w, *diameter, *f_number;
+} mcv_lens;
+
+/* b and D from what stands for them, and the other way round. A focus at infinity or behind the lens has no focusDistance. */
+mcv_result mcv_lens_resolve(mcv_lens l, const mcv_place *place, mcv_error *error);
+
 /* What is read out of the film, in pixels; of a light field camera in macro pixels. */
 typedef struct mcv_readout {
     uint32_t film[2];    /* of the whole film */

@@ -15,6 +15,7 @@
 #define MCV_GLOBAL __global
 #define MCV_CONSTANT __constant
 #define MCV_FUNCTION static inline
+#define MCV_LOOP_FUNCTION static inline __attribute__((always_inline)) /* a loop is only vectorised without calls */
 #define MCV_ASSERT_SIZE(type, bytes) typedef char mcv_size_of_##type[sizeof(type) == (bytes) ? 1 : -1]
 #define mcv_fma(a, b, c) fma((float)(a), (float)(b), (float)(c))
 #define mcv_sqrt(x) sqrt((float)(x))
@@ -31,6 +32,7 @@
 #define MCV_GLOBAL
 #define MCV_CONSTANT
 #define MCV_FUNCTION static inline
+#define MCV_LOOP_FUNCTION static inline
 #define MCV_ASSERT_SIZE(type, bytes) _Static_assert(sizeof(type) == (bytes), #type " has another size on the device")
 typedef uint32_t uint;
 #define mcv_fma(a, b, c) fmaf((a), (b), (c))
@@ -54,5 +56,6 @@ MCV_FUNCTION float as_float(uint bits) {
 
 /* "No such thing": an absent texture, emitter, medium, triangle. */
 #define MCV_NONE 0xffffffffu
+#define MCV_SKY 0xfffffffeu /* in place of an instance: what lies infinitely far away */
 
 #endif

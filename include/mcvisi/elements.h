@@ -16,6 +16,7 @@
     X(parallel, "parallel", PARALLEL) \
     X(telecentric_projector, "telecentricProjector", TELECENTRIC_PROJECTOR) \
     X(light_field_emitter, "lightField", LIGHT_FIELD_EMITTER) \
+    X(projector, "projector", PROJECTOR) \
     X(area, "area", AREA) \
     X(environment, "environment", ENVIRONMENT) \
     X(collimated_beam, "collimatedBeam", COLLIMATED_BEAM) \
@@ -36,6 +37,9 @@
     X(sheet, "sheet", SHEET) \
     X(mirror, "mirror", MIRROR) \
     X(beam_splitter, "beamSplitter", BEAM_SPLITTER) \
+    X(conductor, "conductor", CONDUCTOR) \
+    X(metallic_roughness, "metallicRoughness", METALLIC_ROUGHNESS) \
+    X(retroreflector, "retroreflector", RETROREFLECTOR) \
     X(absorber, "absorber", ABSORBER)
 
 #define MCV_SENSOR_ENUM(name, key, NAME) MCV_SENSOR_##NAME,

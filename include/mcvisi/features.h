@@ -14,17 +14,22 @@
     X(ABSORPTION, "absorption", "a medium absorbs along the path") \
     X(SHEET, "sheet", "a thin sheet or a beam splitter transmits") \
     X(MIRROR, "mirror", "a mirror reflects") \
+    X(GLOSS, "gloss", "a metal reflects, or a surface of microfacets") \
+    X(RETROREFLECTOR, "retroreflector", "a surface sends light back to where it comes from") \
     X(TEXTURE, "texture", "an image modulates a material or an emitter") \
     X(NORMALS, "normals", "a mesh has interpolated normals") \
     X(PARALLEL, "parallel", "a parallel emitter or a telecentric projector shines") \
     X(LIGHT_FIELD, "light-field", "a light field emitter shines") \
+    X(PROJECTOR, "projector", "a projector shines through its lens") \
     X(AREA, "area", "a diffuse area emitter shines") \
     X(ENVIRONMENT, "environment", "the environment shines") \
+    X(ENVIRONMENT_IMAGE, "environment-image", "the environment is an image") \
     X(BEAM, "collimated-beam", "a collimated beam shines") \
     X(PUNCTUAL, "punctual", "a point, spot or directional light shines") \
     X(NEXT_EVENT, "next-event", "surfaces that spread light look for emitters") \
     X(AIM, "aim", "a sensor sees a parallel emitter whose cone is narrower than its pupil") \
-    X(INTERLEAVE, "interleave", "diffuse surfaces among so many triangles that rays take turns while others wait for memory")
+    X(LIGHT_TRACING, "light-tracing", "light of narrow emitters reaches surfaces that spread it, or a beam the lens, through smooth ones") \
+    X(INTERLEAVE, "interleave", "surfaces that spread light among so many triangles that rays take turns while others wait for memory")
 
 enum {
 #define MCV_X(NAME, word, why) MCV_FEATURE_##NAME,
@@ -41,6 +46,7 @@ enum {
     X(sample_emitters, MCV_WITH_NEXT_EVENT) \
     X(intersect_shadow, MCV_WITH_NEXT_EVENT) \
     X(shade_surfaces, 1) \
-    X(accumulate_film, 1)
+    X(accumulate_film, 1) \
+    X(trace_emitter_paths, MCV_WITH_LIGHT_TRACING)
 
 #endif

@@ -11,14 +11,6 @@
 #define MCV_UNIT_ROUNDOFF 5.9604644775390625e-8f
 #define MCV_GAMMA(n) ((n)*MCV_UNIT_ROUNDOFF / (1.0f - (n)*MCV_UNIT_ROUNDOFF))
 
-/* The next float above (below) a finite x. */
-MCV_FUNCTION float mcv_next_up(float x) {
-    if (x == 0.0f) return as_float(1u);
-    return as_float(x > 0.0f ? as_uint(x) + 1u : as_uint(x) - 1u);
-}
-
-MCV_FUNCTION float mcv_next_down(float x) { return -mcv_next_up(-x); }
-
 /*
  * The point with barycentric weights u of b and v of c on the triangle (a, b, c). *error gets a bound, per coordinate, of its distance
  * to the triangle's plane: the weights add up to 1 within 2u, which moves the point by 2u Σ|b_i p_i| at most; product and
@@ -33,16 +25,20 @@ MCV_FUNCTION mcv_vec3 mcv_hit_point(mcv_vec3 a, mcv_vec3 b, mcv_vec3 c, float u,
     return mcv_along(mcv_along(mcv_scale(a, w), u, b), v, c);
 }
 
-MCV_FUNCTION float mcv_step_aside(float x, float offset) {
+/* x moved by the offset and then to the next float in its direction. */
+MCV_LOOP_FUNCTION float mcv_step_aside(float x, float offset) {
     const float moved = x + offset;
-    return offset > 0.0f ? mcv_next_up(moved) : offset < 0.0f ? mcv_next_down(moved) : moved;
+    /* Up from a positive number and down from a negative one leads away from 0. */
+    const uint away = as_uint(moved) + (((as_uint(moved) ^ as_uint(offset)) >> 31) != 0u ? 0xffffffffu : 1u);
+    const uint next = moved == 0.0f ? (as_uint(offset) & 0x80000000u) | 1u : away;
+    return offset == 0.0f ? moved : as_float(next);
 }
 
 /*
  * The origin of a ray that leaves a surface: the point moved along the unit geometric normal, to the side of the
  * direction, until the box of its error lies wholly on that side; the last step to the next float covers the sum's rounding.
  */
-MCV_FUNCTION mcv_vec3 mcv_offset_origin(mcv_vec3 point, mcv_vec3 error, mcv_vec3 normal, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_offset_origin(mcv_vec3 point, mcv_vec3 error, mcv_vec3 normal, mcv_vec3 direction) {
     const float reach = mcv_abs(normal.x) * error.x + mcv_abs(normal.y) * error.y + mcv_abs(normal.z) * error.z;
     const float distance = mcv_dot(direction, normal) < 0.0f ? -reach : reach;
     return mcv_vec(mcv_step_aside(point.x, distance * normal.x), mcv_step_aside(point.y, distance * normal.y),

@@ -47,7 +47,8 @@
 #define MCV_CHOICES(X) \
     X(radiometry, "radiance", "irradiance") \
     X(aperture, "square", "circle") \
-    X(orientation, "vertical", "horizontal")
+    X(orientation, "vertical", "horizontal") \
+    X(metal, "aluminium", "chromium", "copper", "gold", "iron", "nickel", "silver", "titanium")
 
 enum { MCV_RADIOMETRY_RADIANCE, MCV_RADIOMETRY_IRRADIANCE };
 enum { MCV_APERTURE_SQUARE, MCV_APERTURE_CIRCLE };

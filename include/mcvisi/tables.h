@@ -13,6 +13,12 @@
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_FIELD
 #include "mcvisi/emitters/light_field.h"
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_PROJECTOR
+#include "mcvisi/emitters/projector.h"
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_ENVIRONMENT_IMAGE
+#include "mcvisi/emitters/environment.h"
+#endif
 #if !MCV_ON_DEVICE || MCV_WITH_BEAM
 #include "mcvisi/emitters/collimated_beam.h"
 #endif
@@ -41,36 +47,59 @@ typedef struct mcv_frame {
     uint initial_media;         /* the set of media that surround the sensor */
     float sensor_index_squared; /* n² of the medium the sensor lies in */
     float to_world[12];         /* row-major; of the optical frame (z towards the scene) */
-    float environment[3];       /* its radiance */
+    float environment[3];       /* its radiance, without an image */
     /* Random numbers belong to pixels of the whole film, whatever region is read out: pixel (0, 0) of the image is that of the number … */
     uint first_pixel;
-    uint row_pitch; /* and the next row's begins so many further */
-    uint padding[3];
+    uint row_pitch;           /* and the next row's begins so many further */
+    uint environment_emitter; /* the environment with an image */
+    /* Light paths: */
+    uint light_cdf;    /* where in the table of cumulative shares those of the emitters begin from which they start */
+    uint log2_pixels;  /* the pixels, numbered by tiles, fit into so many bits */
+    float splat_scale; /* units of the splats per pixel value: a power of two */
+    uint padding[31];
 } mcv_frame;
-MCV_ASSERT_SIZE(mcv_frame, 128);
+MCV_ASSERT_SIZE(mcv_frame, 256);
 
 typedef struct mcv_device_instance {
     uint material;
     uint emitter; /* or MCV_NONE */
     uint medium;  /* index of the medium that its surface bounds, 0: none */
-    uint smooth;  /* 1: normals are interpolated */
     uint first_triangle;
-    uint padding[3];
 } mcv_device_instance;
-MCV_ASSERT_SIZE(mcv_device_instance, 32);
+MCV_ASSERT_SIZE(mcv_device_instance, 16);
 
 typedef struct mcv_device_material {
     uint type;       /* MCV_MATERIAL_… */
     uint texture;    /* or MCV_NONE */
-    float value[3];  /* reflectance or transmittance */
+    float value[3];  /* reflectance, transmittance, base colour; of a rough conductor what reflection from facet to facet leaves */
     float eta;       /* sheet: 1/n */
     float delta;     /* sheet: (n - 1)(n + 1)/n² */
     uint spreads;    /* 1: light from one direction leaves in many, so that emitters are sampled from here; 0: smooth or black */
-    float passed[3]; /* beam splitter: transmittance */
+    float passed[3]; /* beam splitter: transmittance; retroreflector: diffuse reflectance */
     float chance;    /* beam splitter: with which it reflects */
-    uint padding[4];
+    float spread;    /* retroreflector: tangent of its divergence, 0: light returns exactly */
+    float fall;      /* retroreflector: 1/tangent of its entrance angle */
+    uint padding[2];
 } mcv_device_material;
 MCV_ASSERT_SIZE(mcv_device_material, 64);
+
+/* What a glossy material has beyond the others, under the same index; kernels/gloss.h. */
+typedef struct mcv_device_gloss {
+    float roughness;    /* where no texture scales it */
+    float anisotropy;   /* α_t = α + (1 - α) anisotropy; 0: the surface has no direction */
+    float direction[2]; /* cosine and sine of the angle from the tangent */
+    uint table;         /* where its albedos begin, a block of means and rows per roughness; of a dielectric the interface has it */
+    uint azimuths;      /* rows of a block; 1: isotropic */
+    uint roughnesses;   /* blocks, from 0 to `roughness`; 1: for just that */
+    uint texture;       /* of roughness (green) and metallic (blue), or MCV_NONE */
+    float metallic;     /* metallic-roughness … */
+    float f0;           /* reflectance at normal incidence where it is no metal */
+    float transmission; /* share of the light below the layer that passes a thin wall */
+    float diffuse_transmission;
+    float n[3], k[3]; /* conductor: refractive index n - ik */
+    uint padding[6];
+} mcv_device_gloss;
+MCV_ASSERT_SIZE(mcv_device_gloss, 96);
 
 typedef struct mcv_device_medium {
     float absorption[3];         /* [1/m] */
@@ -89,13 +118,17 @@ typedef struct mcv_device_emitter {
     uint type;     /* MCV_EMITTER_…; a telecentric projector is a parallel emitter with a texture, a point light a spot light */
     uint instance; /* whose triangles emit, or MCV_NONE */
     uint texture;  /* or MCV_NONE */
-    uint cdf;      /* where its triangle_count + 1 entries begin in the table of cumulative shares, 2^31 = 1 */
+    uint cdf;      /* where its triangle_count + 1 entries begin in the table of cumulative shares, 2^31 = 1; an environment's, of pixels:
+                      kernels/environment.h */
     uint triangle_count;
     float probability; /* that next-event estimation chooses it */
     float radiance[3]; /* or irradiance or intensity, by its type */
-    float middle[3];   /* of its box [m] */
+    float middle[3];   /* of its box [m]; directional: of the light paths' disk */
     float area;        /* [m²] */
-    uint padding[3];
+    float light_flux;  /* of a light path, over the radiance (irradiance, intensity) [m² sr, m², sr]; 0: none starts here */
+    float light_sine;  /* spot: of half the half-angle of the cone in which they start; directional: radius of their disk [m] */
+    uint media;        /* set of the media that surround it */
+    uint padding[8];
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
     mcv_parallel parallel;
 #else
@@ -105,6 +138,16 @@ typedef struct mcv_device_emitter {
     mcv_light_field_emitter light_field;
 #else
     uint no_light_field[12];
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_PROJECTOR
+    mcv_projector projector;
+#else
+    uint no_projector[12];
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_ENVIRONMENT_IMAGE
+    mcv_environment environment;
+#else
+    uint no_environment[12];
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_BEAM
     mcv_collimated_beam beam;
@@ -118,7 +161,7 @@ typedef struct mcv_device_emitter {
     uint no_punctual[16];
 #endif
 } mcv_device_emitter;
-MCV_ASSERT_SIZE(mcv_device_emitter, 256);
+MCV_ASSERT_SIZE(mcv_device_emitter, 384);
 
 typedef struct mcv_device_texture {
     uint width, height;
@@ -143,7 +186,7 @@ typedef struct mcv_device_aim {
 MCV_ASSERT_SIZE(mcv_device_aim, 48);
 
 /* What a launch counts, per slice or in all, for the host to add up; lost energy in units of 2^-11 paths. */
-#define MCV_COUNTERS(X) X(paths) X(rays) X(shadow_rays) X(depth_cut) X(lost) X(nonfinite) X(unmatched)
+#define MCV_COUNTERS(X) X(paths) X(rays) X(shadow_rays) X(depth_cut) X(lost) X(nonfinite) X(unmatched) X(saturated)
 enum {
 #define MCV_X(name) MCV_COUNTER_##name,
     MCV_COUNTERS(MCV_X)

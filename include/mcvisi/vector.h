@@ -23,6 +23,11 @@ MCV_FUNCTION mcv_vec3 mcv_sub(mcv_vec3 a, mcv_vec3 b) { return mcv_vec(a.x - b.x
 
 MCV_FUNCTION mcv_vec3 mcv_scale(mcv_vec3 a, float s) { return mcv_vec(a.x * s, a.y * s, a.z * s); }
 
+/* a or b, by components: a branch would keep a loop from being vectorised. */
+MCV_FUNCTION mcv_vec3 mcv_choose(int condition, mcv_vec3 a, mcv_vec3 b) {
+    return mcv_vec(condition ? a.x : b.x, condition ? a.y : b.y, condition ? a.z : b.z);
+}
+
 /* a + s b */
 MCV_FUNCTION mcv_vec3 mcv_along(mcv_vec3 a, float s, mcv_vec3 b) {
     return mcv_vec(mcv_fma(s, b.x, a.x), mcv_fma(s, b.y, a.y), mcv_fma(s, b.z, a.z));
@@ -36,7 +41,7 @@ MCV_FUNCTION float mcv_difference_of_products(float a, float b, float c, float d
     return mcv_fma(a, b, -cd) + mcv_fma(-c, d, cd);
 }
 
-MCV_FUNCTION mcv_vec3 mcv_cross(mcv_vec3 a, mcv_vec3 b) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_cross(mcv_vec3 a, mcv_vec3 b) {
     return mcv_vec(mcv_difference_of_products(a.y, b.z, a.z, b.y), mcv_difference_of_products(a.z, b.x, a.x, b.z),
                    mcv_difference_of_products(a.x, b.y, a.y, b.x));
 }
@@ -44,7 +49,7 @@ MCV_FUNCTION mcv_vec3 mcv_cross(mcv_vec3 a, mcv_vec3 b) {
 /* v / |v|; the zero vector stays as it is. */
 MCV_FUNCTION mcv_vec3 mcv_normalize(mcv_vec3 v) {
     const float squared = mcv_dot(v, v);
-    return squared > 0.0f ? mcv_scale(v, 1.0f / mcv_sqrt(squared)) : v;
+    return mcv_scale(v, squared > 0.0f ? 1.0f / mcv_sqrt(squared) : 1.0f);
 }
 
 /*

@@ -8,13 +8,13 @@
  * An `image` modulates it: E is then that of the value 1, and Φ counts the image's mean over the aperture. It lies as the telecentric
  * projector's does (row 0 at +y, column 0 at -x, "mirror" flips the columns), and is thrown without any blur.
  *
- * No ray of sight meets the beam by chance: surfaces find it by looking back along it, and a camera that looks straight into it
- * sees nothing. The rectangle absorbs what falls on it.
+ * No ray of sight meets the beam by chance: surfaces find it by looking back along it; behind glass and mirrors, and where it
+ * shines into a camera's lens, light paths find them. The rectangle absorbs what falls on it.
  *
  *     {"type": "collimatedBeam", "size": ["20mm", "20mm"], "aperture": "circle", "power": 0.005}
  *
- * From the emitter's side: a place uniform by area on the aperture (density 1/A), the direction the normal (no density), each
- * carrying the flux Φ.
+ * From the emitter's side: a place uniform by area on the rectangle (density 1/A), the direction the normal (no density), each
+ * carrying the flux E A, or nothing where it is not on the aperture.
  */
 #ifndef MCVISI_EMITTERS_COLLIMATED_BEAM_H
 #define MCVISI_EMITTERS_COLLIMATED_BEAM_H

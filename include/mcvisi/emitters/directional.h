@@ -9,8 +9,8 @@
  *
  * KHR_lights_punctual gives lux: W/m² = lx/683.
  *
- * From the emitter's side: a place uniform on a disk across the axis that the scene's bounding sphere throws (density 1/(π R²)),
- * the direction the axis, each carrying the flux E π R².
+ * From the emitter's side: a place uniform on the disk across the axis that a sphere around all smooth surfaces throws (density
+ * 1/(π R²)), the direction the axis, each carrying the flux E π R².
  */
 #ifndef MCVISI_EMITTERS_DIRECTIONAL_H
 #define MCVISI_EMITTERS_DIRECTIONAL_H

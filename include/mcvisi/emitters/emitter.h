@@ -37,10 +37,13 @@
 
 /* And where one of a sequence of patterns (mcvisi/pattern.h) may take the image's place. */
 #define MCV_PATTERN_PARAMS(X) \
+    MCV_PICTURE_PARAMS(X) \
+    MCV_IMAGE_RADIANCE_PARAMS(X)
+
+#define MCV_PICTURE_PARAMS(X) \
     X(image, image, MCV_UNSET, 0, 4294967294.0, "index or name of one of the file's images, or {\"uri\": FILE.exr}") \
     X(pattern, pattern, MCV_UNSET, 0, 4294967294.0, "a sequence of patterns, in place of image") \
-    X(integer, index, 0, 0, 131071, "which one of the pattern's sequence") \
-    MCV_IMAGE_RADIANCE_PARAMS(X)
+    X(integer, index, 0, 0, 131071, "which one of the pattern's sequence")
 
 #define MCV_IMAGE_RADIANCE_PARAMS(X) \
     X(spectrum, radiance, MCV_UNSET, 0, 1e30, "radiance L of the image's value 1 [W/(m² sr)]") \

@@ -36,13 +36,6 @@ typedef struct mcv_light_field_emitter {
 } mcv_light_field_emitter;
 MCV_ASSERT_SIZE(mcv_light_field_emitter, 48);
 
-/* The cell of `count` that holds x in [0, 1]; 1 itself belongs to the last. What rounding puts outside belongs to the nearest. */
-MCV_FUNCTION uint mcv_cell(float x, uint count) {
-    const float at = x * (float)count;
-    const uint i = at > 0.0f ? (uint)at : 0u;
-    return i < count ? i : count - 1u;
-}
-
 /*
  * The image's pixel for the place (s, t) on the rectangle, from its upper left corner in its sides, and a unit direction away
  * from it. 0 where the direction is out of range.

@@ -10,8 +10,6 @@
  *
  * KHR_lights_punctual gives candela: W/sr = cd/683, which undoes what Blender's exporter does to its watts.
  *
- * From the emitter's side: a direction uniform over the sphere (density 1/4π), each carrying the flux Φ.
- *
  * On the device it is a spot light that shines everywhere.
  */
 #ifndef MCVISI_EMITTERS_POINT_H

@@ -6,11 +6,12 @@
  *     a = (cosθ - cosθ_o)/(cosθ_i - cosθ_o) = (sin²(θ_o/2) - sin²(θ/2))/(sin²(θ_o/2) - sin²(θ_i/2)),
  *
  * nothing beyond. Φ = 2π I ((1 - cosθ_i) + (cosθ_i - cosθ_o)/3). Distance and `range` count as for the point light. Both angles
- * are half-angles, from the axis; the outer one must be the larger.
+ * are half-angles, from the axis; the inner one must not be the larger. Where they are the same the edge is sharp.
  *
  *     {"type": "spot", "intensity": 2, "innerConeAngle": "10deg", "outerConeAngle": "15deg"}
  *
- * From the emitter's side: a direction uniform in the outer cone (density 1/(4π sin²(θ_o/2))), carrying I a² over that density.
+ * From the emitter's side: a direction uniform in a cone of half-angle γ (density 1/(4π sin²(γ/2))), carrying I a² over that density: the
+ * outer cone, or the one that all smooth surfaces lie in, whichever is smaller.
  */
 #ifndef MCVISI_EMITTERS_SPOT_H
 #define MCVISI_EMITTERS_SPOT_H
@@ -26,9 +27,9 @@ typedef struct mcv_spot {
     float position[3];     /* [m] */
     float axis[3];         /* unit; in which it shines */
     float edge;            /* sin²(θ_o/2); a point light: 2, beyond the largest sine */
-    float slope;           /* 1/(sin²(θ_o/2) - sin²(θ_i/2)) */
+    float slope;           /* 1/(sin²(θ_o/2) - sin²(θ_i/2)), FLT_MAX at most */
     float inverse_range_4; /* 1/R⁴ [1/m⁴]; 0: no range */
-    uint padding[3];
+    float aim[3];          /* unit; axis of the cone in which light paths start */
 } mcv_spot;
 MCV_ASSERT_SIZE(mcv_spot, 48);
 

@@ -16,7 +16,7 @@
 MCV_FUNCTION float mcv_diffuse_density(float cosine) { return cosine * (1.0f / MCV_PI); }
 
 /* A direction about the unit normal; *density gets its density. */
-MCV_FUNCTION mcv_vec3 mcv_diffuse_sample(mcv_vec3 normal, float xi, float eta, float *density) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_diffuse_sample(mcv_vec3 normal, float xi, float eta, float *density) {
     const mcv_vec3 about = mcv_sample_cosine(xi, eta);
     *density = mcv_diffuse_density(about.z);
     return mcv_normalize(mcv_from_frame(about, normal));

@@ -18,4 +18,10 @@
 #include "mcvisi/params.h"
 #include "mcvisi/sampling.h"
 
+/* Parameters of a surface that may be made of microfacets. */
+#define MCV_ROUGHNESS_PARAMS(X, smoothest) \
+    X(number, roughness, smoothest, 0, 1, "perceptual roughness: α is its square; 0: smooth") \
+    X(number, anisotropy, 0, 0, 1, "how much rougher the surface is along the tangent than across") \
+    X(angle, anisotropyRotation, 0, -100, 100, "of the rougher direction from the tangent, counter-clockwise [rad]")
+
 #endif

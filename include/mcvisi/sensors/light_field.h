@@ -46,7 +46,7 @@ MCV_FUNCTION uint mcv_pick(float xi, uint count) {
     return i < count ? i : count - 1u;
 }
 
-MCV_FUNCTION mcv_sight mcv_light_field_sample(MCV_CONSTANT const mcv_light_field *sensor, mcv_film_sample film, float xi, float eta) {
+MCV_LOOP_FUNCTION mcv_sight mcv_light_field_sample(MCV_CONSTANT const mcv_light_field *sensor, mcv_film_sample film, float xi, float eta) {
     mcv_sight sight;
     const uint column = film.column / sensor->angular_width;
     const uint row = film.row / sensor->angular_height;
@@ -61,6 +61,33 @@ MCV_FUNCTION mcv_sight mcv_light_field_sample(MCV_CONSTANT const mcv_light_field
                               mcv_fma(mcv_from_centre(sensor->centre_y, n, 0.5f), sensor->slope_y, -sensor->kappa * sight.origin.y), 1.0f);
     sight.weight = sensor->circle && mcv_fma(p_x, p_x, p_y * p_y) > 1.0f ? 0.0f : mcv_sight_weight(sensor->etendue, sight.direction);
     return sight;
+}
+
+/*
+ * The macro pixel from (x, y), its sensor pixel from o. Rays of sight go through the middles of macro pixels only, which no other light
+ * meets by chance: each stands for its whole macro pixel here, over which light paths bring the mean.
+ */
+MCV_FUNCTION float mcv_light_field_invert(MCV_CONSTANT const mcv_light_field *sensor, mcv_sight sight, mcv_film_place *place) {
+    const float p_x = sight.origin.x / sensor->radius;
+    const float p_y = sight.origin.y / sensor->radius;
+    const float m = mcv_on_film(sensor->centre_x, -mcv_fma(sensor->kappa, sight.origin.x, sight.direction.x) / sensor->slope_x);
+    const float n = mcv_on_film(sensor->centre_y, mcv_fma(sensor->kappa, sight.origin.y, sight.direction.y) / sensor->slope_y);
+    const float width = (float)sensor->angular_width;
+    const float height = (float)sensor->angular_height;
+    if (mcv_abs(p_x) > 1.0f || mcv_abs(p_y) > 1.0f || (sensor->circle && mcv_fma(p_x, p_x, p_y * p_y) > 1.0f)) return 0.0f;
+    const float j = (float)mcv_pick(mcv_fma(0.5f, p_x, 0.5f), sensor->angular_width);
+    const float k = (float)mcv_pick(mcv_fma(-0.5f, p_y, 0.5f), sensor->angular_height);
+    place->column = mcv_fma(mcv_floor(m / (float)sensor->binning_x), width, j + 0.5f);
+    place->row = mcv_fma(mcv_floor(n / (float)sensor->binning_y), height, k + 0.5f);
+    const float macro = sensor->slope_x * sensor->slope_y * (float)(sensor->binning_x * sensor->binning_y);
+    return mcv_sight_weight(sensor->etendue, sight.direction) * width * height / (4.0f * sensor->radius * sensor->radius * macro);
+}
+
+MCV_FUNCTION float mcv_light_field_connect(MCV_CONSTANT const mcv_light_field *sensor, mcv_vec3 point, float xi, float eta,
+                                           mcv_sight *sight) {
+    sight->origin = mcv_vec(mcv_fma(2.0f, xi, -1.0f) * sensor->radius, mcv_fma(2.0f, eta, -1.0f) * sensor->radius, 0.0f);
+    sight->direction = mcv_vec((point.x - sight->origin.x) / point.z, (point.y - sight->origin.y) / point.z, 1.0f);
+    return 4.0f * sensor->radius * sensor->radius;
 }
 
 #endif

@@ -21,7 +21,7 @@ typedef struct mcv_pinhole {
 } mcv_pinhole;
 MCV_ASSERT_SIZE(mcv_pinhole, 32);
 
-MCV_FUNCTION mcv_sight mcv_pinhole_sample(MCV_CONSTANT const mcv_pinhole *sensor, mcv_film_sample film, float xi, float eta) {
+MCV_LOOP_FUNCTION mcv_sight mcv_pinhole_sample(MCV_CONSTANT const mcv_pinhole *sensor, mcv_film_sample film, float xi, float eta) {
     mcv_sight sight;
     (void)xi;
     (void)eta;
@@ -30,6 +30,22 @@ MCV_FUNCTION mcv_sight mcv_pinhole_sample(MCV_CONSTANT const mcv_pinhole *sensor
                               mcv_from_centre(sensor->centre_y, film.row, film.y) * sensor->slope_y, 1.0f);
     sight.weight = 1.0f;
     return sight;
+}
+
+/* There is one place on the lens: W is per area of d alone, and only what is aimed at it comes through. */
+MCV_FUNCTION float mcv_pinhole_invert(MCV_CONSTANT const mcv_pinhole *sensor, mcv_sight sight, mcv_film_place *place) {
+    place->column = mcv_on_film(sensor->centre_x, -sight.direction.x / sensor->slope_x);
+    place->row = mcv_on_film(sensor->centre_y, sight.direction.y / sensor->slope_y);
+    return sight.origin.x == 0.0f && sight.origin.y == 0.0f ? 1.0f / (sensor->slope_x * sensor->slope_y) : 0.0f;
+}
+
+MCV_FUNCTION float mcv_pinhole_connect(MCV_CONSTANT const mcv_pinhole *sensor, mcv_vec3 point, float xi, float eta, mcv_sight *sight) {
+    (void)sensor;
+    (void)xi;
+    (void)eta;
+    sight->origin = mcv_vec(0.0f, 0.0f, 0.0f);
+    sight->direction = mcv_vec(point.x / point.z, point.y / point.z, 1.0f);
+    return 1.0f;
 }
 
 #endif

@@ -22,6 +22,7 @@
  *     mcv_<name>              what the device needs of them, 4-byte scalars
  *     mcv_<name>_sample       pixel and aperture sample -> ray of sight
  *     mcv_<name>_through      pixel and point of the pupil in its radii -> ray of sight; where the pupil is a disk that each pixel sees
+ *     mcv_<name>_connect, mcv_<name>_invert    for light paths, see below; a sensor without them is not reached by any
  * whole one line in MCV_SENSORS (mcvisi/elements.h), and in host/scene/sensors.c mcv_<name>_resolve      fills in parameters that follow
  * from others, refuses contradictions mcv_<name>_prepare      parameters -> device struct, in double
  */
@@ -73,6 +74,22 @@ typedef struct mcv_film_sample {
     float x, y;
 } mcv_film_sample;
 
+/* The same as coordinates in the pixels of the image. */
+typedef struct mcv_film_place {
+    float column, row;
+} mcv_film_place;
+
+/*
+ * Light paths reach the sensor the other way round. With o the place on the lens and d the direction (z = 1) of a ray of sight, a
+ * pixel is the mean of weight x radiance over its area and the aperture samples, that is the integral of W(o, d) L over o and d_x, d_y:
+ *
+ *     mcv_<name>_invert    the ray's place on the film, and W [1/m²]; 0 where lens or stop end the ray. The inverse of mcv_<name>_sample.
+ *     mcv_<name>_connect   a ray of sight to a point z > 0 of the optical frame, with o chosen of the aperture; returns the inverse
+ *                          of o's density [m²]
+ *
+ * A point of intensity J towards o adds J |d|/z² W over that density; light of the flux Φ that goes along the ray of sight, Φ |d|⁴ W.
+ */
+
 /* A principal point's coordinate in the pixels of the image, as half of a whole number and what remains, at most 1/4. */
 typedef struct mcv_centre {
     int halves;
@@ -86,6 +103,9 @@ typedef struct mcv_centre {
 MCV_FUNCTION float mcv_from_centre(mcv_centre centre, uint index, float offset) {
     return 0.5f * (float)(centre.halves - 2 * (int)index) - (offset - centre.rest);
 }
+
+/* Where what mcv_from_centre gives lies on the film. */
+MCV_FUNCTION float mcv_on_film(mcv_centre centre, float from_centre) { return 0.5f * (float)centre.halves + (centre.rest - from_centre); }
 
 /* The radiometric weight: etendue = A/h² for irradiance, 0 for radiance. */
 MCV_FUNCTION float mcv_sight_weight(float etendue, mcv_vec3 direction) {

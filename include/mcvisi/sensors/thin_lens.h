@@ -30,7 +30,7 @@ typedef struct mcv_thin_lens {
 MCV_ASSERT_SIZE(mcv_thin_lens, 48);
 
 /* The ray of sight through a point of the lens, in lens radii. */
-MCV_FUNCTION mcv_sight mcv_thin_lens_through(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_film_sample film, float p_x, float p_y) {
+MCV_LOOP_FUNCTION mcv_sight mcv_thin_lens_through(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_film_sample film, float p_x, float p_y) {
     mcv_sight sight;
     sight.origin = mcv_vec(sensor->radius * p_x, sensor->radius * p_y, 0.0f);
     sight.direction =
@@ -40,10 +40,29 @@ MCV_FUNCTION mcv_sight mcv_thin_lens_through(MCV_CONSTANT const mcv_thin_lens *s
     return sight;
 }
 
-MCV_FUNCTION mcv_sight mcv_thin_lens_sample(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_film_sample film, float xi, float eta) {
+MCV_LOOP_FUNCTION mcv_sight mcv_thin_lens_sample(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_film_sample film, float xi, float eta) {
     float cosine, sine;
     const float r = mcv_disk(xi, eta, &cosine, &sine);
     return mcv_thin_lens_through(sensor, film, r * cosine, r * sine);
+}
+
+/* s/b = -(d + κ o) */
+MCV_FUNCTION float mcv_thin_lens_invert(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_sight sight, mcv_film_place *place) {
+    const float squared = sensor->radius * sensor->radius;
+    const float o_x = sight.origin.x;
+    const float o_y = sight.origin.y;
+    place->column = mcv_on_film(sensor->centre_x, -mcv_fma(sensor->kappa, o_x, sight.direction.x) / sensor->slope_x);
+    place->row = mcv_on_film(sensor->centre_y, mcv_fma(sensor->kappa, o_y, sight.direction.y) / sensor->slope_y);
+    if (mcv_fma(o_x, o_x, o_y * o_y) > squared) return 0.0f;
+    return mcv_sight_weight(sensor->etendue, sight.direction) / (MCV_PI * squared * sensor->slope_x * sensor->slope_y);
+}
+
+MCV_FUNCTION float mcv_thin_lens_connect(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_vec3 point, float xi, float eta, mcv_sight *sight) {
+    float cosine, sine;
+    const float r = sensor->radius * mcv_disk(xi, eta, &cosine, &sine);
+    sight->origin = mcv_vec(r * cosine, r * sine, 0.0f);
+    sight->direction = mcv_vec((point.x - sight->origin.x) / point.z, (point.y - sight->origin.y) / point.z, 1.0f);
+    return MCV_PI * sensor->radius * sensor->radius;
 }
 
 #endif

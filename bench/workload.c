@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "workload.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "mcvisi/sampling.h"
+#include "mcvisi/accel.h"
+#include "scene/scene.h"
+
+const char *const ray_kind_names[RAY_KINDS] = {"primary", "diffuse", "random"};
+
+/* --- meshes ----------------------------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *name;
+    uint32_t squares; /* of a sphere's side; 0: the assembly */
+    bool quick;
+} meshes[WORKLOAD_MESHES] = {
+    {"sphere 10k", 29, true}, {"sphere 69k", 76, true}, {"sphere 300k", 158, false}, {"sphere 1998k", 408, false}, {"CAD 121k", 0, true}};
+
+bool workload_wanted(const bench *b, int i) { return b->only ? strstr(meshes[i].name, b->only) != NULL : meshes[i].quick || !b->quick; }
+
+/* The CAD assembly, moved and scaled into the cube [-1, 1]³. */
+static mcv_result load_assembly(mesh *m, mcv_error *error) {
+    mcv_scene *scene;
+    MCV_TRY(mcv_scene_load(MCV_SOURCE_DIR "/scenes/2CylinderEngine.glb", (mcv_overrides){0}, &scene, error));
+    *m = mesh_new(3 * scene->triangle_count, scene->triangle_count);
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY}, half = 0.0;
+    for (int pass = 0; pass < 2; ++pass) {
+        for (uint32_t i = 0; i < m->triangle_count; ++i) {
+            const uint32_t instance = mcv_scene_instance_of(scene, i);
+            double corners[3][3];
+            mcv_scene_corners(scene, instance, i - scene->instances[instance].first_triangle, corners);
+            for (uint32_t k = 0; k < 9; ++k) {
+                const double x = corners[k / 3][k % 3];
+                lower[k % 3] = fmin(lower[k % 3], x);
+                upper[k % 3] = fmax(upper[k % 3], x);
+                if (pass) m->positions[9 * (size_t)i + k] = (float)((x - 0.5 * (lower[k % 3] + upper[k % 3])) / half);
+            }
+        }
+        for (int k = 0; k < 3; ++k) half = fmax(half, 0.5 * (upper[k] - lower[k]));
+    }
+    for (uint32_t i = 0; i < m->vertex_count; ++i) m->indices[i] = i;
+    mcv_scene_free(scene);
+    return MCV_OK;
+}
+
+mcv_result workload_load(int i, workload_mesh *made, mcv_error *error) {
+    snprintf(made->name, sizeof made->name, "%s", meshes[i].name);
+    if (meshes[i].squares == 0) return load_assembly(&made->mesh, error);
+    made->mesh = mesh_sphere(meshes[i].squares, 0.1);
+    return MCV_OK;
+}
+
+/* --- rays ------------------------------------------------------------------------------------------------------- */
+
+/* The pixels of a square image in Morton order. */
+static void make_primary(uint32_t side, batch_ray *rays) {
+    for (uint32_t i = 0; i < side * side; ++i) {
+        uint32_t x = 0, y = 0;
+        for (int bit = 0; bit < 16; ++bit) {
+            x |= (i >> 2 * bit & 1) << bit;
+            y |= (i >> (2 * bit + 1) & 1) << bit;
+        }
+        const float at[2] = {((float)x + 0.5f) / (float)side - 0.5f, ((float)y + 0.5f) / (float)side - 0.5f};
+        rays[i] = (batch_ray){{0.3f, 0.4f, 3.0f}, INFINITY, {1.1f * at[0], 1.1f * at[1], -1.0f}, 0};
+    }
+}
+
+static void make_diffuse(const mesh *m, uint32_t count, const batch_ray *primary, const mcv_hit *hits, batch_ray *rays) {
+    uint64_t seed = 1;
+    for (uint32_t i = 0; i < count; ++i) {
+        mcv_hit hit = hits[i];
+        mcv_vec3 p[3], normal;
+        /* A primary ray that misses is replaced by a point of any triangle that has an area. */
+        for (;;) {
+            if (hit.triangle == MCV_NONE) {
+                hit.triangle = (uint32_t)(random_bits(&seed) % m->triangle_count);
+                hit.u = 0.5f * (float)random_unit(&seed);
+                hit.v = 0.5f * (float)random_unit(&seed);
+            }
+            for (int k = 0; k < 3; ++k) {
+                const float *q = m->positions + 3 * (size_t)m->indices[3 * (size_t)hit.triangle + k];
+                p[k] = mcv_vec(q[0], q[1], q[2]);
+            }
+            normal = mcv_normalize(mcv_cross(mcv_sub(p[1], p[0]), mcv_sub(p[2], p[0])));
+            if (mcv_dot(normal, normal) > 0.5f) break;
+            hit.triangle = MCV_NONE;
+        }
+        const mcv_vec3 incoming = mcv_vec(primary[i].direction[0], primary[i].direction[1], primary[i].direction[2]);
+        if (mcv_dot(normal, incoming) > 0.0f) normal = mcv_scale(normal, -1.0f);
+        /* Half of them towards the inside, as into glass: outside a sphere most bounces would leave the scene. */
+        if (i % 2) normal = mcv_scale(normal, -1.0f);
+        const mcv_vec3 d = mcv_from_frame(mcv_sample_cosine((float)random_unit(&seed), (float)random_unit(&seed)), normal);
+        /* Far enough from the surface that Embree, which has no error bounds, does not hit it again. */
+        mcv_vec3 o = mcv_scale(p[0], 1.0f - hit.u - hit.v);
+        o = mcv_along(mcv_along(o, hit.u, p[1]), hit.v, p[2]);
+        o = mcv_along(o, 1e-4f, normal);
+        rays[i] = (batch_ray){{o.x, o.y, o.z}, INFINITY, {d.x, d.y, d.z}, 0};
+    }
+}
+
+static void make_random(uint32_t count, batch_ray *rays) {
+    uint64_t seed = 2;
+    for (uint32_t i = 0; i < count; ++i) {
+        rays[i].t_max = INFINITY;
+        for (int k = 0; k < 3; ++k) rays[i].origin[k] = (float)(2.4 * random_unit(&seed) - 1.2);
+        for (int k = 0; k < 3; ++k) rays[i].direction[k] = (float)(2.4 * random_unit(&seed) - 1.2) - rays[i].origin[k];
+    }
+}
+
+void workload_make_rays(const bench *b, const mesh *m, RTCScene scene, mcv_hit *hits, workload_rays *made) {
+    const uint32_t side = b->quick ? 128 : 512;
+    made->count = side * side;
+    make_primary(side, made->rays[PRIMARY]);
+    embree_run(&(embree_cast){scene, made->rays[PRIMARY], made->count, 1, false, hits, NULL}, NULL);
+    make_diffuse(m, made->count, made->rays[PRIMARY], hits, made->rays[DIFFUSE]);
+    make_random(made->count, made->rays[RANDOM]);
+}
+
+double share_that_differs(const mcv_hit *a, const mcv_hit *b, uint32_t count) {
+    uint32_t different = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const bool same_miss = a[i].triangle == MCV_NONE && b[i].triangle == MCV_NONE;
+        different += !(same_miss || a[i].triangle == b[i].triangle || fabsf(a[i].t - b[i].t) < 1e-5f * fabsf(a[i].t));
+    }
+    return (double)different / count;
+}
+
+/* --- ours ------------------------------------------------------------------------------------------------------- */
+
+int caster_kernel(int kind, bool any) { return any ? ANY_SHADOW : kind == PRIMARY ? CLOSEST_FIRST : CLOSEST_LATER; }
+
+mcv_result caster_open(mcv_cl *cl, uint32_t triangle_count, const mcv_bvh *bvh, caster *c, mcv_error *error) {
+    static const char *const names[CASTER_KERNELS] = {"closest_first", "closest_later", "any_shadow"};
+    char way[32];
+    *c = (caster){.cl = cl};
+    snprintf(way, sizeof way, "-DMCV_WITH_INTERLEAVE=%d", triangle_count >= MCV_MANY_TRIANGLES);
+    MCV_TRY(mcv_cl_build(cl, "intersect", way, &c->program, error));
+    for (int i = 0; i < CASTER_KERNELS; ++i) MCV_TRY(mcv_cl_kernel(c->program, names[i], &c->kernels[i], error));
+    MCV_TRY(mcv_cl_buffer(cl, "the nodes", bvh->node_count * sizeof *bvh->nodes, bvh->nodes, &c->nodes, error));
+    return mcv_cl_buffer(cl, "the leaves", bvh->leaf_count * sizeof *bvh->leaves, bvh->leaves, &c->leaves, error);
+}
+
+void caster_close(caster *c) {
+    for (int i = 0; i < CASTER_KERNELS; ++i) {
+        if (c->kernels[i]) clReleaseKernel(c->kernels[i]);
+    }
+    if (c->program) clReleaseProgram(c->program);
+    mcv_cl_release(&c->nodes);
+    mcv_cl_release(&c->leaves);
+    mcv_cl_release(&c->rays);
+    mcv_cl_release(&c->out);
+}
+
+mcv_result caster_take(caster *c, const batch_ray *rays, uint32_t count, mcv_error *error) {
+    mcv_cl_release(&c->rays);
+    mcv_cl_release(&c->out);
+    c->count = count;
+    MCV_TRY(mcv_cl_buffer(c->cl, "the rays", count * sizeof *rays, rays, &c->rays, error));
+    return mcv_cl_buffer(c->cl, "the hits", count * sizeof(mcv_hit), NULL, &c->out, error);
+}
+
+mcv_result cast_run(void *user, mcv_error *error) {
+    const cast *k = user;
+    const caster *c = k->caster;
+    const cl_uint slice = RAYS_PER_GROUP;
+    MCV_TRY(MCV_LAUNCH(c->cl, k->kernel, (c->count + slice - 1) / slice, 1, error, MCV_ARG(c->nodes), MCV_ARG(c->leaves), MCV_ARG(c->rays),
+                       MCV_ARG(c->out), MCV_ARG(c->count), MCV_ARG(slice)));
+    return mcv_cl_finish(c->cl, error);
+}
+
+/* --- Embree ----------------------------------------------------------------------------------------------------- */
+
+RTCScene embree_scene(RTCDevice device, const mesh *m, enum RTCSceneFlags flags, enum RTCBuildQuality quality) {
+    RTCScene scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, flags);
+    rtcSetSceneBuildQuality(scene, quality);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetGeometryBuildQuality(geometry, quality);
+    void *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, m->vertex_count);
+    void *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, m->triangle_count);
+    memcpy(vertices, m->positions, 12 * (size_t)m->vertex_count);
+    memcpy(indices, m->indices, 12 * (size_t)m->triangle_count);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+    return scene;
+}
+
+static struct RTCRay embree_ray(const batch_ray *r) {
+    return (struct RTCRay){.org_x = r->origin[0],
+                           .org_y = r->origin[1],
+                           .org_z = r->origin[2],
+                           .dir_x = r->direction[0],
+                           .dir_y = r->direction[1],
+                           .dir_z = r->direction[2],
+                           .tfar = r->t_max,
+                           .mask = ~0u};
+}
+
+static void cast_closest(const embree_cast *c, uint32_t first, uint32_t last) {
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (uint32_t i = first; i < last; ++i) {
+        struct RTCRayHit query = {.ray = embree_ray(c->rays + i), .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
+        rtcIntersect1(c->scene, &context, &query);
+        const bool hit = query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+        c->hits[i] = (mcv_hit){query.ray.tfar, query.hit.u, query.hit.v, hit ? query.hit.primID : MCV_NONE};
+    }
+}
+
+static void cast_any(const embree_cast *c, uint32_t first, uint32_t last) {
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (uint32_t i = first; i < last; ++i) {
+        struct RTCRay query = embree_ray(c->rays + i);
+        rtcOccluded1(c->scene, &context, &query);
+        c->found[i] = query.tfar < 0.0f;
+    }
+}
+
+/* Slices as large as ours, taken by whichever thread is free. */
+typedef struct embree_work {
+    const embree_cast *cast;
+    atomic_uint next;
+} embree_work;
+
+static void *take_slices(void *user) {
+    embree_work *work = user;
+    const embree_cast *c = work->cast;
+    for (;;) {
+        const uint32_t first = RAYS_PER_GROUP * atomic_fetch_add(&work->next, 1);
+        if (first >= c->count) return NULL;
+        const uint32_t last = first + RAYS_PER_GROUP < c->count ? first + RAYS_PER_GROUP : c->count;
+        (c->any ? cast_any : cast_closest)(c, first, last);
+    }
+}
+
+mcv_result embree_run(void *user, mcv_error *error) {
+    enum { MOST_THREADS = 1024 };
+    embree_work work = {.cast = user};
+    const uint32_t threads = work.cast->threads < MOST_THREADS ? work.cast->threads : MOST_THREADS;
+    pthread_t handles[MOST_THREADS];
+    uint32_t started = 1;
+    while (started < threads && pthread_create(handles + started, NULL, take_slices, &work) == 0) ++started;
+    take_slices(&work);
+    for (uint32_t i = 1; i < started; ++i) pthread_join(handles[i], NULL);
+    return started == threads ? MCV_OK : mcv_fail(error, MCV_FAILED, "%u threads for Embree could not be started", threads);
+}

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What microfacets lose: the directional albedos behind the compensation of kernels/gloss.h, in double. */
+#ifndef MCVISI_HOST_RENDER_ALBEDO_H
+#define MCVISI_HOST_RENDER_ALBEDO_H
+
+#include <stdint.h>
+
+/* Floats of a block: two means, then `azimuths` rows of pairs. */
+uint32_t mcv_albedo_words(uint32_t azimuths);
+
+/*
+ * Fills a block for α along the tangent and across. Each pair, for one direction: 1 - E, the share of the light that white microfacets do
+ * not send out, and B, the part of E that goes with (1 - c)^5.
+ */
+void mcv_albedo_reflection(double alpha_x, double alpha_y, uint32_t azimuths, float *block);
+
+/* The same for an interface: the share that is neither reflected nor refracted, coming from index n_outside and from n_inside. */
+void mcv_albedo_interface(double alpha_x, double alpha_y, double n_outside, double n_inside, uint32_t azimuths, float *block);
+
+/* The mean 2 ∫ F(μ) μ dμ of a metal's reflectance, n and k relative to the medium before it. */
+double mcv_conductor_mean(double n, double k);
+
+#endif

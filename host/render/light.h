@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What light paths need (kernels/trace_emitter_paths.cl): where they start, what each carries, the units of what they bring. */
+#ifndef MCVISI_HOST_RENDER_LIGHT_H
+#define MCVISI_HOST_RENDER_LIGHT_H
+
+#include "render/pack.h"
+
+/* Fills in the emitters' light_flux, light_sine, aim and media, and the shares by which they are chosen: emitter_count + 1 entries of cdf.
+ */
+mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *cdf, mcv_error *error);
+
+/*
+ * Cumulative shares in units of 2^-31, whole multiples of 2^-24: as fine as the random numbers, so that each is chosen exactly as often
+ * as its share says. The last entry is 2^31. Returns the sum of the values.
+ */
+double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values);
+
+/* Is there light that light paths bring to this sensor and camera paths do not? */
+bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor);
+
+/*
+ * The value of one unit of the splats, a power of two: 2^-16 of what a path brings from a place as far away as the middle of the
+ * scene. That is fine, for rounding is at random, and leaves room for 2^48 such paths in a pixel.
+ */
+double mcv_splat_unit(const mcv_packed *packed, const mcv_sensor *sensor, const mcv_frame *frame);
+
+#endif

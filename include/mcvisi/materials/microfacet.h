@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Rough surfaces as microfacets: normals distributed by GGX (Walter, Marschner, Li and Torrance 2007; Trowbridge and Reitz 1975), which
+ * hide and shadow each other by Smith's height-correlated function (Heitz 2014), chosen among those that are visible (Dupuy and Benyoub
+ * 2023). α = roughness²; where the surface is anisotropic α differs along the tangent and across.
+ *
+ * Vectors are given in the frame (tangent, bitangent, normal) of the surface.
+ */
+#ifndef MCVISI_MATERIALS_MICROFACET_H
+#define MCVISI_MATERIALS_MICROFACET_H
+
+#include "mcvisi/materials/material.h"
+
+/*
+ * The narrowest α: a direction in float32 is known to about 1e-7, so that below it the share of a microfacet's slope that is lost to
+ * rounding would pass 1e-4.
+ */
+#define MCV_LEAST_ALPHA 1e-3f
+
+/* Rows of a table of albedos: cosines μ = (row/(rows - 1))², azimuths where α differs, roughnesses where a texture gives it. */
+#define MCV_ALBEDO_COSINES 64
+#define MCV_ALBEDO_AZIMUTHS 17
+#define MCV_ALBEDO_ROUGHNESSES 17
+
+typedef struct mcv_alpha {
+    float x, y; /* along the tangent, across */
+} mcv_alpha;
+
+/* Smith's Λ of a direction on either side. */
+MCV_FUNCTION float mcv_ggx_lambda(mcv_alpha alpha, mcv_vec3 w) {
+    const float x = alpha.x * w.x;
+    const float y = alpha.y * w.y;
+    const float slope = mcv_fma(x, x, y * y);
+    const float z = mcv_abs(w.z);
+    return 0.5f * slope / (z * (z + mcv_sqrt(mcv_fma(z, z, slope))));
+}
+
+/* The density D(h) of microfacet normals, per area of the surface [1/sr]. */
+MCV_FUNCTION float mcv_ggx_density(mcv_alpha alpha, mcv_vec3 h) {
+    const float x = h.x / alpha.x;
+    const float y = h.y / alpha.y;
+    const float s = mcv_fma(x, x, mcv_fma(y, y, h.z * h.z));
+    return 1.0f / (MCV_PI * alpha.x * alpha.y * s * s);
+}
+
+/* A microfacet normal with the density D(h) max(0, o·h)/((1 + Λ(o)) o_z); o_z > 0. */
+MCV_FUNCTION mcv_vec3 mcv_ggx_sample(mcv_alpha alpha, mcv_vec3 o, float xi, float eta) {
+    const mcv_vec3 s = mcv_normalize(mcv_vec(alpha.x * o.x, alpha.y * o.y, o.z));
+    float cosine, sine;
+    const float r = mcv_disk(xi, eta, &cosine, &sine);
+    const float q = r * r * (1.0f + s.z);
+    const float around = q < 2.0f ? mcv_sqrt(q * (2.0f - q)) : 0.0f;
+    const float z = mcv_fma(-r, r, 1.0f) * (1.0f + s.z);
+    return mcv_normalize(mcv_vec(alpha.x * mcv_fma(around, cosine, s.x), alpha.y * mcv_fma(around, sine, s.y), z));
+}
+
+/* Schlick's (1 - c)^5. */
+MCV_FUNCTION float mcv_schlick(float c) {
+    const float m = c < 1.0f ? 1.0f - c : 0.0f;
+    return (m * m) * (m * m) * m;
+}
+
+/* The share of unpolarised light that a metal of complex index n - ik, relative to the medium before it, reflects. */
+MCV_FUNCTION float mcv_conductor_fresnel(float n, float k, float cosine) {
+    const float c2 = cosine * cosine;
+    const float s2 = 1.0f - c2;
+    const float real = mcv_fma(n - k, n + k, -s2);
+    const float twice = 2.0f * n * k;
+    const float size = mcv_sqrt(mcv_fma(real, real, twice * twice));
+    const float a = mcv_sqrt(0.5f * (size + real > 0.0f ? size + real : 0.0f));
+    const float sum = size + c2;
+    const float cross = 2.0f * a * cosine;
+    if (!(sum + cross > 0.0f)) return 1.0f;
+    const float r_s = (sum - cross) / (sum + cross);
+    const float p_sum = mcv_fma(c2, size, s2 * s2);
+    const float p_cross = cross * s2;
+    const float reflected = 0.5f * r_s * (1.0f + (p_sum - p_cross) / (p_sum + p_cross));
+    return reflected < 1.0f ? reflected : 1.0f;
+}
+
+#endif

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Choosing from a table of cumulative shares, 2^31 = 1. */
+#ifndef MCVISI_KERNELS_CHOOSE_H
+#define MCVISI_KERNELS_CHOOSE_H
+
+#include "mcvisi/dialect.h"
+
+/* The i with cdf[i] <= bits < cdf[i + 1], and where between them bits lies, in [0, 1). */
+MCV_FUNCTION uint mcv_search_cdf(__global const uint *cdf, uint count, float xi, float *rest) {
+    const uint bits = (uint)(xi * 2147483648.0f);
+    uint low = 0;
+    uint high = count;
+    while (high - low > 1) {
+        const uint middle = (low + high) / 2;
+        if (cdf[middle] <= bits)
+            low = middle;
+        else
+            high = middle;
+    }
+    const float share = (float)(bits - cdf[low]) / (float)(cdf[low + 1] - cdf[low]);
+    *rest = share < 0.99999994f ? share : 0.99999994f;
+    return low;
+}
+
+#endif

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The surface that a path has met. */
+#ifndef MCVISI_KERNELS_MEET_SURFACE_H
+#define MCVISI_KERNELS_MEET_SURFACE_H
+
+#include "path.h"
+#include "scatter.h"
+
+#if MCV_TILE
+/* Works out the surface; where nothing was met, some other one. */
+MCV_LOOP_FUNCTION void mcv_find_surface(mcv_world world, mcv_slot slot) {
+    const uint met = MCV_WORD(slot, hit, 3);
+    const mcv_surface surface = mcv_surface_at(world, met == MCV_NONE ? 0u : met, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
+    MCV_STORE_3(slot, point, surface.point);
+    MCV_STORE_3(slot, error, surface.error);
+    MCV_STORE_3(slot, face, surface.face);
+    MCV_STORE_3(slot, normal, surface.normal);
+    MCV_STORE(slot, area, 0, surface.area);
+}
+#endif
+
+MCV_LOOP_FUNCTION mcv_meeting mcv_meet_surface(mcv_world world, mcv_slot slot) {
+    const uint triangle = MCV_WORD(slot, hit, 3);
+    const float u = MCV_LOAD(slot, hit, 1);
+    const float v = MCV_LOAD(slot, hit, 2);
+#if MCV_TILE
+    mcv_surface surface;
+    surface.point = MCV_LOAD_3(slot, point);
+    surface.error = MCV_LOAD_3(slot, error);
+    surface.face = MCV_LOAD_3(slot, face);
+    surface.normal = MCV_LOAD_3(slot, normal);
+    surface.area = MCV_LOAD(slot, area, 0);
+    surface.triangle = triangle;
+    surface.corners = mcv_triangle_corners(world, triangle);
+    surface.instance = surface.corners.w;
+    surface.u = u;
+    surface.v = v;
+    mcv_meeting meeting = mcv_meet_at(surface, MCV_LOAD_3(slot, direction));
+#if MCV_WITH_DIFFUSE
+    meeting.bounces = 1;
+    meeting.bounce = MCV_LOAD_3(slot, bounce);
+    meeting.bounce_density = MCV_LOAD(slot, bounce, 3);
+#endif
+    return meeting;
+#else
+    return mcv_meet(world, MCV_LOAD_3(slot, direction), triangle, u, v);
+#endif
+}
+
+#endif

@@ -1,0 +1,289 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Stage: light paths, as many as camera paths. Each starts at a narrow emitter chosen by flux and goes through smooth surfaces; from the
+ * first that spreads light on, if a smooth one came before, it connects each such surface to a place on the sensor's lens, straight or
+ * through plates. A beam that comes to the lens itself counts, too. What they bring, camera paths leave out (MCV_TRAIL_…).
+ *
+ * They carry flux. Radiance on camera paths and flux on these are transported alike where a surface spreads light about its triangle's
+ * normal n_g; about another one n_s, flux has the factor |i·n_s||o·n_g|/(|i·n_g||o·n_s|) for going from i to o (Veach 1997, 5.3), without
+ * which facets would show. Smooth surfaces hand on all flux, as the smooth body would that the mesh stands for: there the factor is
+ * 1 on the average over a facet, but for the square of its angle, and without bound where light grazes it.
+ *
+ * reads nothing -> writes splats
+ */
+#include "choose.h"
+#include "scatter.h"
+#include "splat_film.cl"
+
+/* Which light path it is. They are numbered sample by sample: Sobol' points of one replicate, over pixels and samples. */
+typedef struct mcv_light_identity {
+    uint replicate, stream, sample;
+} mcv_light_identity;
+
+MCV_FUNCTION mcv_light_identity mcv_identify_light(__constant const mcv_frame *frame, uint path) {
+    mcv_light_identity id;
+    const uint set = frame->first_set + (path >> frame->log2_samples);
+    const uint pixel = set / frame->replicates;
+    const uint sample = frame->first_sample + (path & ((1u << frame->log2_samples) - 1u));
+    id.replicate = set % frame->replicates;
+    id.sample = (sample << frame->log2_pixels) | pixel;
+    id.stream = mcv_hash_2(mcv_hash_2(frame->seed ^ 0x3c6ef372u, sample >> (32u - frame->log2_pixels)), id.replicate);
+    return id;
+}
+
+typedef struct mcv_light_path {
+    mcv_vec3 origin, direction;
+    mcv_color flux;       /* that started [W] */
+    mcv_color throughput; /* since then */
+    uint media;
+    int smooth, spread; /* has met such a surface */
+    float length;       /* so far [m] */
+} mcv_light_path;
+
+#if MCV_WITH_PARALLEL || MCV_WITH_PROJECTOR || MCV_WITH_BEAM
+/* From a place uniform by area. */
+static void mcv_leave_surface(mcv_world world, uint emitter, mcv_pair place, mcv_pair turn, mcv_light_path *path) {
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    float xi;
+    const uint triangle =
+        world.instances[e->instance].first_triangle + mcv_search_cdf(world.emitter_cdf + e->cdf, e->triangle_count, place.x, &xi);
+    const float root = mcv_sqrt(xi);
+    const mcv_surface surface = mcv_surface_at(world, triangle, root * (1.0f - place.y), root * place.y);
+#if MCV_WITH_PARALLEL
+    if (e->type == MCV_EMITTER_PARALLEL) {
+        path->direction = mcv_from_frame(mcv_parallel_emit(&e->parallel, turn.x, turn.y), surface.normal);
+#if MCV_WITH_NORMALS
+        const float leaving = mcv_dot(path->direction, surface.face);
+        path->flux = mcv_dim(path->flux, leaving > 0.0f ? leaving / mcv_dot(path->direction, surface.normal) : 0.0f);
+#endif
+    }
+#endif
+#if MCV_WITH_BEAM
+    if (e->type == MCV_EMITTER_COLLIMATED_BEAM) {
+        const mcv_vec3 from_middle = mcv_sub(surface.point, mcv_vec(e->middle[0], e->middle[1], e->middle[2]));
+        path->direction = mcv_vec(e->beam.axis[0], e->beam.axis[1], e->beam.axis[2]);
+        /* Only the disk has an edge inside. */
+        if (e->beam.radius_squared < INFINITY && !mcv_collimated_beam_covers(&e->beam, from_middle)) path->flux = mcv_grey(0.0f);
+    }
+#endif
+#if MCV_WITH_PROJECTOR
+    if (e->type == MCV_EMITTER_PROJECTOR) {
+        float cosine;
+        path->direction =
+            mcv_projector_emit(&e->projector, mcv_texcoord(world, surface, 0), mcv_texcoord(world, surface, 1), turn.x, turn.y, &cosine);
+        path->flux = mcv_dim(mcv_emitted(world, surface, emitter, path->direction), e->light_flux * cosine * cosine * cosine * cosine);
+        path->origin = mcv_offset_origin(surface.point, surface.error, surface.face, path->direction);
+        return;
+    }
+#endif
+#if MCV_WITH_TEXTURE
+    if (e->texture != MCV_NONE) path->flux = mcv_tint(path->flux, mcv_texture_at(world, surface, e->texture));
+#endif
+    (void)turn;
+    path->origin = mcv_offset_origin(surface.point, surface.error, surface.face, path->direction);
+}
+#endif
+
+#if MCV_WITH_PUNCTUAL
+static void mcv_leave_spot(__global const mcv_device_emitter *e, mcv_pair turn, mcv_light_path *path) {
+    const mcv_vec3 axis = mcv_vec(e->spot.aim[0], e->spot.aim[1], e->spot.aim[2]);
+    path->direction = mcv_from_frame(mcv_sample_cone(e->light_sine, turn.x, turn.y), axis);
+    path->origin = mcv_vec(e->spot.position[0], e->spot.position[1], e->spot.position[2]);
+    path->flux = mcv_dim(path->flux, mcv_spot_evaluate(&e->spot, path->direction));
+}
+
+/* From before all surfaces. */
+static void mcv_leave_directional(__global const mcv_device_emitter *e, mcv_pair place, mcv_light_path *path) {
+    float cosine, sine;
+    const float r = e->light_sine * mcv_disk(place.x, place.y, &cosine, &sine);
+    const mcv_vec3 axis = mcv_vec(e->directional.axis[0], e->directional.axis[1], e->directional.axis[2]);
+    const mcv_vec3 from_middle = mcv_from_frame(mcv_vec(r * cosine, r * sine, -e->directional.reach), axis);
+    path->direction = axis;
+    path->origin = mcv_add(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), from_middle);
+}
+#endif
+
+static mcv_light_path mcv_leave_emitter(mcv_world world, uint emitter, mcv_pair place, mcv_pair turn) {
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    mcv_light_path path;
+    MCV_EACH_CHANNEL(i) path.flux.c[i] = e->radiance[i] * e->light_flux;
+    path.throughput = mcv_grey(1.0f);
+    path.media = e->media;
+    path.smooth = path.spread = 0;
+    path.length = 0.0f;
+#if MCV_WITH_PUNCTUAL
+    if (e->type == MCV_EMITTER_SPOT) {
+        mcv_leave_spot(e, turn, &path);
+        return path;
+    }
+    if (e->type == MCV_EMITTER_DIRECTIONAL) {
+        mcv_leave_directional(e, place, &path);
+        return path;
+    }
+#endif
+#if MCV_WITH_PARALLEL || MCV_WITH_PROJECTOR || MCV_WITH_BEAM
+    mcv_leave_surface(world, emitter, place, turn, &path);
+#endif
+    return path;
+}
+
+/* The flux that goes on from a surface about another normal than its triangle's, over what is carried: see above. */
+MCV_FUNCTION float mcv_flux_correction(mcv_meeting meeting, mcv_vec3 out) {
+#if MCV_WITH_NORMALS
+    const float in_face = mcv_dot(meeting.direction, meeting.face);
+    const float out_normal = mcv_dot(out, meeting.normal);
+    const float factor = mcv_dot(meeting.direction, meeting.normal) * mcv_dot(out, meeting.face) / (in_face * out_normal);
+    return factor > 0.0f && factor < INFINITY ? factor : 0.0f;
+#else
+    (void)meeting, (void)out;
+    return 1.0f;
+#endif
+}
+
+#if MCV_WITH_BEAM
+/* A beam from smooth surfaces, or straight from its emitter, comes to the plane of the lens before t. */
+static void mcv_enter_lens(mcv_world world, mcv_light_path path, float t, __global uint *splats, uint replicate, float xi,
+                           uint counts[MCV_COUNTER_COUNT]) {
+    mcv_sight sight;
+    mcv_film_place place;
+    const mcv_vec3 from = mcv_point_to_optical(world.frame, path.origin);
+    const mcv_vec3 along = mcv_to_optical(world.frame, path.direction);
+    if (!(from.z > 0.0f && along.z < 0.0f)) return;
+    const float way = from.z / -along.z;
+    if (!(way < t)) return;
+    sight.origin = mcv_vec(mcv_fma(way, along.x, from.x), mcv_fma(way, along.y, from.y), 0.0f);
+    sight.direction = mcv_vec(along.x / along.z, along.y / along.z, 1.0f);
+    const float squared = mcv_dot(sight.direction, sight.direction);
+    const float importance = mcv_sensor_invert(world.sensor, sight, &place) * squared * squared;
+    if (!(importance > 0.0f)) return;
+    mcv_color value = mcv_dim(mcv_tint(path.flux, path.throughput), importance);
+#if MCV_WITH_ABSORPTION
+    value = mcv_tint(value, mcv_medium_transmittance(world, path.media, way));
+#endif
+    mcv_splat(world, splats, replicate, place, value, xi, counts);
+}
+#endif
+
+#if MCV_WITH_NEXT_EVENT
+/* What plates leave of light from a place to another, at most so many of them; 0 where anything else is between. */
+static mcv_color mcv_pass_plates(mcv_world world, mcv_vec3 origin, mcv_vec3 end, uint media, uint plates, uint counts[MCV_COUNTER_COUNT]) {
+    mcv_color left = mcv_grey(1.0f);
+#if MCV_WITH_SHEET
+    const mcv_pair never_reflect = {1.0f, 0.0f};
+    for (;; --plates) {
+        const mcv_vec3 way = mcv_sub(end, origin);
+        const mcv_hit hit = mcv_intersect_closest_ray(world.nodes, world.leaves, origin, way, 1.0f);
+        ++counts[MCV_COUNTER_shadow_rays];
+        if (hit.triangle == MCV_NONE) return left;
+        const mcv_meeting meeting = mcv_meet(world, mcv_normalize(way), hit.triangle, hit.u, hit.v);
+        if (plates == 0 || !mcv_is_plate(world, meeting)) return mcv_grey(0.0f);
+        const mcv_scattering on = mcv_scatter(world, meeting, media, never_reflect, 0.0f, &counts[MCV_COUNTER_unmatched]);
+        left = on.event == MCV_EVENT_PASS ? mcv_dim(mcv_tint(left, on.factor), on.chance) : mcv_grey(0.0f);
+        if (!(mcv_brightest(left) > 0.0f)) return left;
+        origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, way);
+    }
+#else
+    ++counts[MCV_COUNTER_shadow_rays];
+    if (mcv_intersect_any_ray(world.nodes, world.leaves, origin, mcv_sub(end, origin), 1.0f)) left = mcv_grey(0.0f);
+    (void)media, (void)plates;
+#endif
+    return left;
+}
+
+/* Sends what arrives at a surface that spreads light to a place on the lens. */
+static void mcv_connect(mcv_world world, mcv_meeting meeting, mcv_color flux, uint media, uint plates, mcv_pair pair, __global uint *splats,
+                        uint replicate, float xi, uint counts[MCV_COUNTER_COUNT]) {
+    mcv_sight sight;
+    mcv_film_place place;
+    const mcv_vec3 point = mcv_point_to_optical(world.frame, meeting.surface.point);
+    if (!(point.z > 0.0f)) return;
+    const float area = mcv_sensor_connect(world.sensor, point, pair.x, pair.y, &sight);
+    const float importance = mcv_sensor_invert(world.sensor, sight, &place) * area;
+    if (!(importance > 0.0f)) return;
+    if (!(place.column >= 0.0f && place.column < (float)world.frame->width && place.row >= 0.0f && place.row < (float)world.frame->height))
+        return;
+    const mcv_ray seen = mcv_place_sight(world.frame, sight);
+    const mcv_vec3 out = mcv_scale(seen.direction, -1.0f);
+    const mcv_response response = mcv_respond(world, meeting, media, out);
+    if (!(mcv_brightest(response.value) > 0.0f)) return;
+    const mcv_vec3 origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, out);
+    const mcv_color left = mcv_pass_plates(world, origin, seen.origin, response.media, plates, counts);
+    if (!(mcv_brightest(left) > 0.0f)) return;
+    const float d = mcv_sqrt(mcv_dot(sight.direction, sight.direction));
+    mcv_color value = mcv_tint(mcv_tint(flux, response.value), left);
+    value = mcv_dim(value, mcv_flux_correction(meeting, out) * importance * d / (point.z * point.z));
+#if MCV_WITH_ABSORPTION
+    value = mcv_tint(value, mcv_medium_transmittance(world, response.media, point.z * d));
+#endif
+    mcv_splat(world, splats, replicate, place, value, xi, counts);
+}
+#endif
+
+/* What the `range` of a point or spot light leaves, by the way to the first surface that spreads light. */
+MCV_FUNCTION float mcv_within_range(__global const mcv_device_emitter *e, float length) {
+#if MCV_WITH_PUNCTUAL
+    if (e->type == MCV_EMITTER_SPOT) return mcv_spot_attenuation(&e->spot, length * length) * length * length;
+#endif
+    (void)e, (void)length;
+    return 1.0f;
+}
+
+static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *splats, uint counts[MCV_COUNTER_COUNT]) {
+    const mcv_light_identity id = mcv_identify_light(world.frame, index);
+    /* The emitter takes the place of surface 0. */
+    float unused;
+    const mcv_pair which = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_CHOICE));
+    __global const uint *cdf = world.emitter_cdf + world.frame->light_cdf;
+    const uint emitter = mcv_search_cdf(cdf, world.frame->emitter_count, which.x, &unused);
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    mcv_light_path path = mcv_leave_emitter(world, emitter, mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_EMITTER)),
+                                            mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_SCATTER)));
+    if (!(mcv_brightest(path.flux) > 0.0f)) return;
+
+    for (uint depth = 1; depth < world.frame->depth; ++depth) {
+        const mcv_pair choice = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_CHOICE));
+        const mcv_hit hit = mcv_intersect_closest_ray(world.nodes, world.leaves, path.origin, path.direction, INFINITY);
+        ++counts[MCV_COUNTER_rays];
+#if MCV_WITH_BEAM
+        if (e->type == MCV_EMITTER_COLLIMATED_BEAM && !path.spread)
+            mcv_enter_lens(world, path, hit.t, splats, id.replicate, choice.x, counts);
+#endif
+        if (hit.triangle == MCV_NONE) return;
+        path.length += hit.t;
+#if MCV_WITH_ABSORPTION
+        path.throughput = mcv_tint(path.throughput, mcv_medium_transmittance(world, path.media, hit.t));
+#endif
+        const mcv_meeting meeting = mcv_meet(world, path.direction, hit.triangle, hit.u, hit.v);
+#if MCV_WITH_NEXT_EVENT
+        if (path.smooth && world.materials[world.instances[meeting.surface.instance].material].spreads) {
+            const mcv_pair pupil = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_EMITTER));
+            const float share = path.spread ? 1.0f : mcv_within_range(e, path.length);
+            mcv_connect(world, meeting, mcv_dim(mcv_tint(path.flux, path.throughput), share), path.media, world.frame->depth - 1u - depth,
+                        pupil, splats, id.replicate, choice.x, counts);
+        }
+#endif
+        const mcv_pair pair = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_SCATTER));
+        const mcv_scattering on = mcv_scatter(world, meeting, path.media, pair, choice.x, &counts[MCV_COUNTER_unmatched]);
+        path.throughput = mcv_tint(path.throughput, on.factor);
+        const float brightest = mcv_brightest(path.throughput);
+        if (!(brightest > 0.0f)) return;
+        if (on.density > 0.0f) {
+            /* What comes straight from the emitter, next-event estimation has. */
+            if (!path.smooth) return;
+            if (!path.spread) path.throughput = mcv_dim(path.throughput, mcv_within_range(e, path.length));
+            path.throughput = mcv_dim(path.throughput, mcv_flux_correction(meeting, on.direction));
+            path.spread = 1;
+        } else {
+            path.smooth = 1;
+        }
+        if (depth > 4u && brightest < 1.0f) {
+            if (choice.y >= brightest) return;
+            path.throughput = mcv_dim(path.throughput, 1.0f / brightest);
+        }
+        path.origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, on.direction);
+        path.direction = on.direction;
+        path.media = on.media;
+    }
+    ++counts[MCV_COUNTER_depth_cut];
+    counts[MCV_COUNTER_lost] += (uint)(fmin(mcv_brightest(path.throughput), 1.0f) * 2048.0f + 0.5f);
+}

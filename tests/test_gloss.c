@@ -1,0 +1,396 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Surfaces of microfacets on the device: against the reference renderer's, against themselves with the directions exchanged, and
+ * their energy and choice of directions against what they say of it.
+ */
+#include "elements.h"
+
+#include "mcvisi/materials/microfacet.h"
+#include "reference/gloss.h"
+#include "render/gloss.h"
+
+enum { CASES = 1 << 16 };
+
+/* mcv_gloss_element of kernels/elements.cl with one channel. */
+typedef struct element {
+    mcv_device_gloss material;
+    uint32_t type;
+    float alpha[2], base, metallic, layer;
+    uint32_t table, inside;
+    float eta, delta;
+    uint32_t padding[6];
+} element;
+
+typedef struct subject {
+    const char *name;
+    uint32_t type;
+    mcv_material material;
+    double scale;  /* of the roughness, as from a texture; 0: without one */
+    bool inside;   /* dielectric: the ray is in the body */
+    bool lossless; /* all light leaves it */
+} subject;
+
+#define GREY(x) \
+    { (x), (x), (x) }
+#define METAL(n, k, ...) .type = MCV_MATERIAL_CONDUCTOR, .material.as.conductor = {GREY(n), GREY(k), __VA_ARGS__}
+#define LAYER(...) .type = MCV_MATERIAL_METALLIC_ROUGHNESS, .material.as.metallic_roughness = {__VA_ARGS__}
+#define GLASS(ior, ...) .type = MCV_MATERIAL_DIELECTRIC, .material.as.dielectric = {ior, GREY(0), 0, __VA_ARGS__}
+
+static const subject subjects[] = {
+    {"perfect metal, roughness 0.2", METAL(0, 3, 0.2), .lossless = true},
+    {"perfect metal, roughness 0.6", METAL(0, 3, 0.6), .lossless = true},
+    {"perfect metal, roughness 1", METAL(0, 3, 1), .lossless = true},
+    {"perfect metal, brushed", METAL(0, 3, 0.4, 0.7), .lossless = true},
+    {"copper, roughness 0.5", METAL(0.27, 3.41, 0.5)},
+    {"copper, brushed", METAL(0.27, 3.41, 0.45, 0.9)},
+    {"plastic, white", LAYER(GREY(1), 0, 1.5, 0, 0, 0.45), .lossless = true},
+    {"plastic, grey, textured", LAYER(GREY(0.4), 0, 1.5, 0, 0, 0.9), .scale = 0.63},
+    {"white metal of glTF", LAYER(GREY(1), 1, 1.5, 0, 0, 0.7), .lossless = true},
+    {"half a metal", LAYER(GREY(0.6), 0.5, 1.4, 0, 0, 0.5)},
+    {"frosted pane", LAYER(GREY(1), 0, 1.5, 1, 0, 0.5), .lossless = true},
+    {"opal, half clear", LAYER(GREY(1), 0, 1.5, 0.5, 0.6, 0.6, 0.5), .lossless = true},
+    {"glass, roughness 0.3, from outside", GLASS(1.5, 0.3), .lossless = true},
+    {"glass, roughness 0.3, from inside", GLASS(1.5, 0.3), .inside = true, .lossless = true},
+    {"glass, roughness 0.9, from outside", GLASS(1.5, 0.9), .lossless = true},
+    {"glass, roughness 0.9, from inside", GLASS(1.5, 0.9), .inside = true, .lossless = true},
+    {"glass, brushed, from inside", GLASS(1.8, 0.4, 0.6), .inside = true, .lossless = true},
+};
+enum { SUBJECTS = sizeof subjects / sizeof subjects[0] };
+
+/* A subject on device and reference. */
+typedef struct bench {
+    mcv_scene *scene;
+    element *element;
+    size_t bytes;
+    ref_gloss_tables tables;
+    ref_gloss gloss;
+    double alpha; /* the least */
+} bench;
+
+static bench open_bench(const subject *s, bool inside, bool with_reference) {
+    bench b = {.scene = mcv_scene_new("gloss")};
+    mcv_packed packed;
+    mcv_material material = s->material;
+    float linear[3] = {1, 1, 1};
+    material.name = (char *)"gloss";
+    material.type = s->type;
+    material.texture = material.surface_texture = MCV_NONE;
+    if (s->scale > 0) {
+        const mcv_texture texture = {.name = (char *)"roughness", .width = 1, .height = 1, .linear = linear, .is_data = true};
+        BUILD(mcv_scene_add_texture(b.scene, &texture, &builder_error));
+        material.surface_texture = 0;
+    }
+    BUILD(mcv_scene_add_material(b.scene, &material, &builder_error));
+    add_box(b.scene, (const double[]){1, 1, 1}, 0, mcv_transform_identity());
+    BUILD(mcv_pack(b.scene, &packed, &builder_error));
+    if (with_reference) BUILD(ref_gloss_tables_new(b.scene, &b.tables, &builder_error));
+    const double scale = s->scale > 0 ? s->scale : 1, ior = s->type == MCV_MATERIAL_DIELECTRIC ? material.as.dielectric.ior : 1;
+    const mcv_device_gloss *gloss = &packed.gloss[0];
+    const double alpha = fmax(pow(gloss->roughness * scale, 2), 1e-3);
+    b.bytes = sizeof *b.element + sizeof(float) * packed.albedo_count;
+    b.element = calloc(1, b.bytes);
+    assert_non_null(b.element);
+    *b.element = (element){.material = *gloss,
+                           .type = s->type,
+                           .alpha = {(float)(alpha + (1 - alpha) * gloss->anisotropy), (float)alpha},
+                           .base = packed.materials[0].value[0],
+                           .metallic = gloss->metallic,
+                           .layer = s->scale > 0 ? (float)(scale * (gloss->roughnesses - 1)) : 0,
+                           .inside = inside,
+                           .eta = 1};
+    b.element->table = s->type == MCV_MATERIAL_DIELECTRIC ? packed.interface_albedos[1] : gloss->table;
+    if (s->type == MCV_MATERIAL_DIELECTRIC) {
+        const mcv_device_interface between = packed.interfaces[inside ? MCV_MAX_MEDIA + 1 : 1];
+        b.element->eta = between.eta;
+        b.element->delta = between.delta;
+    }
+    memcpy(b.element + 1, packed.albedos, sizeof(float) * packed.albedo_count);
+    mcv_packed_free(&packed);
+    b.alpha = alpha;
+    b.gloss = (ref_gloss){.material = &b.scene->materials[0],
+                          .table = ref_gloss_find(&b.tables, b.scene, 0, s->type == MCV_MATERIAL_DIELECTRIC ? 1 : 0),
+                          .roughness = scale,
+                          .from = inside ? ior : 1,
+                          .to = inside ? 1 : ior,
+                          .inside = inside};
+    if (s->type == MCV_MATERIAL_METALLIC_ROUGHNESS) {
+        b.gloss.metallic = material.as.metallic_roughness.metallic;
+        for (int k = 0; k < 3; ++k) b.gloss.base[k] = material.as.metallic_roughness.baseColor[k];
+    }
+    assert_true(!with_reference || b.gloss.table);
+    return b;
+}
+
+static void close_bench(bench *b) {
+    ref_gloss_tables_free(&b->tables);
+    mcv_scene_free(b->scene);
+    free(b->element);
+}
+
+static void on_device(const bench *b, const char *kernel, const float *cases, size_t outputs, float *results) {
+    run_elements(kernel, MCV_SENSOR_PINHOLE, b->element, b->bytes, CASES, cases, 6 * sizeof(float) * CASES, results,
+                 outputs * sizeof(float) * CASES);
+}
+
+static ref_vec direction(ref_random *random, double least, double most) {
+    const double z = least + (most - least) * ref_random_unit(random), phi = 2 * M_PI * ref_random_unit(random), s = sqrt(1 - z * z);
+    return (ref_vec){s * cos(phi), s * sin(phi), z};
+}
+
+/* Rounds a direction to float32. */
+static ref_vec put(float *to, ref_vec v) {
+    to[0] = (float)v.x;
+    to[1] = (float)v.y;
+    to[2] = (float)v.z;
+    return (ref_vec){to[0], to[1], to[2]};
+}
+
+static float *floats(size_t count) {
+    float *memory = malloc(count * sizeof *memory);
+    assert_non_null(memory);
+    return memory;
+}
+
+/*
+ * Bound of the relative error of the microfacet lobe in float32, u = 2^-24. The sum of o and i, of length s, is off by 4 u, the unit
+ * normal h by e = 4 u/s + 4 u; D goes with the slope of h over α, at most 4 e/α; the cosine o·h with e/(o·h); refraction divides by s²
+ * again and takes a root that vanishes at total reflection, where its square c₂² is off by 4 u; 40 u for the other operations.
+ */
+static double lobe_error(const bench *b, ref_vec o, ref_vec i) {
+    const double u = 0x1p-24;
+    const bool bends = i.z < 0 && b->gloss.material->type == MCV_MATERIAL_DIELECTRIC;
+    const double eta = b->element->eta;
+    const ref_vec sum = bends ? ref_add(ref_scale(eta, o), i) : ref_add(o, (ref_vec){i.x, i.y, fabs(i.z)});
+    const double s = ref_length(sum), e = 4 * u / s + 4 * u, c = fabs(ref_dot(o, sum)) / s, behind = fabs(ref_dot(i, sum)) / s;
+    const double c2 = b->gloss.material->type == MCV_MATERIAL_DIELECTRIC ? 1 - eta * eta * (1 - c * c) : 1;
+    const double root = c2 > 0 ? 8 * u / c2 + 4 * e * c / c2 : 0;
+    return 4 * e / b->alpha + 2 * e / c + (bends ? 4 * e / s + 2 * e / behind : 0) + root + 40 * u;
+}
+
+/* The largest entry of the device's table about a direction, and the least mean. */
+static double largest_near(const bench *b, ref_vec w) {
+    const mcv_device_gloss *m = &b->element->material;
+    const float *rows = (const float *)(const void *)(b->element + 1) + b->element->table;
+    const uint32_t size = 2 + 2 * m->azimuths * MCV_ALBEDO_COSINES;
+    const uint32_t column = (uint32_t)(sqrt(fabs(w.z)) * (MCV_ALBEDO_COSINES - 1));
+    double most = 0;
+    for (uint32_t row = 0; row < m->azimuths * m->roughnesses; ++row)
+        for (uint32_t k = 0; k < 2; ++k)
+            most = fmax(most, rows[row / m->azimuths * size + 2 + 2 * (row % m->azimuths * MCV_ALBEDO_COSINES + column) +
+                                   k * (b->gloss.material->type == MCV_MATERIAL_DIELECTRIC)]);
+    return most;
+}
+
+static double least_mean(const bench *b) {
+    const float *means = (const float *)(const void *)(b->element + 1) + b->element->table;
+    const uint32_t size = 2 + 2 * b->element->material.azimuths * MCV_ALBEDO_COSINES;
+    if (b->gloss.material->type == MCV_MATERIAL_DIELECTRIC) return fmin(means[0], means[1]);
+    return means[(uint32_t)b->element->layer * size];
+}
+
+/*
+ * f cosθ and density, device against reference, over uniform directions and over such as light takes. The albedos of both are integrals
+ * by different quadratures, interpolated over different grids; an entry is off by ε = 2e-3, most at grazing, or 4e-3 where it is
+ * interpolated between 17 azimuths too or has a kink at the critical angle. The cosine lobe m(o) m(i)/M is then off by
+ * ε (m(o) + m(i))/M, and its chance by ε.
+ */
+static void test_reference(void **state) {
+    float *cases = floats(6 * CASES), *results = floats(2 * CASES);
+    (void)state;
+    for (int k = 0; k < SUBJECTS; ++k) {
+        const subject *s = &subjects[k];
+        bench b = open_bench(s, s->inside, true);
+        ref_random random = {(uint64_t)k};
+        for (size_t n = 0; n < CASES; ++n) {
+            const ref_vec o = put(cases + 6 * n, direction(&random, 1e-3, 1));
+            ref_vec i = direction(&random, -1, 1);
+            if (n % 2) i = ref_gloss_sample(&b.gloss, o, &random);
+            put(cases + 6 * n + 3, i.z == 0 ? direction(&random, -1, 1) : i);
+        }
+        on_device(&b, "evaluate_gloss", cases, 2, results);
+        double worst = 0;
+        for (size_t n = 0; n < CASES; ++n) {
+            const float *c = cases + 6 * n;
+            const ref_vec o = {c[0], c[1], c[2]}, i = {c[3], c[4], c[5]};
+            double value[3];
+            const double density = ref_gloss_evaluate(&b.gloss, o, i, value), expected[2] = {value[0], density};
+            const double error = lobe_error(&b, o, i), share = (largest_near(&b, o) + largest_near(&b, i)) / least_mean(&b);
+            const bool glass = s->type == MCV_MATERIAL_DIELECTRIC;
+            const double entry = glass || b.element->material.azimuths > 1 ? 4e-3 : 2e-3;
+            const double spread = entry * fabs(i.z) / M_PI * (2 + share);
+            for (int what = 0; what < 2; ++what) {
+                const double off = fabs(results[2 * n + (size_t)what] - expected[what]);
+                const double bound = error * expected[what] + spread + 2 * entry * expected[what] * what;
+                worst = fmax(worst, off / bound);
+                if (!(off <= bound) && error < 0.1)
+                    fail_msg("%s, %s of o (%g %g %g), i (%g %g %g): %.8g, expected %.8g within %.2g", s->name, what ? "density" : "value",
+                             o.x, o.y, o.z, i.x, i.y, i.z, results[2 * n + (size_t)what], expected[what], bound);
+            }
+        }
+        print_message("%s: at most %.2f of the bound\n", s->name, worst);
+        close_bench(&b);
+    }
+    free(cases);
+    free(results);
+}
+
+/* f(o, i)/n_i² = f(i, o)/n_o²; of the L/n² that the device carries f cosθ_i/cosθ_i is the same both ways, times n_i² of where light comes
+ * from: f(o, i) n_o² = f(i, o) n_i². */
+static void test_reciprocity(void **state) {
+    float *cases = floats(6 * CASES), *there = floats(2 * CASES), *back = floats(2 * CASES);
+    (void)state;
+    for (int k = 0; k < SUBJECTS; ++k) {
+        const subject *s = &subjects[k];
+        bench b = open_bench(s, s->inside, false);
+        const bool glass = s->type == MCV_MATERIAL_DIELECTRIC;
+        ref_random random = {(uint64_t)k + 100};
+        double worst = 0;
+        for (int far = 0; far < 2; ++far) {
+            bench reverse = open_bench(s, glass && far ? !s->inside : s->inside, false);
+            for (size_t n = 0; n < CASES; ++n) {
+                put(cases + 6 * n, direction(&random, 0.01, 1));
+                ref_vec i = direction(&random, 0.01, 1);
+                if (far) i.z = -i.z;
+                put(cases + 6 * n + 3, i);
+            }
+            on_device(&b, "evaluate_gloss", cases, 2, there);
+            for (size_t n = 0; n < CASES; ++n) {
+                float *c = cases + 6 * n;
+                for (int axis = 0; axis < 3; ++axis) { /* turned about so that the light's side is +z */
+                    const float swap = c[axis];
+                    c[axis] = far && axis == 2 ? -c[3 + axis] : c[3 + axis];
+                    c[3 + axis] = far && axis == 2 ? -swap : swap;
+                }
+            }
+            on_device(&reverse, "evaluate_gloss", cases, 2, back);
+            const double ratio = glass && far ? b.element->eta * b.element->eta : 1; /* n_o²/n_i² */
+            for (size_t n = 0; n < CASES; ++n) {
+                const float *c = cases + 6 * n;
+                const ref_vec i = {c[0], c[1], far ? -c[2] : c[2]}, o = {c[3], c[4], far ? -c[5] : c[5]};
+                const double forth = there[2 * n] / fabs(i.z) * ratio, other = back[2 * n] / fabs(o.z),
+                             error = lobe_error(&b, o, i) + lobe_error(&reverse, (ref_vec){c[0], c[1], c[2]}, (ref_vec){c[3], c[4], c[5]});
+                if (error > 0.1) continue;
+                worst = fmax(worst, fabs(forth - other) / (error * forth + 1e-6));
+                if (!(fabs(forth - other) <= error * forth + 1e-6))
+                    fail_msg("%s: f of o (%g %g %g), i (%g %g %g): %.8g there, %.8g back", s->name, o.x, o.y, o.z, i.x, i.y, i.z, forth,
+                             other);
+            }
+            close_bench(&reverse);
+        }
+        print_message("%s: at most %.2f of the bound\n", s->name, worst);
+        close_bench(&b);
+    }
+    free(cases);
+    free(there);
+    free(back);
+}
+
+/*
+ * The mean of f cosθ/density over a path's choices is the surface's albedo, 1 where nothing is lost: within 1 %, the goal, after 65536
+ * stratified choices whose weights are of the order of 1 (standard error below 3e-3).
+ */
+static void test_furnace(void **state) {
+    static const double cosines[] = {0.02, 0.1, 0.3, 0.7, 1};
+    float *cases = floats(6 * CASES), *directions = floats(3 * CASES), *results = floats(2 * CASES);
+    (void)state;
+    for (int k = 0; k < SUBJECTS; ++k) {
+        const subject *s = &subjects[k];
+        bench b = open_bench(s, s->inside, false);
+        ref_random random = {(uint64_t)k + 200};
+        for (int angle = 0; angle < 5; ++angle) {
+            const double z = cosines[angle], sine = sqrt(1 - z * z), phi = 0.7 * angle;
+            double sum = 0;
+            for (size_t n = 0; n < CASES; ++n) {
+                put(cases + 6 * n, (ref_vec){sine * cos(phi), sine * sin(phi), z});
+                cases[6 * n + 3] = (float)(((double)(n % 256) + ref_random_unit(&random) * 0.999) / 256);
+                cases[6 * n + 4] = (float)(((double)(n / 256) + ref_random_unit(&random) * 0.999) / (CASES / 256));
+                cases[6 * n + 5] = (float)(ref_random_unit(&random) * 0.9999999);
+            }
+            on_device(&b, "sample_gloss", cases, 3, directions);
+            for (size_t n = 0; n < CASES; ++n) memcpy(cases + 6 * n + 3, directions + 3 * n, 3 * sizeof(float));
+            on_device(&b, "evaluate_gloss", cases, 2, results);
+            for (size_t n = 0; n < CASES; ++n)
+                if (results[2 * n + 1] > 0) sum += results[2 * n] / results[2 * n + 1] / CASES;
+            print_message("%s, cosine %g: albedo %.5f\n", s->name, z, sum);
+            if (s->lossless ? !(fabs(sum - 1) <= 0.01) : !(sum <= 1 && sum > 0.1)) fail_msg("%s, cosine %g: albedo %.5f", s->name, z, sum);
+        }
+        close_bench(&b);
+    }
+    free(cases);
+    free(directions);
+    free(results);
+}
+
+/*
+ * Pearson's χ² of 10^6 choices in 16 x 32 bins of cosine and azimuth over the sphere, and one for paths that end, against the density
+ * that goes with them, integrated by 32 x 32 points a bin. Bins below 25 are joined. Its quantile of 1e-6 per subject by Wilson and
+ * Hilferty.
+ */
+static void test_choices(void **state) {
+    enum { ROWS = 16, COLUMNS = 32, BINS = ROWS * COLUMNS + 1, POINTS = 32, ROUNDS = 16, BATCH = CASES / (POINTS * POINTS) };
+    float *cases = floats(6 * CASES), *directions = floats(3 * CASES);
+    (void)state;
+    for (int k = 0; k < SUBJECTS; ++k) {
+        const subject *s = &subjects[k];
+        bench b = open_bench(s, s->inside, false);
+        ref_random random = {(uint64_t)k + 300};
+        double counted[BINS] = {0}, expected[BINS] = {0}, all = 0;
+        float rounded[3];
+        const ref_vec o = put(rounded, (ref_vec){0.6, 0.48, 0.64});
+        for (int round = 0; round < ROUNDS; ++round) {
+            for (size_t n = 0; n < CASES; ++n) {
+                put(cases + 6 * n, o);
+                for (int j = 3; j < 6; ++j) cases[6 * n + (size_t)j] = (float)(ref_random_bits(&random) >> 40) * 0x1p-24F;
+            }
+            on_device(&b, "sample_gloss", cases, 3, directions);
+            for (size_t n = 0; n < CASES; ++n) {
+                const float *d = directions + 3 * n;
+                const int row = (int)fmin(floor((d[2] + 1) / 2 * ROWS), ROWS - 1);
+                const int column = (int)fmin(floor((atan2(d[1], d[0]) / (2 * M_PI) + 0.5) * COLUMNS), COLUMNS - 1);
+                ++counted[d[0] == 0 && d[1] == 0 && d[2] == 0 ? BINS - 1 : row * COLUMNS + column];
+            }
+        }
+        for (int first = 0; first < BINS - 1; first += BATCH) {
+            for (size_t n = 0; n < CASES; ++n) {
+                const int bin = first + (int)(n / (POINTS * POINTS)), p = (int)(n % (POINTS * POINTS));
+                const double z = 2 * (bin / COLUMNS + (p / POINTS + 0.5) / POINTS) / ROWS - 1, sine = sqrt(1 - z * z);
+                const double phi = 2 * M_PI * ((bin % COLUMNS + (p % POINTS + 0.5) / POINTS) / COLUMNS - 0.5);
+                put(cases + 6 * n, o);
+                put(cases + 6 * n + 3, (ref_vec){sine * cos(phi), sine * sin(phi), z});
+            }
+            on_device(&b, "evaluate_gloss", cases, 2, directions);
+            for (size_t n = 0; n < CASES; ++n)
+                expected[first + (int)(n / (POINTS * POINTS))] +=
+                    directions[2 * n + 1] * 4 * M_PI / (ROWS * COLUMNS * POINTS * POINTS) * ROUNDS * CASES;
+        }
+        for (int bin = 0; bin < BINS - 1; ++bin) all += expected[bin];
+        expected[BINS - 1] = fmax((double)ROUNDS * CASES - all, 0);
+        double chi2 = 0, rest = 0, rest_expected = 0;
+        int freedom = -1;
+        for (int bin = 0; bin < BINS; ++bin) {
+            rest += counted[bin];
+            rest_expected += expected[bin];
+            if (rest_expected < 25) continue;
+            chi2 += pow(rest - rest_expected, 2) / rest_expected;
+            rest = rest_expected = 0;
+            ++freedom;
+        }
+        const double v = 2 / (9.0 * freedom), quantile = freedom * pow(1 - v + 4.753 * sqrt(v), 3);
+        print_message("%s: χ² %.1f with %d degrees of freedom, at most %.1f\n", s->name, chi2, freedom, quantile);
+        if (!(chi2 <= quantile)) fail_msg("%s: χ² %.1f with %d degrees of freedom is above %.1f", s->name, chi2, freedom, quantile);
+        close_bench(&b);
+    }
+    free(cases);
+    free(directions);
+}
+
+static int open_gloss(void **state) {
+    element_features = 1u << MCV_FEATURE_GLOSS | 1u << MCV_FEATURE_DIELECTRIC;
+    return open_device(state);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_reference), cmocka_unit_test(test_reciprocity), cmocka_unit_test(test_furnace),
+                                       cmocka_unit_test(test_choices)};
+    return cmocka_run_group_tests(tests, open_gloss, close_device);
+}

@@ -1,0 +1,496 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Light paths: light of narrow emitters through smooth surfaces onto diffuse ones, and beams into lenses. Against closed forms, against
+ * the same light without the smooth surface, and against camera paths that find it by chance.
+ */
+#include "scene_builder.h"
+
+#include "analysis/compare.h"
+#include "render/render.h"
+#include "scene/sensors.h"
+
+enum { REPLICATES = 16 };
+static const double ior = 1.5;
+
+/* Both faces of a slab at normal incidence: R = ((n - 1)/(n + 1))², and the series of reflections inside. */
+static double slab_transmittance(void) {
+    const double r = pow((ior - 1) / (ior + 1), 2);
+    return (1 - r) / (1 + r);
+}
+
+static mcv_render_options options_of(uint64_t samples, uint32_t seed) {
+    mcv_render_options options = mcv_render_defaults();
+    options.replicates = REPLICATES;
+    options.last = samples;
+    options.seed = seed;
+    return options;
+}
+
+static mcv_film render(const mcv_scene *scene, const mcv_render_options *options, bool traced) {
+    mcv_render_stats stats;
+    mcv_film film;
+    BUILD(mcv_render(scene, 0, options, &film, &stats, &builder_error));
+    if ((strstr(stats.features, "light-tracing") != NULL) != traced) fail_msg("features: %s", stats.features);
+    if (stats.saturated > 0 || stats.nonfinite > 0 || stats.unmatched > 0)
+        fail_msg("%d saturated, %d not finite, %d unmatched", (int)stats.saturated, (int)stats.nonfinite, (int)stats.unmatched);
+    return film;
+}
+
+static mcv_estimate image_mean(const mcv_film *film) {
+    const size_t pixels = (size_t)film->width * film->height * film->channels;
+    double means[REPLICATES] = {0};
+    for (uint32_t r = 0; r < REPLICATES; ++r) {
+        for (size_t i = 0; i < pixels; ++i) means[r] += film->sums[r * pixels + i];
+        means[r] /= (double)pixels * (double)film->samples;
+    }
+    return mcv_estimate_replicates(means, REPLICATES);
+}
+
+/* Student's t with 15 degrees of freedom: 6.1 standard errors happen with probability 2e-5. `bias`: what the closed form leaves out. */
+static void expect_mean(const char *what, const mcv_film *film, double expected, double bias) {
+    const mcv_estimate m = image_mean(film);
+    const double error = sqrt(m.variance);
+    print_message("%s: %.6g ± %.2g, expected %.6g\n", what, m.mean, error, expected);
+    if (!(error <= 0.02 * expected)) fail_msg("%s: the standard error %g is above 2 %% of %g", what, error, expected);
+    if (!(fabs(m.mean - expected) <= 6.1 * error + bias * expected))
+        fail_msg("%s: %.9g ± %.2g, expected %.9g", what, m.mean, error, expected);
+}
+
+static void expect_equal(const char *what, const mcv_film *x, const mcv_film *y) {
+    mcv_comparison c;
+    BUILD(mcv_compare_films(x, y, &c, &builder_error));
+    print_message("%s: %.6g and %.6g; %s\n", what, c.mean_x, c.mean_y, c.reason);
+    if (c.different) fail_msg("%s: %s", what, c.reason);
+}
+
+static void add_light(mcv_scene *scene, mcv_emitter emitter) {
+    emitter.name = (char *)"light";
+    emitter.texture = MCV_NONE;
+    BUILD(mcv_scene_add_emitter(scene, &emitter, &builder_error));
+}
+
+static mcv_emitter emitter_of(uint32_t type, uint32_t instance) {
+    mcv_emitter emitter = {.type = type, .instance = instance};
+    mcv_params_set_defaults(mcv_emitter_table(type), &emitter.as);
+    return emitter;
+}
+
+/* A beam of the given irradiance. */
+static void add_beam(mcv_scene *scene, double size, double irradiance, mcv_transform to_world) {
+    mcv_emitter beam = emitter_of(MCV_EMITTER_COLLIMATED_BEAM, add_rectangle(scene, size, size, add_absorber(scene), to_world));
+    for (int k = 0; k < 2; ++k) beam.as.collimated_beam.size[k] = size;
+    for (int k = 0; k < 3; ++k) beam.as.collimated_beam.irradiance[k] = irradiance;
+    add_light(scene, beam);
+}
+
+static void add_point(mcv_scene *scene, double intensity, mcv_transform to_world) {
+    mcv_emitter point = emitter_of(MCV_EMITTER_POINT, MCV_NONE);
+    point.to_world = to_world;
+    for (int k = 0; k < 3; ++k) point.as.point.intensity[k] = intensity;
+    add_light(scene, point);
+}
+
+/*
+ * Sensors that look from (0.2, 0, 0.2) down to the origin, a field of some 8 mm, their depth in focus 10 % off so that places and
+ * directions do not stand for each other. A quarter of the field is read out of the fourth one, its pixels binned by two.
+ */
+enum { PINHOLE, THIN, TELECENTRIC, PART, LIGHT_FIELD, ROUND_FIELD, KINDS };
+static const char *const kinds[] = {"pinhole", "thin lens", "telecentric", "part of a thin lens's", "light field", "round light field"};
+
+static mcv_sensor sensor_of(int kind, bool irradiance) {
+    static const uint32_t types[] = {MCV_SENSOR_PINHOLE,   MCV_SENSOR_THIN_LENS,   MCV_SENSOR_TELECENTRIC,
+                                     MCV_SENSOR_THIN_LENS, MCV_SENSOR_LIGHT_FIELD, MCV_SENSOR_LIGHT_FIELD};
+    const double field = 0.008, distance = sqrt(0.08), f = 0.05, focus = 1.1 * distance, b = f * focus / (focus - f);
+    const double image = field * b / distance;
+    const uint32_t radiometry = irradiance ? MCV_RADIOMETRY_IRRADIANCE : MCV_RADIOMETRY_RADIANCE;
+    mcv_sensor sensor = sensor_defaults(types[kind]);
+    if (kind == PINHOLE) {
+        mcv_pinhole_params *p = &sensor.as.pinhole;
+        p->imageDistance = b;
+        for (int k = 0; k < 2; ++k) p->resolution[k] = 16, p->pixelSize[k] = image / 16;
+    } else if (kind == TELECENTRIC) {
+        mcv_telecentric_params *p = &sensor.as.telecentric;
+        p->magnification = 0.5;
+        p->workingDistance = focus;
+        p->numericalAperture = 0.02;
+        p->radiometry = radiometry;
+        for (int k = 0; k < 2; ++k) p->resolution[k] = 16, p->pixelSize[k] = field / 2 / 16;
+    } else if (kind < LIGHT_FIELD) {
+        mcv_thin_lens_params *p = &sensor.as.thin_lens;
+        p->focalLength = f;
+        p->imageDistance = b;
+        p->lensDiameter = 0.02;
+        p->radiometry = radiometry;
+        for (int k = 0; k < 2; ++k) p->resolution[k] = 16, p->pixelSize[k] = image / 16;
+        if (kind == PART) {
+            memcpy(p->regionOfInterest, (const uint32_t[]){4, 2, 12, 8}, sizeof p->regionOfInterest);
+            p->binning[0] = p->binning[1] = 2;
+        }
+    } else {
+        mcv_light_field_params *p = &sensor.as.light_field;
+        p->focalLength = f;
+        p->imageDistance = b;
+        p->lensDiameter = 0.02;
+        p->aperture = kind == ROUND_FIELD ? MCV_APERTURE_CIRCLE : MCV_APERTURE_SQUARE;
+        p->radiometry = radiometry;
+        for (int k = 0; k < 2; ++k) p->spatialResolution[k] = 5, p->angularResolution[k] = 3, p->pixelSize[k] = image / 15;
+    }
+    return sensor;
+}
+
+static void add_camera(mcv_scene *scene, int kind, bool irradiance) {
+    const double s = sqrt(0.5);
+    const mcv_sensor sensor = sensor_of(kind, irradiance);
+    add_sensor(scene, sensor.type, &sensor, looking((const double[]){0.2, 0, 0.2}, (const double[]){-s, 0, -s}, (const double[]){0, 1, 0}));
+}
+
+/*
+ * A beam of 24 mm onto paper, through a slab 0.3 m above or bare with the irradiance that the slab lets through. What paper and slab send
+ * to and fro is left out there: the slab's reflectance of 0.077 times the paper's 0.5 A/(π (0.6 m)²): 2e-5.
+ */
+static mcv_scene *slab_scene(bool slab) {
+    mcv_scene *scene = mcv_scene_new("slab");
+    add_rectangle(scene, 0.1, 0.1, add_diffuse(scene, 0.5), looking_up_z(0, 0, 0));
+    if (slab) add_box(scene, (const double[]){0.02, 0.02, 0.003}, add_glass(scene, ior, 0, 0), looking_down_z(0, 0, 0.3));
+    add_beam(scene, 0.024, slab ? 3 : 3 * slab_transmittance(), looking_down_z(0, 0, 0.4));
+    return scene;
+}
+
+static void test_slab_before_every_sensor(void **state) {
+    (void)state;
+    for (int kind = 0; kind < KINDS; ++kind) {
+        for (int irradiance = 0; irradiance < 2; ++irradiance) {
+            if (kind == PINHOLE && irradiance) continue;
+            char what[96];
+            snprintf(what, sizeof what, "%s, %s", kinds[kind], irradiance ? "irradiance" : "radiance");
+            mcv_scene *bare = slab_scene(false), *through = slab_scene(true);
+            add_camera(bare, kind, irradiance);
+            add_camera(through, kind, irradiance);
+            const mcv_render_options one = options_of(16, 1), other = options_of(64, 2);
+            /* A beam that shines away from a sensor needs no light paths, behind a slab it does. */
+            mcv_film x = render(bare, &one, false), y = render(through, &other, true);
+            expect_equal(what, &x, &y);
+            if (!irradiance && kind != ROUND_FIELD) expect_mean(what, &y, 0.5 / M_PI * 3 * slab_transmittance(), 1e-4);
+            mcv_film_free(&x);
+            mcv_film_free(&y);
+            mcv_scene_free(bare);
+            mcv_scene_free(through);
+        }
+    }
+}
+
+/*
+ * A point light 0.4 m above the paper behind a slab of thickness t: seen through it, it is t (1 - 1/n) nearer. Within 5 mm of the axis the
+ * irradiance I T/d² falls by 3/2 (0.007/0.4)² = 5e-4; the slab's transmittance less. What its sides turn back lands beyond.
+ */
+static void test_point_light_behind_slab(void **state) {
+    (void)state;
+    mcv_scene *scene = mcv_scene_new("point");
+    add_rectangle(scene, 0.1, 0.1, add_diffuse(scene, 0.5), looking_up_z(0, 0, 0));
+    add_box(scene, (const double[]){0.006, 0.006, 0.002}, add_glass(scene, ior, 0, 0), looking_down_z(0, 0, 0.3));
+    add_point(scene, 2, looking_down_z(0, 0, 0.4));
+    add_camera(scene, TELECENTRIC, false);
+    const mcv_render_options options = options_of(256, 1);
+    mcv_film film = render(scene, &options, true);
+    const double distance = 0.4 - 0.004 * (1 - 1 / ior);
+    expect_mean("point light", &film, 0.5 / M_PI * 2 / (distance * distance) * slab_transmittance(), 6e-4);
+    mcv_film_free(&film);
+    mcv_scene_free(scene);
+}
+
+/* A beam along -x, turned down onto the paper by a mirror of reflectance 0.8 at 45°: L = ρ/π E 0.8. */
+static void test_mirror(void **state) {
+    (void)state;
+    const double s = sqrt(0.5);
+    mcv_scene *scene = mcv_scene_new("mirror");
+    const uint32_t mirror = add_material(scene, MCV_MATERIAL_MIRROR, &(mcv_material){.as.mirror.reflectance = {0.8, 0.8, 0.8}});
+    add_rectangle(scene, 0.1, 0.1, add_diffuse(scene, 0.5), looking_up_z(0, 0, 0));
+    add_rectangle(scene, 0.05, 0.05, mirror, looking((const double[]){0, 0, 0.3}, (const double[]){s, 0, -s}, (const double[]){0, 1, 0}));
+    add_beam(scene, 0.024, 3, looking((const double[]){0.1, 0, 0.3}, (const double[]){-1, 0, 0}, (const double[]){0, 1, 0}));
+    add_camera(scene, THIN, false);
+    const mcv_render_options options = options_of(64, 1);
+    mcv_film film = render(scene, &options, true);
+    /* The mirror sees the paper, 1 % of the hemisphere, and itself not. */
+    expect_mean("mirror", &film, 0.5 / M_PI * 3 * 0.8, 1e-4);
+    mcv_film_free(&film);
+    mcv_scene_free(scene);
+}
+
+/*
+ * Coaxial light: a camera looks down on the paper through a splitter at 45°, which turns the beam down onto it: L = ρ/π E r t, through a
+ * thin window before the camera, too. Camera paths through both leave it to light paths.
+ */
+static mcv_scene *coaxial_scene(bool beam, double *expected) {
+    const double s = sqrt(0.5);
+    mcv_scene *scene = mcv_scene_new("coaxial");
+    const uint32_t splitter =
+        add_material(scene, MCV_MATERIAL_BEAM_SPLITTER,
+                     &(mcv_material){.as.beam_splitter = {.reflectance = {0.3, 0.3, 0.3}, .transmittance = {0.6, 0.6, 0.6}}});
+    const uint32_t window = add_material(scene, MCV_MATERIAL_SHEET, &(mcv_material){.as.sheet = {.ior = ior, .transmittance = {1, 1, 1}}});
+    mcv_sensor sensor = sensor_of(TELECENTRIC, false);
+    for (int k = 0; k < 2; ++k) {
+        sensor.as.telecentric.resolution[k] = 4;
+        sensor.as.telecentric.pixelSize[k] *= 4;
+    }
+    add_rectangle(scene, 0.1, 0.1, add_diffuse(scene, 0.5), looking_up_z(0, 0, 0));
+    add_rectangle(scene, 0.05, 0.07, splitter, looking((const double[]){0, 0, 0.3}, (const double[]){s, 0, -s}, (const double[]){0, 1, 0}));
+    add_rectangle(scene, 0.05, 0.05, window, looking_up_z(0, 0, 0.35));
+    const mcv_transform from = looking((const double[]){0.1, 0, 0.3}, (const double[]){-1, 0, 0}, (const double[]){0, 1, 0});
+    if (beam)
+        add_beam(scene, 0.03, 3, from);
+    else
+        add_emitter(scene, MCV_EMITTER_PARALLEL, add_rectangle(scene, 0.06, 0.06, add_absorber(scene), from), 100, 12 * M_PI / 180);
+    add_sensor(scene, MCV_SENSOR_TELECENTRIC, &sensor, looking_down_z(0, 0, 0.4));
+    *expected = 0.5 / M_PI * 3 * 0.3 * 0.6 * slab_transmittance();
+    return scene;
+}
+
+/* A directional light through a slab, seen by a light field camera: L = ρ/π E T within the slab's shadow. */
+static void test_sun_through_slab(void **state) {
+    (void)state;
+    mcv_scene *scene = mcv_scene_new("sun");
+    mcv_emitter sun = emitter_of(MCV_EMITTER_DIRECTIONAL, MCV_NONE);
+    sun.to_world = looking_down_z(0, 0, 0);
+    for (int k = 0; k < 3; ++k) sun.as.directional.irradiance[k] = 3;
+    add_rectangle(scene, 0.1, 0.1, add_diffuse(scene, 0.5), looking_up_z(0, 0, 0));
+    add_box(scene, (const double[]){0.015, 0.015, 0.003}, add_glass(scene, ior, 0, 0), looking_down_z(0, 0, 0.3));
+    add_light(scene, sun);
+    add_camera(scene, LIGHT_FIELD, false);
+    const mcv_render_options options = options_of(64, 1);
+    mcv_film film = render(scene, &options, true);
+    /* The paper beyond the slab's shadow lights the slab's lower face: 0.08 times 0.5 · 0.01/(π 0.6²) of it comes back. */
+    expect_mean("sun", &film, 0.5 / M_PI * 3 * slab_transmittance(), 1e-3);
+    mcv_film_free(&film);
+    mcv_scene_free(scene);
+}
+
+/*
+ * A thin-lens projector with a white picture, through the slab or bare with the radiance that the slab lets through; the slab brings it
+ * t (1 - 1/n) nearer: by 2 · 2 mm/0.4 m brighter.
+ */
+static void test_projector_through_slab(void **state) {
+    (void)state;
+    mcv_film films[2];
+    for (int slab = 0; slab < 2; ++slab) {
+        static uint8_t white[4 * 4 * 4];
+        mcv_scene *scene = mcv_scene_new("projector");
+        memset(white, 255, sizeof white);
+        mcv_texture picture = {.width = 4, .height = 4, .wrap_s = 33071, .wrap_t = 33071, .nearest = true, .rgba = white};
+        BUILD(mcv_scene_add_texture(scene, &picture, &builder_error));
+        add_rectangle(scene, 0.1, 0.1, add_diffuse(scene, 0.5), looking_up_z(0, 0, 0));
+        const double thickness = 0.006, near = slab ? 0 : thickness * (1 - 1 / ior);
+        if (slab) add_box(scene, (const double[]){0.02, 0.02, thickness / 2}, add_glass(scene, ior, 0, 0), looking_down_z(0, 0, 0.3));
+        float positions[] = {-0.005f, -0.005f, 0, 0.005f, -0.005f, 0, 0.005f, 0.005f, 0, -0.005f, 0.005f, 0};
+        float texcoords[] = {0, 1, 1, 1, 1, 0, 0, 0};
+        uint32_t indices[] = {0, 2, 1, 0, 3, 2};
+        const mcv_mesh square = {
+            .vertex_count = 4, .triangle_count = 2, .positions = positions, .texcoords = texcoords, .indices = indices};
+        const uint32_t window = add_instance(scene, &square, add_absorber(scene), looking_down_z(0, 0, 0.4 - near));
+        mcv_emitter projector = emitter_of(MCV_EMITTER_PROJECTOR, window);
+        mcv_projector_params *p = &projector.as.projector;
+        p->image = 0;
+        p->focalLength = 0.02;
+        p->focusDistance = 0.4;
+        p->lensDiameter = 0.01;
+        for (int k = 0; k < 2; ++k) p->pixelSize[k] = 0.03 / 4 * 0.02 / 0.38;
+        for (int k = 0; k < 3; ++k) p->radiance[k] = slab ? 100 : 100 * slab_transmittance();
+        add_light(scene, projector);
+        add_camera(scene, TELECENTRIC, true);
+        const mcv_render_options options = options_of(64, (uint32_t)slab + 1);
+        films[slab] = render(scene, &options, slab);
+        mcv_scene_free(scene);
+    }
+    expect_equal("projector", &films[0], &films[1]);
+    mcv_film_free(&films[0]);
+    mcv_film_free(&films[1]);
+}
+
+static void test_coaxial(void **state) {
+    (void)state;
+    double expected;
+    mcv_scene *beam = coaxial_scene(true, &expected), *panel = coaxial_scene(false, &expected);
+    mcv_render_options by_light = options_of(1024, 1), by_chance = options_of(4096, 2);
+    mcv_film film = render(beam, &by_light, true);
+    /* The paper, its picture in the splitter and the splitter send light to and fro, some 0.3 of 0.5 A/(π (0.6 m)²): 1e-4. */
+    expect_mean("coaxial beam", &film, expected, 2e-4);
+    mcv_film_free(&film);
+    mcv_film x = render(panel, &by_light, true);
+    by_chance.no_light_paths = true;
+    mcv_film y = render(panel, &by_chance, false);
+    expect_equal("coaxial panel", &x, &y);
+    mcv_film_free(&x);
+    mcv_film_free(&y);
+    mcv_scene_free(beam);
+    mcv_scene_free(panel);
+}
+
+/* A cone of 5° through a glass ball onto paper between walls of which one is a mirror; the camera sees paper, ball and mirror. */
+static mcv_scene *ball_scene(int kind) {
+    mcv_scene *scene = mcv_scene_new("ball");
+    const double s = sqrt(0.5);
+    const uint32_t mirror = add_material(scene, MCV_MATERIAL_MIRROR, &(mcv_material){.as.mirror.reflectance = {0.8, 0.8, 0.8}});
+    const uint32_t paper = add_diffuse(scene, 0.7);
+    add_rectangle(scene, 0.06, 0.06, paper, looking_up_z(0, 0, 0));
+    add_rectangle(scene, 0.06, 0.03, paper,
+                  looking((const double[]){-0.02, 0, 0.015}, (const double[]){1, 0, 0}, (const double[]){0, 0, 1}));
+    add_rectangle(scene, 0.06, 0.03, mirror,
+                  looking((const double[]){0, 0.02, 0.015}, (const double[]){0, -1, 0}, (const double[]){0, 0, 1}));
+    add_sphere(scene, 0.005, 24, add_glass(scene, ior, 20, 0), looking_down_z(0, 0, 0.009));
+    const uint32_t panel = add_rectangle(scene, 0.016, 0.016, add_absorber(scene), looking_down_z(0, 0, 0.05));
+    add_emitter(scene, MCV_EMITTER_PARALLEL, panel, 100, 5 * M_PI / 180);
+    /* Few pixels: light that is found by chance comes in bursts, and tests of ranks want many of them. */
+    mcv_sensor sensor = sensor_of(kind, true);
+    const bool telecentric = kind == TELECENTRIC;
+    for (int k = 0; k < 2; ++k) {
+        (telecentric ? sensor.as.telecentric.resolution : sensor.as.thin_lens.resolution)[k] = 4;
+        (telecentric ? sensor.as.telecentric.pixelSize : sensor.as.thin_lens.pixelSize)[k] *= 3 * 16 / 4;
+    }
+    add_sensor(scene, sensor.type, &sensor, looking((const double[]){0.2, 0, 0.2}, (const double[]){-s, 0, -s}, (const double[]){0, 1, 0}));
+    return scene;
+}
+
+static void test_ball_against_chance(void **state) {
+    (void)state;
+    const int tested[] = {THIN, TELECENTRIC};
+    for (int i = 0; i < 2; ++i) {
+        mcv_scene *scene = ball_scene(tested[i]);
+        mcv_render_options by_light = options_of(512, 1), by_chance = options_of(4096, 2);
+        by_chance.no_light_paths = true;
+        mcv_film x = render(scene, &by_light, true), y = render(scene, &by_chance, false);
+        expect_equal(kinds[tested[i]], &x, &y);
+        mcv_film_free(&x);
+        mcv_film_free(&y);
+        mcv_scene_free(scene);
+    }
+}
+
+/*
+ * A beam of 4 mm into a thin lens focused at infinity, tilted: all of it lands on the pixel at s = -b d, E A_beam/A_pixel in irradiance.
+ * Then the same through a slab across the beam. Rounding alone: each path brings the same, to some 30 roundings of float32; the slab's
+ * reflections are chosen at random.
+ */
+static void test_beam_into_lens(void **state) {
+    (void)state;
+    for (int slab = 0; slab < 2; ++slab) {
+        mcv_scene *scene = mcv_scene_new("into lens");
+        mcv_sensor sensor = sensor_defaults(MCV_SENSOR_THIN_LENS);
+        mcv_thin_lens_params *p = &sensor.as.thin_lens;
+        p->focalLength = p->imageDistance = 0.05;
+        p->lensDiameter = 0.02;
+        p->radiometry = MCV_RADIOMETRY_IRRADIANCE;
+        for (int k = 0; k < 2; ++k) p->resolution[k] = 16, p->pixelSize[k] = 1e-4;
+        /* The pixel (11, 5) from the top left sees d = (-s_x/b, -s_y/b, 1), s_x = (8 - 11.5) l, s_y = (5.5 - 8) l; light comes from there.
+         */
+        const double d[3] = {3.5 * 1e-4 / 0.05, 2.5 * 1e-4 / 0.05, 1}, length = sqrt(d[0] * d[0] + d[1] * d[1] + 1);
+        const double from[3] = {0.1 * d[0], 0.1 * d[1], -0.1}; /* the camera looks along -z of the world */
+        const double forward[3] = {-d[0] / length, -d[1] / length, 1 / length};
+        const double up[3] = {0, forward[2] / hypot(forward[1], forward[2]), -forward[1] / hypot(forward[1], forward[2])};
+        add_sensor(scene, MCV_SENSOR_THIN_LENS, &sensor, looking_down_z(0, 0, 0));
+        const double half[3] = {forward[0] * 0.05, forward[1] * 0.05, -0.05};
+        if (slab)
+            add_box(scene, (const double[]){0.005, 0.005, 0.001}, add_glass(scene, ior, 0, 0),
+                    looking((const double[]){half[0] + from[0], half[1] + from[1], half[2]}, forward, up));
+        add_beam(scene, 0.004, 3, looking(from, forward, up));
+        const mcv_render_options options = options_of(16, 1);
+        mcv_film film = render(scene, &options, true);
+        const double expected = 3 * 0.004 * 0.004 / (1e-4 * 1e-4) * (slab ? slab_transmittance() : 1);
+        for (uint32_t i = 0; i < 16 * 16; ++i) {
+            double sum = 0;
+            for (uint32_t r = 0; r < REPLICATES; ++r) sum += film.sums[r * 256 + i] / 16 / REPLICATES;
+            if (i == 5 * 16 + 11 ? !(fabs(sum - expected) <= (slab ? 0.01 : 2e-6) * expected) : sum != 0)
+                fail_msg("slab %d: pixel (%u, %u) is %.9g, expected %.9g", slab, i % 16, i / 16, sum, i == 5 * 16 + 11 ? expected : 0);
+        }
+        mcv_film_free(&film);
+        mcv_scene_free(scene);
+    }
+}
+
+static void expect_same_bits(const char *what, const mcv_film *x, const mcv_film *y) {
+    const size_t count = (size_t)x->width * x->height * x->channels * x->replicates;
+    assert_int_equal(x->samples, y->samples);
+    for (size_t i = 0; i < count; ++i)
+        if (x->sums[i] != y->sums[i]) fail_msg("%s: value %zu is %.17g, not %.17g", what, i, y->sums[i], x->sums[i]);
+}
+
+static void test_same_bits(void **state) {
+    (void)state;
+    mcv_scene *scene = ball_scene(THIN);
+    mcv_render_options options = options_of(8, 1);
+    options.schedule = MCV_SCHEDULE_TILE;
+    mcv_film whole = render(scene, &options, true);
+    options.slice = 64;
+    mcv_film slices = render(scene, &options, true);
+    expect_same_bits("other slices", &whole, &slices);
+    options.schedule = MCV_SCHEDULE_STREAM;
+    mcv_film stream = render(scene, &options, true);
+    expect_same_bits("stream", &whole, &stream);
+    options.last = 4;
+    mcv_film first = render(scene, &options, true);
+    options.first = 4, options.last = 8;
+    mcv_film second = render(scene, &options, true);
+    BUILD(mcv_film_merge(&first, &second, &builder_error));
+    expect_same_bits("merged", &whole, &first);
+    mcv_film *const films[] = {&whole, &slices, &stream, &first, &second};
+    for (int i = 0; i < 5; ++i) mcv_film_free(films[i]);
+    mcv_scene_free(scene);
+}
+
+/* Where the ray of sight of a sample comes from is where the sample is: to rounding, 2^-20 of the film's width. */
+static void test_invert_undoes_sample(void **state) {
+    (void)state;
+    for (int kind = 0; kind < KINDS; ++kind) {
+        mcv_scene *scene = mcv_scene_new("inverse");
+        uint32_t width, height, bits = 1;
+        add_camera(scene, kind, kind != PINHOLE);
+        const mcv_sensor *sensor = &scene->sensors[0];
+        mcv_sensor_film_size(sensor, &width, &height);
+        for (int i = 0; i < 10000; ++i) {
+            float u[6];
+            for (int k = 0; k < 6; ++k) u[k] = (float)((bits = bits * 1664525u + 1013904223u) >> 8) * 0x1p-24f;
+            const mcv_film_sample film = {(uint32_t)(u[0] * (float)width), (uint32_t)(u[1] * (float)height), u[2], u[3]};
+            mcv_film_place place = {NAN, NAN};
+            mcv_sight sight;
+            float importance = 0;
+#define UNDO(name, NAME) \
+    case MCV_SENSOR_##NAME: { \
+        mcv_##name device; \
+        mcv_##name##_prepare(&sensor->as.name, &device); \
+        sight = mcv_##name##_sample(&device, film, u[4], u[5]); \
+        importance = mcv_##name##_invert(&device, sight, &place); \
+        break; \
+    }
+            switch (sensor->type) {
+                UNDO(pinhole, PINHOLE)
+                UNDO(thin_lens, THIN_LENS)
+                UNDO(telecentric, TELECENTRIC)
+                UNDO(light_field, LIGHT_FIELD)
+            }
+#undef UNDO
+            if ((importance > 0) != (sight.weight > 0))
+                fail_msg("%s: W is %g where the weight is %g", kinds[kind], importance, sight.weight);
+            if (!(sight.weight > 0)) continue;
+            const bool whole = sensor->type == MCV_SENSOR_LIGHT_FIELD; /* knows the pixel only; its edge is left out by rounding */
+            const double x = film.column + (whole ? 0.5 : (double)film.x), y = film.row + (whole ? 0.5 : (double)film.y);
+            if (whole && (fmin(u[2], u[3]) < 1e-4f || fmax(u[2], u[3]) > 1 - 1e-4f)) continue;
+            if (!(fabs((double)place.column - x) <= width * 0x1p-20 && fabs((double)place.row - y) <= width * 0x1p-20))
+                fail_msg("%s: (%.9g, %.9g) comes back as (%.9g, %.9g)", kinds[kind], x, y, place.column, place.row);
+        }
+        mcv_scene_free(scene);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_invert_undoes_sample),
+        cmocka_unit_test(test_slab_before_every_sensor),
+        cmocka_unit_test(test_point_light_behind_slab),
+        cmocka_unit_test(test_mirror),
+        cmocka_unit_test(test_coaxial),
+        cmocka_unit_test(test_sun_through_slab),
+        cmocka_unit_test(test_projector_through_slab),
+        cmocka_unit_test(test_beam_into_lens),
+        cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_ball_against_chance),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
