@@ -164,14 +164,14 @@ static mcv_result append_rays(const recorder *r, uint32_t count, bool shadow, in
     for (int k = 0; k < KINDS; ++k) MCV_TRY(list_reserve(r->lists + k, count, r->error));
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t path = r->queue[i];
-        const bool any = shadow && r->rows[6 * paths + path] == MCV_NONE;
+        const bool any = shadow && r->rows[6 * paths + path] >= MCV_SKY;
         ray_list *list = r->lists + (shadow ? any ? SHADOW_ANY : SHADOW_CLOSEST : kind);
         batch_ray *ray = list->rays + list->count;
         for (size_t k = 0; k < 3; ++k) {
             memcpy(ray->origin + k, r->rows + k * paths + path, 4);
             memcpy(ray->direction + k, r->rows + (3 + k) * paths + path, 4);
         }
-        ray->t_max = any ? 1.0f : INFINITY;
+        ray->t_max = any && r->rows[6 * paths + path] == MCV_NONE ? 1.0f : INFINITY;
         list->paths[list->count++] = path;
     }
     return MCV_OK;
