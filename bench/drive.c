@@ -59,13 +59,42 @@ drive_options drive_defaults(uint32_t schedule) {
 }
 
 /*
- * All that has no cost where it is not met. Whether rays take turns and pupils aim is a choice, not an element; emitters there must be to
- * look for.
+ * All that has no cost where it is not met. Whether rays take turns, pupils aim and light paths are traced is a choice, not an element; an
+ * environment's image and emitters there must be to look for.
  */
 static uint32_t all_features(const mcv_packed *packed) {
-    uint32_t features = ((1u << MCV_FEATURE_COUNT) - 1) & ~(1u << MCV_FEATURE_INTERLEAVE | 1u << MCV_FEATURE_AIM);
+    const uint32_t not_elements =
+        1u << MCV_FEATURE_INTERLEAVE | 1u << MCV_FEATURE_AIM | 1u << MCV_FEATURE_LIGHT_TRACING | 1u << MCV_FEATURE_ENVIRONMENT_IMAGE;
+    uint32_t features = ((1u << MCV_FEATURE_COUNT) - 1) & ~not_elements;
     if (packed->emitter_count == 0) features &= ~(1u << MCV_FEATURE_NEXT_EVENT);
     return features | packed->features;
+}
+
+/* What the kernels of all features read: normals of 0 are those of flat meshes. */
+static mcv_result add_buffers(mcv_cl *cl, mcv_device_scene *device, mcv_error *error) {
+    mcv_packed *packed = &device->packed;
+    const size_t vertices = packed->vertex_count;
+    float *nothing = calloc(4 * vertices + 1, sizeof *nothing);
+    if (!nothing) return mcv_fail(error, MCV_FAILED, "no memory for the buffers of all features");
+    mcv_result result = MCV_OK;
+    /* MCV_NONE: smooth, as they are where nothing glossy is. */
+    if (!device->interface_albedos) memset(packed->interface_albedos, 0xff, sizeof packed->interface_albedos);
+    const struct {
+        cl_mem *buffer;
+        size_t bytes;
+        const void *data;
+    } needed[] = {{&device->normals, 12 * vertices, nothing},
+                  {&device->texcoords, 8 * vertices, nothing},
+                  {&device->tangents, 16 * vertices, nothing},
+                  {&device->media, sizeof packed->media, packed->media},
+                  {&device->interfaces, sizeof packed->interfaces, packed->interfaces},
+                  {&device->interface_albedos, sizeof packed->interface_albedos, packed->interface_albedos}};
+    for (size_t i = 0; i < sizeof needed / sizeof needed[0] && result == MCV_OK; ++i) {
+        if (!*needed[i].buffer)
+            result = mcv_cl_buffer(cl, "a buffer of all features", needed[i].bytes, needed[i].data, needed[i].buffer, error);
+    }
+    free(nothing);
+    return result;
 }
 
 /* Builds the program again, with its clock, and makes room for what it tells. */
@@ -99,13 +128,11 @@ mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options,
     d->scene = scene;
     MCV_TRY(mcv_device_scene_open(cl, scene, 0, &d->device, error));
     mcv_packed *packed = &d->device.packed;
-    packed->features = mcv_sensor_features(packed, scene->sensors);
+    packed->features = mcv_sensor_features(packed, scene->sensors) & ~(1u << MCV_FEATURE_LIGHT_TRACING);
     if (options.all_features) {
         packed->features = all_features(packed);
         packed->channels = 3;
-        if (!d->device.media) MCV_TRY(mcv_cl_buffer(cl, "the media", sizeof packed->media, packed->media, &d->device.media, error));
-        if (!d->device.interfaces)
-            MCV_TRY(mcv_cl_buffer(cl, "the interfaces", sizeof packed->interfaces, packed->interfaces, &d->device.interfaces, error));
+        MCV_TRY(add_buffers(cl, &d->device, error));
     }
     const bench_seconds begun = bench_now();
     MCV_TRY(mcv_schedule_open(cl, &d->device, scene->sensors[0].type, &render, &d->schedule, error));

@@ -13,7 +13,7 @@ mcv_result shipped_scenes(const char *only, char *names[MAX_SCENES], size_t *cou
 /* Loads scenes/NAME and gives its first sensor about so many pixels. */
 mcv_result load_shipped(const char *name, double pixels, mcv_scene **scene, mcv_error *error);
 
-/* One launch of DRIVE_REPLICATES * 2^log2_samples samples of all pixels of the first sensor. */
+/* One launch of DRIVE_REPLICATES * 2^log2_samples samples of all pixels of the first sensor, without the light paths of caustics. */
 typedef struct drive {
     mcv_cl *cl;
     const mcv_scene *scene;

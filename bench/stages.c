@@ -25,11 +25,12 @@ enum { FIRST, LATER, SHADOW_ANY, SHADOW_CLOSEST, KINDS };
 /* --- layout of the state ------------------------------------------------------------------------------------------ */
 
 #define MCV_X(field, words) FIELD_##field,
-enum { MCV_PATH_FIELDS(MCV_X) FIELD_COUNT };
+enum { FIELD_END, MCV_PATH_FIELDS(MCV_X) FIELD_COUNT };
 #undef MCV_X
 
 static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
     const uint32_t features = packed->features;
+    words[FIELD_END] = 0;
 #define MCV_CHANNELS packed->channels
 #define MCV_WITH_DIELECTRIC (features >> MCV_FEATURE_DIELECTRIC & 1)
 #define MCV_WITH_NEXT_EVENT (features >> MCV_FEATURE_NEXT_EVENT & 1)
@@ -45,24 +46,23 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 #undef MCV_WITH_GLOSS
 }
 
-/* What each stage reads and writes of a path (the heads of kernels/<stage>.cl), -1 at the end. */
+/* What each stage reads and writes of a path (the heads of kernels/<stage>.cl). */
 static const int traffic[STAGE_COUNT][16] = {
-    [STAGE_aim_pupils] = {-1},
-    [STAGE_generate_rays] = {FIELD_origin, FIELD_direction, FIELD_weight, FIELD_throughput, FIELD_radiance, FIELD_media, FIELD_density, -1},
-    [STAGE_intersect_closest] = {FIELD_origin, FIELD_direction, FIELD_hit, -1},
+    [STAGE_generate_rays] = {FIELD_origin, FIELD_direction, FIELD_weight, FIELD_throughput, FIELD_radiance, FIELD_media, FIELD_density},
+    [STAGE_intersect_closest] = {FIELD_origin, FIELD_direction, FIELD_hit},
     [STAGE_sample_emitters] = {FIELD_hit, FIELD_direction, FIELD_throughput, FIELD_media, FIELD_shadow_origin, FIELD_shadow_direction,
-                               FIELD_shadow_target, FIELD_shadow_light, -1},
+                               FIELD_shadow_target, FIELD_shadow_light},
     [STAGE_intersect_shadow] = {FIELD_shadow_origin, FIELD_shadow_direction, FIELD_shadow_target, FIELD_shadow_light, FIELD_radiance,
-                                FIELD_radiance, -1},
+                                FIELD_radiance},
     [STAGE_shade_surfaces] = {FIELD_hit, FIELD_origin, FIELD_direction, FIELD_direction, FIELD_throughput, FIELD_throughput, FIELD_radiance,
-                              FIELD_radiance, FIELD_media, FIELD_media, FIELD_density, FIELD_density, -1},
-    [STAGE_accumulate_film] = {FIELD_weight, FIELD_radiance, -1},
+                              FIELD_radiance, FIELD_media, FIELD_media, FIELD_density, FIELD_density},
+    [STAGE_accumulate_film] = {FIELD_weight, FIELD_radiance},
 };
 
 static double bytes_per_item(const mcv_packed *packed, int stage) {
     uint32_t words[FIELD_COUNT], sum = 0;
     field_words(packed, words);
-    for (const int *field = traffic[stage]; *field >= 0; ++field) sum += words[*field];
+    for (const int *field = traffic[stage]; *field != FIELD_END; ++field) sum += words[*field];
     return 4.0 * sum;
 }
 
@@ -164,14 +164,14 @@ static mcv_result append_rays(const recorder *r, uint32_t count, bool shadow, in
     for (int k = 0; k < KINDS; ++k) MCV_TRY(list_reserve(r->lists + k, count, r->error));
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t path = r->queue[i];
-        const bool any = shadow && r->rows[6 * paths + path] == MCV_NONE;
+        const bool any = shadow && r->rows[6 * paths + path] >= MCV_SKY;
         ray_list *list = r->lists + (shadow ? any ? SHADOW_ANY : SHADOW_CLOSEST : kind);
         batch_ray *ray = list->rays + list->count;
         for (size_t k = 0; k < 3; ++k) {
             memcpy(ray->origin + k, r->rows + k * paths + path, 4);
             memcpy(ray->direction + k, r->rows + (3 + k) * paths + path, 4);
         }
-        ray->t_max = any ? 1.0f : INFINITY;
+        ray->t_max = any && r->rows[6 * paths + path] == MCV_NONE ? 1.0f : INFINITY;
         list->paths[list->count++] = path;
     }
     return MCV_OK;
@@ -333,6 +333,7 @@ static mcv_result render_half(half_render *h, bench_seconds *seconds, mcv_error 
     mcv_render_options options = mcv_render_defaults();
     mcv_film film;
     options.replicates = DRIVE_REPLICATES;
+    options.no_light_paths = true; /* as the launches */
     options.last = h->samples;
     options.progress = note_progress;
     options.user = h;

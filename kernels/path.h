@@ -43,14 +43,16 @@
     X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */
 
 /*
- * What a camera path has met. Light paths bring the light of their emitters that comes from smooth surfaces to one that spreads it,
- * wherever the sensor sees such a one directly or through a sheet or beam splitter: a path that began so leaves that light to them.
+ * What a camera path has met. Light paths bring the light of their emitters that comes from smooth surfaces to a diffuse one, wherever the
+ * sensor sees a diffuse one directly or through a sheet or beam splitter: a path that began so leaves that light to them. Glossy
+ * surfaces look where the light may come from; a place on the lens would seldom lie in their highlights.
  */
 enum {
     MCV_TRAIL_STRAIGHT,    /* nothing but what passes light straight on */
-    MCV_TRAIL_BENT,        /* a smooth surface that turned it, before any that spreads light */
-    MCV_TRAIL_SPREAD,      /* one that spreads light, seen directly, and last one that spreads light */
-    MCV_TRAIL_SMOOTH_SINCE /* and smooth ones since */
+    MCV_TRAIL_OTHER,       /* first of all another smooth surface, or a glossy one */
+    MCV_TRAIL_DIFFUSE,     /* first a diffuse surface; the last one, too */
+    MCV_TRAIL_GLOSSY,      /* first a diffuse surface; the last one that spreads light is glossy */
+    MCV_TRAIL_SMOOTH_SINCE /* first a diffuse surface; the last one that spreads light, too; smooth ones since */
 };
 
 #if MCV_ON_DEVICE

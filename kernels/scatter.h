@@ -384,6 +384,10 @@ static mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, uint media
 #endif
 
 #if MCV_WITH_LIGHT_TRACING
+MCV_FUNCTION int mcv_is_diffuse(mcv_world world, mcv_meeting meeting) {
+    return world.materials[world.instances[meeting.surface.instance].material].type == MCV_MATERIAL_DIFFUSE;
+}
+
 /* Does the surface pass light straight on, but for what it reflects? */
 MCV_FUNCTION int mcv_is_plate(mcv_world world, mcv_meeting meeting) {
     const uint type = world.materials[world.instances[meeting.surface.instance].material].type;

@@ -15,13 +15,15 @@ MCV_FUNCTION int mcv_is_traced(mcv_world world, mcv_slot slot, uint emitter) {
 
 MCV_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, mcv_meeting meeting, mcv_scattering on) {
     const uint before = MCV_WORD(slot, trail, 0);
-    if (before == MCV_TRAIL_BENT) return;
+    uint after = before;
+    if (before == MCV_TRAIL_OTHER) return;
     if (on.density > 0.0f)
-        MCV_WORD(slot, trail, 0) = MCV_TRAIL_SPREAD;
-    else if (before != MCV_TRAIL_STRAIGHT)
-        MCV_WORD(slot, trail, 0) = MCV_TRAIL_SMOOTH_SINCE;
-    else if (on.event != MCV_EVENT_PASS || !mcv_is_plate(world, meeting))
-        MCV_WORD(slot, trail, 0) = MCV_TRAIL_BENT;
+        after = mcv_is_diffuse(world, meeting) ? MCV_TRAIL_DIFFUSE : before == MCV_TRAIL_STRAIGHT ? MCV_TRAIL_OTHER : MCV_TRAIL_GLOSSY;
+    else if (before == MCV_TRAIL_DIFFUSE)
+        after = MCV_TRAIL_SMOOTH_SINCE;
+    else if (before == MCV_TRAIL_STRAIGHT && (on.event != MCV_EVENT_PASS || !mcv_is_plate(world, meeting)))
+        after = MCV_TRAIL_OTHER;
+    MCV_WORD(slot, trail, 0) = after;
 }
 #endif
 

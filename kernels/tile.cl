@@ -7,10 +7,13 @@
 #define MCV_TILE 1
 #define MCV_ROWS_SPACE __private
 
-/* Before a loop whose turns do not read what others write. PoCL's front end cannot vectorise it before its back end has inlined fma. */
+/*
+ * Before a loop whose turns do not read what others write. PoCL's front end cannot vectorise it before its back end has inlined fma. Left
+ * to itself the compiler takes four turns at once where a loop divides integers.
+ */
 #ifdef __clang__
 #pragma clang diagnostic ignored "-Wpass-failed"
-#define MCV_PARALLEL _Pragma("clang loop vectorize(assume_safety)")
+#define MCV_PARALLEL _Pragma("clang loop vectorize(assume_safety) vectorize_width(8)")
 #else
 #define MCV_PARALLEL
 #endif

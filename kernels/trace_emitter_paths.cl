@@ -239,6 +239,7 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
     mcv_light_path path = mcv_leave_emitter(world, emitter, mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_EMITTER)),
                                             mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_SCATTER)));
     if (!(mcv_brightest(path.flux) > 0.0f)) return;
+    const int found_by_chance = e->type == MCV_EMITTER_PARALLEL || e->type == MCV_EMITTER_PROJECTOR;
 
     for (uint depth = 1; depth < world.frame->depth; ++depth) {
         const mcv_pair choice = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_CHOICE));
@@ -254,8 +255,9 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
         path.throughput = mcv_tint(path.throughput, mcv_medium_transmittance(world, path.media, hit.t));
 #endif
         const mcv_meeting meeting = mcv_meet(world, path.direction, hit.triangle, hit.u, hit.v);
+        const int left_to_camera = found_by_chance && !mcv_is_diffuse(world, meeting);
 #if MCV_WITH_NEXT_EVENT
-        if (path.smooth && world.materials[world.instances[meeting.surface.instance].material].spreads) {
+        if (path.smooth && !left_to_camera && world.materials[world.instances[meeting.surface.instance].material].spreads) {
             const mcv_pair pupil = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_EMITTER));
             const float share = path.spread ? 1.0f : mcv_within_range(e, path.length);
             mcv_connect(world, meeting, mcv_dim(mcv_tint(path.flux, path.throughput), share), path.media, world.frame->depth - 1u - depth,
@@ -268,8 +270,8 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
         const float brightest = mcv_brightest(path.throughput);
         if (!(brightest > 0.0f)) return;
         if (on.density > 0.0f) {
-            /* What comes straight from the emitter, next-event estimation has. */
-            if (!path.smooth) return;
+            /* What comes straight from the emitter, next-event estimation has; what comes to a glossy surface, camera paths. */
+            if (!path.smooth || (!path.spread && left_to_camera)) return;
             if (!path.spread) path.throughput = mcv_dim(path.throughput, mcv_within_range(e, path.length));
             path.throughput = mcv_dim(path.throughput, mcv_flux_correction(meeting, on.direction));
             path.spread = 1;

@@ -325,6 +325,16 @@ static void test_render_writes_pictures(void **state) {
     assert_true(attribute(&exr, "mcvisi:samplesPerReplicate")->numbers[0] == 2);
     mcv_exr_free(&exr);
 
+    /* A part of the film, binned: its header says so. */
+    run_well("render s.gltf --spp 4 -o part.exr --set sensors/cam/regionOfInterest=[4,2,16,8] --set sensors/cam/principalPoint=[10,9] "
+             "--set sensors/cam/binning=[2,2]");
+    exr = read_exr("part.exr");
+    assert_int_equal(exr.parts[0].image.width, 8);
+    assert_int_equal(exr.parts[0].image.height, 4);
+    const double *region = attribute(&exr, "mcvisi:regionOfInterest")->numbers;
+    assert_true(region[0] == 4 && region[1] == 2 && region[2] == 16 && region[3] == 8);
+    mcv_exr_free(&exr);
+
     /* More pixels, the same field of view. */
     run_well("render s.gltf --spp 4 --resolution 48x32 -o big.exr --png small.png");
     expect_panel("big.exr", 48, 32);

@@ -140,6 +140,7 @@ static void test_attributes_come_back(void **state) {
         {.name = "worldToCamera", .count = 16},
         {.name = "mcvisi:pose", .count = 16},
         {.name = "focus", .numbers = {0.11}, .count = 1},
+        {.name = "mcvisi:region", .numbers = {65536, 3, 0.1, -7}, .count = 4},
     };
     for (int i = 0; i < 16; ++i) attributes[6].numbers[i] = attributes[7].numbers[i] = 0.1 * i;
     mcv_exr_part parts[2] = {{.name = "beauty", .image = new_image(3, 2, 1)}, {.name = "error", .image = new_image(3, 2, 1)}};
@@ -152,6 +153,11 @@ static void test_attributes_come_back(void **state) {
         assert_true(find(&exr, "mcvisi:error")->numbers[0] == 0.1);
         assert_true(find(&exr, "mcvisi:pair")->numbers[0] == 0.1 && signbit(find(&exr, "mcvisi:pair")->numbers[1]));
         assert_true(find(&exr, "mcvisi:pose")->numbers[15] == 0.1 * 15);
+        /* Four numbers are a vector of float. */
+        const mcv_attribute *region = find(&exr, "mcvisi:region");
+        assert_int_equal(region->count, 4);
+        assert_true(region->numbers[0] == 65536 && region->numbers[1] == 3 && region->numbers[2] == (double)0.1f &&
+                    region->numbers[3] == -7);
         /* Standard names have OpenEXR's types, which are float. */
         assert_true(find(&exr, "focus")->numbers[0] == (double)0.11f);
         assert_true(find(&exr, "sensorOverallDimensions")->numbers[1] == (double)7.0656f);

@@ -133,6 +133,11 @@ static void expect_nothing_unneeded(const char *what, uint32_t features, uint32_
     mcv_feature_options(features, channels, sensor, MCV_SAMPLER_SOBOL, 256, options, sizeof options);
     restore_sources();
     for (int p = 0; p < PROGRAMS; ++p) full[p] = preprocess(programs[p], options);
+    /* Of light paths, which belong to no element. */
+    static const char *const light[] = {"mcv_splat(", "mcv_leave_trail", "_invert(", "_connect(", "_emit("};
+    for (int p = 0; p < PROGRAMS * 5; ++p)
+        if (!(features & BIT(LIGHT_TRACING)) && strstr(full[p / 5], light[p % 5]))
+            fail_msg("%s: %s.cl holds %s without light-tracing", what, programs[p / 5], light[p % 5]);
     for (size_t i = 0; i < sizeof element_headers / sizeof element_headers[0]; ++i)
         if (!(element_headers[i].features & features)) empty_header(element_headers[i].path);
     for (uint32_t s = 0; s < MCV_SENSOR_COUNT; ++s)

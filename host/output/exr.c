@@ -103,6 +103,10 @@ static exr_result_t put_attribute(exr_context_t context, const mcv_attribute *a)
         const exr_attr_v2d_t v2d = {{{d[0], d[1]}}};
         return single ? exr_attr_set_v2f(context, 0, a->name, &v2f) : exr_attr_set_v2d(context, 0, a->name, &v2d);
     }
+    if (a->count == 4) { /* there is no vector of double */
+        const float numbers[4] = {(float)d[0], (float)d[1], (float)d[2], (float)d[3]};
+        return exr_attr_set_float_vector(context, 0, a->name, 4, numbers);
+    }
     exr_attr_m44f_t m44f;
     exr_attr_m44d_t m44d;
     for (int i = 0; i < 16; ++i) {
@@ -231,8 +235,8 @@ static mcv_result check_arguments(const char *path, const mcv_exr_part *parts, u
             return mcv_fail(error, MCV_FAILED, "%s: attribute `%s`: its name must have 1 to %d bytes", path, attribute->name,
                             MCV_EXR_ATTRIBUTE_NAME - 1);
         }
-        if (!attribute->text && attribute->count != 1 && attribute->count != 2 && attribute->count != 16) {
-            return mcv_fail(error, MCV_FAILED, "%s: attribute `%s` has %u numbers; 1, 2 or 16 can be written", path, attribute->name,
+        if (!attribute->text && attribute->count != 1 && attribute->count != 2 && attribute->count != 4 && attribute->count != 16) {
+            return mcv_fail(error, MCV_FAILED, "%s: attribute `%s` has %u numbers; 1, 2, 4 or 16 can be written", path, attribute->name,
                             attribute->count);
         }
     }

@@ -15,7 +15,7 @@ enum { MCV_EXR_NAME = 256, MCV_EXR_ATTRIBUTE_NAME = 32, MCV_EXR_MAX_CHANNELS = 6
 /* At most so many bytes of pixels, as float, are read from one file. */
 #define MCV_EXR_MAX_BYTES ((uint64_t)1 << 32)
 
-/* A text, or count numbers: 1, 2 or 16 (a matrix by rows). */
+/* A text, or count numbers: 1, 2, 4 (of which float32 remains) or 16 (a matrix by rows). */
 typedef struct mcv_attribute {
     const char *name;
     const char *text; /* NULL: numbers */

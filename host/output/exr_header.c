@@ -178,8 +178,8 @@ static mcv_result keep_attribute(const reader *r, const raw_attribute *a, mcv_ex
         const char *type;
         uint32_t count;
         char scalar;
-    } kinds[] = {{"int", 1, 'i'}, {"float", 1, 'f'}, {"double", 1, 'd'}, {"v2i", 2, 'i'},
-                 {"v2f", 2, 'f'}, {"v2d", 2, 'd'},   {"m44f", 16, 'f'},  {"m44d", 16, 'd'}};
+    } kinds[] = {{"int", 1, 'i'}, {"float", 1, 'f'},       {"double", 1, 'd'}, {"v2i", 2, 'i'},  {"v2f", 2, 'f'},
+                 {"v2d", 2, 'd'}, {"floatvector", 4, 'f'}, {"m44f", 16, 'f'},  {"m44d", 16, 'd'}};
     mcv_attribute kept = {0};
     if (strcmp(a->type, "string") == 0) {
         kept.text = strndup((const char *)a->value, a->size);

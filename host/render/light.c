@@ -119,6 +119,9 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
         if (!mcv_is_looked_for(from)) continue;
         mcv_device_emitter *e = &packed->emitters[count++];
         if (!caustics && e->type != MCV_EMITTER_COLLIMATED_BEAM) continue;
+        /* Glossy surfaces find what has an extent. */
+        if (mcv_emitter_has_surface(from->type) && e->type != MCV_EMITTER_COLLIMATED_BEAM && !(packed->features >> MCV_FEATURE_DIFFUSE & 1))
+            continue;
         const double flux = unit_flux(packed, &smooth, from, e);
         if (!(flux > 0)) continue;
         mcv_emitter_image_mean(scene, from, mean);

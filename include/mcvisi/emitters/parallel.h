@@ -34,6 +34,7 @@ MCV_FUNCTION float mcv_parallel_evaluate(MCV_GLOBAL const mcv_parallel *emitter,
     return c > 0.0f && mcv_dot(s, s) <= emitter->tangent_squared * c * c ? 1.0f : 0.0f;
 }
 
+#if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
 /* A direction of a light path, about +z: L cosθ wants sin²θ uniform up to sin²β. Each carries the flux π L sin²β A. */
 MCV_FUNCTION mcv_vec3 mcv_parallel_emit(MCV_GLOBAL const mcv_parallel *emitter, float xi, float eta) {
     float cosine, sine;
@@ -41,5 +42,6 @@ MCV_FUNCTION mcv_vec3 mcv_parallel_emit(MCV_GLOBAL const mcv_parallel *emitter, 
     const float r = edge * mcv_disk(xi, eta, &cosine, &sine);
     return mcv_vec(r * cosine, r * sine, mcv_sqrt(mcv_fma(-r, r, 1.0f)));
 }
+#endif
 
 #endif

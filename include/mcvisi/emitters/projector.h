@@ -64,6 +64,7 @@ MCV_FUNCTION int mcv_projector_place(MCV_GLOBAL const mcv_projector *emitter, fl
     return *across >= 0.0f && *across <= 1.0f && *down >= 0.0f && *down <= 1.0f;
 }
 
+#if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
 /*
  * The direction of a light path from a place on the lens's square to a place (xi, eta) on the image; *cosine gets that of its angle to
  * the axis. Each carries the flux L cos⁴θ A M, A being the square's area, M the image's in tangents: nothing outside the disk.
@@ -78,5 +79,6 @@ MCV_FUNCTION mcv_vec3 mcv_projector_emit(MCV_GLOBAL const mcv_projector *emitter
     *cosine = 1.0f / mcv_sqrt(mcv_dot(direction, direction));
     return mcv_normalize(direction);
 }
+#endif
 
 #endif

@@ -63,6 +63,7 @@ MCV_LOOP_FUNCTION mcv_sight mcv_light_field_sample(MCV_CONSTANT const mcv_light_
     return sight;
 }
 
+#if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
 /*
  * The macro pixel from (x, y), its sensor pixel from o. Rays of sight go through the middles of macro pixels only, which no other light
  * meets by chance: each stands for its whole macro pixel here, over which light paths bring the mean.
@@ -89,5 +90,6 @@ MCV_FUNCTION float mcv_light_field_connect(MCV_CONSTANT const mcv_light_field *s
     sight->direction = mcv_vec((point.x - sight->origin.x) / point.z, (point.y - sight->origin.y) / point.z, 1.0f);
     return 4.0f * sensor->radius * sensor->radius;
 }
+#endif
 
 #endif

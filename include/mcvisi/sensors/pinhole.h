@@ -32,6 +32,7 @@ MCV_LOOP_FUNCTION mcv_sight mcv_pinhole_sample(MCV_CONSTANT const mcv_pinhole *s
     return sight;
 }
 
+#if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
 /* There is one place on the lens: W is per area of d alone, and only what is aimed at it comes through. */
 MCV_FUNCTION float mcv_pinhole_invert(MCV_CONSTANT const mcv_pinhole *sensor, mcv_sight sight, mcv_film_place *place) {
     place->column = mcv_on_film(sensor->centre_x, -sight.direction.x / sensor->slope_x);
@@ -47,5 +48,6 @@ MCV_FUNCTION float mcv_pinhole_connect(MCV_CONSTANT const mcv_pinhole *sensor, m
     sight->direction = mcv_vec(point.x / point.z, point.y / point.z, 1.0f);
     return 1.0f;
 }
+#endif
 
 #endif

@@ -104,8 +104,10 @@ MCV_FUNCTION float mcv_from_centre(mcv_centre centre, uint index, float offset) 
     return 0.5f * (float)(centre.halves - 2 * (int)index) - (offset - centre.rest);
 }
 
+#if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
 /* Where what mcv_from_centre gives lies on the film. */
 MCV_FUNCTION float mcv_on_film(mcv_centre centre, float from_centre) { return 0.5f * (float)centre.halves + (centre.rest - from_centre); }
+#endif
 
 /* The radiometric weight: etendue = A/h² for irradiance, 0 for radiance. */
 MCV_FUNCTION float mcv_sight_weight(float etendue, mcv_vec3 direction) {

@@ -65,6 +65,7 @@ MCV_LOOP_FUNCTION mcv_sight mcv_telecentric_sample(MCV_CONSTANT const mcv_telece
     return mcv_telecentric_through(sensor, film, r * cosine, r * sine);
 }
 
+#if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
 /* a = -f d, s from o = a b/(b - f) - s f/(b - f) */
 MCV_FUNCTION float mcv_telecentric_invert(MCV_CONSTANT const mcv_telecentric *sensor, mcv_sight sight, mcv_film_place *place) {
     const float a_x = -sight.direction.x / sensor->stop_to_direction;
@@ -90,5 +91,6 @@ MCV_FUNCTION float mcv_telecentric_connect(MCV_CONSTANT const mcv_telecentric *s
     sight->origin = mcv_vec(mcv_fma(-point.z, sight->direction.x, point.x), mcv_fma(-point.z, sight->direction.y, point.y), 0.0f);
     return MCV_PI * stop * stop * point.z * point.z;
 }
+#endif
 
 #endif

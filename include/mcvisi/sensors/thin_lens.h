@@ -46,6 +46,7 @@ MCV_LOOP_FUNCTION mcv_sight mcv_thin_lens_sample(MCV_CONSTANT const mcv_thin_len
     return mcv_thin_lens_through(sensor, film, r * cosine, r * sine);
 }
 
+#if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
 /* s/b = -(d + κ o) */
 MCV_FUNCTION float mcv_thin_lens_invert(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_sight sight, mcv_film_place *place) {
     const float squared = sensor->radius * sensor->radius;
@@ -64,5 +65,6 @@ MCV_FUNCTION float mcv_thin_lens_connect(MCV_CONSTANT const mcv_thin_lens *senso
     sight->direction = mcv_vec((point.x - sight->origin.x) / point.z, (point.y - sight->origin.y) / point.z, 1.0f);
     return MCV_PI * sensor->radius * sensor->radius;
 }
+#endif
 
 #endif
