@@ -325,15 +325,6 @@ static mcv_result find_uri(const char *rig_path, const char *part_path, char uri
     return MCV_OK;
 }
 
-static mcv_result write_rig(const char *path, const char *text, size_t size, mcv_error *error) {
-    mcv_output output;
-    MCV_TRY(mcv_output_open(&output, path, error));
-    const mcv_result result = mcv_output_write(&output, text, size, error);
-    if (result == MCV_OK) return mcv_output_commit(&output, error);
-    mcv_output_discard(&output);
-    return result;
-}
-
 static void print_choice(const rig *r, const part *p, const char *path) {
     printf("%s\n  part            %s x %s x %s, %u triangles\n", path, length(r->across[0]), length(r->across[1]), length(r->depth),
            p->triangles);
@@ -366,7 +357,8 @@ mcv_result mcv_verb_new(const mcv_command *command, mcv_error *error) {
     if (!stream) return mcv_fail(error, MCV_FAILED, "%s: no memory to write it", path);
     print_rig(stream, &r, &p, uri);
     const bool written = fclose(stream) == 0;
-    const mcv_result result = written ? write_rig(path, text, size, error) : mcv_fail(error, MCV_FAILED, "%s: no memory to write it", path);
+    const mcv_result result =
+        written ? mcv_output_whole(path, text, size, error) : mcv_fail(error, MCV_FAILED, "%s: no memory to write it", path);
     free(text);
     if (result == MCV_OK) print_choice(&r, &p, path);
     return result;

@@ -465,20 +465,11 @@ static json_t *describe(const sweep *s) {
 }
 
 static mcv_result write_sidecar(const sweep *s, mcv_error *error) {
-    mcv_output output;
     json_t *document = describe(s);
     char *text = json_dumps(document, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
     json_decref(document);
     if (!text) return mcv_fail(error, MCV_FAILED, "%s: the experiment is no UTF-8 text", s->sidecar);
-    mcv_result result = mcv_output_open(&output, s->sidecar, error);
-    if (result == MCV_OK) {
-        result = mcv_output_write(&output, text, strlen(text), error);
-        if (result == MCV_OK) result = mcv_output_write(&output, "\n", 1, error);
-        if (result == MCV_OK)
-            result = mcv_output_commit(&output, error);
-        else
-            mcv_output_discard(&output);
-    }
+    const mcv_result result = mcv_output_whole(s->sidecar, text, strlen(text), error);
     free(text);
     return result;
 }

@@ -162,3 +162,12 @@ mcv_result mcv_file_load(const char *path, uint8_t **bytes, size_t *size, mcv_er
     }
     return result;
 }
+
+mcv_result mcv_output_whole(const char *path, const void *bytes, size_t count, mcv_error *error) {
+    mcv_output output;
+    MCV_TRY(mcv_output_open(&output, path, error));
+    const mcv_result result = mcv_output_write(&output, bytes, count, error);
+    if (result == MCV_OK) return mcv_output_commit(&output, error);
+    mcv_output_discard(&output);
+    return result;
+}

@@ -38,4 +38,7 @@ void mcv_output_discard(mcv_output *output);
 /* Reads a whole regular file (a pipe or device has no size), at most 4 GiB; the caller frees *bytes. MCV_BAD_INPUT names it. */
 mcv_result mcv_file_load(const char *path, uint8_t **bytes, size_t *size, mcv_error *error);
 
+/* All of it: opens, writes, commits. */
+mcv_result mcv_output_whole(const char *path, const void *bytes, size_t count, mcv_error *error);
+
 #endif

@@ -275,7 +275,6 @@ static void put_page(FILE *out, const mcv_plots *page, size_t *order) {
 mcv_result mcv_plots_write(const char *path, const mcv_plots *page, mcv_error *error) {
     char *text = NULL;
     size_t size = 0;
-    mcv_output output;
     size_t *order = calloc(page->row_count + 1, sizeof *order);
     FILE *stream = order ? open_memstream(&text, &size) : NULL;
     if (stream) put_page(stream, page, order);
@@ -284,14 +283,7 @@ mcv_result mcv_plots_write(const char *path, const mcv_plots *page, mcv_error *e
         free(text);
         return mcv_fail(error, MCV_FAILED, "%s: no memory to write it", path);
     }
-    mcv_result result = mcv_output_open(&output, path, error);
-    if (result == MCV_OK) {
-        result = mcv_output_write(&output, text, size, error);
-        if (result == MCV_OK)
-            result = mcv_output_commit(&output, error);
-        else
-            mcv_output_discard(&output);
-    }
+    const mcv_result result = mcv_output_whole(path, text, size, error);
     free(text);
     return result;
 }
