@@ -34,16 +34,18 @@ static int leave_folder(void **state) {
     return chdir("..") || system(command);
 }
 
-/* The exit code of `mcvisi LINE`. */
-static int program(const char *line) {
+/* The exit code of `mcvisi LINE`; errors: what the shell does with standard error. */
+static int program_into(const char *line, const char *errors) {
     char command[2048];
-    assert_true(snprintf(command, sizeof command, MCV_BINARY_DIR "/mcvisi %s 2>&1", line) < (int)sizeof command);
+    assert_true(snprintf(command, sizeof command, MCV_BINARY_DIR "/mcvisi %s %s", line, errors) < (int)sizeof command);
     FILE *pipe = popen(command, "r");
     assert_non_null(pipe);
     said[fread(said, 1, sizeof said - 1, pipe)] = '\0';
     const int status = pclose(pipe);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
+
+static inline int program(const char *line) { return program_into(line, "2>&1"); }
 
 static inline void program_well(const char *line) {
     const int code = program(line);
@@ -58,7 +60,8 @@ static inline void program_fails(const char *line, int code, const char *words) 
 
 static inline json_t *program_json(const char *line) {
     json_error_t wrong;
-    program_well(line);
+    const int code = program_into(line, "2>program.err"); /* progress and warnings */
+    if (code != 0) fail_msg("mcvisi %s: exit code %d", line, code);
     json_t *value = json_loads(said, 0, &wrong);
     if (!value) fail_msg("mcvisi %s: no JSON (%s): %s", line, wrong.text, said);
     return value;
