@@ -67,7 +67,7 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
 
     const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_SCATTER);
     float chosen = 0.0f;
-#if MCV_WITH_GLOSS || MCV_WITH_RETROREFLECTOR
+#if MCV_WITH_GLOSS || MCV_WITH_RETROREFLECTOR || MCV_WITH_TRANSLUCENT
     /* The other number of this pair plays roulette; this one has chosen an emitter, which is another estimate. */
     chosen = mcv_draw(slot, depth, MCV_PAIR_CHOICE).x;
 #endif
