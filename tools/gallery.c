@@ -248,15 +248,15 @@ static const entry entries[] = {
      "Engraved steel, ground and not quite even. A ring light glares where the surface mirrors it; a dome lights evenly, letters too; a "
      "coaxial light is mirrored by what is flat and lost in what is milled.",
      {{"wrong: ring light", "scenes/engraved-ring.gltf --spp 256", NULL},
-      {"better: dome light", "scenes/engraved-dome.gltf --spp 128", NULL},
-      {"right: coaxial light", "scenes/engraved-coaxial.gltf --spp 1024", NULL}},
+      {"better: dome light", "scenes/engraved-dome.gltf --spp 256", NULL},
+      {"right: coaxial light", "scenes/engraved-coaxial.gltf --spp 2048", NULL}},
      say_letters},
     {"caustic",
      "A caustic on paper",
      "A glass ball under a lamp of the same power. How sharply the ball gathers the light tells how parallel it is. Camera paths would "
      "not find the lamp behind the ball: light paths do.",
-     {{"wrong: a wide cone, 16°", "scenes/caustic.gltf --set emitters/lamp/halfAngle=8deg --spp 1024", NULL},
-      {"right: a narrow one, 0.5°", "scenes/caustic.gltf --spp 1024", NULL}},
+     {{"wrong: a wide cone, 16°", "scenes/caustic.gltf --set emitters/lamp/halfAngle=8deg --spp 256", NULL},
+      {"right: a narrow one, 0.5°", "scenes/caustic.gltf --spp 256", NULL}},
      say_peak},
 };
 enum { ENTRIES = sizeof entries / sizeof entries[0] };
