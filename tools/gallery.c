@@ -189,13 +189,18 @@ static int compare_values(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* How much brighter the caustic, which takes up more than a thousandth of the picture, is than the paper, which takes up most of it. */
+/*
+ * The tenth brightest pixel where the ball's axis along the light meets the paper, and off the ball's highlight, over what the picture
+ * shows most of: paper.
+ */
 static void say_peak(const images *seen, char *text) {
-    float *pixels = seen->of->pixels;
-    const size_t count = (size_t)seen->of->width * seen->of->height;
+    enum { LEFT = 118, RIGHT = 165, TOP = 100, BOTTOM = 140, RANK = 10 };
+    float around[(RIGHT - LEFT) * (BOTTOM - TOP)], *pixels = seen->of->pixels;
+    const size_t count = (size_t)seen->of->width * seen->of->height, near = sizeof around / sizeof around[0];
+    for (uint32_t i = 0; i < near; ++i) around[i] = (float)value(seen->of, LEFT + i % (RIGHT - LEFT), TOP + i / (RIGHT - LEFT));
+    qsort(around, near, sizeof *around, compare_values);
     qsort(pixels, count, sizeof *pixels, compare_values);
-    snprintf(text, TEXT, "the caustic is %.1f times as bright as the paper",
-             (double)pixels[count - count / 1000] / (double)pixels[count / 2]);
+    snprintf(text, TEXT, "the focus is %.0f times the paper", (double)around[near - RANK] / (double)pixels[count / 2]);
 }
 
 /* --- the gallery ------------------------------------------------------------------------------------------------ */
