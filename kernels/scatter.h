@@ -414,8 +414,8 @@ static mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, uint media
 #endif
 
 #if MCV_WITH_LIGHT_TRACING
-MCV_FUNCTION int mcv_is_diffuse(mcv_world world, mcv_meeting meeting) {
-    return world.materials[world.instances[meeting.surface.instance].material].type == MCV_MATERIAL_DIFFUSE;
+MCV_FUNCTION int mcv_is_wide(mcv_world world, mcv_meeting meeting) {
+    return world.materials[world.instances[meeting.surface.instance].material].wide;
 }
 
 /* Does the surface pass light straight on, but for what it reflects? */

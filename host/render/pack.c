@@ -300,6 +300,9 @@ static mcv_device_material pack_material(const mcv_material *material) {
     }
     for (int k = 0; value && k < 3; ++k) out.value[k] = (float)value[k];
     if (mcv_material_is_rough(material)) out.spreads = 1;
+    /* From a roughness of 1/2 on, α = 1/4, highlights are tens of degrees wide. */
+    const bool matt = material->type == MCV_MATERIAL_METALLIC_ROUGHNESS && material->as.metallic_roughness.roughness >= 0.5;
+    out.wide = material->type == MCV_MATERIAL_DIFFUSE || matt;
     return out;
 }
 

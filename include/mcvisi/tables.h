@@ -79,7 +79,8 @@ typedef struct mcv_device_material {
     float chance;    /* beam splitter, diffuse: with which it reflects */
     float spread;    /* retroreflector: tangent of its divergence, 0: light returns exactly */
     float fall;      /* retroreflector: 1/tangent of its entrance angle */
-    uint padding[2];
+    uint wide;       /* 1: spreads light so evenly that light paths connect it to the lens; 0: a lens would seldom lie in its highlights */
+    uint padding;
 } mcv_device_material;
 MCV_ASSERT_SIZE(mcv_device_material, 64);
 
