@@ -196,6 +196,9 @@ static mcv_scattering mcv_scatter_translucent(mcv_world world, mcv_meeting meeti
     if (through) {
         meeting.normal = mcv_scale(meeting.normal, -1.0f);
         meeting.face = mcv_scale(meeting.face, -1.0f);
+#if MCV_TILE
+        meeting.bounces = 0; /* that has been worked out for the other side */
+#endif
     }
     const mcv_color share =
         through ? mcv_material_passed(world, meeting.surface, material) : mcv_material_value(world, meeting.surface, material);
