@@ -114,7 +114,7 @@ __kernel void sample_cones(__global const float *cases, __global float *directio
 typedef struct mcv_gloss_element {
     mcv_device_gloss material;
     mcv_gloss gloss;
-    uint padding[6];
+    uint padding[4];
 } mcv_gloss_element;
 
 /* cases: o, i; results: f cosθ of the first channel, density. */

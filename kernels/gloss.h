@@ -155,7 +155,8 @@ static mcv_color mcv_gloss_fresnel(__global const mcv_device_gloss *m, mcv_gloss
     mcv_color reflected;
     const float c = cosine < 1.0f ? cosine : 1.0f;
 #if MCV_WITH_DIELECTRIC
-    if (gloss.type == MCV_MATERIAL_DIELECTRIC) return mcv_grey(mcv_fresnel(gloss.between, c, mcv_refracted_cosine(gloss.between, c)));
+    if (gloss.type == MCV_MATERIAL_DIELECTRIC)
+        return mcv_grey(mcv_interface_reflectance(gloss.between, c, mcv_refracted_cosine(gloss.between, c)));
 #endif
     if (gloss.type == MCV_MATERIAL_CONDUCTOR) {
         MCV_EACH_CHANNEL(i) reflected.c[i] = mcv_conductor_fresnel(m->n[i] * gloss.between.eta, m->k[i] * gloss.between.eta, c);

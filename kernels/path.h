@@ -43,9 +43,9 @@
     X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */
 
 /*
- * What a camera path has met. Light paths bring the light of their emitters that comes from smooth surfaces to a diffuse one, wherever the
- * sensor sees a diffuse one directly or through a sheet or beam splitter: a path that began so leaves that light to them. Glossy
- * surfaces look where the light may come from; a place on the lens would seldom lie in their highlights.
+ * What a camera path has met; diffuse is what is `wide`. Light paths bring the light of their emitters that comes from smooth surfaces to a
+ * diffuse one, wherever the sensor sees a diffuse one directly or through a sheet or beam splitter: a path that began so leaves that light
+ * to them. Glossy surfaces look where the light may come from; a place on the lens would seldom lie in their highlights.
  */
 enum {
     MCV_TRAIL_STRAIGHT,    /* nothing but what passes light straight on */

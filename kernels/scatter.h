@@ -105,7 +105,7 @@ static mcv_scattering mcv_scatter_dielectric(mcv_world world, mcv_meeting meetin
     const float c1 = -mcv_dot(meeting.direction, meeting.normal);
     const float cosine = c1 < 1.0f ? c1 : 1.0f;
     const float c2 = mcv_refracted_cosine(between, cosine);
-    const float reflectance = mcv_fresnel(between, cosine, c2);
+    const float reflectance = mcv_interface_reflectance(between, cosine, c2);
     if (xi < reflectance || !(c2 > 0.0f)) {
         scattering.chance = reflectance;
         scattering.media = crossing.before;
@@ -186,6 +186,28 @@ static mcv_scattering mcv_scatter_diffuse(mcv_meeting meeting, mcv_color reflect
     scattering.event = MCV_EVENT_END;
     return scattering;
 }
+
+#if MCV_WITH_TRANSLUCENT
+/* The side is chosen by the two shares; what lies beyond is seen from behind. */
+static mcv_scattering mcv_scatter_translucent(mcv_world world, mcv_meeting meeting, uint material, uint media, mcv_pair pair,
+                                              float choice) {
+    const float chance = world.materials[material].chance;
+    const int through = choice >= chance;
+    if (through) {
+        meeting.normal = mcv_scale(meeting.normal, -1.0f);
+        meeting.face = mcv_scale(meeting.face, -1.0f);
+#if MCV_TILE
+        meeting.bounces = 0; /* that has been worked out for the other side */
+#endif
+    }
+    const mcv_color share =
+        through ? mcv_material_passed(world, meeting.surface, material) : mcv_material_value(world, meeting.surface, material);
+    const float own = through ? 1.0f - chance : chance;
+    mcv_scattering scattering = mcv_scatter_diffuse(meeting, mcv_dim(share, 1.0f / own), media, pair);
+    scattering.density *= own;
+    return scattering;
+}
+#endif
 #endif
 
 #if MCV_WITH_GLOSS
@@ -364,9 +386,20 @@ static mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, uint media
 #if MCV_WITH_DIFFUSE
     if (world.materials[instance.material].type == MCV_MATERIAL_DIFFUSE) {
         const float cosine = mcv_dot(direction, meeting.normal);
-        if (!(cosine > 0.0f) || !(mcv_dot(direction, meeting.face) > 0.0f)) return response;
+        const float side = mcv_dot(direction, meeting.face);
+#if MCV_WITH_TRANSLUCENT
+        if (cosine < 0.0f && side < 0.0f) {
+            response.density = mcv_diffuse_density(-cosine);
+            response.value = mcv_dim(mcv_material_passed(world, meeting.surface, instance.material), response.density);
+            response.density *= 1.0f - world.materials[instance.material].chance;
+        }
+#endif
+        if (!(cosine > 0.0f) || !(side > 0.0f)) return response;
         response.density = mcv_diffuse_density(cosine);
         response.value = mcv_dim(mcv_material_value(world, meeting.surface, instance.material), response.density);
+#if MCV_WITH_TRANSLUCENT
+        response.density *= world.materials[instance.material].chance;
+#endif
     }
 #endif
 #if MCV_WITH_GLOSS
@@ -384,8 +417,8 @@ static mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, uint media
 #endif
 
 #if MCV_WITH_LIGHT_TRACING
-MCV_FUNCTION int mcv_is_diffuse(mcv_world world, mcv_meeting meeting) {
-    return world.materials[world.instances[meeting.surface.instance].material].type == MCV_MATERIAL_DIFFUSE;
+MCV_FUNCTION int mcv_is_wide(mcv_world world, mcv_meeting meeting) {
+    return world.materials[world.instances[meeting.surface.instance].material].wide;
 }
 
 /* Does the surface pass light straight on, but for what it reflects? */
@@ -454,6 +487,9 @@ static mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, uint med
 #endif
 #if MCV_WITH_DIFFUSE
     if (material.type == MCV_MATERIAL_DIFFUSE) {
+#if MCV_WITH_TRANSLUCENT
+        return mcv_scatter_translucent(world, meeting, instance.material, media, pair, choice);
+#endif
         return mcv_scatter_diffuse(meeting, mcv_material_value(world, meeting.surface, instance.material), media, pair);
     }
 #endif

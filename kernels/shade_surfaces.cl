@@ -18,7 +18,7 @@ MCV_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, mcv_meeting me
     uint after = before;
     if (before == MCV_TRAIL_OTHER) return;
     if (on.density > 0.0f)
-        after = mcv_is_diffuse(world, meeting) ? MCV_TRAIL_DIFFUSE : before == MCV_TRAIL_STRAIGHT ? MCV_TRAIL_OTHER : MCV_TRAIL_GLOSSY;
+        after = mcv_is_wide(world, meeting) ? MCV_TRAIL_DIFFUSE : before == MCV_TRAIL_STRAIGHT ? MCV_TRAIL_OTHER : MCV_TRAIL_GLOSSY;
     else if (before == MCV_TRAIL_DIFFUSE)
         after = MCV_TRAIL_SMOOTH_SINCE;
     else if (before == MCV_TRAIL_STRAIGHT && (on.event != MCV_EVENT_PASS || !mcv_is_plate(world, meeting)))
@@ -67,7 +67,7 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
 
     const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_SCATTER);
     float chosen = 0.0f;
-#if MCV_WITH_GLOSS || MCV_WITH_RETROREFLECTOR
+#if MCV_WITH_GLOSS || MCV_WITH_RETROREFLECTOR || MCV_WITH_TRANSLUCENT
     /* The other number of this pair plays roulette; this one has chosen an emitter, which is another estimate. */
     chosen = mcv_draw(slot, depth, MCV_PAIR_CHOICE).x;
 #endif

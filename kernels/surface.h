@@ -115,6 +115,20 @@ MCV_FUNCTION mcv_color mcv_material_value(mcv_world world, mcv_surface surface, 
     return value;
 }
 
+#if MCV_WITH_TRANSLUCENT
+/* The transmittance of a translucent one, texture included. */
+MCV_FUNCTION mcv_color mcv_material_passed(mcv_world world, mcv_surface surface, uint material) {
+    mcv_color passed;
+    MCV_EACH_CHANNEL(i) passed.c[i] = world.materials[material].passed[i];
+    (void)surface;
+#if MCV_WITH_TEXTURE
+    if (world.materials[material].texture != MCV_NONE)
+        passed = mcv_tint(passed, mcv_texture_at(world, surface, world.materials[material].texture));
+#endif
+    return passed;
+}
+#endif
+
 #if MCV_WITH_LIGHT_FIELD && MCV_WITH_TEXTURE
 /* The image's value for a place on a light field emitter and a direction. */
 MCV_FUNCTION mcv_color mcv_light_field_value(mcv_world world, mcv_surface surface, __global const mcv_device_emitter *e,

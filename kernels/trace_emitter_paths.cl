@@ -255,7 +255,7 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
         path.throughput = mcv_tint(path.throughput, mcv_medium_transmittance(world, path.media, hit.t));
 #endif
         const mcv_meeting meeting = mcv_meet(world, path.direction, hit.triangle, hit.u, hit.v);
-        const int left_to_camera = found_by_chance && !mcv_is_diffuse(world, meeting);
+        const int left_to_camera = found_by_chance && !mcv_is_wide(world, meeting);
 #if MCV_WITH_NEXT_EVENT
         if (path.smooth && !left_to_camera && world.materials[world.instances[meeting.surface.instance].material].spreads) {
             const mcv_pair pupil = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_EMITTER));

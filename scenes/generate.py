@@ -18,6 +18,7 @@ import lights
 import part
 import report
 import setups
+import surfaces
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 
@@ -27,7 +28,7 @@ def main(arguments):
         print(__doc__.strip())
         return 0 if len(arguments) == 1 else 2
     files = {}
-    for module in (report, part, basics, images, lights, setups, experiments):
+    for module in (report, part, basics, images, lights, setups, experiments, surfaces):
         files.update(module.files())
     if arguments == ["--check"]:
         return check(files)

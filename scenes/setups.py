@@ -182,21 +182,33 @@ def engraved(light):
     return scene.gltf()
 
 
-def structured_light():
-    """A step of 4 mm under a phase-shifted pattern; the camera looks along -z, the projector from the side by its azimuth."""
-    scene = Scene("Phase-shifted stripes on a step: emitters/projector/index=0 to 3; nodes/projector/azimuth says from how far aside.")
+def structured_light(note, pattern, readout):
+    """A step of 4 mm under a pattern; the camera looks along -z, the projector from the side by its azimuth."""
+    scene = Scene(note)
     grey = diffuse(scene, "part", 0.6)
     plate = scene.mesh("plate", grey, [(-0.05, -0.05, 0), (0.05, -0.05, 0), (0.05, 0.05, 0), (-0.05, 0.05, 0)], [(0, 1, 2), (0, 2, 3)])
     scene.node("plate", mesh=plate)
     scene.node("step", mesh=scene.mesh("step", grey, *box((-0.009, -0.008, 0), (0.009, 0.0, 0.004))))
     scene.node("projector", pose={"target": [0, 0, 0], "distance": "200mm", "azimuth": "-30deg"},
                emitter={"type": "telecentricProjector", "size": ["40mm", "40mm"], "halfAngle": "0.2deg", "power": 0.02,
-                        "pattern": {"type": "phaseShift", "steps": 4, "periods": 6, "resolution": [480, 480]}, "index": 0})
-    scene.node("camera", translation=[0, 0, 0.150], sensor={"type": "telecentric", "magnification": 0.2, "workingDistance": "150mm", "fNumber": 8,
-                                                            "resolution": PIXELS, "pixelSize": "20um"})
+                        "pattern": pattern, "index": 0})
+    scene.node("camera", translation=[0, 0, 0.150], sensor=dict({"type": "telecentric", "magnification": 0.2, "workingDistance": "150mm", "fNumber": 8,
+                                                                 "resolution": PIXELS, "pixelSize": "20um"}, **readout))
     return scene.gltf()
 
 
+def phase_shift():
+    return structured_light("Phase-shifted stripes on a step: emitters/projector/index=0 to 3; nodes/projector/azimuth says from how far aside.",
+                            {"type": "phaseShift", "steps": 4, "periods": 6, "resolution": [480, 480]}, {})
+
+
+def gray_code():
+    """The camera's axis meets the film 20 pixels above its middle; around the step 180 x 120 pixels are read out, two by two."""
+    return structured_light("Gray code on a step: emitters/projector/index=0 to 5 are the bits of the column, the coarsest first. Of the camera's film a "
+                            "region is read out, binned, off its principal point.", {"type": "grayCode", "resolution": [64, 64]},
+                            {"principalPoint": [140, 85], "regionOfInterest": [50, 50, 180, 120], "binning": [2, 2]})
+
+
 def files():
-    return {"bolts.gltf": bolts(), "scratch.gltf": scratch(), "structured-light.gltf": structured_light(),
+    return {"bolts.gltf": bolts(), "scratch.gltf": scratch(), "structured-light.gltf": phase_shift(), "gray-code.gltf": gray_code(),
             **{"engraved-%s.gltf" % light: engraved(light) for light in ("ring", "dome", "coaxial")}}

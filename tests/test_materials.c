@@ -230,6 +230,73 @@ static void test_conductor(void **state) {
     mcv_scene_free(scene);
 }
 
+/* R of a coating by its definition, at an interface from n1 into n2. */
+static double coated(double r0, double n1, double n2, double angle) {
+    const double c1 = cos(angle), c2 = sqrt(1 - pow(n1 / n2 * sin(angle), 2)), f0 = pow((n1 - n2) / (n1 + n2), 2);
+    const double f = (pow((n1 * c1 - n2 * c2) / (n1 * c1 + n2 * c2), 2) + pow((n2 * c1 - n1 * c2) / (n2 * c1 + n1 * c2), 2)) / 2;
+    return r0 + (1 - r0) * (f - f0) / (1 - f0);
+}
+
+/*
+ * A coated slab at normal incidence and turned by 60° before a lamp: T = (1 - R)² a/(1 - R² a²), a = exp(-σ d/cosθ'). In water it is bare:
+ * slabs of reflectance 2 R/(1 + R) and then the water's two surfaces, each added to what lies behind it.
+ */
+static void test_coating(void **state) {
+    const double water = 1.33;
+    const mcv_material glass = {.as.dielectric = {.ior = 1.5, .absorption = {0, 5, 20}, .priority = 1, .coating = 0.005}};
+    double expected[3];
+    (void)state;
+    for (int turned = 0; turned < 2; ++turned) {
+        const double angle = turned * M_PI / 3, r = coated(0.005, 1, 1.5, angle), way = 0.04 / sqrt(1 - pow(sin(angle) / 1.5, 2));
+        mcv_scene *scene = lamp_scene();
+        add_box(scene, (const double[]){0.4, 0.4, 0.02}, add_material(scene, MCV_MATERIAL_DIELECTRIC, &glass),
+                looking((const double[]){0, 0, 0}, (const double[]){sin(angle), 0, cos(angle)}, (const double[]){0, 1, 0}));
+        for (int c = 0; c < 3; ++c) {
+            const double a = exp(-glass.as.dielectric.absorption[c] * way);
+            expected[c] = 3 * (1 - r) * (1 - r) * a / (1 - r * r * a * a);
+        }
+        expect(turned ? "coated slab, 60°" : "coated slab", scene, expected);
+        mcv_scene_free(scene);
+    }
+    const double wet = pow((1.5 - water) / (1.5 + water), 2), dry = pow((water - 1) / (water + 1), 2);
+    mcv_scene *scene = lamp_scene();
+    add_box(scene, (const double[]){0.4, 0.4, 0.1}, add_glass(scene, water, 0, 0), mcv_transform_identity());
+    add_box(scene, (const double[]){0.3, 0.3, 0.02}, add_material(scene, MCV_MATERIAL_DIELECTRIC, &glass), mcv_transform_identity());
+    for (int c = 0; c < 3; ++c) {
+        const double a = exp(-glass.as.dielectric.absorption[c] * 0.04);
+        const double t = (1 - wet) * (1 - wet) * a / (1 - wet * wet * a * a), r = wet * (1 + a * t);
+        const double first = (1 - dry) * t / (1 - dry * r), behind = r + t * t * dry / (1 - dry * r);
+        expected[c] = 3 * first * (1 - dry) / (1 - dry * behind);
+    }
+    expect("coated slab in water", scene, expected);
+    mcv_scene_free(scene);
+}
+
+/* A translucent sheet in a furnace, and with a lamp of radiance 3 that fills the half space behind it: 3 times the transmittance. */
+static void test_translucent(void **state) {
+    const mcv_material paper = {.as.diffuse = {{0.5, 0.25, 0.125}, {0.25, 0.5, 0.125}}};
+    (void)state;
+    mcv_scene *scene = mcv_scene_new("furnace");
+    add_pinhole(scene, PIXELS, 1e-3, looking_down_z(0, 0, 1));
+    add_rectangle(scene, 2, 2, add_material(scene, MCV_MATERIAL_DIFFUSE, &paper), looking_up_z(0, 0, 0));
+    mcv_emitter sky = {.name = (char *)"sky", .type = MCV_EMITTER_ENVIRONMENT, .instance = MCV_NONE, .texture = MCV_NONE};
+    mcv_params_set_defaults(mcv_emitter_table(sky.type), &sky.as);
+    memcpy(sky.as.environment.radiance, (double[3]){1, 1, 1}, sizeof(double[3]));
+    BUILD(mcv_scene_add_emitter(scene, &sky, &builder_error));
+    expect("translucent sheet in a furnace", scene, (const double[]){0.75, 0.75, 0.25});
+    mcv_scene_free(scene);
+
+    /* A lamp 1 m wide, 0.1 m below the middle: the disk's share of the half space would be R²/(R² + h²); that of a square by its four
+     * quarters, each 1/2π 2 a/√(1 + a²) atan(a/√(1 + a²)) with a = 5. */
+    const double a = 5, root = sqrt(1 + a * a), share = 4 * (2 * a / root * atan(a / root)) / (2 * M_PI);
+    scene = mcv_scene_new("backlight");
+    add_pinhole(scene, PIXELS, 1e-6, looking_down_z(0, 0, 1));
+    add_rectangle(scene, 2, 2, add_material(scene, MCV_MATERIAL_DIFFUSE, &paper), looking_up_z(0, 0, 0));
+    add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 1, 1, add_absorber(scene), looking_up_z(0, 0, -0.1)), 3, 0);
+    expect("translucent sheet before a lamp", scene, (const double[]){0.75 * share, 1.5 * share, 0.375 * share});
+    mcv_scene_free(scene);
+}
+
 /*
  * Through a beam splitter at 45°, onto a retroreflector that is tilted by 30°: the lamp beside the camera's axis shines by R T times the
  * share that the angle leaves, 1/(1 + (tan 30°/tan θ_h)⁴). In a furnace it is as bright as what it returns and what it scatters.
@@ -273,9 +340,10 @@ static void test_rough_images(void **state) {
         {"tinted frosted pane",
          MCV_MATERIAL_METALLIC_ROUGHNESS,
          {.surface_texture = MCV_NONE, .as.metallic_roughness = {{0.9, 0.8, 0.7}, 0, 1.5, 0.9, 0.4, 0.3}}},
+        {"opal", MCV_MATERIAL_DIFFUSE, {.as.diffuse = {{0.5, 0.6, 0.7}, {0.4, 0.2, 0.1}}}},
         {"tape", MCV_MATERIAL_RETROREFLECTOR, {.as.retroreflector = {{0.5, 0.6, 0.7}, 0.8, 0.6, {0.3, 0.2, 0.1}}}},
         {"corner cubes on paper", MCV_MATERIAL_RETROREFLECTOR, {.as.retroreflector = {{0.5, 0.6, 0.7}, 0.8, 0, {0.3, 0.2, 0.1}}}},
-        {"absorbing rough glass", MCV_MATERIAL_DIELECTRIC, {.as.dielectric = {1.5, {2, 5, 9}, 0, 0.5}}},
+        {"coated, absorbing rough glass", MCV_MATERIAL_DIELECTRIC, {.as.dielectric = {1.5, {2, 5, 9}, 0, 0.5, 0, 0, 0.004}}},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
@@ -288,6 +356,32 @@ static void test_rough_images(void **state) {
         add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 2, 2, add_absorber(scene), looking_up_z(0, 0, -0.5)), 1, 0);
         add_emitter(scene, MCV_EMITTER_PARALLEL, add_rectangle(scene, 1, 1, add_absorber(scene), looking_down_z(0, 0, 1.5)), 5, 0.1);
         expect_same(cases[i].name, scene);
+        mcv_scene_free(scene);
+    }
+}
+
+/* Roughness and metallic from a texture; and a brushed sheet that its node mirrors: tangent and bitangent turn with it. */
+static void test_textured_roughness(void **state) {
+    float positions[] = {-0.5F, -0.5F, 0, 0.5F, -0.5F, 0, 0.5F, 0.5F, 0, -0.5F, 0.5F, 0};
+    float texcoords[] = {0, 1, 1, 0.9F, 1, 0, 0, 0.2F};
+    uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    float linear[] = {0, 0.5F, 1, 0, 0.9F, 0.5F, 0, 0.7F, 0, 0, 1, 1};
+    const double s = sqrt(0.5);
+    (void)state;
+    for (int mirrored = 0; mirrored < 2; ++mirrored) {
+        mcv_scene *scene = mcv_scene_new("sheet");
+        const mcv_texture texture = {
+            .name = (char *)"image", .width = 2, .height = 2, .wrap_s = 33071, .wrap_t = 33071, .linear = linear, .is_data = true};
+        BUILD(mcv_scene_add_texture(scene, &texture, &builder_error));
+        const mcv_material sheet = {.surface_texture = mirrored ? MCV_NONE : 0,
+                                    .as.metallic_roughness = {{0.9, 0.7, 0.5}, 1, 1.5, 0, 0, 0.6, mirrored ? 0.7 : 0, 0.5}};
+        add_pinhole(scene, 2, 0.1, looking((const double[]){s, 0, s}, (const double[]){-s, 0, -s}, (const double[]){0, 1, 0}));
+        mcv_transform place = mcv_transform_identity();
+        if (mirrored) place.m[0] = -1;
+        const mcv_mesh mesh = {.vertex_count = 4, .triangle_count = 2, .positions = positions, .texcoords = texcoords, .indices = indices};
+        add_instance(scene, &mesh, add_material(scene, MCV_MATERIAL_METALLIC_ROUGHNESS, &sheet), place);
+        add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 0.6, 0.6, add_absorber(scene), looking_down_z(-0.4, 0.3, 0.9)), 3, 0);
+        expect_same(mirrored ? "brushed sheet, mirrored" : "textured sheet", scene);
         mcv_scene_free(scene);
     }
 }
@@ -323,10 +417,11 @@ static void test_texture(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_absorbing_slab), cmocka_unit_test(test_sheet),        cmocka_unit_test(test_mirror),
-        cmocka_unit_test(test_beam_splitter),  cmocka_unit_test(test_texture),      cmocka_unit_test(test_conductor),
-        cmocka_unit_test(test_rough_furnace),  cmocka_unit_test(test_rough_images), cmocka_unit_test(test_endless_medium),
-        cmocka_unit_test(test_retroreflector),
+        cmocka_unit_test(test_absorbing_slab),     cmocka_unit_test(test_sheet),        cmocka_unit_test(test_mirror),
+        cmocka_unit_test(test_beam_splitter),      cmocka_unit_test(test_texture),      cmocka_unit_test(test_conductor),
+        cmocka_unit_test(test_rough_furnace),      cmocka_unit_test(test_rough_images), cmocka_unit_test(test_endless_medium),
+        cmocka_unit_test(test_retroreflector),     cmocka_unit_test(test_coating),      cmocka_unit_test(test_translucent),
+        cmocka_unit_test(test_textured_roughness),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

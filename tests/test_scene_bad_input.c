@@ -38,6 +38,9 @@ static void must_refuse(const char *text, const char *says) {
 #define ASSET "{\"asset\":{\"version\":\"2.0\"},"
 #define SCENE ASSET BUFFER "," VIEWS "," ACCESSORS "," MESHES "," NODES "}"
 
+#define MATERIAL(type) ASSET "\"materials\":[{\"name\":\"g\",\"extensions\":{\"MCVISI_materials\":{\"type\":" type "}}}]}"
+#define SPECTRUM(object) ASSET "\"extensions\":{\"MCVISI_spectrum\":" object "}}"
+
 static const float triangle[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 
 static char *data_of(const float positions[3][3], uint16_t last) {
@@ -215,6 +218,29 @@ static void test_bad_elements(void **state) {
          "materials/g: priority 0.5 must be an integer"},
         {ASSET "\"materials\":[{\"name\":\"g\",\"extensions\":{\"MCVISI_materials\":{\"type\":\"beamSplitter\",\"reflectance\":0.75}}}]}",
          "materials/g: reflectance 0.75 and transmittance 0.5 must not be more than 1 together"},
+        {MATERIAL("\"dielectric\",\"roughness\":1.5"), "materials/g/roughness: 1.5 must lie from 0 to 1"},
+        {MATERIAL("\"dielectric\",\"roughness\":-0.1"), "materials/g/roughness: -0.1 must lie from 0 to 1"},
+        {MATERIAL("\"dielectric\",\"coating\":2"), "materials/g/coating: 2 must lie from 0 to 1"},
+        {MATERIAL("\"dielectric\",\"anisotropy\":-1"), "materials/g/anisotropy: -1 must lie from 0 to 1"},
+        {MATERIAL("\"conductor\",\"n\":-1,\"k\":1"), "materials/g/n: -1 must lie from 0 to 100"},
+        {MATERIAL("\"conductor\",\"n\":1,\"k\":[1,1,-2]"), "materials/g/k: -2 must lie from 0 to 100"},
+        {MATERIAL("\"conductor\",\"n\":1"), "materials/g: n and k must be given together"},
+        {MATERIAL("\"conductor\",\"n\":[1,2],\"k\":1"), "materials/g/n: has 2 values, but must have 3"},
+        {MATERIAL("\"conductor\",\"metal\":\"unobtainium\""), "materials/g/metal: \"unobtainium\" must be \"aluminium\" or"},
+        {MATERIAL("\"conductor\",\"roughness\":\"nan\""), "materials/g/roughness: \"nan\" must be a number"},
+        {MATERIAL("\"metallicRoughness\",\"ior\":0.9"), "materials/g/ior: 0.9 must lie from 1 to 10"},
+        {MATERIAL("\"metallicRoughness\",\"metallic\":2"), "materials/g/metallic: 2 must lie from 0 to 1"},
+        {MATERIAL("\"diffuse\",\"transmittance\":0.75"), "materials/g: reflectance 0.5 and transmittance 0.75 must not be more than 1"},
+        {MATERIAL("\"retroreflector\",\"divergence\":\"100deg\""), "materials/g/divergence: 1.74533 must lie from 0 to 1.5"},
+        {MATERIAL("\"retroreflector\",\"entranceAngle\":0"), "materials/g/entranceAngle: 0 must be above 0"},
+        {MATERIAL("\"retroreflector\",\"diffuseReflectance\":0.1"),
+         "materials/g: reflectance 1 and diffuseReflectance 0.1 must not be more than 1 together"},
+        {SPECTRUM("1"), "extensions/MCVISI_spectrum: must be an object"},
+        {SPECTRUM("{\"wavelength\":1e-7}"), "MCVISI_spectrum: unknown key \"wavelength\": did you mean \"wavelengths\"?"},
+        {SPECTRUM("{}"), "MCVISI_spectrum/wavelengths: must be a length as in \"587.6nm\", or three"},
+        {SPECTRUM("{\"wavelengths\":[5e-7,6e-7]}"), "MCVISI_spectrum/wavelengths: must be a length as in \"587.6nm\", or three"},
+        {SPECTRUM("{\"wavelengths\":\"587.6\"}"), "MCVISI_spectrum/wavelengths: 587.6 m must be from 100 nm to 100 um"},
+        {SPECTRUM("{\"wavelengths\":[\"600nm\",\"-500nm\",\"400nm\"]}"), "MCVISI_spectrum/wavelengths: -5e-07 m must be from 100 nm"},
         {ASSET "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[2,0,0,1]}}]}",
          "materials/0/pbrMetallicRoughness/baseColorFactor/0: 2 must lie from 0 to 1"},
         {ASSET "\"materials\":[{\"extensions\":{\"KHR_materials_ior\":{\"ior\":0.5}}}]}", "KHR_materials_ior: ior 0.5 must be 1 or more"},

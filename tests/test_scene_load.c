@@ -257,6 +257,9 @@ static void test_made_by_hand(void **state) {
             if (!(fabs(n[1][i] - truth[i] / length) <= 2 * (double)FLT_EPSILON))
                 fail_msg("scale %g %g %g: normal[%d] is %g, must be %g", s[0], s[1], s[2], i, n[1][i], truth[i] / length);
     }
+    mcv_material wrong = {.name = "w", .type = MCV_MATERIAL_DIELECTRIC, .texture = MCV_NONE, .as.dielectric = {.ior = NAN}};
+    assert_int_equal(mcv_scene_add_material(scene, &wrong, &error), MCV_BAD_INPUT);
+    assert_non_null(strstr(error.text, "w/ior: nan must lie from 1 to 10"));
     mesh.indices = outside;
     assert_int_equal(mcv_scene_add_mesh(scene, &mesh, &error), MCV_BAD_INPUT);
     assert_non_null(strstr(error.text, "by hand: meshes/1/indices: index 3 of triangle 0 points to nothing"));
@@ -673,13 +676,17 @@ static void test_metals(void **state) {
                                "{\"type\":\"conductor\",\"metal\":\"copper\"}}}]";
     static const struct {
         const char *spectrum;
+        const char *set;
         double wavelength;
-    } cases[] = {{"", 587.6e-9}, {",\"extensions\":{\"MCVISI_spectrum\":{\"wavelengths\":\"600nm\"}}", 600e-9}};
-    for (int i = 0; i < 2; ++i) {
+    } cases[] = {{"", NULL, 587.6e-9},
+                 {",\"extensions\":{\"MCVISI_spectrum\":{\"wavelengths\":\"600nm\"}}", NULL, 600e-9},
+                 {",\"extensions\":{\"MCVISI_spectrum\":{\"wavelengths\":\"600nm\"}}", "spectrum/wavelengths=0.59um", 590e-9},
+                 {"", "spectrum/wavelengths=600nm", 600e-9}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         char both[512];
         snprintf(both, sizeof both, "%s%s", rest, cases[i].spectrum);
         char *text = square_scene(",\"material\":0", both);
-        mcv_scene *scene = must_load(text, NULL);
+        mcv_scene *scene = must_load(text, cases[i].set);
         const mcv_conductor_params *copper = &scene->materials[0].as.conductor;
         const double share = (cases[i].wavelength * 1e9 - 582.1) / (616.8 - 582.1);
         assert_int_equal(mcv_scene_channels(scene), 1);

@@ -58,7 +58,7 @@ static double unpolarised(double from, double to, double cosine) {
  * u = tan²θ/(α² + tan²θ). The tail u -> 1 has facets that stand upright, seen far larger than they lie: u = 1 - (1 - v)^4 tames it.
  * Reflection: all of it, and (1 - c)^5 of it. Interface (from > 0): what is reflected and refracted together.
  */
-static void integrate(const double alpha[2], ref_vec o, double from, double to, double sums[2]) {
+static void integrate(const double alpha[2], ref_vec o, double from, double to, double coating, double sums[2]) {
     const double own = lambda(alpha, o);
     sums[0] = sums[1] = 0;
     for (int a = 0; a < NORMALS; ++a) {
@@ -76,7 +76,7 @@ static void integrate(const double alpha[2], ref_vec o, double from, double to, 
                 sums[1] += kept * pow(1 - c, 5);
                 continue;
             }
-            const double fresnel = unpolarised(from, to, c);
+            const double fresnel = ref_coated(unpolarised(from, to, c), coating, from, to);
             ref_vec t;
             const bool passes = refracted(o, h, from / to, &t) && t.z < 0;
             sums[0] += fresnel * kept + (passes ? (1 - fresnel) * seen / (1 + own + lambda(alpha, t)) : 0);
@@ -130,12 +130,13 @@ static bool albedos_new(ref_albedos *albedos, const mcv_material *material, doub
                 const ref_vec o = {sine * cos(phi), sine * sin(phi), z};
                 if (outside > 0) {
                     double both[2];
-                    integrate(alpha, o, outside, material->as.dielectric.ior, both);
+                    const double coating = mcv_material_coating(material, outside);
+                    integrate(alpha, o, outside, material->as.dielectric.ior, coating, both);
                     pair[0] = both[0];
-                    integrate(alpha, o, material->as.dielectric.ior, outside, both);
+                    integrate(alpha, o, material->as.dielectric.ior, outside, coating, both);
                     pair[1] = both[0];
                 } else {
-                    integrate(alpha, o, 0, 0, pair);
+                    integrate(alpha, o, 0, 0, 0, pair);
                 }
             }
     }
@@ -304,7 +305,8 @@ static double split(const ref_gloss *g, const lobes *l, double cosine, double re
     for (int c = 0; c < 3; ++c) {
         passes[c] = 0;
         if (g->material->type == MCV_MATERIAL_DIELECTRIC) {
-            reflects[c] = unpolarised(g->from, g->to, cosine);
+            const double coating = mcv_material_coating(g->material, g->inside ? g->to : g->from);
+            reflects[c] = ref_coated(unpolarised(g->from, g->to, cosine), coating, g->from, g->to);
             passes[c] = 1 - reflects[c];
         } else if (g->material->type == MCV_MATERIAL_CONDUCTOR) {
             reflects[c] = ref_conductor_reflectance(g->material->as.conductor.n[c] / g->from, g->material->as.conductor.k[c] / g->from,

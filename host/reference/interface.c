@@ -27,6 +27,11 @@ double ref_reflectance(const ref_meeting *meeting, double from, double to) {
     return 0.5 * (s + p);
 }
 
+double ref_coated(double bare, double coating, double from, double to) {
+    const double normal = (from - to) * (from - to) / ((from + to) * (from + to));
+    return coating > 0 ? fmax(0, coating + (1 - coating) * (bare - normal) / (1 - normal)) : bare;
+}
+
 static ref_vec reflect_at(ref_vec normal, ref_vec direction) {
     return ref_unit(ref_sub(direction, ref_scale(2 * ref_dot(direction, normal), normal)));
 }

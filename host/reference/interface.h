@@ -29,6 +29,9 @@ void ref_fresnel(double from, double to, double cosine, double *perpendicular, d
 /* The reflectance of unpolarised light from index `from` to index `to`; 1 under total reflection. */
 double ref_reflectance(const ref_meeting *meeting, double from, double to);
 
+/* What a coating of that reflectance at normal incidence (0: none) makes of the bare interface's. */
+double ref_coated(double bare, double coating, double from, double to);
+
 ref_vec ref_reflect(const ref_meeting *meeting);
 
 /* Only below total reflection. Equal indices: the same direction, exactly. */

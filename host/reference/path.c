@@ -45,7 +45,8 @@ static void add_emission(const ref_world *world, const path *p, const ref_surfac
 typedef struct spreader {
     const mcv_material *material;
     ref_meeting meeting;
-    double share[3];                          /* diffuse: its reflectance there */
+    double share[3];                          /* diffuse: its reflectance there … */
+    double passed[3];                         /* … and its transmittance */
     const ref_media *near;                    /* media around light on the path's side … */
     ref_media far;                            /* … and on the other */
     const mcv_retroreflector_params *returns; /* a retroreflector that spreads what returns, or NULL */
@@ -61,6 +62,12 @@ static ref_vec from_frame(const spreader *s, ref_vec v) {
     return ref_add(ref_scale(v.z, s->meeting.normal), ref_add(ref_scale(v.x, s->x), ref_scale(v.y, s->y)));
 }
 
+/* The chance with which a path stays on its side of a diffuse surface. */
+static double reflects(const spreader *s) {
+    const double passed = largest(s->passed);
+    return passed > 0 ? largest(s->share) / (largest(s->share) + passed) : 1;
+}
+
 /* f cosθ for light from the direction, and the density with which the path would choose it. */
 static double respond(const spreader *s, ref_vec direction, double value[3]) {
     const double cosine = ref_dot(direction, s->meeting.normal);
@@ -68,8 +75,8 @@ static double respond(const spreader *s, ref_vec direction, double value[3]) {
     if (cosine * ref_dot(direction, s->meeting.face) <= 0) return 0; /* normal and face disagree on its side */
     if (s->gloss.material) return ref_gloss_evaluate(&s->gloss, s->o, to_frame(s, direction), value);
     if (s->returns) return ref_retroreflector_evaluate(s->returns, s->o, to_frame(s, direction), value);
-    for (int channel = 0; cosine > 0 && channel < 3; ++channel) value[channel] = s->share[channel] * cosine / M_PI;
-    return fmax(cosine, 0) / M_PI;
+    for (int channel = 0; channel < 3; ++channel) value[channel] = (cosine > 0 ? s->share : s->passed)[channel] * fabs(cosine) / M_PI;
+    return (cosine > 0 ? reflects(s) : 1 - reflects(s)) * fabs(cosine) / M_PI;
 }
 
 /* A direction with the density that `respond` gives; the zero vector: the path ends. */
@@ -78,7 +85,8 @@ static ref_vec choose(const spreader *s, ref_random *random) {
     if (s->returns) return from_frame(s, ref_retroreflector_sample(s->returns, s->o, random));
     /* Density cosθ/π: sin²θ is uniform. */
     const double u = ref_random_unit(random), phi = 2 * M_PI * ref_random_unit(random), sine = sqrt(u);
-    return from_frame(s, (ref_vec){sine * cos(phi), sine * sin(phi), sqrt(1 - u)});
+    const bool stays = largest(s->passed) == 0 || ref_random_unit(random) < reflects(s);
+    return from_frame(s, (ref_vec){sine * cos(phi), sine * sin(phi), stays ? sqrt(1 - u) : -sqrt(1 - u)});
 }
 
 /* Adds the light of one emitter at a surface that spreads it. */
@@ -181,7 +189,8 @@ static bool meet_dielectric(const ref_world *world, path *p, const ref_surface *
         find_frame(surface, &s);
         return meet_spreader(world, p, surface, &s, last, random, tally, radiance);
     }
-    if (ref_random_unit(random) < ref_reflectance(&meeting, from, to)) {
+    const double coating = from == to ? 0 : mcv_material_coating(&world->scene->materials[number], meeting.front ? from : to);
+    if (ref_random_unit(random) < ref_coated(ref_reflectance(&meeting, from, to), coating, from, to)) {
         p->direction = ref_reflect(&meeting);
     } else {
         p->direction = ref_refract(&meeting, from, to);
@@ -288,6 +297,7 @@ static bool meet_surface(const ref_world *world, path *p, const ref_surface *sur
         spreader s = {.material = material, .meeting = ref_meet(surface, p->direction), .near = &p->media, .far = p->media};
         find_frame(surface, &s);
         modulate(world, surface, material->as.diffuse.reflectance, s.share);
+        modulate(world, surface, material->as.diffuse.transmittance, s.passed);
         return meet_spreader(world, p, surface, &s, last, random, tally, radiance);
     }
     case MCV_MATERIAL_DIELECTRIC:

@@ -77,6 +77,7 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, ref_vec *di
         const double from = ref_media_ior(ref_media_filling(media, scene)), to = ref_media_ior(ref_media_filling(&beyond, scene));
         if (mcv_material_is_rough(material) && from != to) break;
         reflectance = ref_reflectance(&meeting, from, to);
+        if (from != to) reflectance = ref_coated(reflectance, mcv_material_coating(material, meeting.front ? from : to), from, to);
         vertex->event = reflectance == 1 ? MCV_EVENT_REFLECT : from == to ? MCV_EVENT_PASS : MCV_EVENT_REFRACT;
         if (vertex->event == MCV_EVENT_REFLECT) break;
         vertex->transmittance *= 1 - reflectance;

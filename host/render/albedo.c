@@ -35,9 +35,17 @@ static void facet(const double alpha[2], const double o[3], double radius_square
     for (int k = 0; k < 3; ++k) h[k] /= size;
 }
 
+void mcv_coat(double coating, double n1, double n2, double *scale, double *offset) {
+    const double bare = pow((n1 - n2) / (n1 + n2), 2);
+    *scale = coating > 0 ? (1 - coating) / (1 - bare) : 1;
+    *offset = coating > 0 ? coating - *scale * bare : 0;
+}
+
 /* What the microfacets send out of the light from o, as shares of it: all and by (1 - c)^5, or by Fresnel in and out of an index. */
-static void integrate(const double alpha[2], const double o[3], double eta, bool interface, double sums[2]) {
+static void integrate(const double alpha[2], const double o[3], double eta, double coating, bool interface, double sums[2]) {
     const double own = lambda(alpha, o), turn = o[1] == 0 ? pi : 2 * pi; /* both sides of the plane of incidence may be alike */
+    double scale, offset;
+    mcv_coat(coating, eta, 1, &scale, &offset);
     sums[0] = sums[1] = 0;
     for (int a = 0; a < ANGLES; ++a) {
         for (int r = 0; r < RADII; ++r) {
@@ -57,7 +65,7 @@ static void integrate(const double alpha[2], const double o[3], double eta, bool
                 continue;
             }
             const double s = (eta * c - c2) / (eta * c + c2), p = (c - eta * c2) / (c + eta * c2);
-            const double fresnel = c2 > 0 ? 0.5 * (s * s + p * p) : 1;
+            const double fresnel = c2 > 0 ? fmax(scale * 0.5 * (s * s + p * p) + offset, 0) : 1;
             const double passed = c2 > 0 && refracted[2] < 0 ? weight * (1 + own) / (1 + own + lambda(alpha, refracted)) : 0;
             sums[0] += fresnel * kept + (1 - fresnel) * passed;
         }
@@ -105,20 +113,21 @@ void mcv_albedo_reflection(double alpha_x, double alpha_y, uint32_t azimuths, fl
     for (uint32_t i = 0; i < azimuths * MCV_ALBEDO_COSINES; ++i) {
         double o[3], sums[2];
         direction(i / MCV_ALBEDO_COSINES, i % MCV_ALBEDO_COSINES, azimuths, o);
-        integrate(alpha, o, 1, false, sums);
+        integrate(alpha, o, 1, 0, false, sums);
         block[2 + 2 * i] = (float)(1 - sums[0]);
         block[3 + 2 * i] = (float)sums[1];
     }
     average(azimuths, block);
 }
 
-void mcv_albedo_interface(double alpha_x, double alpha_y, double n_outside, double n_inside, uint32_t azimuths, float *block) {
+void mcv_albedo_interface(double alpha_x, double alpha_y, double n_outside, double n_inside, double coating, uint32_t azimuths,
+                          float *block) {
     const double alpha[2] = {alpha_x, alpha_y};
     for (uint32_t i = 0; i < azimuths * MCV_ALBEDO_COSINES; ++i) {
         double o[3], sums[2];
         direction(i / MCV_ALBEDO_COSINES, i % MCV_ALBEDO_COSINES, azimuths, o);
         for (int side = 0; side < 2; ++side) {
-            integrate(alpha, o, side ? n_inside / n_outside : n_outside / n_inside, true, sums);
+            integrate(alpha, o, side ? n_inside / n_outside : n_outside / n_inside, coating, true, sums);
             block[2 + 2 * i + (uint32_t)side] = (float)(1 - sums[0]);
         }
     }

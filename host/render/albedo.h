@@ -15,7 +15,11 @@ uint32_t mcv_albedo_words(uint32_t azimuths);
 void mcv_albedo_reflection(double alpha_x, double alpha_y, uint32_t azimuths, float *block);
 
 /* The same for an interface: the share that is neither reflected nor refracted, coming from index n_outside and from n_inside. */
-void mcv_albedo_interface(double alpha_x, double alpha_y, double n_outside, double n_inside, uint32_t azimuths, float *block);
+void mcv_albedo_interface(double alpha_x, double alpha_y, double n_outside, double n_inside, double coating, uint32_t azimuths,
+                          float *block);
+
+/* What a coating of that reflectance at normal incidence makes of Fresnel's: scale F + offset. 0: there is none. */
+void mcv_coat(double coating, double n1, double n2, double *scale, double *offset);
 
 /* The mean 2 ∫ F(μ) μ dμ of a metal's reflectance, n and k relative to the medium before it. */
 double mcv_conductor_mean(double n, double k);

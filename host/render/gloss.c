@@ -121,7 +121,8 @@ mcv_result mcv_pack_interfaces(const mcv_scene *scene, mcv_packed *packed, uint3
             if (table == MCV_NONE) {
                 float *block = grow(packed, mcv_albedo_words(gloss->azimuths), &table);
                 if (!block) return mcv_fail(error, MCV_FAILED, "%s: no memory for the albedos of rough interfaces", scene->path);
-                mcv_albedo_interface(alpha[0], alpha[1], index[outside], index[inside], gloss->azimuths, block);
+                mcv_albedo_interface(alpha[0], alpha[1], index[outside], index[inside], mcv_material_coating(material, index[outside]),
+                                     gloss->azimuths, block);
             }
             packed->interface_albedos[outside * WIDTH + inside] = packed->interface_albedos[inside * WIDTH + outside] = table;
         }

@@ -111,6 +111,8 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
     const ball smooth = smooth_ball(packed);
     const bool caustics = smooth.radius > 0 && packed->features >> MCV_FEATURE_NEXT_EVENT & 1;
     uint32_t count = 0;
+    bool wide = false;
+    for (uint32_t i = 0; i < packed->instance_count; ++i) wide = wide || packed->materials[packed->instances[i].material].wide;
     double *powers = calloc(packed->emitter_count + 1, sizeof *powers);
     if (!powers) return mcv_fail(error, MCV_FAILED, "%s: no memory for the emitters", scene->path);
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
@@ -120,8 +122,7 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
         mcv_device_emitter *e = &packed->emitters[count++];
         if (!caustics && e->type != MCV_EMITTER_COLLIMATED_BEAM) continue;
         /* Glossy surfaces find what has an extent. */
-        if (mcv_emitter_has_surface(from->type) && e->type != MCV_EMITTER_COLLIMATED_BEAM && !(packed->features >> MCV_FEATURE_DIFFUSE & 1))
-            continue;
+        if (mcv_emitter_has_surface(from->type) && e->type != MCV_EMITTER_COLLIMATED_BEAM && !wide) continue;
         const double flux = unit_flux(packed, &smooth, from, e);
         if (!(flux > 0)) continue;
         mcv_emitter_image_mean(scene, from, mean);

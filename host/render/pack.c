@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "mcvisi/accel.h"
+#include "render/albedo.h"
 #include "render/gloss.h"
 #include "render/light.h"
 #include "scene/emitters.h"
@@ -195,6 +196,13 @@ static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, mcv_e
             mcv_device_interface *between = &packed->interfaces[a * (MCV_MAX_MEDIA + 1) + b];
             between->eta = (float)(index[a] / index[b]);
             between->delta = (float)((index[b] - index[a]) * (index[b] + index[a]) / (index[b] * index[b]));
+            /* The later medium owns the surface between two: it has the higher priority. */
+            const uint32_t owner = a > b ? a : b, other = a > b ? b : a;
+            const mcv_material *material = owner > 0 ? &scene->materials[sorted[owner - 1].material] : NULL;
+            double scale, offset;
+            mcv_coat(material ? mcv_material_coating(material, index[other]) : 0, index[a], index[b], &scale, &offset);
+            between->scale = (float)scale;
+            between->offset = (float)offset;
         }
     }
     uint32_t materials[MCV_MAX_MEDIA + 1] = {0};
@@ -243,12 +251,20 @@ uint32_t mcv_media_around(const mcv_scene *scene, const mcv_packed *packed, cons
 
 static double largest(const double spectrum[3]) { return fmax(spectrum[0], fmax(spectrum[1], spectrum[2])); }
 
+/* What a surface lets through, and the chance with which it is taken to reflect. */
+static void share_out(const double reflectance[3], const double transmittance[3], mcv_device_material *out) {
+    const double reflected = largest(reflectance), passed = largest(transmittance);
+    for (int k = 0; k < 3; ++k) out->passed[k] = (float)transmittance[k];
+    out->chance = reflected + passed > 0 ? (float)(reflected / (reflected + passed)) : 0;
+}
+
 static mcv_device_material pack_material(const mcv_material *material) {
     mcv_device_material out = {.type = material->type, .texture = material->texture};
     const double *value = NULL;
     switch (material->type) {
     case MCV_MATERIAL_DIFFUSE:
         value = material->as.diffuse.reflectance;
+        share_out(value, material->as.diffuse.transmittance, &out);
         out.spreads = 1;
         break;
     case MCV_MATERIAL_MIRROR:
@@ -266,10 +282,8 @@ static mcv_device_material pack_material(const mcv_material *material) {
     }
     case MCV_MATERIAL_BEAM_SPLITTER: {
         const mcv_beam_splitter_params *p = &material->as.beam_splitter;
-        const double reflected = largest(p->reflectance), passed = largest(p->transmittance);
         value = p->reflectance;
-        for (int k = 0; k < 3; ++k) out.passed[k] = (float)p->transmittance[k];
-        out.chance = reflected + passed > 0 ? (float)(reflected / (reflected + passed)) : 0;
+        share_out(value, p->transmittance, &out);
         break;
     }
     case MCV_MATERIAL_RETROREFLECTOR: {
@@ -286,6 +300,9 @@ static mcv_device_material pack_material(const mcv_material *material) {
     }
     for (int k = 0; value && k < 3; ++k) out.value[k] = (float)value[k];
     if (mcv_material_is_rough(material)) out.spreads = 1;
+    /* From a roughness of 1/2 on, α = 1/4, highlights are tens of degrees wide. */
+    const bool matt = material->type == MCV_MATERIAL_METALLIC_ROUGHNESS && material->as.metallic_roughness.roughness >= 0.5;
+    out.wide = material->type == MCV_MATERIAL_DIFFUSE || matt;
     return out;
 }
 
@@ -483,6 +500,8 @@ static uint32_t find_features(const mcv_scene *scene) {
         const mcv_dielectric_params *glass = material->type == MCV_MATERIAL_DIELECTRIC ? &material->as.dielectric : NULL;
         features |=
             feature(MCV_FEATURE_DIFFUSE, material->type == MCV_MATERIAL_DIFFUSE) | feature(MCV_FEATURE_DIELECTRIC, glass) |
+            feature(MCV_FEATURE_TRANSLUCENT, material->type == MCV_MATERIAL_DIFFUSE && largest(material->as.diffuse.transmittance) > 0) |
+            feature(MCV_FEATURE_COATING, glass && glass->coating > 0) |
             feature(MCV_FEATURE_SHEET, material->type == MCV_MATERIAL_SHEET || material->type == MCV_MATERIAL_BEAM_SPLITTER) |
             feature(MCV_FEATURE_MIRROR, material->type == MCV_MATERIAL_MIRROR) |
             feature(MCV_FEATURE_GLOSS, mcv_material_is_rough(material) || material->type == MCV_MATERIAL_CONDUCTOR) |

@@ -344,7 +344,8 @@ static mcv_result load_spectrum(mcv_loader *loader, mcv_error *error) {
         if (json_is_number(one)) *length = json_number_value(one);
         if ((json_is_array(given) && json_array_size(given) != 1 && json_array_size(given) != 3) || !is_length)
             return mcv_fail_at(&here, error, "must be a length as in \"587.6nm\", or three, for red, green and blue");
-        if (!(*length >= 1e-7 && *length <= 1e-4)) return mcv_fail_at(&here, error, "%g m must be from 100 nm to 100 um", *length);
+        if (!(*length >= MCV_LEAST_WAVELENGTH && *length <= MCV_LARGEST_WAVELENGTH))
+            return mcv_fail_at(&here, error, "%g m must be from 100 nm to 100 um", *length);
     }
     return MCV_OK;
 }

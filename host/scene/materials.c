@@ -29,6 +29,11 @@ uint32_t mcv_material_surface_texture(const mcv_material *material) {
     return material->type == MCV_MATERIAL_METALLIC_ROUGHNESS ? material->surface_texture : MCV_NONE;
 }
 
+double mcv_material_coating(const mcv_material *material, double outside) {
+    const double densest_gas = 1.1;
+    return material->type == MCV_MATERIAL_DIELECTRIC && outside < densest_gas ? material->as.dielectric.coating : 0;
+}
+
 bool mcv_scene_has_directions(const mcv_scene *scene) {
     for (uint32_t i = 0; i < scene->instance_count; ++i)
         if (mcv_material_roughness(&scene->materials[scene->instances[i].material]).anisotropy > 0) return true;

@@ -234,6 +234,11 @@ static mcv_result follow(setting *set, json_t *root) {
     char *rest = set->path;
     set->collection = cut(&rest);
     char extension[64];
+    if (strcmp(set->collection, "spectrum") == 0) { /* no array: one object, which --set may add */
+        json_t *spectrum = make_path(root, "extensions/MCVISI_spectrum");
+        set->own = true;
+        return spectrum && *rest ? set_below(set, spectrum, rest) : fail(set, "name a member of it, as in spectrum/wavelengths");
+    }
     const bool lights = strcmp(set->collection, "lights") == 0;
     snprintf(extension, sizeof extension, "MCVISI_%.32s", set->collection);
     if (lights) strcpy(extension, "KHR_lights_punctual");

@@ -249,7 +249,7 @@ mcv_result mcv_params_check(mcv_param_table table, const void *params, const mcv
         const mcv_place here = mcv_place_key(place, param->key);
         if (mcv_param_unset(param, params)) {
             if (param->default_value == MCV_REQUIRED) return mcv_fail_at(&here, error, "is missing: %s", param->doc);
-            continue;
+            if (param->default_value == MCV_UNSET || !isnan(get(param, params, 0))) continue;
         }
         for (size_t j = 0; j < mcv_param_components(param->kind); ++j) {
             const double value = get(param, params, j);

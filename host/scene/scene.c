@@ -130,6 +130,8 @@ static mcv_result check_shares(const double reflectance[3], const char *key, con
 static mcv_result check_material(const mcv_material *material, const mcv_place *here, mcv_error *error) {
     if (material->type == MCV_MATERIAL_DIELECTRIC && material->as.dielectric.priority != floor(material->as.dielectric.priority))
         return mcv_fail_at(here, error, "priority %g must be an integer", material->as.dielectric.priority);
+    if (material->type == MCV_MATERIAL_DIFFUSE)
+        return check_shares(material->as.diffuse.reflectance, "transmittance", material->as.diffuse.transmittance, here, error);
     if (material->type == MCV_MATERIAL_BEAM_SPLITTER)
         return check_shares(material->as.beam_splitter.reflectance, "transmittance", material->as.beam_splitter.transmittance, here, error);
     if (material->type == MCV_MATERIAL_RETROREFLECTOR)

@@ -129,6 +129,10 @@ typedef struct mcv_sensor {
     } as; /* resolved: the report's parameters are all set */
 } mcv_sensor;
 
+/* A scene's wavelengths lie between [m]. */
+#define MCV_LEAST_WAVELENGTH 1e-7
+#define MCV_LARGEST_WAVELENGTH 1e-4
+
 typedef struct mcv_scene {
     char *path; /* of the file, for messages */
     uint32_t texture_count, material_count, mesh_count, instance_count, emitter_count, sensor_count;
@@ -203,9 +207,10 @@ typedef struct mcv_roughness {
     double rotation;   /* of the rougher direction from the tangent, counter-clockwise [rad] */
 } mcv_roughness;
 mcv_roughness mcv_material_roughness(const mcv_material *material);
-bool mcv_material_is_rough(const mcv_material *material);            /* it consists of microfacets */
-uint32_t mcv_material_surface_texture(const mcv_material *material); /* of roughness and metallic, or MCV_NONE */
-bool mcv_scene_has_directions(const mcv_scene *scene);               /* whether a material is anisotropic */
+bool mcv_material_is_rough(const mcv_material *material);                  /* it consists of microfacets */
+double mcv_material_coating(const mcv_material *material, double outside); /* its R0 against a medium of an index, or 0: none */
+uint32_t mcv_material_surface_texture(const mcv_material *material);       /* of roughness and metallic, or MCV_NONE */
+bool mcv_scene_has_directions(const mcv_scene *scene);                     /* whether a material is anisotropic */
 
 /* Pixels of the sensor's image. */
 void mcv_sensor_film_size(const mcv_sensor *sensor, uint32_t *width, uint32_t *height);

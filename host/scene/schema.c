@@ -4,7 +4,8 @@
 #include "scene/params.h"
 #include "scene/pattern.h"
 
-const char *const mcv_schema_names[] = {"MCVISI_sensors", "MCVISI_emitters", "MCVISI_materials", "MCVISI_assets", "MCVISI_pose", NULL};
+const char *const mcv_schema_names[] = {
+    "MCVISI_sensors", "MCVISI_emitters", "MCVISI_materials", "MCVISI_assets", "MCVISI_pose", "MCVISI_spectrum", NULL};
 
 /* What one number of a parameter may be. */
 static json_t *scalar_schema(const mcv_param *param) {
@@ -104,6 +105,15 @@ static json_t *pose_schema(void) {
     return object_schema(properties, json_pack("[s]", "target"), mcv_pose_table());
 }
 
+/* A wavelength, or three. */
+static json_t *spectrum_schema(void) {
+    const mcv_param length = {MCV_PARAM_length, "wavelengths", 0, MCV_UNSET, MCV_LEAST_WAVELENGTH, MCV_LARGEST_WAVELENGTH, ""};
+    json_t *three = json_pack("{s:s, s:o, s:i, s:i}", "type", "array", "items", scalar_schema(&length), "minItems", 3, "maxItems", 3);
+    json_t *wavelengths = json_pack("{s:s, s:[o, o]}", "description", "that red, green and blue stand for, or one for a grey scene [m]",
+                                    "anyOf", scalar_schema(&length), three);
+    return object_schema(json_pack("{s:o}", "wavelengths", wavelengths), json_pack("[s]", "wavelengths"), (mcv_param_table){0});
+}
+
 /* Adds definitions/TYPE for each type, and gives the choice of them. */
 static json_t *any_element(json_t *definitions, const char *const *types, uint32_t count, mcv_param_table (*table)(uint32_t)) {
     json_t *choice = json_array();
@@ -139,6 +149,8 @@ mcv_result mcv_schema_write(FILE *stream, const char *name, mcv_error *error) {
         schema = indexed_schema("assets", "asset", json_pack("[o]", asset_schema()), definitions);
     else if (strcmp(name, "MCVISI_pose") == 0)
         schema = pose_schema();
+    else if (strcmp(name, "MCVISI_spectrum") == 0)
+        schema = spectrum_schema();
     if (!json_object_get(schema, "definitions")) json_decref(definitions);
     if (!schema) return mcv_fail(error, MCV_USAGE, "there is no schema of \"%s\"", name);
     json_t *document = json_pack("{s:s, s:s}", "$schema", "http://json-schema.org/draft-04/schema", "title", name);

@@ -10,8 +10,10 @@
 
 #define MCV_FEATURES(X) \
     X(DIFFUSE, "diffuse", "a material reflects diffusely") \
+    X(TRANSLUCENT, "translucent", "a diffuse material lets light through") \
     X(DIELECTRIC, "dielectric", "a body of glass, fluid or gas refracts") \
     X(ABSORPTION, "absorption", "a medium absorbs along the path") \
+    X(COATING, "coating", "a coating changes how much a body reflects") \
     X(SHEET, "sheet", "a thin sheet or a beam splitter transmits") \
     X(MIRROR, "mirror", "a mirror reflects") \
     X(GLOSS, "gloss", "a metal reflects, or a surface of microfacets") \

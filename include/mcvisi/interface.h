@@ -34,6 +34,16 @@ MCV_FUNCTION float mcv_fresnel(mcv_device_interface between, float c1, float c2)
     return reflected < 1.0f ? reflected : 1.0f;
 }
 
+/* The share that a body's surface reflects, coating and all. */
+MCV_FUNCTION float mcv_interface_reflectance(mcv_device_interface between, float c1, float c2) {
+    const float bare = mcv_fresnel(between, c1, c2);
+#if MCV_ON_DEVICE && MCV_WITH_COATING
+    const float coated = mcv_fma(between.scale, bare, between.offset);
+    if (c2 > 0.0f) return coated > 0.0f ? (coated < 1.0f ? coated : 1.0f) : 0.0f;
+#endif
+    return bare;
+}
+
 /* The unit vector t; d is unit, n unit on the side d comes from, c1 = -d·n, c2 > 0. */
 MCV_FUNCTION mcv_vec3 mcv_refract(mcv_device_interface between, mcv_vec3 d, mcv_vec3 n, float c1, float c2) {
     const float bend = -between.delta / mcv_fma(between.eta, c1, c2);

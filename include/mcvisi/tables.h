@@ -75,11 +75,12 @@ typedef struct mcv_device_material {
     float eta;       /* sheet: 1/n */
     float delta;     /* sheet: (n - 1)(n + 1)/n² */
     uint spreads;    /* 1: light from one direction leaves in many, so that emitters are sampled from here; 0: smooth or black */
-    float passed[3]; /* beam splitter: transmittance; retroreflector: diffuse reflectance */
-    float chance;    /* beam splitter: with which it reflects */
+    float passed[3]; /* beam splitter, diffuse: transmittance; retroreflector: diffuse reflectance */
+    float chance;    /* beam splitter, diffuse: with which it reflects */
     float spread;    /* retroreflector: tangent of its divergence, 0: light returns exactly */
     float fall;      /* retroreflector: 1/tangent of its entrance angle */
-    uint padding[2];
+    uint wide;       /* 1: spreads light so evenly that light paths connect it to the lens; 0: a lens would seldom lie in its highlights */
+    uint padding;
 } mcv_device_material;
 MCV_ASSERT_SIZE(mcv_device_material, 64);
 
@@ -111,8 +112,10 @@ MCV_ASSERT_SIZE(mcv_device_medium, 16);
 typedef struct mcv_device_interface {
     float eta;   /* n1/n2 */
     float delta; /* (n2 - n1)(n2 + n1)/n2² */
+    float scale; /* with a coating R = scale F + offset; 1 and 0: it has none */
+    float offset;
 } mcv_device_interface;
-MCV_ASSERT_SIZE(mcv_device_interface, 8);
+MCV_ASSERT_SIZE(mcv_device_interface, 16);
 
 typedef struct mcv_device_emitter {
     uint type;     /* MCV_EMITTER_…; a telecentric projector is a parallel emitter with a texture, a point light a spot light */

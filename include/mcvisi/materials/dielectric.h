@@ -9,7 +9,15 @@
  * meeting each other is spread on both sides as reciprocity asks for; roughness between 0 and 0.032 is 0.032. Both lobes use
  * the height-correlated masking of the reflected one.
  *
- *     {"type": "dielectric", "ior": 1.5168, "absorption": 2.0, "priority": 0}
+ * A coating changes the reflectance at every angle from Fresnel's F, which is F0 at normal incidence, to
+ *
+ *     R = R0 + (1 - R0) (F - F0)/(1 - F0)        R0 = coating; not below 0
+ *
+ * from both sides: total reflection stays total, and grazing light is reflected wholly. That is no model of layers, of which a datasheet
+ * says little more than R0; interference colours are left out. It lies where the body borders on an index below 1.1, so that cemented
+ * or wetted surfaces are bare.
+ *
+ *     {"type": "dielectric", "ior": 1.5168, "absorption": 2.0, "priority": 0, "coating": 0.004}
  */
 #ifndef MCVISI_MATERIALS_DIELECTRIC_H
 #define MCVISI_MATERIALS_DIELECTRIC_H
@@ -20,7 +28,8 @@
     X(number, ior, 1.5, 1, 10, "refractive index n") \
     X(spectrum, absorption, 0, 0, 1e30, "absorption coefficient σ: transmittance exp(-σ d) over a path d [1/m]") \
     X(number, priority, 0, -1000, 1000, "where bodies overlap the larger one fills the space (an integer)") \
-    MCV_ROUGHNESS_PARAMS(X, 0)
+    MCV_ROUGHNESS_PARAMS(X, 0) \
+    X(number, coating, 0, 0, 1, "reflectance at normal incidence of a coating, against gas or vacuum; 0: none")
 
 /* exp(-x) for x >= 0, by 2^(-x log2 e) with a polynomial: relative error below 3e-7. */
 MCV_FUNCTION float mcv_exp_minus(float x) {
