@@ -12,6 +12,7 @@ static void mcv_meet_emitter(mcv_world world, mcv_vec3 receiver, mcv_vec3 direct
     met[0] = 1.0f;
     met[1] = 0.0f;
     met[2] = 0.0f;
+    (void)hit, (void)emitter;
 #if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
     if (hit.triangle == MCV_NONE && world.emitters[emitter].type == MCV_EMITTER_ENVIRONMENT) {
         met[1] = mcv_environment_radiance(world, world.emitters + emitter, direction).c[0];

@@ -18,7 +18,7 @@ static void mcv_arrive(mcv_world world, mcv_slot slot, mcv_hit hit) {
 #endif
 }
 
-static void mcv_intersect_closest(mcv_world world, mcv_slot slot) {
+MCV_FUNCTION void mcv_intersect_closest(mcv_world world, mcv_slot slot) {
     mcv_arrive(world, slot,
                mcv_intersect_closest_ray(world.nodes, world.leaves, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), INFINITY));
 }

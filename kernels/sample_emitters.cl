@@ -162,7 +162,7 @@ static mcv_shadow mcv_sample_towards(mcv_world world, mcv_meeting at, uint emitt
 }
 
 /* 1 if there is a shadow ray to follow. */
-static int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) {
+MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) {
     const uint triangle = MCV_WORD(slot, hit, 3);
     if (triangle == MCV_NONE) return 0;
     const uint material = world.instances[world.triangles[triangle].w].material;

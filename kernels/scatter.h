@@ -377,7 +377,7 @@ static mcv_scattering mcv_scatter_retroreflector(mcv_world world, mcv_meeting me
 
 #if MCV_WITH_NEXT_EVENT
 /* The direction is unit and leads away from the surface; what cannot come from there is 0. */
-static mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, uint media, mcv_vec3 direction) {
+MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, uint media, mcv_vec3 direction) {
     mcv_response response;
     const mcv_device_instance instance = world.instances[meeting.surface.instance];
     response.value = mcv_grey(0.0f);
@@ -455,7 +455,7 @@ MCV_FUNCTION mcv_color mcv_emission_met(mcv_world world, mcv_meeting meeting, ui
 }
 
 /* Chooses how the path goes on from the surface it met. */
-static mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, uint media, mcv_pair pair, float choice, uint *unmatched) {
+MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, uint media, mcv_pair pair, float choice, uint *unmatched) {
     mcv_scattering scattering;
     const mcv_device_instance instance = world.instances[meeting.surface.instance];
     const mcv_device_material material = world.materials[instance.material];
