@@ -6,6 +6,7 @@
  * the centre, q = 0; the cone |q| <= sin β is an ellipse about it. Only how fast an image converges depends on it, not what it shows.
  * writes aims
  */
+#include "closest.h"
 #include "scatter.h"
 #include "sight.h"
 
@@ -27,14 +28,15 @@ static mcv_aimed mcv_follow(mcv_world world, mcv_film_sample film, float p_x, fl
     mcv_vec3 origin = begun.origin;
     mcv_vec3 direction = begun.direction;
     uint media = world.frame->initial_media;
+    uint left = MCV_NONE;
     mcv_aimed aimed;
     aimed.q_x = aimed.q_y = 0.0f;
     aimed.emitter = MCV_NONE;
     for (uint depth = 0; depth < world.frame->depth; ++depth) {
         uint unmatched = 0;
-        const mcv_hit hit = mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction, INFINITY);
+        const mcv_hit hit = mcv_closest(world, origin, direction, left);
         if (hit.triangle == MCV_NONE) return aimed;
-        const mcv_meeting meeting = mcv_meet(world, direction, hit.triangle, hit.u, hit.v);
+        const mcv_meeting meeting = mcv_meet(world, origin, direction, hit);
         const uint emitter = world.instances[meeting.surface.instance].emitter;
         if (emitter != MCV_NONE) {
             __global const mcv_device_emitter *e = world.emitters + emitter;
@@ -50,6 +52,9 @@ static mcv_aimed mcv_follow(mcv_world world, mcv_film_sample film, float p_x, fl
         if (on.event == MCV_EVENT_END) return aimed;
         origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, on.direction);
         direction = on.direction;
+#if MCV_WITH_SURFACES
+        left = mcv_leave(world, meeting.surface, direction);
+#endif
         media = on.media;
     }
     return aimed;

@@ -20,7 +20,7 @@ static void mcv_meet_emitter(mcv_world world, mcv_vec3 receiver, mcv_vec3 direct
     }
 #endif
 #if MCV_WITH_EMISSION
-    if (hit.triangle == MCV_NONE || world.instances[world.triangles[hit.triangle].w].emitter != emitter) return;
+    if (hit.triangle == MCV_NONE || world.instances[mcv_instance_of(world, hit.triangle)].emitter != emitter) return;
     const mcv_surface there = mcv_surface_at(world, hit.triangle, hit.u, hit.v);
     met[0] = mcv_abs(mcv_dot(direction, there.face));
     met[1] = mcv_emitted(world, there, emitter, mcv_scale(direction, -1.0f)).c[0];

@@ -32,6 +32,9 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
 #if MCV_WITH_DIELECTRIC
     MCV_WORD(slot, media, 0) = world.frame->initial_media;
 #endif
+#if MCV_WITH_SURFACES
+    MCV_WORD(slot, left, 0) = MCV_NONE;
+#endif
 #if MCV_WITH_NEXT_EVENT
     MCV_STORE(slot, density, 0, 0.0f);
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stage: finds the first surface on a ray. reads ray -> writes hit, throughput after absorption on the way */
 #include "path.h"
-#include "surface.h"
+#include "closest.h"
 
 static void mcv_arrive(mcv_world world, mcv_slot slot, mcv_hit hit) {
     MCV_STORE(slot, hit, 0, hit.t);
@@ -19,6 +19,9 @@ static void mcv_arrive(mcv_world world, mcv_slot slot, mcv_hit hit) {
 }
 
 MCV_FUNCTION void mcv_intersect_closest(mcv_world world, mcv_slot slot) {
-    mcv_arrive(world, slot,
-               mcv_intersect_closest_ray(world.nodes, world.leaves, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), INFINITY));
+    uint left = MCV_NONE;
+#if MCV_WITH_SURFACES
+    left = MCV_WORD(slot, left, 0);
+#endif
+    mcv_arrive(world, slot, mcv_closest(world, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), left));
 }

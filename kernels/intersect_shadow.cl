@@ -2,6 +2,9 @@
 /* Stage: adds the light of a shadow ray that nothing blocks. reads shadow ray -> writes radiance */
 #include "path.h"
 #include "surface.h"
+#if MCV_WITH_SURFACES
+#include "solids.h"
+#endif
 
 /* The light of the emitter at the hit arrives; a ray that ends at the emitter's point has no triangle. */
 static void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_hit hit) {
@@ -38,17 +41,31 @@ static int mcv_shadow_is_any(mcv_slot slot) { return MCV_WORD(slot, shadow_targe
 static float mcv_shadow_end(mcv_slot slot) { return MCV_WORD(slot, shadow_target, 0) == MCV_NONE ? 1.0f : INFINITY; }
 
 static int mcv_meets_target(mcv_world world, mcv_slot slot, mcv_hit hit) {
-    return hit.triangle != MCV_NONE && world.triangles[hit.triangle].w == MCV_WORD(slot, shadow_target, 0);
+    return hit.triangle != MCV_NONE && mcv_instance_of(world, hit.triangle) == MCV_WORD(slot, shadow_target, 0);
+}
+
+/* What the shadow ray meets, of triangles (the given hit) and exact surfaces. */
+MCV_FUNCTION mcv_hit mcv_shadow_past_solids(mcv_world world, mcv_slot slot, mcv_hit hit) {
+#if MCV_WITH_SURFACES
+    if (hit.triangle != MCV_NONE && mcv_shadow_is_any(slot)) return hit;
+    hit = mcv_meet_solids_along(world, MCV_LOAD_3(slot, shadow_origin), MCV_LOAD_3(slot, shadow_direction), MCV_WORD(slot, shadow_left, 0),
+                                hit);
+#else
+    (void)world, (void)slot;
+#endif
+    return hit;
 }
 
 MCV_FUNCTION void mcv_intersect_shadow(mcv_world world, mcv_slot slot) {
     const mcv_vec3 origin = MCV_LOAD_3(slot, shadow_origin);
     const mcv_vec3 direction = MCV_LOAD_3(slot, shadow_direction);
     if (mcv_shadow_is_any(slot)) {
-        const mcv_hit end = {mcv_shadow_end(slot), 0.0f, 0.0f, MCV_NONE};
-        if (!mcv_intersect_any_ray(world.nodes, world.leaves, origin, direction, end.t)) mcv_add_shadow_light(world, slot, end);
+        const mcv_hit end = mcv_shadow_past_solids(world, slot, mcv_miss(mcv_shadow_end(slot)));
+        if (end.triangle == MCV_NONE && !mcv_intersect_any_ray(world.nodes, world.leaves, origin, direction, end.t))
+            mcv_add_shadow_light(world, slot, end);
     } else {
-        const mcv_hit hit = mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction, INFINITY);
+        const mcv_hit hit =
+            mcv_shadow_past_solids(world, slot, mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction, INFINITY));
         if (mcv_meets_target(world, slot, hit)) mcv_add_shadow_light(world, slot, hit);
     }
 }

@@ -10,7 +10,11 @@
 /* Works out the surface; where nothing was met, some other one. */
 MCV_LOOP_FUNCTION void mcv_find_surface(mcv_world world, mcv_slot slot) {
     const uint met = MCV_WORD(slot, hit, 3);
-    const mcv_surface surface = mcv_surface_at(world, met == MCV_NONE ? 0u : met, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
+#if MCV_WITH_SURFACES
+    if (met == MCV_NONE) return; /* there may be no triangle */
+#endif
+    const mcv_hit hit = {MCV_LOAD(slot, hit, 0), MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2), met == MCV_NONE ? 0u : met};
+    const mcv_surface surface = mcv_surface_met(world, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), hit);
     MCV_STORE_3(slot, point, surface.point);
     MCV_STORE_3(slot, error, surface.error);
     MCV_STORE_3(slot, face, surface.face);
@@ -31,7 +35,13 @@ MCV_LOOP_FUNCTION mcv_meeting mcv_meet_surface(mcv_world world, mcv_slot slot) {
     surface.normal = MCV_LOAD_3(slot, normal);
     surface.area = MCV_LOAD(slot, area, 0);
     surface.triangle = triangle;
-    surface.corners = mcv_triangle_corners(world, triangle);
+#if MCV_WITH_SURFACES
+    if (triangle >= MCV_EXACT) {
+        surface.corners.x = surface.corners.y = surface.corners.z = 0u;
+        surface.corners.w = mcv_instance_of(world, triangle);
+    } else
+#endif
+        surface.corners = mcv_triangle_corners(world, triangle);
     surface.instance = surface.corners.w;
     surface.u = u;
     surface.v = v;
@@ -43,7 +53,8 @@ MCV_LOOP_FUNCTION mcv_meeting mcv_meet_surface(mcv_world world, mcv_slot slot) {
 #endif
     return meeting;
 #else
-    return mcv_meet(world, MCV_LOAD_3(slot, direction), triangle, u, v);
+    const mcv_hit hit = {MCV_LOAD(slot, hit, 0), u, v, triangle};
+    return mcv_meet(world, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), hit);
 #endif
 }
 

@@ -24,6 +24,7 @@
     X(radiance, MCV_CHANNELS)        /* found so far, L/n² */ \
     X(media, MCV_WITH_DIELECTRIC)    /* set of the media the ray is in */ \
     X(density, MCV_WITH_NEXT_EVENT)  /* with which the last surface chose the direction [1/sr]; 0: it is smooth */ \
+    X(left, MCV_WITH_SURFACES)       /* the exact surface that the ray starts on (mcvisi/surfaces/solid.h), or MCV_NONE */ \
     X(trail, MCV_WITH_LIGHT_TRACING) /* MCV_TRAIL_… */ \
     X(stream, 1)                     /* of random numbers: pixel, replicate, seed */ \
     X(sample, 1) \
@@ -39,6 +40,7 @@
     X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT) /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS *MCV_WITH_DIELECTRIC) /* that it leaves the surface in */ \
+    X(shadow_left, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
     X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing before t = 1; MCV_SKY: nothing at all */ \
     X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */
 

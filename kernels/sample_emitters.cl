@@ -165,7 +165,7 @@ static mcv_shadow mcv_sample_towards(mcv_world world, mcv_meeting at, uint emitt
 MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) {
     const uint triangle = MCV_WORD(slot, hit, 3);
     if (triangle == MCV_NONE) return 0;
-    const uint material = world.instances[world.triangles[triangle].w].material;
+    const uint material = world.instances[mcv_instance_of(world, triangle)].material;
     if (!world.materials[material].spreads) return 0;
 
     const mcv_meeting meeting = mcv_meet_surface(world, slot);
@@ -197,6 +197,9 @@ MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) 
 #endif
     MCV_STORE_3(slot, shadow_origin, shadow.origin);
     MCV_STORE_3(slot, shadow_direction, shadow.direction);
+#if MCV_WITH_SURFACES
+    MCV_WORD(slot, shadow_left, 0) = mcv_leave(world, meeting.surface, shadow.direction);
+#endif
     MCV_WORD(slot, shadow_target, 0) = shadow.target;
     MCV_STORE_COLOR(slot, shadow_light, light);
     return 1;

@@ -16,6 +16,9 @@
 #if MCV_WITH_RETROREFLECTOR
 #include "retroreflector.h"
 #endif
+#if MCV_WITH_SURFACES
+#include "solids.h"
+#endif
 
 /* A surface seen from where the ray comes from. */
 typedef struct mcv_meeting {
@@ -44,8 +47,18 @@ MCV_LOOP_FUNCTION mcv_meeting mcv_meet_at(mcv_surface surface, mcv_vec3 directio
     return meeting;
 }
 
-MCV_FUNCTION mcv_meeting mcv_meet(mcv_world world, mcv_vec3 direction, uint triangle, float u, float v) {
-    return mcv_meet_at(mcv_surface_at(world, triangle, u, v), direction);
+/* The surface that a ray from the origin has met. */
+MCV_LOOP_FUNCTION mcv_surface mcv_surface_met(mcv_world world, mcv_vec3 origin, mcv_vec3 direction, mcv_hit hit) {
+#if MCV_WITH_SURFACES
+    if (hit.triangle >= MCV_EXACT) return mcv_exact_surface_at(world, hit.triangle, hit.u, origin, direction, hit.t);
+#else
+    (void)origin, (void)direction;
+#endif
+    return mcv_surface_at(world, hit.triangle, hit.u, hit.v);
+}
+
+MCV_FUNCTION mcv_meeting mcv_meet(mcv_world world, mcv_vec3 origin, mcv_vec3 direction, mcv_hit hit) {
+    return mcv_meet_at(mcv_surface_met(world, origin, direction, hit), direction);
 }
 
 /* How a path goes on. */
@@ -75,11 +88,20 @@ typedef struct mcv_crossing {
 #endif
 } mcv_crossing;
 
-static mcv_crossing mcv_cross_surface(mcv_world world, uint media, uint medium, uint inside) {
+static mcv_crossing mcv_cross_surface(mcv_world world, mcv_meeting meeting, uint media) {
     mcv_crossing crossing;
-    const uint bit = 1u << (medium - 1u);
-    crossing.before = inside ? media | bit : media & ~bit;
-    crossing.after = crossing.before ^ bit;
+    const uint bit = 1u << (world.instances[meeting.surface.instance].medium - 1u);
+    uint left = meeting.inside ? bit : 0u, entered = meeting.inside ? 0u : bit; /* media of the bodies that the surface bounds */
+#if MCV_WITH_SURFACES
+    /* The body in contact, on the other side. */
+    if (meeting.surface.triangle >= MCV_EXACT && meeting.surface.u > 0.0f) {
+        const uint other = 1u << (world.instances[world.solids[(uint)meeting.surface.u - 1u].instance[0]].medium - 1u);
+        left |= meeting.inside ? 0u : other;
+        entered |= meeting.inside ? other : 0u;
+    }
+#endif
+    crossing.before = (media | left) & ~entered;
+    crossing.after = crossing.before ^ (left | entered);
     const uint at = mcv_filling_medium(crossing.before) * (MCV_MAX_MEDIA + 1u) + mcv_filling_medium(crossing.after);
     crossing.between = world.interfaces[at];
 #if MCV_WITH_GLOSS
@@ -91,7 +113,7 @@ static mcv_crossing mcv_cross_surface(mcv_world world, uint media, uint medium, 
 /* xi in [0, 1) chooses reflection with probability R; 1 always refracts where that is possible. */
 static mcv_scattering mcv_scatter_dielectric(mcv_world world, mcv_meeting meeting, uint media, uint medium, float xi, uint *unmatched) {
     mcv_scattering scattering;
-    const mcv_crossing crossing = mcv_cross_surface(world, media, medium, meeting.inside);
+    const mcv_crossing crossing = mcv_cross_surface(world, meeting, media);
     const mcv_device_interface between = crossing.between;
     if (crossing.before != media) *unmatched += 1u;
     scattering.factor = mcv_grey(1.0f);
@@ -230,7 +252,7 @@ static int mcv_is_rough(mcv_world world, mcv_meeting meeting, uint media) {
     const uint type = world.materials[instance.material].type;
     if (!world.materials[instance.material].spreads) return 0;
 #if MCV_WITH_DIELECTRIC
-    if (type == MCV_MATERIAL_DIELECTRIC) return mcv_cross_surface(world, media, instance.medium, meeting.inside).albedos != MCV_NONE;
+    if (type == MCV_MATERIAL_DIELECTRIC) return mcv_cross_surface(world, meeting, media).albedos != MCV_NONE;
 #else
     (void)media;
 #endif
@@ -266,7 +288,7 @@ static mcv_gloss_meeting mcv_meet_gloss(mcv_world world, mcv_meeting meeting, ui
     m.gloss.alpha.y = alpha;
 #if MCV_WITH_DIELECTRIC
     if (m.gloss.type == MCV_MATERIAL_DIELECTRIC) {
-        const mcv_crossing crossing = mcv_cross_surface(world, media, world.instances[surface.instance].medium, meeting.inside);
+        const mcv_crossing crossing = mcv_cross_surface(world, meeting, media);
         m.near_media = crossing.before;
         m.far_media = crossing.after;
         m.gloss.between = crossing.between;
@@ -468,7 +490,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, ui
 #if MCV_WITH_GLOSS
     if (mcv_is_rough(world, meeting, media)) {
 #if MCV_WITH_DIELECTRIC
-        if (instance.medium != 0 && mcv_cross_surface(world, media, instance.medium, meeting.inside).before != media) *unmatched += 1u;
+        if (instance.medium != 0 && mcv_cross_surface(world, meeting, media).before != media) *unmatched += 1u;
 #endif
         return mcv_scatter_gloss(world, meeting, instance.material, media, pair, choice);
     }

@@ -85,6 +85,9 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
 
     MCV_STORE_3(slot, origin, mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, on.direction));
     MCV_STORE_3(slot, direction, on.direction);
+#if MCV_WITH_SURFACES
+    MCV_WORD(slot, left, 0) = mcv_leave(world, meeting.surface, on.direction);
+#endif
     MCV_STORE_COLOR(slot, throughput, throughput);
 #if MCV_WITH_DIELECTRIC
     MCV_WORD(slot, media, 0) = on.media;

@@ -38,6 +38,14 @@ MCV_FUNCTION mcv_corners mcv_triangle_corners(mcv_world world, uint triangle) {
     return corners;
 }
 
+/* The instance that a hit is on. */
+MCV_FUNCTION uint mcv_instance_of(mcv_world world, uint triangle) {
+#if MCV_WITH_SURFACES
+    if (triangle >= MCV_EXACT) return world.solids[(triangle & ~MCV_EXACT) >> 2].instance[triangle & 3u];
+#endif
+    return world.triangles[triangle].w;
+}
+
 #if MCV_WITH_NORMALS
 MCV_FUNCTION mcv_vec3 mcv_interpolate(mcv_vec3 a, mcv_vec3 b, mcv_vec3 c, float u, float v) {
     return mcv_along(mcv_along(mcv_scale(a, 1.0f - u - v), u, b), v, c);

@@ -52,7 +52,13 @@ static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count, uint
         MCV_CLOSEST_LATER(world.nodes, world.leaves, origins, directions, all, count, hits);
     else
         MCV_CLOSEST_FIRST(world.nodes, world.leaves, origins, directions, all, count, hits);
-    for (slot.index = 0; slot.index < count; ++slot.index) mcv_arrive(world, slot, hits[slot.index]);
+    for (slot.index = 0; slot.index < count; ++slot.index) {
+#if MCV_WITH_SURFACES
+        hits[slot.index] =
+            mcv_meet_solids(world, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), MCV_WORD(slot, left, 0), hits[slot.index]);
+#endif
+        mcv_arrive(world, slot, hits[slot.index]);
+    }
 }
 
 #if MCV_WITH_NEXT_EVENT
@@ -74,6 +80,7 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
             MCV_CLOSEST_SHADOW(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
         for (uint i = 0; i < chosen_count; ++i) {
             slot.index = chosen[i];
+            hits[i] = mcv_shadow_past_solids(world, slot, hits[i]);
             if (any ? hits[i].triangle == MCV_NONE : mcv_meets_target(world, slot, hits[i])) mcv_add_shadow_light(world, slot, hits[i]);
         }
     }

@@ -25,6 +25,9 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
     on.media = ray.media;
     on.event = MCV_EVENT_START;
     uint triangle = MCV_NONE;
+#if MCV_WITH_SURFACES
+    uint left = MCV_NONE;
+#endif
     uint unmatched = 0;
     float distance = 0.0f;
     float transmittance = 1.0f;
@@ -55,6 +58,9 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
 #if MCV_WITH_DIELECTRIC
         MCV_WORD(slot, media, 0) = on.media;
 #endif
+#if MCV_WITH_SURFACES
+        MCV_WORD(slot, left, 0) = left;
+#endif
         mcv_intersect_closest(world, slot);
         triangle = MCV_WORD(slot, hit, 3);
         distance = MCV_LOAD(slot, hit, 0);
@@ -69,13 +75,17 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         }
 
         /* Go through it. */
-        const mcv_meeting meeting = mcv_meet(world, direction, triangle, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
+        const mcv_hit hit = {distance, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2), triangle};
+        const mcv_meeting meeting = mcv_meet(world, origin, direction, hit);
         const uint emitter = world.instances[meeting.surface.instance].emitter;
         radiance = emitter == MCV_NONE ? 0.0f : mcv_emission_met(world, meeting, emitter, on.media, 0.0f, 0.0f).c[0];
         on = mcv_scatter(world, meeting, on.media, always_refract, 1.0f, &unmatched);
         point = meeting.surface.point;
         normal = meeting.normal;
         origin = mcv_offset_origin(point, meeting.surface.error, meeting.face, on.direction);
+#if MCV_WITH_SURFACES
+        left = mcv_leave(world, meeting.surface, on.direction);
+#endif
         if (on.event == MCV_EVENT_END)
             on.direction = mcv_vec(0.0f, 0.0f, 0.0f);
         else

@@ -12,6 +12,7 @@
  * reads nothing -> writes splats
  */
 #include "choose.h"
+#include "closest.h"
 #include "scatter.h"
 #include "splat_film.cl"
 
@@ -35,6 +36,7 @@ typedef struct mcv_light_path {
     mcv_vec3 origin, direction;
     mcv_color flux;       /* that started [W] */
     mcv_color throughput; /* since then */
+    uint left;            /* the exact surface that it starts on (mcv_leave) */
     uint media;
     int smooth, spread; /* has met such a surface */
     float length;       /* so far [m] */
@@ -108,6 +110,7 @@ static mcv_light_path mcv_leave_emitter(mcv_world world, uint emitter, mcv_pair 
     mcv_light_path path;
     MCV_EACH_CHANNEL(i) path.flux.c[i] = e->radiance[i] * e->light_flux;
     path.throughput = mcv_grey(1.0f);
+    path.left = MCV_NONE;
     path.media = e->media;
     path.smooth = path.spread = 0;
     path.length = 0.0f;
@@ -165,26 +168,38 @@ static void mcv_enter_lens(mcv_world world, mcv_light_path path, float t, __glob
 #endif
 
 #if MCV_WITH_NEXT_EVENT
-/* What plates leave of light from a place to another, at most so many of them; 0 where anything else is between. */
-static mcv_color mcv_pass_plates(mcv_world world, mcv_vec3 origin, mcv_vec3 end, uint media, uint plates, uint counts[MCV_COUNTER_COUNT]) {
+/* What plates leave of light from a place (on the surface `begun`, mcv_leave) to another, at most so many of them; 0 where anything else is
+ * between. */
+static mcv_color mcv_pass_plates(mcv_world world, mcv_vec3 origin, uint begun, mcv_vec3 end, uint media, uint plates,
+                                 uint counts[MCV_COUNTER_COUNT]) {
     mcv_color left = mcv_grey(1.0f);
 #if MCV_WITH_SHEET
     const mcv_pair never_reflect = {1.0f, 0.0f};
     for (;; --plates) {
         const mcv_vec3 way = mcv_sub(end, origin);
-        const mcv_hit hit = mcv_intersect_closest_ray(world.nodes, world.leaves, origin, way, 1.0f);
+        const mcv_hit hit = mcv_closest_within(world, origin, way, begun);
         ++counts[MCV_COUNTER_shadow_rays];
         if (hit.triangle == MCV_NONE) return left;
-        const mcv_meeting meeting = mcv_meet(world, mcv_normalize(way), hit.triangle, hit.u, hit.v);
+        const mcv_meeting meeting = mcv_meet_at(mcv_surface_met(world, origin, way, hit), mcv_normalize(way));
         if (plates == 0 || !mcv_is_plate(world, meeting)) return mcv_grey(0.0f);
         const mcv_scattering on = mcv_scatter(world, meeting, media, never_reflect, 0.0f, &counts[MCV_COUNTER_unmatched]);
         left = on.event == MCV_EVENT_PASS ? mcv_dim(mcv_tint(left, on.factor), on.chance) : mcv_grey(0.0f);
         if (!(mcv_brightest(left) > 0.0f)) return left;
         origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, way);
+#if MCV_WITH_SURFACES
+        begun = mcv_leave(world, meeting.surface, way);
+#endif
     }
 #else
     ++counts[MCV_COUNTER_shadow_rays];
-    if (mcv_intersect_any_ray(world.nodes, world.leaves, origin, mcv_sub(end, origin), 1.0f)) left = mcv_grey(0.0f);
+    const mcv_vec3 way = mcv_sub(end, origin);
+    int blocked = mcv_intersect_any_ray(world.nodes, world.leaves, origin, way, 1.0f);
+#if MCV_WITH_SURFACES
+    blocked = blocked || mcv_meet_solids_along(world, origin, way, begun, mcv_miss(1.0f)).triangle != MCV_NONE;
+#else
+    (void)begun;
+#endif
+    if (blocked) left = mcv_grey(0.0f);
     (void)media, (void)plates;
 #endif
     return left;
@@ -207,7 +222,11 @@ static void mcv_connect(mcv_world world, mcv_meeting meeting, mcv_color flux, ui
     const mcv_response response = mcv_respond(world, meeting, media, out);
     if (!(mcv_brightest(response.value) > 0.0f)) return;
     const mcv_vec3 origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, out);
-    const mcv_color left = mcv_pass_plates(world, origin, seen.origin, response.media, plates, counts);
+    uint begun = MCV_NONE;
+#if MCV_WITH_SURFACES
+    begun = mcv_leave(world, meeting.surface, out);
+#endif
+    const mcv_color left = mcv_pass_plates(world, origin, begun, seen.origin, response.media, plates, counts);
     if (!(mcv_brightest(left) > 0.0f)) return;
     const float d = mcv_sqrt(mcv_dot(sight.direction, sight.direction));
     mcv_color value = mcv_tint(mcv_tint(flux, response.value), left);
@@ -243,7 +262,7 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
 
     for (uint depth = 1; depth < world.frame->depth; ++depth) {
         const mcv_pair choice = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_CHOICE));
-        const mcv_hit hit = mcv_intersect_closest_ray(world.nodes, world.leaves, path.origin, path.direction, INFINITY);
+        const mcv_hit hit = mcv_closest(world, path.origin, path.direction, path.left);
         ++counts[MCV_COUNTER_rays];
 #if MCV_WITH_BEAM
         if (e->type == MCV_EMITTER_COLLIMATED_BEAM && !path.spread)
@@ -254,7 +273,7 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
 #if MCV_WITH_ABSORPTION
         path.throughput = mcv_tint(path.throughput, mcv_medium_transmittance(world, path.media, hit.t));
 #endif
-        const mcv_meeting meeting = mcv_meet(world, path.direction, hit.triangle, hit.u, hit.v);
+        const mcv_meeting meeting = mcv_meet(world, path.origin, path.direction, hit);
         const int left_to_camera = found_by_chance && !mcv_is_wide(world, meeting);
 #if MCV_WITH_NEXT_EVENT
         if (path.smooth && !left_to_camera && world.materials[world.instances[meeting.surface.instance].material].spreads) {
@@ -283,6 +302,9 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
             path.throughput = mcv_dim(path.throughput, 1.0f / brightest);
         }
         path.origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, on.direction);
+#if MCV_WITH_SURFACES
+        path.left = mcv_leave(world, meeting.surface, on.direction);
+#endif
         path.direction = on.direction;
         path.media = on.media;
     }

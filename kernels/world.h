@@ -60,6 +60,12 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
 #define mcv_sensor_through MCV_JOIN(mcv_, MCV_SENSOR, _through)
 #endif
 
+#if MCV_WITH_SURFACES
+#define MCV_SOLID mcv_device_solid
+#else
+#define MCV_SOLID uint
+#endif
+
 #define MCV_WORLD(X) \
     X(__constant const mcv_frame, frame) \
     X(__constant const mcv_sensor, sensor) \
@@ -81,7 +87,8 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
     X(__global const uint, emitter_cdf) \
     X(__global const mcv_device_texture, textures) \
     X(__global const uint, texels)         /* RGBA, 8 bits each */ \
-    X(__global const mcv_device_aim, aims) /* of the pixels, row by row */
+    X(__global const mcv_device_aim, aims) /* of the pixels, row by row */ \
+    X(__global const MCV_SOLID, solids)
 
 #define MCV_WORLD_FIELD(type, name) type *name;
 #define MCV_WORLD_PARAMETER(type, name) type *name,

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "reference/geometry.h"
 
+#include "reference/solids.h"
+
 #include <float.h>
 #include <stdlib.h>
 
@@ -106,6 +108,11 @@ static void build(ref_geometry *geometry, uint32_t node, uint32_t *node_count, u
 mcv_result ref_geometry_new(const mcv_scene *scene, ref_geometry *geometry, mcv_error *error) {
     *geometry = (ref_geometry){.scene = scene};
     const size_t count = scene->triangle_count;
+    geometry->pieces = calloc(REF_PIECES * (size_t)scene->solid_count + 1, sizeof *geometry->pieces);
+    if (!geometry->pieces) return mcv_fail(error, MCV_FAILED, "reference renderer: no memory for the exact surfaces of %s", scene->path);
+    for (uint32_t i = 0; i < REF_PIECES * scene->solid_count; ++i)
+        geometry->pieces[i] =
+            (ref_triangle){.instance = scene->solids[i / REF_PIECES].instances[i % REF_PIECES], .number = scene->triangle_count + i};
     if (count == 0) return MCV_OK;
     geometry->triangles = malloc(count * sizeof *geometry->triangles);
     geometry->nodes = malloc(2 * count * sizeof *geometry->nodes);
@@ -126,12 +133,14 @@ mcv_result ref_geometry_new(const mcv_scene *scene, ref_geometry *geometry, mcv_
     }
     uint32_t node_count = 1;
     build(geometry, 0, &node_count, 0, kept, 0);
+    geometry->touch = FLT_EPSILON * 2 * ref_length(ref_sub(geometry->nodes[0].high, geometry->nodes[0].low));
     return MCV_OK;
 }
 
 void ref_geometry_free(ref_geometry *geometry) {
     free(geometry->triangles);
     free(geometry->nodes);
+    free(geometry->pieces);
     *geometry = (ref_geometry){0};
 }
 
@@ -198,13 +207,19 @@ static bool meets_triangle(const ray *r, const ref_triangle *triangle, ref_hit *
 }
 
 /* With windings: counts every hit instead of keeping the closest. */
-static bool traverse(const ref_geometry *geometry, const ray *r, uint32_t skip, ref_hit *closest, int *windings) {
+static bool is_skipped(const ref_skip *skip, uint32_t number) {
+    for (uint32_t i = 0; i < skip->count; ++i)
+        if (skip->numbers[i] == number) return true;
+    return false;
+}
+
+static bool traverse(const ref_geometry *geometry, const ray *r, const ref_skip *skip, ref_hit *closest, int *windings) {
+    closest->distance = INFINITY;
+    closest->triangle = NULL;
     if (!geometry->nodes) return false;
     uint32_t stack[STACK_SIZE];
     int top = 0;
     double enter;
-    closest->distance = INFINITY;
-    closest->triangle = NULL;
     stack[top++] = 0;
     while (top > 0) {
         const ref_node *node = &geometry->nodes[stack[--top]];
@@ -222,7 +237,7 @@ static bool traverse(const ref_geometry *geometry, const ray *r, uint32_t skip, 
             const ref_triangle *triangle = &geometry->triangles[i];
             ref_hit hit;
             bool front;
-            if (triangle->number == skip || !meets_triangle(r, triangle, &hit, &front)) continue;
+            if (is_skipped(skip, triangle->number) || !meets_triangle(r, triangle, &hit, &front)) continue;
             if (windings) {
                 windings[triangle->instance] += front ? -1 : 1;
             } else if (hit.distance < closest->distance ||
@@ -234,15 +249,56 @@ static bool traverse(const ref_geometry *geometry, const ray *r, uint32_t skip, 
     return closest->triangle != NULL;
 }
 
-bool ref_closest_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction, uint32_t skip, ref_hit *hit) {
+bool ref_next_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction, const ref_skip *skip, ref_hit *hit) {
+    const mcv_scene *scene = geometry->scene;
     const ray r = ray_new(origin, direction);
-    return traverse(geometry, &r, skip, hit, NULL);
+    traverse(geometry, &r, skip, hit, NULL);
+    for (uint32_t i = 0; i < REF_PIECES * scene->solid_count; ++i) {
+        const ref_triangle *piece = geometry->pieces + i;
+        double distances[REF_MEETINGS];
+        const int n = ref_meet_piece(scene->solids + i / REF_PIECES, (int)(i % REF_PIECES), origin, direction,
+                                     is_skipped(skip, piece->number), distances);
+        for (int k = 0; k < n; ++k)
+            if (distances[k] < hit->distance)
+                *hit =
+                    (ref_hit){.distance = distances[k], .triangle = piece, .position = ref_add(origin, ref_scale(distances[k], direction))};
+    }
+    return hit->triangle != NULL;
+}
+
+bool ref_closest_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction, uint32_t skip, ref_hit *hit) {
+    return ref_next_hit(geometry, origin, direction, &(ref_skip){.count = skip != MCV_NONE, .numbers = {skip}}, hit);
+}
+
+static bool is_dielectric(const mcv_scene *scene, const ref_hit *hit) {
+    return scene->materials[scene->instances[hit->triangle->instance].material].type == MCV_MATERIAL_DIELECTRIC;
+}
+
+uint32_t ref_hits_together(const ref_geometry *geometry, ref_vec origin, ref_vec direction, const ref_skip *skip, const ref_hit *hit,
+                           ref_hit hits[REF_SKIPS]) {
+    uint32_t count = 1;
+    ref_skip passed = *skip;
+    hits[0] = *hit;
+    if (!is_dielectric(geometry->scene, hit)) return 1;
+    while (count < REF_SKIPS && passed.count < REF_SKIPS) {
+        const ref_hit *last = hits + count - 1;
+        const double slant = fabs(ref_dot(direction, ref_surface_at(geometry, last).geometric));
+        ref_hit next;
+        passed.numbers[passed.count++] = last->triangle->number;
+        if (!ref_next_hit(geometry, origin, direction, &passed, &next) || !is_dielectric(geometry->scene, &next)) break;
+        if ((next.distance - last->distance) * slant > geometry->touch) break;
+        hits[count++] = next;
+    }
+    return count;
 }
 
 void ref_add_windings(const ref_geometry *geometry, ref_vec origin, ref_vec direction, int *winding) {
     const ray r = ray_new(origin, direction);
+    const ref_skip none = {0};
     ref_hit unused;
-    traverse(geometry, &r, MCV_NONE, &unused, winding);
+    traverse(geometry, &r, &none, &unused, winding);
+    for (uint32_t i = 0; i < geometry->scene->solid_count; ++i)
+        if (ref_solid_holds(geometry->scene->solids + i, origin)) ++winding[geometry->scene->solids[i].instances[0]];
 }
 
 ref_surface ref_surface_at(const ref_geometry *geometry, const ref_hit *hit) {
@@ -252,6 +308,13 @@ ref_surface ref_surface_at(const ref_geometry *geometry, const ref_hit *hit) {
     const mcv_mesh *mesh = &scene->meshes[instance->mesh];
     const uint32_t local = triangle->number - instance->first_triangle;
     ref_surface surface = {.instance = triangle->instance, .number = triangle->number};
+    if (triangle->number >= scene->triangle_count) {
+        const uint32_t piece = triangle->number - scene->triangle_count;
+        surface.position = hit->position;
+        ref_on_piece(scene->solids + piece / REF_PIECES, (int)(piece % REF_PIECES), &surface.position, &surface.normal);
+        surface.geometric = surface.normal;
+        return surface;
+    }
     const ref_vec *corner = triangle->corner;
     surface.geometric = ref_unit(ref_cross(ref_sub(corner[1], corner[0]), ref_sub(corner[2], corner[0])));
     surface.normal = surface.geometric;

@@ -15,7 +15,7 @@
 typedef struct ref_triangle {
     ref_vec corner[3];
     uint32_t instance, number; /* number: global in the scene */
-} ref_triangle;
+} ref_triangle;                /* or a piece of a solid, without corners */
 
 /* A leaf holds the triangles first … first + count - 1; an inner node (count 0) its children first and first + 1. */
 typedef struct ref_node {
@@ -27,13 +27,22 @@ typedef struct ref_geometry {
     const mcv_scene *scene;
     ref_triangle *triangles; /* in the order of the tree */
     ref_node *nodes;         /* nodes[0] is the root; NULL for a scene without triangles */
+    ref_triangle *pieces;    /* of the scene's solids */
+    double touch;            /* faces that are no farther apart are in the same place: the rounding of float32 vertices [m] */
 } ref_geometry;
 
 typedef struct ref_hit {
     double distance;   /* along the ray, in units of its direction's length */
     double weights[3]; /* barycentric */
     const ref_triangle *triangle;
+    ref_vec position; /* of a piece */
 } ref_hit;
+
+/* The triangles and pieces that a ray starts on. */
+enum { REF_SKIPS = 16 };
+typedef struct ref_skip {
+    uint32_t count, numbers[REF_SKIPS];
+} ref_skip;
 
 /* What shading needs to know of a hit. */
 typedef struct ref_surface {
@@ -53,6 +62,16 @@ void ref_geometry_free(ref_geometry *geometry);
 
 /* The closest hit with distance > 0, not on the triangle numbered `skip` (where the ray starts; MCV_NONE: nowhere). */
 bool ref_closest_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction, uint32_t skip, ref_hit *hit);
+
+/* The same, not on any of those triangles. */
+bool ref_next_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction, const ref_skip *skip, ref_hit *hit);
+
+/*
+ * The hits of dielectric bodies' surfaces that are in the same place as the given one, itself the first of them, in their order along the
+ * ray; returns how many. One by itself unless its material is a dielectric, too.
+ */
+uint32_t ref_hits_together(const ref_geometry *geometry, ref_vec origin, ref_vec direction, const ref_skip *skip, const ref_hit *hit,
+                           ref_hit hits[REF_SKIPS]);
 
 /*
  * Adds to winding[i], for each instance i, the number of its surfaces that the ray leaves minus those it enters: for closed

@@ -13,11 +13,17 @@ static bool set_inside(ref_media *media, uint32_t instance, bool inside) {
     return true;
 }
 
-bool ref_media_cross(ref_media *near, ref_media *far, uint32_t instance, bool front) {
-    const bool corrected = set_inside(near, instance, !front);
+bool ref_media_cross_all(ref_media *near, ref_media *far, uint32_t count, const uint32_t *instances, const bool *fronts) {
+    bool corrected = false;
+    for (uint32_t i = 0; i < count; ++i)
+        if (set_inside(near, instances[i], !fronts[i])) corrected = true;
     *far = *near;
-    set_inside(far, instance, front);
+    for (uint32_t i = 0; i < count; ++i) set_inside(far, instances[i], fronts[i]);
     return !corrected;
+}
+
+bool ref_media_cross(ref_media *near, ref_media *far, uint32_t instance, bool front) {
+    return ref_media_cross_all(near, far, 1, &instance, &front);
 }
 
 const mcv_dielectric_params *ref_media_filling(const ref_media *media, const mcv_scene *scene) {

@@ -26,6 +26,9 @@ mcv_result ref_media_at(const ref_geometry *geometry, ref_vec point, int *windin
  */
 bool ref_media_cross(ref_media *near, ref_media *far, uint32_t instance, bool front);
 
+/* The same for surfaces in the same place, which the path meets all at once. */
+bool ref_media_cross_all(ref_media *near, ref_media *far, uint32_t count, const uint32_t *instances, const bool *fronts);
+
 /* The material that fills the space, or NULL for vacuum (n = 1, clear). */
 const mcv_dielectric_params *ref_media_filling(const ref_media *media, const mcv_scene *scene);
 

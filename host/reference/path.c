@@ -12,11 +12,24 @@ enum { ROULETTE_DEPTH = 8 };
 
 typedef struct path {
     ref_vec origin, direction;
-    uint32_t skip; /* the triangle it starts on */
+    ref_skip skip; /* the surfaces it starts on */
     ref_media media;
     double throughput[3];
     double density; /* with which the direction was chosen [1/sr] if emitters were sampled too; else 0: emission counts in full */
 } path;
+
+ref_hits ref_hits_at(const ref_geometry *geometry, ref_vec origin, ref_vec direction, const ref_skip *skip, const ref_hit *hit) {
+    ref_hit together[REF_SKIPS];
+    ref_hits hits = {.count = ref_hits_together(geometry, origin, direction, skip, hit, together)};
+    hits.numbers.count = hits.count;
+    for (uint32_t i = 0; i < hits.count; ++i) {
+        const ref_surface surface = ref_surface_at(geometry, together + i);
+        hits.instances[i] = surface.instance;
+        hits.fronts[i] = ref_dot(direction, surface.geometric) < 0;
+        hits.numbers.numbers[i] = surface.number;
+    }
+    return hits;
+}
 
 static void multiply(double a[3], const double b[3]) {
     for (int channel = 0; channel < 3; ++channel) a[channel] *= b[channel];
@@ -174,11 +187,11 @@ static void find_frame(const ref_surface *surface, spreader *s) {
     s->o = to_frame(s, ref_scale(-1, s->meeting.direction));
 }
 
-static bool meet_dielectric(const ref_world *world, path *p, const ref_surface *surface, bool last, ref_random *random, ref_tally *tally,
-                            double radiance[3]) {
+static bool meet_dielectric(const ref_world *world, path *p, const ref_surface *surface, const ref_hits *hits, bool last,
+                            ref_random *random, ref_tally *tally, double radiance[3]) {
     const ref_meeting meeting = ref_meet(surface, p->direction);
     ref_media beyond;
-    if (!ref_media_cross(&p->media, &beyond, surface->instance, meeting.front)) ++tally->unmatched;
+    if (!ref_media_cross_all(&p->media, &beyond, hits->count, hits->instances, hits->fronts)) ++tally->unmatched;
     const double from = ref_media_ior(ref_media_filling(&p->media, world->scene));
     const double to = ref_media_ior(ref_media_filling(&beyond, world->scene));
     const uint32_t number = world->scene->instances[surface->instance].material;
@@ -287,8 +300,8 @@ static bool meet_retroreflector(const ref_world *world, path *p, const ref_surfa
     return largest(s.share) > 0 && meet_spreader(world, p, surface, &s, last, random, tally, radiance);
 }
 
-static bool meet_surface(const ref_world *world, path *p, const ref_surface *surface, bool last, ref_random *random, ref_tally *tally,
-                         double radiance[3]) {
+static bool meet_surface(const ref_world *world, path *p, const ref_surface *surface, const ref_hits *hits, bool last, ref_random *random,
+                         ref_tally *tally, double radiance[3]) {
     const mcv_material *material = &world->scene->materials[world->scene->instances[surface->instance].material];
     double share[3];
     p->density = 0; /* emitters behind smooth surfaces, passed straight or not, are not sampled */
@@ -301,7 +314,7 @@ static bool meet_surface(const ref_world *world, path *p, const ref_surface *sur
         return meet_spreader(world, p, surface, &s, last, random, tally, radiance);
     }
     case MCV_MATERIAL_DIELECTRIC:
-        return meet_dielectric(world, p, surface, last, random, tally, radiance);
+        return meet_dielectric(world, p, surface, hits, last, random, tally, radiance);
     case MCV_MATERIAL_CONDUCTOR:
         if (mcv_material_is_rough(material)) return meet_gloss(world, p, surface, last, random, tally, radiance);
         meet_conductor(world, p, surface, &material->as.conductor);
@@ -336,7 +349,7 @@ static bool survives(path *p, ref_random *random) {
 }
 
 void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *random, ref_tally *tally, double value[3]) {
-    path p = {.origin = sight->origin, .direction = sight->direction, .skip = MCV_NONE, .media = world->media, .throughput = {1, 1, 1}};
+    path p = {.origin = sight->origin, .direction = sight->direction, .media = world->media, .throughput = {1, 1, 1}};
     const double sensor_ior = ref_media_ior(ref_media_filling(&p.media, world->scene));
     value[0] = value[1] = value[2] = 0;
     if (sight->weight == 0) return; /* the lens stops it */
@@ -352,7 +365,7 @@ void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *
         const double ior = ref_media_ior(filling);
         ref_hit hit;
         ++tally->rays;
-        if (!ref_closest_hit(&world->geometry, p.origin, p.direction, p.skip, &hit)) {
+        if (!ref_next_hit(&world->geometry, p.origin, p.direction, &p.skip, &hit)) {
             double sky[3];
             ref_environment(world->scene, &world->emitters, p.direction, sky);
             for (int channel = 0; channel < 3; ++channel)
@@ -364,10 +377,11 @@ void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *
         if (filling)
             for (int channel = 0; channel < 3; ++channel) p.throughput[channel] *= exp(-filling->absorption[channel] * hit.distance);
         add_emission(world, &p, &surface, ior, value);
-        if (!meet_surface(world, &p, &surface, met + 1 == world->depth, random, tally, value)) break;
+        const ref_hits hits = ref_hits_at(&world->geometry, p.origin, p.direction, &p.skip, &hit);
+        if (!meet_surface(world, &p, &surface, &hits, met + 1 == world->depth, random, tally, value)) break;
         if (largest(p.throughput) == 0 || (met + 1 >= ROULETTE_DEPTH && !survives(&p, random))) break;
         p.origin = surface.position;
-        p.skip = surface.number;
+        p.skip = hits.numbers;
     }
     for (int channel = 0; channel < 3; ++channel) value[channel] *= sight->weight * sensor_ior * sensor_ior;
 }

@@ -30,6 +30,14 @@ typedef struct ref_tally {
         cut; /* throughput of the paths begun and of those that the depth limit ended, largest channel, times the sensor's weight */
 } ref_tally;
 
+/* Surfaces in the same place, as a path meets them. */
+typedef struct ref_hits {
+    uint32_t count, instances[REF_SKIPS];
+    bool fronts[REF_SKIPS];
+    ref_skip numbers;
+} ref_hits;
+ref_hits ref_hits_at(const ref_geometry *geometry, ref_vec origin, ref_vec direction, const ref_skip *skip, const ref_hit *hit);
+
 /* Follows one ray of sight: what it adds to its pixel, the radiance that arrives along it times its weight. */
 void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *random, ref_tally *tally, double value[3]);
 

@@ -33,7 +33,8 @@ static void store(double out[3], ref_vec v) {
 }
 
 /* Bends the ray at a surface and completes the vertex: direction, event, transmittance. False: the path ends. */
-static bool bend(const mcv_scene *scene, const ref_surface *surface, ref_vec *direction, ref_media *media, mcv_vertex *vertex) {
+static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_hits *hits, ref_vec *direction, ref_media *media,
+                 mcv_vertex *vertex) {
     const mcv_material *material = &scene->materials[scene->instances[surface->instance].material];
     const double ior = ref_media_ior(ref_media_filling(media, scene));
     double texture[3];
@@ -73,7 +74,7 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, ref_vec *di
         break;
     case MCV_MATERIAL_DIELECTRIC: {
         ref_media beyond;
-        ref_media_cross(media, &beyond, surface->instance, meeting.front);
+        ref_media_cross_all(media, &beyond, hits->count, hits->instances, hits->fronts);
         const double from = ref_media_ior(ref_media_filling(media, scene)), to = ref_media_ior(ref_media_filling(&beyond, scene));
         if (mcv_material_is_rough(material) && from != to) break;
         reflectance = ref_reflectance(&meeting, from, to);
@@ -101,22 +102,25 @@ static mcv_result trace_ray(const ref_world *world, ref_media media, uint32_t ra
     vertex.ior = ref_media_ior(ref_media_filling(&media, scene));
     MCV_TRY(append(all, vertex, error));
     bool goes_on = true;
-    for (uint32_t skip = MCV_NONE; goes_on && vertex.index < world->depth; skip = vertex.triangle) {
+    ref_skip skip = {0};
+    while (goes_on && vertex.index < world->depth) {
         const mcv_dielectric_params *filling = ref_media_filling(&media, scene);
         const double squared = vertex.ior * vertex.ior;
         ref_hit hit;
         ++vertex.index;
-        if (ref_closest_hit(&world->geometry, origin, direction, skip, &hit)) {
+        if (ref_next_hit(&world->geometry, origin, direction, &skip, &hit)) {
             const ref_surface surface = ref_surface_at(&world->geometry, &hit);
             double emitted[3];
             ref_emitted(scene, &surface, ref_scale(-1, direction), emitted);
+            const ref_hits hits = ref_hits_at(&world->geometry, origin, direction, &skip, &hit);
+            skip = hits.numbers;
             origin = surface.position;
             vertex.distance = hit.distance;
             vertex.triangle = surface.number;
             vertex.radiance = emitted[0] / squared;
             if (filling) vertex.transmittance *= exp(-filling->absorption[0] * hit.distance);
             store(vertex.position, origin);
-            goes_on = bend(scene, &surface, &direction, &media, &vertex);
+            goes_on = bend(scene, &surface, &hits, &direction, &media, &vertex);
         } else {
             goes_on = false;
             vertex.distance = INFINITY;

@@ -92,6 +92,7 @@ static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene 
         {&d->emitter_cdf, "the emitters' areas", emitters ? 4 * p->cdf_count : 0, p->emitter_cdf},
         {&d->textures, "the list of textures", textures ? p->texture_count * sizeof *p->textures : 0, p->textures},
         {&d->texels, "the textures", textures ? 4 * p->texel_count : 0, p->texels},
+        {&d->solids, "the exact surfaces", present(p->solids, p->solid_count * sizeof *p->solids), p->solids},
         {&d->frame, "the frame", sizeof(mcv_frame), NULL},
         {&d->sensor, "the sensor", sizeof(any_sensor), NULL},
     };
@@ -275,6 +276,7 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
     frame->first_pixel = readout.first[1] * readout.angular[1] * frame->row_pitch + readout.first[0] * readout.angular[0];
     const mcv_packed *packed = &device->packed;
     frame->emitter_count = packed->emitter_count;
+    frame->solid_count = packed->solid_count;
     frame->initial_media = mcv_media_around(scene, packed, from->to_world.m + 9);
     uint32_t filling = 0;
     while (filling < MCV_MAX_MEDIA && frame->initial_media >> filling != 0) ++filling;

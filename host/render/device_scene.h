@@ -28,7 +28,8 @@
     X(emitter_cdf) \
     X(textures) \
     X(texels) \
-    X(aims)
+    X(aims) \
+    X(solids)
 #define MCV_X(name) +1
 enum { MCV_SCENE_ARGUMENTS = 0 MCV_SCENE_BUFFERS(MCV_X) };
 #undef MCV_X

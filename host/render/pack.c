@@ -11,6 +11,7 @@
 #include "render/light.h"
 #include "scene/emitters.h"
 #include "scene/mesh.h"
+#include "scene/solid.h"
 #include "scene/transform.h"
 
 static const double pi = 3.14159265358979323846;
@@ -37,6 +38,7 @@ void mcv_packed_free(mcv_packed *packed) {
     free(packed->emitter_cdf);
     free(packed->textures);
     free(packed->texels);
+    free(packed->solids);
     memset(packed, 0, sizeof *packed);
 }
 
@@ -215,6 +217,8 @@ static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, mcv_e
  * to ±4π or to 0, with no ray that could meet an edge; an open surface has less than half and surrounds nothing.
  */
 static bool surrounds(const mcv_scene *scene, uint32_t instance, const double point[3]) {
+    for (uint32_t i = 0; i < scene->solid_count; ++i)
+        if (scene->solids[i].instances[0] == instance) return mcv_solid_holds(scene->solids + i, point);
     const uint32_t triangles = scene->meshes[scene->instances[instance].mesh].triangle_count;
     double half_angle = 0;
     for (uint32_t t = 0; t < triangles; ++t) {
@@ -523,6 +527,7 @@ static uint32_t find_features(const mcv_scene *scene) {
                                                       emitter->type == MCV_EMITTER_DIRECTIONAL) |
                     feature(MCV_FEATURE_TEXTURE, emitter->texture != MCV_NONE);
     }
+    features |= feature(MCV_FEATURE_SURFACES, scene->solid_count > 0);
     const bool spreads = features & (1u << MCV_FEATURE_DIFFUSE | 1u << MCV_FEATURE_GLOSS | 1u << MCV_FEATURE_RETROREFLECTOR);
     const uint32_t looked_for = 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_LIGHT_FIELD | 1u << MCV_FEATURE_PROJECTOR |
                                 1u << MCV_FEATURE_AREA | 1u << MCV_FEATURE_BEAM | 1u << MCV_FEATURE_PUNCTUAL |
@@ -584,6 +589,8 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error
     packed->emitters = allocate(packed->emitter_count, sizeof *packed->emitters, &failed);
     packed->emitter_cdf = allocate(packed->cdf_count, sizeof(uint32_t), &failed);
     packed->textures = allocate(scene->texture_count, sizeof *packed->textures, &failed);
+    packed->solid_count = scene->solid_count;
+    if (scene->solid_count > 0) packed->solids = allocate(scene->solid_count, sizeof *packed->solids, &failed);
     packed->texels = allocate(packed->texel_count, sizeof(uint32_t), &failed);
     if (failed) {
         return mcv_fail(error, MCV_FAILED, "%s: no memory to place %u triangles with %llu vertices", scene->path, scene->triangle_count,
@@ -602,6 +609,7 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error
     for (uint32_t i = 0; i < scene->material_count; ++i) packed->materials[i] = pack_material(&scene->materials[i]);
     pack_textures(scene, packed);
     if (packed->gloss) MCV_TRY(mcv_pack_gloss(scene, packed, error));
+    if (packed->solids) mcv_pack_solids(scene, packed);
     MCV_TRY(assign_media(scene, packed, error));
     return pack_emitters(scene, packed, error);
 }

@@ -23,6 +23,8 @@ typedef struct mcv_packed {
     uint32_t vertex_count, triangle_count, instance_count, material_count, emitter_count, texture_count;
     size_t texel_count, cdf_count;
     float *positions, *normals, *texcoords; /* 3, 3, 2 per vertex; normals and texcoords NULL where no feature needs them */
+    mcv_device_solid *solids;               /* solid_count; NULL without any */
+    uint32_t solid_count;
     uint32_t *indices;                      /* 3 per triangle, for the acceleration structure */
     uint32_t *triangles;                    /* 4 per triangle: the vertices and the instance */
     float *tangents;                        /* 4 per vertex: direction, handedness; NULL where no glossy surface has a direction */
@@ -47,6 +49,9 @@ typedef struct mcv_packed {
 /* Fails without memory, or with more than MCV_MAX_MEDIA bodies that overlap. On failure *packed is empty. */
 mcv_result mcv_pack(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
 void mcv_packed_free(mcv_packed *packed);
+
+/* pack_solids.c: the exact surfaces, about packed->centre. */
+void mcv_pack_solids(const mcv_scene *scene, mcv_packed *packed);
 
 /* The set of media (bit i: medium i + 1) whose closed surfaces surround a world point. */
 uint32_t mcv_media_around(const mcv_scene *scene, const mcv_packed *packed, const double point[3]);

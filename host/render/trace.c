@@ -45,7 +45,7 @@ static mcv_result open_tracer(tracer *t, const mcv_scene *scene, size_t ray_coun
     MCV_TRY(mcv_cl_buffer(&t->cl, "the rays", t->batch * sizeof *t->host_rays, NULL, &t->rays, error));
     MCV_TRY(mcv_cl_buffer(&t->cl, "the vertices", vertices * sizeof *t->host_vertices, NULL, &t->vertices, error));
     MCV_TRY(mcv_cl_buffer(&t->cl, "the numbers of vertices", 4 * (size_t)t->batch, NULL, &t->counts, error));
-    mcv_frame frame = {.depth = options->depth, .environment_emitter = packed->environment_emitter};
+    mcv_frame frame = {.depth = options->depth, .environment_emitter = packed->environment_emitter, .solid_count = packed->solid_count};
     memcpy(frame.environment, packed->environment, sizeof frame.environment);
     return mcv_cl_write(&t->cl, t->scene.frame, 0, sizeof frame, &frame, error);
 }
@@ -84,6 +84,8 @@ static mcv_result device_ray(const tracer *t, const mcv_scene *scene, const mcv_
 
 static mcv_vertex host_vertex(const mcv_packed *packed, const mcv_device_vertex *from, uint32_t ray, uint32_t index) {
     mcv_vertex to = {.ray = ray, .index = index, .distance = from->distance, .triangle = from->triangle, .event = from->event};
+    if (to.triangle != MCV_NONE && to.triangle >= MCV_EXACT) /* 4 per solid there, 3 here, after the triangles */
+        to.triangle = packed->triangle_count + 3 * ((to.triangle & ~MCV_EXACT) >> 2) + (to.triangle & 3u);
     for (int k = 0; k < 3; ++k) {
         to.position[k] = from->position[k] + packed->centre[k];
         to.normal[k] = from->normal[k];

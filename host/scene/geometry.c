@@ -4,6 +4,10 @@
 #include "scene/transform.h"
 
 uint32_t mcv_scene_instance_of(const mcv_scene *scene, uint32_t global) {
+    if (global >= scene->triangle_count) {
+        const uint32_t piece = global - scene->triangle_count;
+        return scene->solids[piece / 3].instances[piece % 3];
+    }
     /* The last instance that starts at or before the triangle: later ones without triangles do not hold it. */
     uint32_t low = 0, high = scene->instance_count;
     while (high - low > 1) {

@@ -15,6 +15,7 @@ static const char *const known_extensions[] = {"MCVISI_sensors",
                                                "MCVISI_materials",
                                                "MCVISI_assets",
                                                "MCVISI_pose",
+                                               "MCVISI_surfaces",
                                                "KHR_materials_transmission",
                                                "KHR_materials_volume",
                                                "KHR_materials_ior",
@@ -133,6 +134,7 @@ static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transf
         }
     }
     MCV_TRY(mcv_load_emitter(loader, node, &to_world, first, loader->scene->instance_count, &here, error));
+    MCV_TRY(mcv_load_body(loader, node, &to_world, &here, error));
     MCV_TRY(mcv_load_light(loader, node, &to_world, &here, error));
     MCV_TRY(mcv_load_sensors(loader, node, &to_world, &here, error));
     mcv_loader *asset;
@@ -296,6 +298,7 @@ mcv_result mcv_load_open(mcv_loader *loader, mcv_overrides overrides, mcv_error 
     if (!loader->is_asset) MCV_TRY(mcv_load_lights(loader, error));
     MCV_TRY(open_data(loader, error));
     MCV_TRY(mcv_load_materials(loader, error));
+    MCV_TRY(mcv_load_bodies(loader, error));
     MCV_TRY(mcv_load_emitter_images(loader, error));
     MCV_TRY(mcv_load_assets(loader, error));
     return warn_ignored(loader, error);
@@ -318,6 +321,7 @@ void mcv_load_finish(mcv_loader *loader) {
     free(loader->sensors);
     free(loader->emitters);
     free(loader->lights);
+    mcv_load_free_bodies(loader);
     free(loader->presets);
     free(loader->sensor_uses);
     free(loader->emitter_uses);

@@ -21,6 +21,14 @@ typedef struct mcv_emission {
     uint32_t texture;
 } mcv_emission;
 
+/* A definition of MCVISI_surfaces: its solids in the body's frame, and what they are made of. */
+typedef struct mcv_body {
+    const char *name;
+    uint32_t count;
+    mcv_solid *solids;
+    uint32_t *materials; /* 2 per solid: of the scene, of the caps and of the side; MCV_NONE: the node's */
+} mcv_body;
+
 typedef struct mcv_loader {
     mcv_scene *scene;
     mcv_place file;
@@ -44,6 +52,8 @@ typedef struct mcv_loader {
     size_t sensor_count, emitter_count;
     mcv_emitter *lights; /* of KHR_lights_punctual */
     size_t light_count;
+    mcv_body *bodies; /* the definitions in MCVISI_surfaces */
+    size_t body_count;
     struct mcv_loader *assets; /* MCVISI_assets */
     char **asset_paths;
     size_t asset_count;
@@ -86,6 +96,15 @@ mcv_result mcv_load_rectangle(mcv_loader *loader, const char *name, const double
 /* load_presets.c: the preset's instances; the first emits. */
 mcv_result mcv_load_preset(mcv_loader *loader, const mcv_preset *preset, const char *name, const mcv_transform *to_world,
                            const mcv_place *place, mcv_error *error);
+
+/* load_surfaces.c: definitions of MCVISI_surfaces, and the body that a node places. */
+mcv_result mcv_load_bodies(mcv_loader *loader, mcv_error *error);
+mcv_result mcv_load_body(mcv_loader *loader, const json_t *node, const mcv_transform *to_world, const mcv_place *place, mcv_error *error);
+void mcv_load_free_bodies(mcv_loader *loader);
+
+/* load_assets.c: the scene's number of the material object[key] (index or name in the document); MCV_NONE where absent. */
+mcv_result mcv_load_find_material(const mcv_loader *loader, const json_t *object, const char *key, uint32_t *material,
+                                  const mcv_place *place, mcv_error *error);
 
 /*
  * load_pose.c: a node's transform below its parent; by its MCVISI_pose, if it has one, in the document's frame; or, by way of

@@ -20,12 +20,14 @@ static mcv_result read_unit(const json_t *object, double *unit, const mcv_place 
     return mcv_fail_at(&here, error, "\"%s\" must be one of nm, um, mm, cm, m", name);
 }
 
-/* The scene's number of the material, by its name or index in the document. */
-static mcv_result find_material(mcv_loader *loader, const json_t *object, uint32_t *material, const mcv_place *place, mcv_error *error) {
-    const json_t *materials = json_object_get(loader->root, "materials"), *value = json_object_get(object, "material");
-    const mcv_place here = mcv_place_key(place, "material");
+/* The material that an emission would be lost on is refused. */
+mcv_result mcv_load_find_material(const mcv_loader *loader, const json_t *object, const char *key, uint32_t *material,
+                                  const mcv_place *place, mcv_error *error) {
+    const json_t *materials = json_object_get(loader->root, "materials"), *value = json_object_get(object, key);
+    const mcv_place here = mcv_place_key(place, key);
     uint32_t index = MCV_NONE;
-    if (!value) return mcv_load_plain(loader, material, error);
+    *material = MCV_NONE;
+    if (!value) return MCV_OK;
     for (size_t i = 0; json_is_string(value) && i < json_array_size(materials); ++i)
         if (strcmp(mcv_json_name(json_array_get(materials, i)), json_string_value(value)) == 0) {
             if (index != MCV_NONE)
@@ -34,10 +36,10 @@ static mcv_result find_material(mcv_loader *loader, const json_t *object, uint32
         }
     if (json_is_string(value) && index == MCV_NONE)
         return mcv_fail_at(&here, error, "there is no material \"%s\"", json_string_value(value));
-    if (!json_is_string(value)) MCV_TRY(mcv_json_index(object, "material", json_array_size(materials), "materials", &index, place, error));
+    if (!json_is_string(value)) MCV_TRY(mcv_json_index(object, key, json_array_size(materials), "materials", &index, place, error));
     const double *radiance = loader->emission[index].radiance;
     if (radiance[0] + radiance[1] + radiance[2] > 0)
-        return mcv_fail_at(&here, error, "the material emits light, which a part from an .stl file cannot: choose another, or use a .glb");
+        return mcv_fail_at(&here, error, "the material emits light, which only a mesh of a glTF file can: choose another");
     *material = loader->first_material + index;
     return MCV_OK;
 }
@@ -55,7 +57,8 @@ static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *
         return mcv_fail_at(&here, error,
                            "is missing, and \"%s\" does not tell it: the part is %.4g x %.4g x %.4g of it, most are in \"mm\"", uri,
                            size[0], size[1], size[2]);
-    return find_material(loader, object, &asset->solid_material, place, error);
+    MCV_TRY(mcv_load_find_material(loader, object, "material", &asset->solid_material, place, error));
+    return asset->solid_material == MCV_NONE ? mcv_load_plain(loader, &asset->solid_material, error) : MCV_OK;
 }
 
 static bool ends_in(const char *text, const char *ending) {

@@ -229,8 +229,8 @@ static mcv_result find_element(const setting *set, const json_t *array, char **r
 }
 
 static mcv_result follow(setting *set, json_t *root) {
-    static const char *const collections[] = {"sensors", "emitters", "assets",   "materials", "nodes",
-                                              "cameras", "meshes",   "textures", "images",    "lights"};
+    static const char *const collections[] = {"sensors", "emitters", "assets", "materials", "nodes",   "cameras",
+                                              "meshes",  "textures", "images", "lights",    "surfaces"};
     char *rest = set->path;
     set->collection = cut(&rest);
     char extension[64];
@@ -242,8 +242,8 @@ static mcv_result follow(setting *set, json_t *root) {
     const bool lights = strcmp(set->collection, "lights") == 0;
     snprintf(extension, sizeof extension, "MCVISI_%.32s", set->collection);
     if (lights) strcpy(extension, "KHR_lights_punctual");
-    set->own =
-        strcmp(set->collection, "sensors") == 0 || strcmp(set->collection, "emitters") == 0 || strcmp(set->collection, "assets") == 0;
+    set->own = strcmp(set->collection, "sensors") == 0 || strcmp(set->collection, "emitters") == 0 ||
+               strcmp(set->collection, "assets") == 0 || strcmp(set->collection, "surfaces") == 0;
     json_t *array = json_object_get(set->own || lights ? mcv_json_extension(root, extension) : root, set->collection);
     if (!json_is_array(array) || json_array_size(array) == 0) {
         const size_t n = sizeof collections / sizeof collections[0];

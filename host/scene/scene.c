@@ -5,6 +5,7 @@
 #include "scene/mesh.h"
 #include "scene/params.h"
 #include "scene/sensors.h"
+#include "scene/solid.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -42,6 +43,7 @@ void mcv_scene_free(mcv_scene *scene) {
     free(scene->instances);
     free(scene->emitters);
     free(scene->sensors);
+    free(scene->solids);
     free(scene->warnings);
     free(scene->path);
     free(scene);
@@ -268,6 +270,29 @@ mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_
     if (!failed && append(&scene->sensors, &scene->sensor_count, &own, sizeof own)) return MCV_OK;
     free(own.name);
     return mcv_fail_memory(here, error);
+}
+
+mcv_result mcv_scene_add_solid(mcv_scene *scene, const mcv_solid *solid, const char *name, uint32_t body, uint32_t rim, mcv_error *error) {
+    element_place place;
+    const mcv_place *here = place_element(&place, scene, "nodes", name, scene->instance_count);
+    float positions[24];
+    uint32_t no_indices;
+    MCV_TRY(mcv_solid_check(solid, here, error));
+    if (body >= scene->material_count || rim >= scene->material_count) return mcv_fail_at(here, error, "its material does not exist");
+    if (scene->solid_count == MCV_MAX_SOLIDS) return mcv_fail_at(here, error, "more than %d bodies with exact surfaces", MCV_MAX_SOLIDS);
+    mcv_solid own = *solid;
+    const uint32_t first = scene->instance_count, materials[2] = {body, rim};
+    mcv_solid_box(solid, positions);
+    const mcv_mesh mesh = {.name = (char *)name, .vertex_count = 8, .positions = positions, .indices = &no_indices};
+    const mcv_instance instance = {.name = (char *)name, .mesh = scene->mesh_count, .to_world = solid->to_world};
+    MCV_TRY(mcv_scene_add_mesh(scene, &mesh, error));
+    for (int i = 0; i < (body == rim ? 1 : 2); ++i) {
+        mcv_instance part = instance;
+        part.material = materials[i];
+        MCV_TRY(mcv_scene_add_instance(scene, &part, error));
+    }
+    for (int piece = 0; piece < 3; ++piece) own.instances[piece] = piece == MCV_PIECE_SIDE ? scene->instance_count - 1 : first;
+    return append(&scene->solids, &scene->solid_count, &own, sizeof own) ? MCV_OK : mcv_fail_memory(here, error);
 }
 
 mcv_result mcv_scene_warn(mcv_scene *scene, mcv_error *error, const char *format, ...) {

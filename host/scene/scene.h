@@ -41,6 +41,7 @@
 #include "mcvisi/sensors/pinhole.h"
 #include "mcvisi/sensors/telecentric.h"
 #include "mcvisi/sensors/thin_lens.h"
+#include "mcvisi/surfaces/surfaces.h"
 
 /* The parameter structs mcv_<name>_params; the absorber has no parameters and C no empty structs. */
 #define MCV_X(name, key, NAME) \
@@ -102,6 +103,30 @@ typedef struct mcv_instance {
     mcv_transform to_world; /* may mirror: then the winding turns, the normal stays on the front side */
 } mcv_instance;
 
+/* A surface of revolution about z, or one along x, within the side of its solid (mcvisi/surfaces/surfaces.h). */
+typedef struct mcv_cap {
+    double z;         /* of the vertex [m] */
+    double curvature; /* [1/m] */
+    double conic;
+    double asphere[MCV_ASPHERE_TERMS]; /* of r^4, r^6 … [m^(1-i)] */
+    bool cylindrical;
+} mcv_cap;
+
+/*
+ * A body with exact surfaces. Its instances' meshes have the vertices of its box and no triangles. Its pieces have the global numbers
+ * triangle_count + 3 solid + piece, after those of all triangles.
+ */
+typedef struct mcv_solid {
+    uint32_t side;          /* MCV_SIDE_… (mcvisi/surfaces/solid.h) */
+    double radius;          /* of the side [m] */
+    double half[2];         /* of a box: half its size along x and y [m] */
+    double hole;            /* of an open surface: the radius of its hole [m] */
+    mcv_cap caps[2];        /* the first below, the second above; a sphere has none, an open surface only the first */
+    bool cemented;          /* its first cap is the second one of the solid before, with the same frame */
+    uint32_t instances[3];  /* of its pieces: first cap, second cap, side */
+    mcv_transform to_world; /* rigid */
+} mcv_solid;
+
 /* An emitter with a surface belongs to exactly one instance, any other to none. */
 typedef struct mcv_emitter {
     char *name;
@@ -137,12 +162,14 @@ typedef struct mcv_scene {
     char *path; /* of the file, for messages */
     uint32_t texture_count, material_count, mesh_count, instance_count, emitter_count, sensor_count;
     uint32_t triangle_count; /* of all instances */
+    uint32_t solid_count;
     mcv_texture *textures;
     mcv_material *materials;
     mcv_mesh *meshes;
     mcv_instance *instances;
     mcv_emitter *emitters;
     mcv_sensor *sensors;
+    mcv_solid *solids;
     double wavelengths[3]; /* of the channels [m]; 0: the defaults */
     uint64_t fingerprint;  /* FNV-1a of all files that were read, in their order */
     char **warnings;       /* sentences for the user */
@@ -174,6 +201,9 @@ mcv_result mcv_scene_add_mesh(mcv_scene *scene, const mcv_mesh *mesh, mcv_error 
 mcv_result mcv_scene_add_instance(mcv_scene *scene, const mcv_instance *instance, mcv_error *error);
 mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, mcv_error *error);
 mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_error *error);
+
+/* Makes its instances: `body` is the material of the caps, `rim` that of the side (the same: one instance). */
+mcv_result mcv_scene_add_solid(mcv_scene *scene, const mcv_solid *solid, const char *name, uint32_t body, uint32_t rim, mcv_error *error);
 /* A mesh without tangents gets them, by its texture coordinates or else along its x axis, when a material is put on it that needs them. */
 mcv_result mcv_scene_warn(mcv_scene *scene, mcv_error *error, const char *format, ...) __attribute__((format(printf, 3, 4)));
 

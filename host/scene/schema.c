@@ -3,9 +3,10 @@
 
 #include "scene/params.h"
 #include "scene/pattern.h"
+#include "scene/surfaces.h"
 
-const char *const mcv_schema_names[] = {
-    "MCVISI_sensors", "MCVISI_emitters", "MCVISI_materials", "MCVISI_assets", "MCVISI_pose", "MCVISI_spectrum", NULL};
+const char *const mcv_schema_names[] = {"MCVISI_sensors", "MCVISI_emitters", "MCVISI_materials", "MCVISI_assets",
+                                        "MCVISI_pose",    "MCVISI_spectrum", "MCVISI_surfaces",  NULL};
 
 /* What one number of a parameter may be. */
 static json_t *scalar_schema(const mcv_param *param) {
@@ -114,6 +115,36 @@ static json_t *spectrum_schema(void) {
     return object_schema(json_pack("{s:o}", "wavelengths", wavelengths), json_pack("[s]", "wavelengths"), (mcv_param_table){0});
 }
 
+static json_t *material_schema(const char *description) {
+    return json_pack("{s:s, s:[s,s]}", "description", description, "type", "string", "integer");
+}
+
+static json_t *asphere_schema(void) {
+    return json_pack("{s:s, s:s, s:{s:s}, s:i}", "description", "coefficients of r^4, r^6 and so on [m^(1-i)]", "type", "array", "items",
+                     "type", "number", "maxItems", MCV_ASPHERE_TERMS);
+}
+
+/* Bodies with exact surfaces: what their tables do not say. */
+static void add_body_members(json_t *definitions) {
+    const char *const *types = mcv_body_types;
+    for (uint32_t type = 0; type < MCV_BODY_COUNT; ++type) {
+        json_t *properties = json_object_get(json_object_get(definitions, types[type]), "properties");
+        if (type != MCV_BODY_LENS) {
+            json_object_set_new(properties, "material", material_schema("a material of the file, by name or index"));
+            continue;
+        }
+        json_t *surface = object_schema(json_pack("{s:o, s:o, s:{s:s}}", "asphere", asphere_schema(), "material",
+                                                  material_schema("fills the space up to the next surface; without it is a gap"), "name",
+                                                  "type", "string"),
+                                        json_array(), mcv_lens_surface_table());
+        json_object_set_new(properties, "surfaces", json_pack("{s:s, s:i, s:o}", "type", "array", "minItems", 2, "items", surface));
+        json_object_set_new(properties, "rim", material_schema("of the edges, by name or index; without it they absorb"));
+        json_array_append_new(json_object_get(json_object_get(definitions, types[type]), "required"), json_string("surfaces"));
+    }
+    json_object_set_new(json_object_get(json_object_get(definitions, types[MCV_BODY_OPEN_SURFACE]), "properties"), "asphere",
+                        asphere_schema());
+}
+
 /* Adds definitions/TYPE for each type, and gives the choice of them. */
 static json_t *any_element(json_t *definitions, const char *const *types, uint32_t count, mcv_param_table (*table)(uint32_t)) {
     json_t *choice = json_array();
@@ -151,6 +182,11 @@ mcv_result mcv_schema_write(FILE *stream, const char *name, mcv_error *error) {
         schema = pose_schema();
     else if (strcmp(name, "MCVISI_spectrum") == 0)
         schema = spectrum_schema();
+    else if (strcmp(name, "MCVISI_surfaces") == 0) {
+        json_t *choice = any_element(definitions, mcv_body_types, MCV_BODY_COUNT, mcv_body_table);
+        add_body_members(definitions);
+        schema = indexed_schema("surfaces", "surface", choice, definitions);
+    }
     if (!json_object_get(schema, "definitions")) json_decref(definitions);
     if (!schema) return mcv_fail(error, MCV_USAGE, "there is no schema of \"%s\"", name);
     json_t *document = json_pack("{s:s, s:s}", "$schema", "http://json-schema.org/draft-04/schema", "title", name);

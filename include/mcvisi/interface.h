@@ -51,6 +51,6 @@ MCV_FUNCTION mcv_vec3 mcv_refract(mcv_device_interface between, mcv_vec3 d, mcv_
 }
 
 /* d reflected at the plane of the unit normal n. */
-MCV_FUNCTION mcv_vec3 mcv_reflect(mcv_vec3 d, mcv_vec3 n) { return mcv_normalize(mcv_along(d, -2.0f * mcv_dot(d, n), n)); }
+MCV_FUNCTION mcv_vec3 mcv_reflect(mcv_vec3 d, mcv_vec3 n) { return mcv_renormalize(mcv_along(d, -2.0f * mcv_dot(d, n), n)); }
 
 #endif

@@ -22,6 +22,9 @@
 #if !MCV_ON_DEVICE || MCV_WITH_BEAM
 #include "mcvisi/emitters/collimated_beam.h"
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_SURFACES
+#include "mcvisi/surfaces/solid.h"
+#endif
 #if !MCV_ON_DEVICE || MCV_WITH_PUNCTUAL
 #include "mcvisi/emitters/spot.h"
 #include "mcvisi/emitters/directional.h"
@@ -56,7 +59,8 @@ typedef struct mcv_frame {
     uint light_cdf;    /* where in the table of cumulative shares those of the emitters begin from which they start */
     uint log2_pixels;  /* the pixels, numbered by tiles, fit into so many bits */
     float splat_scale; /* units of the splats per pixel value: a power of two */
-    uint padding[31];
+    uint solid_count;
+    uint padding[30];
 } mcv_frame;
 MCV_ASSERT_SIZE(mcv_frame, 256);
 

@@ -52,6 +52,9 @@ MCV_FUNCTION mcv_vec3 mcv_normalize(mcv_vec3 v) {
     return mcv_scale(v, squared > 0.0f ? 1.0f / mcv_sqrt(squared) : 1.0f);
 }
 
+/* A vector that is unit but for its rounding, made unit: without the bias that dividing by a length near 1 has. */
+MCV_FUNCTION mcv_vec3 mcv_renormalize(mcv_vec3 v) { return mcv_along(v, mcv_fma(-0.5f, mcv_dot(v, v), 0.5f), v); }
+
 /*
  * Two unit vectors that make a right-handed frame with the unit vector n: x cross y = n.
  * Continuous but at n.z = 0 (Duff et al., Building an Orthonormal Basis, Revisited, JCGT 2017).

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <stdlib.h>
+
+#include "render/pack.h"
+#include "scene/solid.h"
+
+/* The first solid that has this cap. */
+static uint32_t surface_of(const mcv_solid *solids, uint32_t solid, uint32_t piece) {
+    return piece == MCV_PIECE_FIRST_CAP && solids[solid].cemented ? 4 * (solid - 1) + MCV_PIECE_SECOND_CAP : 4 * solid + piece;
+}
+
+static mcv_device_cap pack_cap(const mcv_cap *cap, double middle, double radius, uint32_t surface) {
+    mcv_device_cap to = {.z = (float)(cap->z - middle),
+                         .curvature = (float)cap->curvature,
+                         .conic = (float)cap->conic,
+                         .across = cap->cylindrical ? 0.0f : 1.0f,
+                         .scale = (float)(1 / (radius * radius)),
+                         .surface = surface};
+    for (uint32_t i = 0; i < MCV_ASPHERE_TERMS; ++i) {
+        to.term[i] = (float)(cap->asphere[i] * pow(radius, 2 * i + 4));
+        if (to.term[i] != 0) to.terms = i + 1;
+    }
+    if (to.terms > 0) to.bend = (float)mcv_cap_bend(cap, radius);
+    return to;
+}
+
+/* The lens that a solid belongs to: solids in a row with one frame. */
+static uint32_t end_of_group(const mcv_scene *scene, uint32_t first) {
+    uint32_t end = first + 1;
+    while (end < scene->solid_count && memcmp(&scene->solids[end].to_world, &scene->solids[first].to_world, sizeof(mcv_transform)) == 0)
+        ++end;
+    return end;
+}
+
+static void extend(const mcv_solid *solid, double lower[3], double upper[3]) {
+    float corners[24];
+    mcv_solid_box(solid, corners);
+    for (int i = 0; i < 24; ++i) {
+        lower[i % 3] = fmin(lower[i % 3], corners[i]);
+        upper[i % 3] = fmax(upper[i % 3], corners[i]);
+    }
+}
+
+void mcv_pack_solids(const mcv_scene *scene, mcv_packed *packed) {
+    for (uint32_t first = 0, end; first < scene->solid_count; first = end) {
+        double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+        end = end_of_group(scene, first);
+        for (uint32_t i = first; i < end; ++i) extend(scene->solids + i, lower, upper);
+        const double middle = (lower[2] + upper[2]) / 2;
+        const double bound = hypot(hypot(upper[0], upper[1]), upper[2] - middle) * (1 + 1e-6);
+        for (uint32_t i = first; i < end; ++i) {
+            const mcv_solid *from = scene->solids + i;
+            const double *m = from->to_world.m;
+            mcv_device_solid *to = packed->solids + i;
+            *to = (mcv_device_solid){.bound = (float)bound,
+                                     .radius = (float)from->radius,
+                                     .extent = {(float)from->half[0], (float)from->half[1]},
+                                     .hole = (float)from->hole,
+                                     .side = from->side,
+                                     .group = first};
+            for (int k = 0; k < 3; ++k) {
+                to->origin[k] = (float)(m[9 + k] + m[3 * k + 2] * middle - packed->centre[k]);
+                for (int axis = 0; axis < 3; ++axis) to->axes[3 * axis + k] = (float)m[3 * k + axis];
+                to->instance[k] = from->instances[k];
+            }
+            for (uint32_t k = 0; k < 2; ++k)
+                to->cap[k] =
+                    pack_cap(from->caps + k, middle, from->side == MCV_SIDE_BOX ? hypot(from->half[0], from->half[1]) : from->radius,
+                             surface_of(scene->solids, i, k));
+        }
+    }
+}

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Bodies with exact surfaces (mcvisi/surfaces/) on the host. */
+#ifndef MCVISI_HOST_SCENE_SOLID_H
+#define MCVISI_HOST_SCENE_SOLID_H
+
+#include "mcvisi/surfaces/solid.h"
+#include "scene/place.h"
+#include "scene/scene.h"
+
+/* As many as a kernel's loop over all of them is meant for. */
+#define MCV_MAX_SOLIDS 1024
+
+/* The height of a cap's surface at (x, y), from the frame's origin; NaN beyond where it is defined. */
+double mcv_cap_height(const mcv_cap *cap, double x, double y);
+
+/* Is the surface defined up to this radius? */
+mcv_result mcv_cap_check(const mcv_cap *cap, double radius, const mcv_place *place, mcv_error *error);
+
+/* Has it an inside: sizes above 0, caps that do not cross within the side? */
+mcv_result mcv_solid_check(const mcv_solid *solid, const mcv_place *place, mcv_error *error);
+
+/* The corners of its box in its frame, rounded outwards. */
+void mcv_solid_box(const mcv_solid *solid, float corners[24]);
+
+/* Is the world point inside? Never in an open surface. */
+bool mcv_solid_holds(const mcv_solid *solid, const double point[3]);
+
+/* Largest |d²z/dr²| and |dz/dr|/r of a cap up to the radius [1/m]. */
+double mcv_cap_bend(const mcv_cap *cap, double radius);
+
+#endif

@@ -1,0 +1,476 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Exact surfaces: rays through them against closed forms, an independent program's listing and the reference renderer; what goes in comes
+ * out; a lens shows what a fine mesh of it shows.
+ */
+#include "scene_builder.h"
+
+#include "mcvisi/surfaces/solid.h"
+#include "reference/reference.h"
+#include "render/render.h"
+#include "scene/solid.h"
+
+static const mcv_transform unmoved = {{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}};
+
+static mcv_scene *new_scene(void) {
+    mcv_scene *scene = mcv_scene_new("test");
+    assert_non_null(scene);
+    return scene;
+}
+
+static void add_solid(mcv_scene *scene, const mcv_solid *solid, uint32_t body, uint32_t rim) {
+    BUILD(mcv_scene_add_solid(scene, solid, "lens", body, rim, &builder_error));
+}
+
+static mcv_solid element(double radius, mcv_cap first, mcv_cap second) {
+    return (mcv_solid){.side = MCV_SIDE_CYLINDER, .radius = radius, .caps = {first, second}, .to_world = unmoved};
+}
+
+static mcv_solid sphere(double radius) { return (mcv_solid){.side = MCV_SIDE_SPHERE, .radius = radius, .to_world = unmoved}; }
+
+/* --- single rays ------------------------------------------------------------------------------------------------ */
+
+enum { DEPTH = 40 };
+typedef struct traced {
+    mcv_vertex *vertices;
+    size_t count;
+} traced;
+
+static traced trace(const mcv_scene *scene, bool reference, const mcv_trace_ray *rays, size_t n) {
+    mcv_render_options options = mcv_render_defaults();
+    traced t;
+    options.depth = DEPTH;
+    if (reference)
+        BUILD(mcv_reference_trace(scene, rays, n, &options, &t.vertices, &t.count, &builder_error));
+    else
+        BUILD(mcv_trace(scene, rays, n, &options, &t.vertices, &t.count, &builder_error));
+    return t;
+}
+
+/* Of one ray: its vertices; the last one before it is gone is out[returned - 1]. */
+static size_t trace_one(const mcv_scene *scene, bool reference, mcv_trace_ray ray, mcv_vertex out[DEPTH + 1]) {
+    const traced t = trace(scene, reference, &ray, 1);
+    size_t n = 0;
+    for (size_t i = 0; i < t.count; ++i)
+        if (t.vertices[i].event != MCV_EVENT_MISS) out[n++] = t.vertices[i];
+    free(t.vertices);
+    return n;
+}
+
+/* Where the ray that leaves a vertex in the xz plane crosses the axis. */
+static double crossing(const mcv_vertex *v) { return v->position[2] - v->position[0] * v->direction[2] / v->direction[0]; }
+
+static const char *name_of(bool reference) { return reference ? "reference" : "device"; }
+
+static void expect_near(const char *what, bool reference, double got, double expected, double tolerance) {
+    if (!(fabs(got - expected) <= tolerance))
+        fail_msg("%s, %s: %.12g, not %.12g: off by %.3g, allowed are %.3g", what, name_of(reference), got, expected, got - expected,
+                 tolerance);
+}
+
+static mcv_trace_ray along_z(double x, double y, double z) { return (mcv_trace_ray){{x, y, z}, {0, 0, 1}}; }
+
+/* T1: a plate shifts a ray by t sin θ (1 - cos θ/√(n² - sin² θ)). float32: 2e-6 t. */
+static void plate(void **state) {
+    (void)state;
+    for (int side = 0; side < 2; ++side)
+        for (int reference = 0; reference < 2; ++reference)
+            for (double angle = 0.1; angle < 1.5; angle += 0.2) {
+                mcv_scene *scene = new_scene();
+                const double n = 1.5, t = 0.01, s = sin(angle), c = cos(angle);
+                mcv_solid box = element(0.1, (mcv_cap){.z = -t / 2}, (mcv_cap){.z = t / 2});
+                mcv_vertex v[DEPTH + 1];
+                if (side) {
+                    box.side = MCV_SIDE_BOX;
+                    box.half[0] = box.half[1] = 0.1;
+                }
+                const uint32_t glass = add_glass(scene, n, 0, 0);
+                add_solid(scene, &box, glass, glass);
+                const mcv_trace_ray ray = {{-0.02 * s / c, 0, -0.02}, {s, 0, c}};
+                const size_t count = trace_one(scene, reference, ray, v);
+                assert_int_equal(count, 3);
+                /* Across the ray from where it would be without the plate. */
+                const double x = v[2].position[0] - ray.origin[0], z = v[2].position[2] - ray.origin[2];
+                expect_near("shift", reference, z * s - x * c, t * s * (1 - c / sqrt(n * n - s * s)), reference ? 1e-15 : 2e-6 * t);
+                /* At each interface 4u (1 + η tan θ_t) (accuracy of a refraction), the first of them enlarged by n c_t/c on leaving. */
+                const double inner = s / n, c_t = sqrt(1 - inner * inner), u = 0x1p-24;
+                const double rounding = 4 * u * (1 + inner / (n * c_t)) * n * c_t / c + 4 * u * (1 + n * s / c);
+                expect_near("direction", reference, hypot(v[2].direction[0] - s, v[2].direction[2] - c), 0,
+                            reference   ? 1e-13
+                            : angle < 1 ? 3e-7
+                                        : rounding);
+                mcv_scene_free(scene);
+            }
+}
+
+/* T3: exact refraction at a sphere, R = 1, from air into glass of n = 1.5: where rays at height h cross the axis, from the vertex. */
+static void single_sphere(void **state) {
+    (void)state;
+    static const double heights[] = {0.01, 0.3, 0.7}, known[] = {2.999933332, 2.938906438, 2.632634207};
+    for (int reference = 0; reference < 2; ++reference) {
+        mcv_scene *scene = new_scene();
+        const uint32_t glass = add_glass(scene, 1.5, 0, 0);
+        const mcv_solid solid = element(0.9, (mcv_cap){.curvature = 1}, (mcv_cap){.z = 5});
+        add_solid(scene, &solid, glass, glass);
+        for (int i = 0; i < 3; ++i) {
+            mcv_vertex v[DEPTH + 1];
+            trace_one(scene, reference, along_z(heights[i], 0, -1), v);
+            expect_near("crossing", reference, crossing(v + 1), known[i], reference ? 1e-9 * known[i] : 2e-5 * known[i]);
+        }
+        mcv_scene_free(scene);
+    }
+}
+
+/* T4: a ball lens, n = 1.5, R = 1: h/sin(2 (I - I')) from the centre. */
+static void ball_lens(void **state) {
+    (void)state;
+    static const double heights[] = {0.3, 0.7}, known[] = {1.461978437, 1.277787023};
+    for (int reference = 0; reference < 2; ++reference) {
+        mcv_scene *scene = new_scene();
+        const uint32_t glass = add_glass(scene, 1.5, 0, 0);
+        const mcv_solid ball = sphere(1);
+        add_solid(scene, &ball, glass, glass);
+        for (int i = 0; i < 2; ++i) {
+            mcv_vertex v[DEPTH + 1];
+            assert_int_equal(trace_one(scene, reference, along_z(heights[i], 0, -3), v), 3);
+            expect_near("crossing", reference, crossing(v + 2), known[i], reference ? 1e-9 * known[i] : 2e-5 * known[i]);
+        }
+        mcv_scene_free(scene);
+    }
+}
+
+/* T5: rays from R/n beside the centre of a ball leave it as if from n R; up to 60°, RMS. */
+static void aplanatic(void **state) {
+    (void)state;
+    for (int reference = 0; reference < 2; ++reference) {
+        mcv_scene *scene = new_scene();
+        const double n = 1.5;
+        const uint32_t glass = add_glass(scene, n, 0, 0);
+        const mcv_solid ball = sphere(1);
+        double squares = 0;
+        int rays = 0;
+        add_solid(scene, &ball, glass, glass);
+        for (double angle = 5; angle <= 60; angle += 2.5, ++rays) {
+            const double a = angle * M_PI / 180;
+            mcv_vertex v[DEPTH + 1];
+            trace_one(scene, reference, (mcv_trace_ray){{0, 0, -1 / n}, {sin(a), 0, cos(a)}}, v);
+            squares += pow(crossing(v + 1) + n, 2);
+        }
+        expect_near("spread", reference, sqrt(squares / rays), 0, reference ? 1e-12 : 2e-6);
+        mcv_scene_free(scene);
+    }
+}
+
+/* T6, T7: a hyperboloid (k = -n²) sends parallel light from glass, an ellipsoid (k = -1/n²) from air into one point. */
+static void conics_focus(void **state) {
+    (void)state;
+    const double n = 1.5, r = 1;
+    for (int reference = 0; reference < 2; ++reference) {
+        mcv_scene *scenes[2] = {new_scene(), new_scene()};
+        const mcv_solid plano = element(0.9, (mcv_cap){.z = -1.5}, (mcv_cap){.curvature = -1 / r, .conic = -n * n});
+        const mcv_solid rod = element(0.6, (mcv_cap){.curvature = 1 / r, .conic = -1 / (n * n)}, (mcv_cap){.z = 5});
+        const double focus[2] = {r / (n - 1), n * r / (n - 1)};
+        for (int i = 0; i < 2; ++i) {
+            const uint32_t glass = add_glass(scenes[i], n, 0, 0);
+            add_solid(scenes[i], i ? &rod : &plano, glass, glass);
+            for (double h = 0.05; h < 0.6; h += 0.05) {
+                mcv_vertex v[DEPTH + 1];
+                const size_t count = trace_one(scenes[i], reference, along_z(h, 0, -2), v);
+                assert_true(count >= 2);
+                const mcv_vertex *last = v + (i ? 1 : 2);
+                /* How far from the axis it crosses the focal plane: 1e-6 of the focal length. */
+                const double at = last->position[0] + (focus[i] - last->position[2]) * last->direction[0] / last->direction[2];
+                expect_near(i ? "ellipsoid" : "hyperboloid", reference, at, 0, reference ? 1e-14 : 1e-6 * focus[i]);
+            }
+            mcv_scene_free(scenes[i]);
+        }
+    }
+}
+
+/* T8: mirrors. A paraboloid focuses at R/2; a sphere from its centre at R/(2 cos θ), sin θ = h/R. */
+static void mirrors(void **state) {
+    (void)state;
+    for (int reference = 0; reference < 2; ++reference)
+        for (int conic = -1; conic <= 0; ++conic) {
+            mcv_scene *scene = new_scene();
+            mcv_solid mirror = {.side = MCV_SIDE_OPEN, .radius = 0.9, .caps = {{.curvature = -1, .conic = conic}}, .to_world = unmoved};
+            add_solid(scene, &mirror, add_material(scene, MCV_MATERIAL_MIRROR, NULL), 0);
+            for (double h = 0.05; h < 0.65; h += 0.05) {
+                mcv_vertex v[DEPTH + 1];
+                trace_one(scene, reference, along_z(h, 0, -3), v);
+                const double focus = conic ? -0.5 : -1 + 1 / (2 * sqrt(1 - h * h));
+                expect_near("focus", reference, crossing(v + 1), focus, reference ? 1e-13 : 2e-6 / h);
+            }
+            mcv_scene_free(scene);
+        }
+}
+
+/*
+ * T9: CODE V's listing of a double Gauss: the axial marginal ray's heights at its eleven surfaces, with its indices of six digits [mm].
+ * Within 5e-5 mm (its own digits) and, in float32, 2e-4 mm.
+ */
+static void double_gauss(void **state) {
+    (void)state;
+    static const struct {
+        double radius, thickness, index, semi_diameter;
+    } surfaces[] = {{56.20238, 8.75, 1.622292, 27}, {152.2858, 0.5, 1, 26},      {37.68262, 12.5, 1.607379, 23.5},
+                    {INFINITY, 3.8, 1.603417, 22},  {24.2313, 30.117402, 1, 22}, {-28.37731, 3.8, 1.603417, 20},
+                    {INFINITY, 11, 1.620408, 20},   {-37.92546, 0.5, 1, 20},     {177.41176, 7, 1.620408, 20},
+                    {-79.41143, 0, 1, 20}};
+    /* The fifth distance is that to the stop and on, of which the listing has the ray's height too (15.702464 at 16.369445 mm). */
+    static const double heights[] = {25.000000, 24.109772, 22.844992, 20.958242, 16.784894,
+                                     14.610682, 15.815163, 16.882946, 16.583956, 16.261006};
+    enum { N = sizeof surfaces / sizeof surfaces[0] };
+    mcv_scene *scene = new_scene();
+    double z = 0;
+    for (int i = 0; i < N; ++i) {
+        if (surfaces[i].index != 1) {
+            const mcv_cap a = {.z = z * 1e-3, .curvature = 1e3 / surfaces[i].radius};
+            const mcv_cap b = {.z = (z + surfaces[i].thickness) * 1e-3, .curvature = 1e3 / surfaces[i + 1].radius};
+            mcv_solid solid = element(1e-3 * fmax(surfaces[i].semi_diameter, surfaces[i + 1].semi_diameter), a, b);
+            solid.cemented = i > 0 && surfaces[i - 1].index != 1;
+            add_solid(scene, &solid, add_glass(scene, surfaces[i].index, 0, 0), add_absorber(scene));
+        }
+        z += surfaces[i].thickness;
+    }
+    for (int reference = 0; reference < 2; ++reference) {
+        mcv_vertex v[DEPTH + 1];
+        const size_t count = trace_one(scene, reference, along_z(25e-3, 0, -20e-3), v);
+        assert_int_equal(count, N + 1);
+        for (int i = 0; i < N; ++i) {
+            char what[32];
+            snprintf(what, sizeof what, "height %d [mm]", i + 1);
+            expect_near(what, reference, 1e3 * v[i + 1].position[0], heights[i], reference ? 5e-5 : 2e-4);
+        }
+        /* In its focus, 61.487536 - 0.400269 mm behind the last vertex. */
+        const mcv_vertex *last = v + N;
+        const double image = z * 1e-3 + 61.087267e-3;
+        const double x = last->position[0] + (image - last->position[2]) * last->direction[0] / last->direction[2];
+        expect_near("aberration [mm]", reference, 1e3 * x, 0.014138, reference ? 1e-4 : 3e-4);
+    }
+    mcv_scene_free(scene);
+}
+
+/* --- many rays -------------------------------------------------------------------------------------------------- */
+
+static double uniform(uint64_t *state) {
+    *state = *state * 6364136223846793005ull + 1442695040888963407ull;
+    return (double)(*state >> 11) * 0x1p-53;
+}
+
+/* Lenses of all kinds; each frame turned and moved. */
+static mcv_scene *many_lenses(int kind, uint32_t *glass) {
+    mcv_scene *scene = new_scene();
+    *glass = add_glass(scene, 1.5, 0, 0);
+    mcv_solid solid = sphere(0.02);
+    const mcv_cap convex = {.z = -0.004, .curvature = 1 / 0.05}, concave = {.z = -0.004, .curvature = -1 / 0.04};
+    if (kind == 1) solid = element(0.02, convex, (mcv_cap){.z = 0.0045, .curvature = -1 / 0.05});
+    if (kind == 2) solid = element(0.02, concave, (mcv_cap){.z = 0.004, .curvature = 1 / 0.03, .conic = -0.5});
+    if (kind == 3) solid = element(0.02, convex, (mcv_cap){.z = 0.002, .curvature = 1 / 0.06}); /* meniscus */
+    if (kind == 4)                                                                              /* the asphere of a condenser, bulging */
+        solid =
+            element(0.015, (mcv_cap){.z = -0.006, .curvature = 73.79474729, .conic = -0.6301, .asphere = {5.513e3}}, (mcv_cap){.z = 0.006});
+    if (kind == 5) /* a wavy plate */
+        solid =
+            element(0.02, (mcv_cap){.z = -0.004, .asphere = {4e4, -1.2e8}}, (mcv_cap){.z = 0.004, .curvature = 5, .asphere = {-2e4, 3e7}});
+    if (kind == 6)
+        solid = element(0.02, (mcv_cap){.z = -0.005, .curvature = 30, .cylindrical = true}, (mcv_cap){.z = 0.005, .curvature = -10});
+    if (kind == 7)
+        solid = element(0.01, (mcv_cap){.z = -0.02, .curvature = 100}, (mcv_cap){.z = 0.02, .curvature = -100}); /* rod with hemispheres */
+    if (kind == 8) {
+        solid = element(0.02, (mcv_cap){.z = -0.004}, (mcv_cap){.z = 0.004});
+        solid.side = MCV_SIDE_BOX;
+        solid.half[0] = 0.02, solid.half[1] = 0.01;
+    }
+    const double c = 0.8, s = 0.6;
+    solid.to_world = (mcv_transform){{c, 0, s, 0, 1, 0, -s, 0, c, 0.013, -0.021, 0.034}};
+    add_solid(scene, &solid, *glass, *glass);
+    return scene;
+}
+enum { KINDS = 9 };
+
+/* A ray from about the lens into it; a fifth of them to points on the circles where surface and edge join. */
+static mcv_trace_ray random_ray(const mcv_scene *scene, uint64_t *seed, bool *at_join) {
+    const mcv_solid *solid = scene->solids;
+    mcv_trace_ray ray;
+    const double radius = solid->side == MCV_SIDE_BOX ? hypot(solid->half[0], solid->half[1]) : solid->radius;
+    double to[3], from[3], local[3];
+    const double angle = 2 * M_PI * uniform(seed), r = uniform(seed) < 0.2 ? radius : radius * sqrt(uniform(seed));
+    local[0] = r * cos(angle), local[1] = r * sin(angle);
+    *at_join = r == radius;
+    const mcv_cap *cap = solid->caps + (uniform(seed) < 0.5);
+    local[2] = solid->side == MCV_SIDE_SPHERE ? radius * (2 * uniform(seed) - 1) : cap->z;
+    if (r == radius && solid->side == MCV_SIDE_CYLINDER) local[2] = mcv_cap_height(cap, local[0] * (1 - 1e-15), local[1] * (1 - 1e-15));
+    if (!isfinite(local[2])) local[2] = cap->z;
+    mcv_transform_point(&solid->to_world, local, to);
+    const double z = 2 * uniform(seed) - 1, phi = 2 * M_PI * uniform(seed);
+    local[0] = 0.1 * sqrt(1 - z * z) * cos(phi), local[1] = 0.1 * sqrt(1 - z * z) * sin(phi), local[2] = 0.1 * z;
+    mcv_transform_point(&solid->to_world, local, from);
+    for (int k = 0; k < 3; ++k) {
+        /* Both renderers must be given the same ray. */
+        ray.origin[k] = (float)from[k];
+        ray.direction[k] = to[k] - ray.origin[k];
+    }
+    return ray;
+}
+
+/*
+ * Device and reference meet the same surfaces in the same places. The directions after a few refractions differ by some 1e-7 times their
+ * amplification; what meets an edge within that may go another way, as half of the fifth that is aimed at edges does: of the others at
+ * most one ray in two hundred, for they are reflected many times.
+ * Every ray that is in glass comes out again: inside and outside take turns.
+ */
+static void against_reference(void **state) {
+    (void)state;
+    enum { RAYS = 1000 };
+    for (int kind = 0; kind < KINDS; ++kind) {
+        uint32_t glass;
+        mcv_scene *scene = many_lenses(kind, &glass);
+        mcv_trace_ray *rays = calloc(RAYS, sizeof *rays);
+        bool *at_join = calloc(RAYS, sizeof *at_join);
+        uint64_t seed = 77 + (uint64_t)kind;
+        for (int i = 0; i < RAYS; ++i) rays[i] = random_ray(scene, &seed, at_join + i);
+        const traced device = trace(scene, false, rays, RAYS), reference = trace(scene, true, rays, RAYS);
+        size_t d = 0, r = 0;
+        int other = 0, met = 0;
+        double farthest = 0;
+        for (uint32_t i = 0; i < RAYS; ++i) {
+            bool same = true;
+            double before = 1;
+            for (; d < device.count && device.vertices[d].ray == i; ++d) {
+                const mcv_vertex *a = device.vertices + d, *b = reference.vertices + r;
+                if (r == reference.count || b->ray != i || a->event != b->event || (a->triangle != b->triangle)) same = false;
+                if (a->event == MCV_EVENT_REFRACT && !((a->ior == 1) != (before == 1)))
+                    fail_msg("kind %d, ray %u goes from n = %g to %g", kind, i, before, a->ior);
+                if (a->event == MCV_EVENT_MISS && before != 1) fail_msg("kind %d, ray %u is lost in the glass", kind, i);
+                before = a->ior;
+                if (!same) continue;
+                if (a->event != MCV_EVENT_MISS) {
+                    double off = 0;
+                    for (int k = 0; k < 3; ++k) off = fmax(off, fabs(a->position[k] - b->position[k]));
+                    if (b->index <= 2 && !at_join[i]) farthest = fmax(farthest, off);
+                    met += b->index > 0;
+                }
+                ++r;
+            }
+            while (r < reference.count && reference.vertices[r].ray == i) ++r;
+            other += !same && !at_join[i];
+        }
+        print_message("kind %d: %d meetings, %d rays go other ways, first two within %.2g m\n", kind, met, other, farthest);
+        assert_true(met > RAYS);
+        free(at_join);
+        if (other > RAYS / 200) fail_msg("kind %d: %d of %d rays go other ways", kind, other, RAYS);
+        /* Of a ray from 0.1 m: 5u (dist + r)/cos i at the first surface; i is up to some 89°. */
+        if (kind != 5 && farthest > 1e-4) fail_msg("kind %d: off by %g m", kind, farthest);
+        free(device.vertices);
+        free(reference.vertices);
+        free(rays);
+        mcv_scene_free(scene);
+    }
+}
+
+/*
+ * Radii from 1 mm to 1e9 mm: hits lie on the sphere, 5u (dist + size). The normal turns by what the point is off across the ray, over the
+ * radius: a few roundings of the coordinates (0.01 m), and its own.
+ */
+static void radii(void **state) {
+    (void)state;
+    for (int reference = 0; reference < 2; ++reference)
+        for (double radius = 1e-3; radius < 2e6; radius *= 10) {
+            mcv_scene *scene = new_scene();
+            const double edge = fmin(radius / 2, 0.01), thick = edge, x = edge / 3, y = edge / 5;
+            const mcv_solid solid = element(edge, (mcv_cap){.curvature = 1 / radius}, (mcv_cap){.z = thick});
+            const uint32_t glass = add_glass(scene, 1.5, 0, 0);
+            mcv_vertex v[DEPTH + 1];
+            add_solid(scene, &solid, glass, glass);
+            trace_one(scene, reference, along_z(x, y, -0.1), v);
+            const double r2 = x * x + y * y, z = r2 / (radius * (1 + sqrt(1 - r2 / (radius * radius))));
+            expect_near("height", reference, v[1].position[2], z, reference ? 1e-16 : 5 * 0x1p-24 * (0.1 + edge));
+            expect_near("normal", reference, v[1].normal[0], x / radius,
+                        reference ? 1e-15 : 0x1p-24 * (4 * x / radius + 2 * (0.01 + x) / radius));
+            mcv_scene_free(scene);
+        }
+}
+
+/* A thousand total reflections in a plate, and in a rod: it stays inside, and keeps its angle. */
+static void reflections(void **state) {
+    (void)state;
+    mcv_scene *scene = new_scene();
+    mcv_render_options options = mcv_render_defaults();
+    const mcv_solid rod = element(1e-3, (mcv_cap){.z = -3}, (mcv_cap){.z = 3});
+    const uint32_t glass = add_glass(scene, 1.5, 0, 0);
+    const mcv_trace_ray ray = {{0.3e-3, 0, -2.9}, {0.5, 0.3, 0.8}};
+    mcv_vertex *v;
+    size_t count;
+    add_solid(scene, &rod, glass, glass);
+    options.depth = 1000;
+    BUILD(mcv_trace(scene, &ray, 1, &options, &v, &count, &builder_error));
+    assert_int_equal(count, 1001);
+    const double z = 0.8 / sqrt(0.98);
+    for (size_t i = 1; i < count; ++i) {
+        assert_int_equal(v[i].event, MCV_EVENT_REFLECT);
+        expect_near("radius", false, hypot(v[i].position[0], v[i].position[1]), 1e-3, 1e-9);
+    }
+    expect_near("slope", false, v[count - 1].direction[2], z, 1e-5);
+    free(v);
+    mcv_scene_free(scene);
+}
+
+/* --- images ----------------------------------------------------------------------------------------------------- */
+
+/*
+ * A furnace: lossless glass in an environment of radiance 1 is not to be seen, with every schedule and in the reference. No
+ * throughput is lost, so each path's value is 1 up to the rounding of L/n² (once per interface).
+ */
+static void furnace(void **state) {
+    (void)state;
+    for (int kind = 0; kind < KINDS; ++kind) {
+        uint32_t glass;
+        mcv_scene *scene = many_lenses(kind, &glass);
+        mcv_sensor sensor = {.name = (char *)"camera", .type = MCV_SENSOR_PINHOLE, .to_world = looking_down_z(0.01, -0.02, 0.15)};
+        mcv_emitter sky = {.name = (char *)"sky", .type = MCV_EMITTER_ENVIRONMENT, .instance = MCV_NONE, .texture = MCV_NONE};
+        mcv_params_set_defaults(mcv_sensor_table(sensor.type), &sensor.as);
+        mcv_params_set_defaults(mcv_emitter_table(sky.type), &sky.as);
+        sensor.as.pinhole.imageDistance = 0.01;
+        sensor.as.pinhole.resolution[0] = sensor.as.pinhole.resolution[1] = 16;
+        sensor.as.pinhole.pixelSize[0] = sensor.as.pinhole.pixelSize[1] = 0.3e-3;
+        for (int k = 0; k < 3; ++k) sky.as.environment.radiance[k] = 1;
+        BUILD(mcv_scene_add_emitter(scene, &sky, &builder_error));
+        BUILD(mcv_scene_add_sensor(scene, &sensor, &builder_error));
+        for (int renderer = 0; renderer < 3; ++renderer) {
+            mcv_render_options options = mcv_render_defaults();
+            mcv_render_stats stats;
+            mcv_film film;
+            mcv_image mean;
+            options.last = 4;
+            options.depth = 400;
+            options.schedule = renderer == 1 ? MCV_SCHEDULE_STREAM : MCV_SCHEDULE_TILE;
+            if (renderer == 2)
+                BUILD(mcv_reference_render(scene, 0, &options, &film, &stats, &builder_error));
+            else
+                BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
+            const double tolerance = 1e-4;
+            BUILD(mcv_film_develop(&film, &mean, NULL, &builder_error));
+            for (uint32_t pixel = 0; pixel < 256; ++pixel) {
+                const double value = mean.pixels[pixel];
+                if (!(fabs(value - 1) <= tolerance)) fail_msg("kind %d, renderer %d, pixel %u: %.8g, not 1", kind, renderer, pixel, value);
+            }
+            if (stats.unmatched > 0 || stats.nonfinite > 0)
+                fail_msg("kind %d, renderer %d: %llu unmatched, %llu not finite", kind, renderer, (unsigned long long)stats.unmatched,
+                         (unsigned long long)stats.nonfinite);
+            mcv_image_free(&mean);
+            mcv_film_free(&film);
+        }
+        mcv_scene_free(scene);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(plate),        cmocka_unit_test(single_sphere),     cmocka_unit_test(ball_lens),
+        cmocka_unit_test(aplanatic),    cmocka_unit_test(conics_focus),      cmocka_unit_test(mirrors),
+        cmocka_unit_test(double_gauss), cmocka_unit_test(against_reference), cmocka_unit_test(radii),
+        cmocka_unit_test(reflections),  cmocka_unit_test(furnace),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
