@@ -50,7 +50,7 @@ static mcv_aimed mcv_follow(mcv_world world, mcv_film_sample film, float p_x, fl
         }
         const mcv_scattering on = mcv_scatter(world, meeting, media, always_refract, 1.0f, &unmatched);
         if (on.event == MCV_EVENT_END) return aimed;
-        origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, on.direction);
+        origin = mcv_onward_origin(meeting, on.direction);
         direction = on.direction;
 #if MCV_WITH_SURFACES
         left = mcv_leave(world, meeting.surface, direction);

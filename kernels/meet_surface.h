@@ -51,6 +51,10 @@ MCV_LOOP_FUNCTION mcv_meeting mcv_meet_surface(mcv_world world, mcv_slot slot) {
     meeting.bounce = MCV_LOAD_3(slot, bounce);
     meeting.bounce_density = MCV_LOAD(slot, bounce, 3);
 #endif
+#if MCV_WITH_CONTACT
+    const mcv_hit hit = {MCV_LOAD(slot, hit, 0), u, v, triangle};
+    mcv_find_contacts(world, MCV_LOAD_3(slot, origin), hit, &meeting);
+#endif
     return meeting;
 #else
     const mcv_hit hit = {MCV_LOAD(slot, hit, 0), u, v, triangle};

@@ -26,6 +26,10 @@ typedef struct mcv_meeting {
     mcv_vec3 direction;    /* of the ray, unit */
     mcv_vec3 face, normal; /* unit, on the ray's side: direction·face < 0, direction·normal < 0 */
     uint inside;           /* 1: the ray comes from behind the front side */
+#if MCV_WITH_CONTACT
+    uint left, entered;                  /* media of other bodies whose surfaces are in the same place */
+    mcv_vec3 beyond_point, beyond_error; /* of the last of these surfaces */
+#endif
 #if MCV_TILE && MCV_WITH_DIFFUSE
     int bounces; /* 1: worked out beforehand for many paths is where it goes on if the surface is diffuse */
     mcv_vec3 bounce;
@@ -57,8 +61,64 @@ MCV_LOOP_FUNCTION mcv_surface mcv_surface_met(mcv_world world, mcv_vec3 origin, 
     return mcv_surface_at(world, hit.triangle, hit.u, hit.v);
 }
 
+#if MCV_WITH_CONTACT
+/*
+ * Surfaces of dielectric bodies in the same place as the one that the ray has met: so close behind that the next ray's origin, which is
+ * moved off the surface by its error, might lie beyond them, too. From each found the next is looked for.
+ */
+static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit, mcv_meeting *meeting) {
+    meeting->left = meeting->entered = 0u;
+    meeting->beyond_point = meeting->surface.point;
+    meeting->beyond_error = meeting->surface.error;
+#if MCV_WITH_SURFACES
+    if (hit.triangle >= MCV_EXACT) return;
+#endif
+    const uint own = world.instances[meeting->surface.instance].medium;
+    if (own == 0u) return;
+    uint crossed = 1u << (own - 1u);
+    for (int i = 0; i < (int)MCV_MAX_MEDIA; ++i) {
+        const mcv_vec3 e = meeting->beyond_error;
+        const mcv_vec3 f = meeting->face;
+        const float reach = mcv_abs(f.x) * e.x + mcv_abs(f.y) * e.y + mcv_abs(f.z) * e.z;
+        const float band = 2.0f * reach / -mcv_dot(meeting->direction, f) + 2.0f * MCV_GAMMA(16) * hit.t;
+        hit = mcv_next_hit_ray(world.nodes, world.leaves, origin, meeting->direction, hit, hit.t + band);
+        if (hit.triangle == MCV_NONE) return;
+        const mcv_surface next = mcv_surface_at(world, hit.triangle, hit.u, hit.v);
+        const uint medium = world.instances[next.instance].medium;
+        if (medium == 0u) return;
+        const uint bit = 1u << (medium - 1u);
+        /* A body that is crossed once more is on the ray's side again. */
+        if (crossed & bit) {
+            if (medium == own) return;
+            meeting->left &= ~bit;
+            meeting->entered &= ~bit;
+        } else if (mcv_dot(meeting->direction, next.face) > 0.0f) {
+            meeting->left |= bit;
+        } else {
+            meeting->entered |= bit;
+        }
+        crossed ^= bit;
+        meeting->beyond_point = next.point;
+        meeting->beyond_error = next.error;
+    }
+}
+#endif
+
 MCV_FUNCTION mcv_meeting mcv_meet(mcv_world world, mcv_vec3 origin, mcv_vec3 direction, mcv_hit hit) {
-    return mcv_meet_at(mcv_surface_met(world, origin, direction, hit), direction);
+    mcv_meeting meeting = mcv_meet_at(mcv_surface_met(world, origin, direction, hit), direction);
+#if MCV_WITH_CONTACT
+    mcv_find_contacts(world, origin, hit, &meeting);
+#endif
+    return meeting;
+}
+
+/* The origin of a ray that goes on from there. */
+MCV_FUNCTION mcv_vec3 mcv_onward_origin(mcv_meeting meeting, mcv_vec3 direction) {
+#if MCV_WITH_CONTACT
+    if (mcv_dot(direction, meeting.face) < 0.0f)
+        return mcv_offset_origin(meeting.beyond_point, meeting.beyond_error, meeting.face, direction);
+#endif
+    return mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, direction);
 }
 
 /* How a path goes on. */
@@ -92,6 +152,10 @@ static mcv_crossing mcv_cross_surface(mcv_world world, mcv_meeting meeting, uint
     mcv_crossing crossing;
     const uint bit = 1u << (world.instances[meeting.surface.instance].medium - 1u);
     uint left = meeting.inside ? bit : 0u, entered = meeting.inside ? 0u : bit; /* media of the bodies that the surface bounds */
+#if MCV_WITH_CONTACT
+    left |= meeting.left;
+    entered |= meeting.entered;
+#endif
 #if MCV_WITH_SURFACES
     /* The body in contact, on the other side. */
     if (meeting.surface.triangle >= MCV_EXACT && meeting.surface.u > 0.0f) {

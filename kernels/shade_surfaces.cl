@@ -83,7 +83,7 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
         throughput = mcv_dim(throughput, 1.0f / brightest);
     }
 
-    MCV_STORE_3(slot, origin, mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, on.direction));
+    MCV_STORE_3(slot, origin, mcv_onward_origin(meeting, on.direction));
     MCV_STORE_3(slot, direction, on.direction);
 #if MCV_WITH_SURFACES
     MCV_WORD(slot, left, 0) = mcv_leave(world, meeting.surface, on.direction);

@@ -82,7 +82,7 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         on = mcv_scatter(world, meeting, on.media, always_refract, 1.0f, &unmatched);
         point = meeting.surface.point;
         normal = meeting.normal;
-        origin = mcv_offset_origin(point, meeting.surface.error, meeting.face, on.direction);
+        origin = mcv_onward_origin(meeting, on.direction);
 #if MCV_WITH_SURFACES
         left = mcv_leave(world, meeting.surface, on.direction);
 #endif

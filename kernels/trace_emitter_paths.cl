@@ -301,7 +301,7 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
             if (choice.y >= brightest) return;
             path.throughput = mcv_dim(path.throughput, 1.0f / brightest);
         }
-        path.origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, on.direction);
+        path.origin = mcv_onward_origin(meeting, on.direction);
 #if MCV_WITH_SURFACES
         path.left = mcv_leave(world, meeting.surface, on.direction);
 #endif

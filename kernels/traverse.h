@@ -149,7 +149,7 @@ static inline int4 mcv_edge_rises(float4 px, float4 py, float4 qx, float4 qy) { 
 
 /*
  * Tests the four triangles of a leaf against a ray. A hit with 0 < t < hit->t replaces *hit; so does one with the same t and a
- * lower number. Returns whether there was one.
+ * lower number. Returns whether there was one. With `after`, only what comes after that hit in this order counts.
  *
  * t > 0 is certain if the triangle lies ahead of the origin as a whole: t is then a mean of positive numbers. Otherwise t
  * must exceed its error bound (the idea of Physically Based Rendering, the bound for this code). X, Y, Z are the largest
@@ -160,7 +160,8 @@ static inline int4 mcv_edge_rises(float4 px, float4 py, float4 qx, float4 qy) { 
  * functions, is off by 3 (2 (X δy + Y δx) + 4 u X Y); where that exceeds |det|, the triangle is seen edge-on and nothing is known. The rest
  * rounds by 12 u Z: 7 for the mean and 4 for the edge functions as weights.
  */
-static inline __attribute__((always_inline)) int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_shear *ray, mcv_hit *hit) {
+static inline __attribute__((always_inline)) int mcv_intersect_leaf_after(__global const mcv_leaf *leaf, const mcv_shear *ray,
+                                                                          const mcv_hit *after, mcv_hit *hit) {
     float4 x[3], y[3], z[3];
 #pragma unroll
     for (int corner = 0; corner < 3; ++corner) {
@@ -222,6 +223,7 @@ static inline __attribute__((always_inline)) int mcv_intersect_leaf(__global con
     do {
         const uint lane = mcv_pop_bit(&mask);
         const uint triangle = leaf->triangle[lane];
+        if (after && !(lane_t[lane] > after->t || (lane_t[lane] == after->t && triangle > after->triangle))) continue;
         /* A miss so far (MCV_NONE) has t_max, which is not a hit itself. */
         if (lane_t[lane] < hit->t || (lane_t[lane] == hit->t && hit->triangle != MCV_NONE && triangle < hit->triangle)) {
             hit->t = lane_t[lane];
@@ -232,6 +234,10 @@ static inline __attribute__((always_inline)) int mcv_intersect_leaf(__global con
         }
     } while (mask);
     return found;
+}
+
+static inline __attribute__((always_inline)) int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_shear *ray, mcv_hit *hit) {
+    return mcv_intersect_leaf_after(leaf, ray, 0, hit);
 }
 
 /* Begins to fetch a child that waits: by its turn it has come. Only where all memory is the host's; clang has no global form. */
@@ -331,6 +337,29 @@ static inline __attribute__((noinline)) int mcv_intersect_any_ray(__global const
     while (mcv_traverse_step(nodes, leaves, &ray, 1, &hit, &current, &count, waiting)) {}
     return hit.triangle != MCV_NONE;
 }
+
+#if MCV_WITH_CONTACT
+/* The next hit after another one, up to t_max. */
+static __attribute__((noinline)) mcv_hit mcv_next_hit_ray(__global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_vec3 origin,
+                                                          mcv_vec3 direction, mcv_hit after, float t_max) {
+    mcv_hit hit = mcv_miss(t_max);
+    const mcv_ray_frame ray = mcv_ray_setup(origin, direction, nodes->extent);
+    uint waiting[MCV_BVH_STACK];
+    uint count = 1;
+    waiting[0] = 0;
+    while (count > 0) {
+        const uint current = waiting[--count];
+        if (current & MCV_CHILD_LEAF) {
+            mcv_intersect_leaf_after(leaves + (current & ~MCV_CHILD_LEAF), &ray.shear, &after, &hit);
+            continue;
+        }
+        float8 entry;
+        uint mask = mcv_intersect_boxes(nodes + current, &ray, hit.t, &entry);
+        while (mask) waiting[count++] = nodes[current].child[mcv_pop_bit(&mask)];
+    }
+    return hit;
+}
+#endif
 
 /* ---- many rays at once ------------------------------------------------------------------------------------------ */
 

@@ -465,12 +465,147 @@ static void furnace(void **state) {
     }
 }
 
+/* --- bodies in contact ------------------------------------------------------------------------------------------ */
+
+/* A slab of a turned and moved frame, n x n squares in each face, from z = low to high. */
+static void add_slab(mcv_scene *scene, int n, double low, double high, uint32_t material) {
+    enum { MOST = 8 };
+    float positions[2 * (MOST + 1) * (MOST + 1) * 3];
+    uint32_t indices[6 * (2 * MOST * MOST + 4 * MOST)], count = 0;
+    const uint32_t row = (uint32_t)n + 1, face = row * row;
+    for (uint32_t v = 0; v < 2 * face; ++v) {
+        positions[3 * v] = (float)(0.02 * (v % row) / n - 0.01);
+        positions[3 * v + 1] = (float)(0.02 * (v / row % row) / n - 0.01);
+        positions[3 * v + 2] = (float)(v < face ? low : high);
+    }
+#define QUAD(a, b, c, d) memcpy(indices + count, (uint32_t[6]){(a), (b), (c), (a), (c), (d)}, 6 * sizeof *indices), count += 6
+    for (uint32_t y = 0; y + 1 < row; ++y)
+        for (uint32_t x = 0; x + 1 < row; ++x) {
+            const uint32_t a = y * row + x, t = a + face;
+            QUAD(a, a + row, a + row + 1, a + 1);
+            QUAD(t, t + 1, t + row + 1, t + row);
+        }
+    for (uint32_t k = 0; k + 1 < row; ++k) {
+        const uint32_t front = k, back = face - row + k, left = k * row, right = k * row + row - 1;
+        QUAD(front, front + 1, front + 1 + face, front + face);
+        QUAD(back + 1, back, back + face, back + 1 + face);
+        QUAD(left + row, left, left + face, left + row + face);
+        QUAD(right, right + row, right + row + face, right + face);
+    }
+#undef QUAD
+    const double c = 0.8, s = 0.6;
+    const mcv_transform turned = {{c, 0, s, 0, 1, 0, -s, 0, c, 0.1, -0.05, 0.02}};
+    add_instance(scene, &(mcv_mesh){.vertex_count = 2 * face, .triangle_count = count / 3, .positions = positions, .indices = indices},
+                 material, turned);
+}
+
+/*
+ * Three slabs of glass, their faces in the same places but cut into other triangles: a ray goes from the one into the next, with no gap of
+ * air between, and through all of them as through plates in contact.
+ */
+static void meshes_in_contact(void **state) {
+    (void)state;
+    enum { RAYS = 2000 };
+    static const double index[] = {1.5, 1.8, 1.3};
+    mcv_scene *scene = new_scene();
+    for (int i = 0; i < 3; ++i) add_slab(scene, 3 + 2 * i, 0.002 * i, 0.002 * (i + 1), add_glass(scene, index[i], 0, 0));
+    mcv_trace_ray *rays = calloc(RAYS, sizeof *rays);
+    uint64_t seed = 5;
+    for (int i = 0; i < RAYS; ++i) {
+        /* From above or below into the middle, not to be reflected totally nor to leave by the sides. */
+        const double side = i % 2 ? 1 : -1, z = i % 2 ? -0.01 : 0.016;
+        const double from[3] = {0.004 * (uniform(&seed) - 0.5), 0.004 * (uniform(&seed) - 0.5), z};
+        const double along[3] = {0.6 * (uniform(&seed) - 0.5), 0.6 * (uniform(&seed) - 0.5), side};
+        mcv_transform_point(&scene->instances[0].to_world, from, rays[i].origin);
+        mcv_transform_vector(&scene->instances[0].to_world, along, rays[i].direction);
+        for (int k = 0; k < 3; ++k) rays[i].origin[k] = (float)rays[i].origin[k];
+    }
+    for (int reference = 0; reference < 2; ++reference) {
+        const traced t = trace(scene, reference, rays, RAYS);
+        size_t v = 0;
+        for (uint32_t i = 0; i < RAYS; ++i) {
+            for (int k = 0; k < 6; ++k, ++v) {
+                const double expected = k < 1 || k > 3 ? 1 : index[i % 2 ? k - 1 : 3 - k];
+                if (v >= t.count || t.vertices[v].ray != i) fail_msg("%s: ray %u has %d vertices, not 6", name_of(reference), i, k);
+                if (fabs(t.vertices[v].ior - expected) > 1e-6)
+                    fail_msg("%s: ray %u, vertex %d: n = %g, not %g", name_of(reference), i, k, t.vertices[v].ior, expected);
+            }
+        }
+        assert_int_equal(v, t.count);
+        free(t.vertices);
+    }
+    free(rays);
+    mcv_scene_free(scene);
+}
+
+/* A cemented doublet: light goes from glass to glass. */
+static void cemented(void **state) {
+    (void)state;
+    enum { RAYS = 500 };
+    mcv_scene *scene = new_scene();
+    const mcv_cap between = {.z = 0.006, .curvature = -1 / 0.03};
+    mcv_solid first = element(0.01, (mcv_cap){.curvature = 1 / 0.04}, between), second = element(0.01, between, (mcv_cap){.z = 0.009});
+    second.cemented = true;
+    first.to_world = second.to_world = (mcv_transform){{0.8, 0, 0.6, 0, 1, 0, -0.6, 0, 0.8, 0.1, -0.05, 0.02}};
+    const uint32_t rim = add_absorber(scene);
+    add_solid(scene, &first, add_glass(scene, 1.5, 0, 0), rim);
+    add_solid(scene, &second, add_glass(scene, 1.7, 0, 0), rim);
+    mcv_trace_ray rays[RAYS];
+    uint64_t seed = 5;
+    for (int i = 0; i < RAYS; ++i) {
+        const double side = i % 2 ? 1 : -1, angle = 2 * M_PI * uniform(&seed), r = 0.009 * sqrt(uniform(&seed));
+        const double from[3] = {r * cos(angle), r * sin(angle), i % 2 ? -0.05 : 0.05};
+        mcv_transform_point(&first.to_world, from, rays[i].origin);
+        mcv_transform_vector(&first.to_world, (const double[3]){0, 0, side}, rays[i].direction);
+        for (int k = 0; k < 3; ++k) rays[i].origin[k] = (float)rays[i].origin[k];
+    }
+    for (int reference = 0; reference < 2; ++reference) {
+        const traced t = trace(scene, reference, rays, RAYS);
+        const double up[] = {1, 1.5, 1.7, 1, 1}, down[] = {1, 1.7, 1.5, 1, 1};
+        assert_int_equal(t.count, 5 * RAYS);
+        for (size_t v = 0; v < t.count; ++v) {
+            const double expected = t.vertices[v].ray % 2 ? up[v % 5] : down[v % 5];
+            if (fabs(t.vertices[v].ior - expected) > 1e-6)
+                fail_msg("%s: ray %u, vertex %zu: n = %g, not %g", name_of(reference), t.vertices[v].ray, v % 5, t.vertices[v].ior,
+                         expected);
+        }
+        free(t.vertices);
+    }
+    mcv_scene_free(scene);
+}
+
+/* Sixteen balls in one another, each of another glass: the ray meets them in turn; it may begin in the innermost. */
+static void nested(void **state) {
+    (void)state;
+    enum { BALLS = 16 };
+    mcv_scene *scene = new_scene();
+    for (int i = 0; i < BALLS; ++i) {
+        const mcv_solid ball = sphere(0.02 - 0.001 * i);
+        const uint32_t glass = add_glass(scene, 1.3 + 0.02 * i, 0, i);
+        add_solid(scene, &ball, glass, glass);
+    }
+    for (int reference = 0; reference < 2; ++reference) {
+        mcv_vertex v[DEPTH + 1];
+        assert_int_equal(trace_one(scene, reference, along_z(0.001, 0, -0.1), v), 2 * BALLS + 1);
+        for (int k = 0; k <= 2 * BALLS; ++k) {
+            const int depth = k <= BALLS ? k : 2 * BALLS - k;
+            expect_near("index", reference, v[k].ior, depth ? 1.3 + 0.02 * (depth - 1) : 1, 1e-6);
+        }
+        assert_int_equal(trace_one(scene, reference, along_z(0.001, 0, 0), v), BALLS + 1);
+        for (int k = 0; k <= BALLS; ++k) expect_near("index", reference, v[k].ior, k < BALLS ? 1.3 + 0.02 * (BALLS - 1 - k) : 1, 1e-6);
+    }
+    mcv_scene_free(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(plate),        cmocka_unit_test(single_sphere),     cmocka_unit_test(ball_lens),
-        cmocka_unit_test(aplanatic),    cmocka_unit_test(conics_focus),      cmocka_unit_test(mirrors),
-        cmocka_unit_test(double_gauss), cmocka_unit_test(against_reference), cmocka_unit_test(radii),
-        cmocka_unit_test(reflections),  cmocka_unit_test(furnace),
+        cmocka_unit_test(plate),        cmocka_unit_test(single_sphere),
+        cmocka_unit_test(ball_lens),    cmocka_unit_test(aplanatic),
+        cmocka_unit_test(conics_focus), cmocka_unit_test(mirrors),
+        cmocka_unit_test(double_gauss), cmocka_unit_test(against_reference),
+        cmocka_unit_test(radii),        cmocka_unit_test(reflections),
+        cmocka_unit_test(furnace),      cmocka_unit_test(meshes_in_contact),
+        cmocka_unit_test(cemented),     cmocka_unit_test(nested),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,7 +6,7 @@
  *
  * Samples are independent and random, whatever options->sampler says; schedule, slice and device have no meaning here. Rounds hold 1, 1, 2,
  * 4 … samples per replicate; an error is believed from 16 samples on; a round that would not end within options->seconds is not begun.
- * Bodies that touch in one and the same surface are not resolved: let them overlap, the priority decides.
+ * Bodies' surfaces in the same place, to the rounding of float32 vertices, are met together.
  */
 #ifndef MCVISI_HOST_REFERENCE_REFERENCE_H
 #define MCVISI_HOST_REFERENCE_REFERENCE_H

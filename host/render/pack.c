@@ -55,9 +55,11 @@ static void extend(mcv_box *b, const double p[3]) {
     }
 }
 
+/* Touching boxes overlap, whatever their coordinates round. */
 static bool overlap(const mcv_box *a, const mcv_box *b) {
     for (int k = 0; k < 3; ++k) {
-        if (a->upper[k] < b->lower[k] || b->upper[k] < a->lower[k]) return false;
+        const double margin = 1e-6 * (a->upper[k] - a->lower[k] + b->upper[k] - b->lower[k]);
+        if (a->upper[k] + margin < b->lower[k] || b->upper[k] + margin < a->lower[k]) return false;
     }
     return true;
 }
@@ -536,6 +538,29 @@ static uint32_t find_features(const mcv_scene *scene) {
            feature(MCV_FEATURE_INTERLEAVE, spreads && scene->triangle_count >= MCV_MANY_TRIANGLES);
 }
 
+/* Does one box lie inside of the other, by more than coordinates round? */
+static bool well_inside(const mcv_box *inner, const mcv_box *outer) {
+    for (int k = 0; k < 3; ++k) {
+        const double margin = 1e-6 * (outer->upper[k] - outer->lower[k]);
+        if (!(inner->lower[k] > outer->lower[k] + margin && inner->upper[k] < outer->upper[k] - margin)) return false;
+    }
+    return true;
+}
+
+/* May meshes of dielectrics be in contact? Not where their boxes are apart, or one inside the other. */
+static bool may_touch(const mcv_scene *scene, const mcv_box *boxes) {
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        const mcv_instance *a = scene->instances + i;
+        if (scene->materials[a->material].type != MCV_MATERIAL_DIELECTRIC || scene->meshes[a->mesh].triangle_count == 0) continue;
+        for (uint32_t j = 0; j < i; ++j) {
+            const mcv_instance *b = scene->instances + j;
+            if (scene->materials[b->material].type != MCV_MATERIAL_DIELECTRIC || scene->meshes[b->mesh].triangle_count == 0) continue;
+            if (overlap(boxes + i, boxes + j) && !well_inside(boxes + i, boxes + j) && !well_inside(boxes + j, boxes + i)) return true;
+        }
+    }
+    return false;
+}
+
 static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
     uint64_t vertices = 0;
     bool failed = false;
@@ -550,7 +575,7 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error
         return mcv_fail(error, MCV_BAD_INPUT, "%s: nodes: %llu vertices after placing all meshes, at most %u can be rendered", scene->path,
                         (unsigned long long)vertices, UINT32_MAX / 3);
     }
-    packed->features = find_features(scene);
+    packed->features = find_features(scene) | feature(MCV_FEATURE_CONTACT, may_touch(scene, packed->boxes));
     packed->channels = mcv_scene_channels(scene);
     packed->vertex_count = (uint32_t)vertices;
     packed->triangle_count = scene->triangle_count;

@@ -18,6 +18,7 @@
     X(MIRROR, "mirror", "a mirror reflects") \
     X(GLOSS, "gloss", "a metal reflects, or a surface of microfacets") \
     X(RETROREFLECTOR, "retroreflector", "a surface sends light back to where it comes from") \
+    X(CONTACT, "contact", "bodies of glass or fluid may touch: surfaces in the same place are looked for") \
     X(SURFACES, "surfaces", "a lens or another body has exact surfaces") \
     X(TEXTURE, "texture", "an image modulates a material or an emitter") \
     X(NORMALS, "normals", "a mesh has interpolated normals") \
