@@ -597,6 +597,37 @@ static void nested(void **state) {
     mcv_scene_free(scene);
 }
 
+/* --- glass ------------------------------------------------------------------------------------------------------ */
+
+/* n_d and Abbe's number of data sheets, to their last digit. */
+static void glasses(void **state) {
+    (void)state;
+    static const struct {
+        double n, abbe;
+    } known[] = {{1.51680, 64.17}, {1.52249, 59.48}, {1.56883, 55.98}, {1.60738, 56.65}, {1.62041, 60.32}, {1.62229, 53.27},
+                 {1.71300, 53.83}, {1.65113, 55.89}, {1.85025, 32.17}, {1.67003, 47.11}, {1.62004, 36.37}, {1.62005, 36.43},
+                 {1.60342, 38.03}, {1.67270, 32.21}, {1.67271, 32.25}, {1.80518, 25.43}, {1.80518, 25.36}, {1.72828, 28.53},
+                 {1.78472, 25.68}, {1.84666, 23.78}, {1.48656, 84.47}, {1.45846, 67.82}};
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; ++i) {
+        const int glass = (int)i + 1;
+        const double n = mcv_glass_index(glass, 587.5618e-9);
+        const double abbe = (n - 1) / (mcv_glass_index(glass, 486.1327e-9) - mcv_glass_index(glass, 656.2725e-9));
+        if (fabs(n - known[i].n) > 1.1e-5 || fabs(abbe - known[i].abbe) > 0.011)
+            fail_msg("glass %d has n = %g and Abbe's number %g, not %g and %g", glass, n, abbe, known[i].n, known[i].abbe);
+    }
+    /* In a scene: that of its wavelength. */
+    mcv_scene *scene = new_scene();
+    mcv_material material = {.name = (char *)"glass", .type = MCV_MATERIAL_DIELECTRIC, .texture = MCV_NONE};
+    scene->wavelengths[0] = scene->wavelengths[1] = scene->wavelengths[2] = 486.1327e-9;
+    mcv_params_set_defaults(mcv_material_table(material.type), &material.as);
+    material.as.dielectric.glass = 1;
+    BUILD(mcv_scene_add_material(scene, &material, &builder_error));
+    expect_near("N-BK7 at the F line", true, scene->materials[0].as.dielectric.ior, 1.52238, 1e-5);
+    material.as.dielectric.ior = 1.5;
+    assert_int_equal(mcv_scene_add_material(scene, &material, &builder_error), MCV_BAD_INPUT);
+    mcv_scene_free(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(plate),        cmocka_unit_test(single_sphere),
@@ -606,6 +637,7 @@ int main(void) {
         cmocka_unit_test(radii),        cmocka_unit_test(reflections),
         cmocka_unit_test(furnace),      cmocka_unit_test(meshes_in_contact),
         cmocka_unit_test(cemented),     cmocka_unit_test(nested),
+        cmocka_unit_test(glasses),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -363,7 +363,7 @@ mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene *
     if (result == MCV_OK) result = mcv_load_open(&loader, overrides, error);
     if (result == MCV_OK) result = load_spectrum(&loader, error);
     if (result == MCV_OK) result = load_nodes(&loader, &world, error);
-    if (result == MCV_OK) mcv_scene_settle_metals(*scene);
+    if (result == MCV_OK) mcv_scene_settle_spectra(*scene);
     if (result == MCV_OK) result = warn_unused(&loader, error);
     mcv_load_finish(&loader);
     if (result == MCV_OK) return MCV_OK;

@@ -36,7 +36,7 @@ const char *const *mcv_param_options(const char *key) {
 #define MCV_OPTIONS(choice, ...) {#choice, {__VA_ARGS__, NULL}},
     static const struct {
         const char *key;
-        const char *options[9];
+        const char *options[32];
     } choices[] = {MCV_CHOICES(MCV_OPTIONS)};
     for (size_t i = 0; i < sizeof choices / sizeof choices[0]; ++i)
         if (strcmp(choices[i].key, key) == 0) return choices[i].options;
@@ -165,7 +165,7 @@ static mcv_result parse_number(const mcv_param *param, const json_t *value, doub
 static mcv_result parse_choice(const mcv_param *param, const json_t *value, void *params, const mcv_place *place, mcv_error *error) {
     const char *const *options = mcv_param_options(param->key);
     const char *text = json_string_value(value);
-    char list[256] = "";
+    char list[512] = "";
     for (int i = 0; options[i]; ++i) {
         if (text && strcmp(text, options[i]) == 0) {
             set(param, params, 0, i);

@@ -161,6 +161,10 @@ mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material
     for (int i = 0; own.by_name && i < 3; ++i)
         mcv_metal_index(metal->metal, scene->wavelengths[i] > 0 ? scene->wavelengths[i] : default_wavelengths[i], metal->n + i,
                         metal->k + i);
+    mcv_dielectric_params *glass = own.type == MCV_MATERIAL_DIELECTRIC ? &own.as.dielectric : NULL;
+    if (glass && glass->glass > 0 && !isnan(glass->ior)) return mcv_fail_at(here, error, "has both glass and ior: give one of them");
+    if (glass && isnan(glass->ior))
+        glass->ior = mcv_glass_index(glass->glass, scene->wavelengths[1] > 0 ? scene->wavelengths[1] : grey_wavelength);
     own.name = copy_name(material->name, &failed);
     if (!failed && append(&scene->materials, &scene->material_count, &own, sizeof own)) return MCV_OK;
     free(own.name);
@@ -314,7 +318,15 @@ double mcv_scene_wavelength(const mcv_scene *scene, int channel) {
     return mcv_scene_channels(scene) == 1 ? grey_wavelength : default_wavelengths[channel];
 }
 
-void mcv_scene_settle_metals(mcv_scene *scene) {
+static void settle_glasses(mcv_scene *scene) {
+    const double wavelength = mcv_scene_wavelength(scene, 1);
+    for (uint32_t i = 0; i < scene->material_count; ++i) {
+        mcv_dielectric_params *glass = &scene->materials[i].as.dielectric;
+        if (scene->materials[i].type == MCV_MATERIAL_DIELECTRIC && glass->glass > 0) glass->ior = mcv_glass_index(glass->glass, wavelength);
+    }
+}
+
+static void settle_metals(mcv_scene *scene) {
     /* Grey first: if the scene is, they stay so. */
     for (int colour = scene->wavelengths[0] > 0; colour < 2; ++colour) {
         for (uint32_t i = 0; i < scene->material_count; ++i) {
@@ -327,6 +339,11 @@ void mcv_scene_settle_metals(mcv_scene *scene) {
         }
         if (mcv_scene_channels(scene) == 1) return;
     }
+}
+
+void mcv_scene_settle_spectra(mcv_scene *scene) {
+    settle_metals(scene);
+    settle_glasses(scene);
 }
 
 /* --- channels --------------------------------------------------------------------------------------------------- */

@@ -225,7 +225,10 @@ void mcv_params_set_defaults(mcv_param_table table, void *params);
 double mcv_scene_wavelength(const mcv_scene *scene, int channel);
 
 /* Sets n and k of conductors given by name. Call it when all else is in the scene: what it holds decides whether it is grey. */
-void mcv_scene_settle_metals(mcv_scene *scene);
+void mcv_scene_settle_spectra(mcv_scene *scene);
+
+/* The index of a glass (an option of `glass`) at a wavelength [m]. */
+double mcv_glass_index(int glass, double wavelength);
 
 /* n and k of a metal (an option of `metal`), between the wavelengths of its table by line, beyond them at their ends. */
 void mcv_metal_index(int metal, double wavelength, double *n, double *k);

@@ -48,7 +48,9 @@
     X(radiometry, "radiance", "irradiance") \
     X(aperture, "square", "circle") \
     X(orientation, "vertical", "horizontal") \
-    X(metal, "aluminium", "chromium", "copper", "gold", "iron", "nickel", "silver", "titanium")
+    X(metal, "aluminium", "chromium", "copper", "gold", "iron", "nickel", "silver", "titanium") \
+    X(glass, "none", "N-BK7", "N-K5", "N-BAK4", "N-SK2", "N-SK16", "N-SSK2", "N-LAK8", "N-LAK22", "N-LASF9", "N-BAF10", "F2", "N-F2", \
+      "F5", "SF5", "N-SF5", "SF6", "N-SF6", "N-SF10", "N-SF11", "N-SF57", "N-FK51A", "fusedSilica", "water", "PMMA", "polycarbonate")
 
 enum { MCV_RADIOMETRY_RADIANCE, MCV_RADIOMETRY_IRRADIANCE };
 enum { MCV_APERTURE_SQUARE, MCV_APERTURE_CIRCLE };

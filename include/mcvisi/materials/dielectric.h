@@ -9,6 +9,9 @@
  * meeting each other is spread on both sides as reciprocity asks for; roughness between 0 and 0.032 is 0.032. Both lobes use
  * the height-correlated masking of the reflected one.
  *
+ * In place of ior, `glass` names one of the catalogue in host/scene/glasses.c: its index at the wavelength of a grey scene, or of the green
+ * channel, is that of all light (MCVISI_spectrum); a path is not parted by colours.
+ *
  * A coating changes the reflectance at every angle from Fresnel's F, which is F0 at normal incidence, to
  *
  *     R = R0 + (1 - R0) (F - F0)/(1 - F0)        R0 = coating; not below 0
@@ -18,6 +21,7 @@
  * or wetted surfaces are bare.
  *
  *     {"type": "dielectric", "ior": 1.5168, "absorption": 2.0, "priority": 0, "coating": 0.004}
+ *     {"type": "dielectric", "glass": "N-BK7"}
  */
 #ifndef MCVISI_MATERIALS_DIELECTRIC_H
 #define MCVISI_MATERIALS_DIELECTRIC_H
@@ -25,11 +29,12 @@
 #include "mcvisi/materials/material.h"
 
 #define MCV_DIELECTRIC_PARAMS(X) \
-    X(number, ior, 1.5, 1, 10, "refractive index n") \
+    X(number, ior, MCV_UNSET, 1, 10, "refractive index n; 1.5 where no glass is given") \
     X(spectrum, absorption, 0, 0, 1e30, "absorption coefficient σ: transmittance exp(-σ d) over a path d [1/m]") \
     X(number, priority, 0, -1000, 1000, "where bodies overlap the larger one fills the space (an integer)") \
     MCV_ROUGHNESS_PARAMS(X, 0) \
-    X(number, coating, 0, 0, 1, "reflectance at normal incidence of a coating, against gas or vacuum; 0: none")
+    X(number, coating, 0, 0, 1, "reflectance at normal incidence of a coating, against gas or vacuum; 0: none") \
+    X(choice, glass, 0, 0, 25, "whose index at the scene's wavelength it has")
 
 /* exp(-x) for x >= 0, by 2^(-x log2 e) with a polynomial: relative error below 3e-7. */
 MCV_FUNCTION float mcv_exp_minus(float x) {
