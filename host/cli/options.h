@@ -22,6 +22,8 @@
       "render a scene with many sets of parameters and measure in each image: a table, and a page of plots with error bars") \
     X(lightfield, LIGHTFIELD, "views|emd-gradient IMAGE.exr", \
       "show a light field image as its sub-aperture views, or by its Earth Mover's gradient, in which defects stand out") \
+    X(import, IMPORT, "LENS.zmx|LENS.seq", \
+      "turn a lens file of a design program into a glTF file with exact surfaces, for scenes to place") \
     X(devices, DEVICES, "", "list the OpenCL devices and their numbers") \
     X(help, HELP, "[VERB]", "explain a verb and its options")
 
@@ -59,6 +61,9 @@ enum {
       "compare` can use rank tests") \
     X(text, rig, "output", 'o', "RIG.gltf", MCV_IN_NEW, NULL, 0, 0, \
       "the rig, in whose folder or below it the part lies; by default PART-KIND.gltf beside the part") \
+    X(text, lens, "output", 'o', "LENS.gltf", MCV_IN_IMPORT, NULL, 0, 0, \
+      "where to write; by default the name of the lens file with .gltf") \
+    X(list, index, "index", 0, "GLASS=N", MCV_IN_IMPORT, NULL, 0, 0, "the refractive index of a glass that the catalogue lacks") \
     X(text, unit, "unit", 0, "nm|um|mm|cm|m", MCV_IN_NEW, NULL, 0, 0, "of the part's lengths; .stl files do not tell it, glTF has metres") \
     X(text, sensor, "sensor", 0, "NAME", MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_MEASURE, NULL, 0, 0, "only this sensor, by name or number") \
     X(count, spp, "spp", 0, "N", MCV_IN_TAKE, NULL, 1, 1ull << 37, \
