@@ -628,6 +628,72 @@ static void glasses(void **state) {
     mcv_scene_free(scene);
 }
 
+/* --- scene files ------------------------------------------------------------------------------------------------ */
+
+/* A scene whose one node places the definition. */
+static mcv_result load_definition(const char *definition, mcv_scene **scene) {
+    const char *path = "test_surfaces.gltf";
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fprintf(
+        file,
+        "{\"asset\": {\"version\": \"2.0\"}, \"scene\": 0, \"scenes\": [{\"nodes\": [0]}], \"extensionsUsed\": [\"MCVISI_surfaces\", "
+        "\"MCVISI_materials\"], \"materials\": [{\"name\": \"glass\", \"extensions\": {\"MCVISI_materials\": {\"type\": \"dielectric\", "
+        "\"glass\": \"N-BK7\"}}}], \"extensions\": {\"MCVISI_surfaces\": {\"surfaces\": [%s]}}, \"nodes\": [{\"extensions\": "
+        "{\"MCVISI_surfaces\": {\"surface\": 0}}}]}",
+        definition);
+    assert_int_equal(fclose(file), 0);
+    const mcv_result result = mcv_scene_load(path, (mcv_overrides){NULL, 0}, scene, &builder_error);
+    remove(path);
+    return result;
+}
+
+static void definitions(void **state) {
+    (void)state;
+    mcv_scene *scene;
+    BUILD(load_definition("{\"type\": \"lens\", \"surfaces\": [{\"radius\": \"50mm\", \"semiDiameter\": \"12mm\", \"thickness\": \"5mm\", "
+                          "\"material\": \"glass\"}, {\"curvature\": -20, \"conic\": -1, \"asphere\": [1e3], \"semiDiameter\": 0.011}]}",
+                          &scene));
+    assert_int_equal(scene->solid_count, 1);
+    assert_int_equal(scene->triangle_count, 0);
+    expect_near("radius", true, scene->solids[0].radius, 0.012, 0);
+    expect_near("curvature", true, scene->solids[0].caps[1].curvature, -20, 0);
+    assert_true(scene->materials[scene->instances[scene->solids[0].instances[2]].material].type == MCV_MATERIAL_ABSORBER);
+    mcv_scene_free(scene);
+    static const struct {
+        const char *definition, *word;
+    } bad[] = {
+        {"{\"type\": \"lense\"}", "did you mean \"lens\""},
+        {"{\"type\": \"sphere\"}", "radius: is missing"},
+        {"{\"type\": \"sphere\", \"radius\": -1}", "above 0"},
+        {"{\"type\": \"box\", \"width\": 1, \"heigth\": 1, \"depth\": 1}", "did you mean \"height\""},
+        {"{\"type\": \"disc\", \"radius\": 1, \"holeRadius\": 2}", "must be smaller"},
+        {"{\"type\": \"disc\", \"radius\": 1, \"material\": \"glass\"}", "has no inside"},
+        {"{\"type\": \"sphere\", \"radius\": 1, \"material\": \"glas\"}", "no material \"glas\""},
+        {"{\"type\": \"lens\", \"surfaces\": [{\"semiDiameter\": 1}]}", "2 to"},
+        {"{\"type\": \"lens\", \"surfaces\": [{\"semiDiameter\": 1}, {\"semiDiameter\": 1}]}", "no surface has a material"},
+        {"{\"type\": \"lens\", \"surfaces\": [{\"semiDiameter\": 1}, {\"semiDiameter\": 1, \"material\": 0}]}", "no surface behind"},
+        {"{\"type\": \"lens\", \"surfaces\": [{\"radius\": 1, \"semiDiameter\": 2, \"thickness\": 9, \"material\": 0}, {\"semiDiameter\": "
+         "1}]}",
+         "lies beyond the surface"},
+        {"{\"type\": \"lens\", \"surfaces\": [{\"radius\": 2, \"semiDiameter\": 1, \"thickness\": 0.1, \"material\": 0}, "
+         "{\"semiDiameter\": 1}]}",
+         "surfaces intersect"},
+        {"{\"type\": \"lens\", \"surfaces\": [{\"radius\": 2, \"curvature\": 3, \"semiDiameter\": 1, \"material\": 0}, {\"semiDiameter\": "
+         "1}]}",
+         "contradicts"},
+        {"{\"type\": \"lens\", \"surfaces\": [{\"radius\": 0, \"semiDiameter\": 1, \"material\": 0}, {\"semiDiameter\": 1}]}",
+         "must not be 0"},
+        {"{\"type\": \"lens\", \"surfaces\": [{\"asphere\": [1, 2, 3, 4, 5, 6, 7, 8, 9], \"semiDiameter\": 1}, {\"semiDiameter\": 1}]}",
+         "at most 8"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        const mcv_result result = load_definition(bad[i].definition, &scene);
+        if (result != MCV_BAD_INPUT || !strstr(builder_error.text, bad[i].word) || !strstr(builder_error.text, "test_surfaces.gltf"))
+            fail_msg("%s: \"%s\" should say \"%s\"", bad[i].definition, result == MCV_OK ? "" : builder_error.text, bad[i].word);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(plate),        cmocka_unit_test(single_sphere),
@@ -637,7 +703,7 @@ int main(void) {
         cmocka_unit_test(radii),        cmocka_unit_test(reflections),
         cmocka_unit_test(furnace),      cmocka_unit_test(meshes_in_contact),
         cmocka_unit_test(cemented),     cmocka_unit_test(nested),
-        cmocka_unit_test(glasses),
+        cmocka_unit_test(glasses),      cmocka_unit_test(definitions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
