@@ -162,9 +162,10 @@ mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material
         mcv_metal_index(metal->metal, scene->wavelengths[i] > 0 ? scene->wavelengths[i] : default_wavelengths[i], metal->n + i,
                         metal->k + i);
     mcv_dielectric_params *glass = own.type == MCV_MATERIAL_DIELECTRIC ? &own.as.dielectric : NULL;
-    if (glass && glass->glass > 0 && !isnan(glass->ior)) return mcv_fail_at(here, error, "has both glass and ior: give one of them");
-    if (glass && isnan(glass->ior))
+    if (glass && glass->glass > 0) {
+        if (glass->ior != 1.5) return mcv_fail_at(here, error, "has both glass and ior: give one of them"); /* 1.5: none is given */
         glass->ior = mcv_glass_index(glass->glass, scene->wavelengths[1] > 0 ? scene->wavelengths[1] : grey_wavelength);
+    }
     own.name = copy_name(material->name, &failed);
     if (!failed && append(&scene->materials, &scene->material_count, &own, sizeof own)) return MCV_OK;
     free(own.name);

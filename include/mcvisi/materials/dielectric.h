@@ -29,7 +29,7 @@
 #include "mcvisi/materials/material.h"
 
 #define MCV_DIELECTRIC_PARAMS(X) \
-    X(number, ior, MCV_UNSET, 1, 10, "refractive index n; 1.5 where no glass is given") \
+    X(number, ior, 1.5, 1, 10, "refractive index n") \
     X(spectrum, absorption, 0, 0, 1e30, "absorption coefficient σ: transmittance exp(-σ d) over a path d [1/m]") \
     X(number, priority, 0, -1000, 1000, "where bodies overlap the larger one fills the space (an integer)") \
     MCV_ROUGHNESS_PARAMS(X, 0) \
