@@ -36,6 +36,7 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 #define MCV_WITH_NEXT_EVENT (features >> MCV_FEATURE_NEXT_EVENT & 1)
 #define MCV_WITH_LIGHT_TRACING (features >> MCV_FEATURE_LIGHT_TRACING & 1)
 #define MCV_WITH_GLOSS (features >> MCV_FEATURE_GLOSS & 1)
+#define MCV_WITH_SURFACES (features >> MCV_FEATURE_SURFACES & 1)
 #define MCV_X(field, count) words[FIELD_##field] = (count);
     MCV_PATH_FIELDS(MCV_X)
 #undef MCV_X
@@ -44,18 +45,20 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 #undef MCV_WITH_NEXT_EVENT
 #undef MCV_WITH_LIGHT_TRACING
 #undef MCV_WITH_GLOSS
+#undef MCV_WITH_SURFACES
 }
 
 /* What each stage reads and writes of a path (the heads of kernels/<stage>.cl). */
 static const int traffic[STAGE_COUNT][16] = {
-    [STAGE_generate_rays] = {FIELD_origin, FIELD_direction, FIELD_weight, FIELD_throughput, FIELD_radiance, FIELD_media, FIELD_density},
-    [STAGE_intersect_closest] = {FIELD_origin, FIELD_direction, FIELD_hit},
+    [STAGE_generate_rays] = {FIELD_origin, FIELD_direction, FIELD_weight, FIELD_throughput, FIELD_radiance, FIELD_media, FIELD_density,
+                             FIELD_left},
+    [STAGE_intersect_closest] = {FIELD_origin, FIELD_direction, FIELD_left, FIELD_hit},
     [STAGE_sample_emitters] = {FIELD_hit, FIELD_direction, FIELD_throughput, FIELD_media, FIELD_shadow_origin, FIELD_shadow_direction,
-                               FIELD_shadow_target, FIELD_shadow_light},
-    [STAGE_intersect_shadow] = {FIELD_shadow_origin, FIELD_shadow_direction, FIELD_shadow_target, FIELD_shadow_light, FIELD_radiance,
-                                FIELD_radiance},
+                               FIELD_shadow_target, FIELD_shadow_left, FIELD_shadow_light},
+    [STAGE_intersect_shadow] = {FIELD_shadow_origin, FIELD_shadow_direction, FIELD_shadow_target, FIELD_shadow_left, FIELD_shadow_light,
+                                FIELD_radiance, FIELD_radiance},
     [STAGE_shade_surfaces] = {FIELD_hit, FIELD_origin, FIELD_direction, FIELD_direction, FIELD_throughput, FIELD_throughput, FIELD_radiance,
-                              FIELD_radiance, FIELD_media, FIELD_media, FIELD_density, FIELD_density},
+                              FIELD_radiance, FIELD_media, FIELD_media, FIELD_density, FIELD_density, FIELD_left},
     [STAGE_accumulate_film] = {FIELD_weight, FIELD_radiance},
 };
 
