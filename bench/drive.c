@@ -47,6 +47,7 @@ mcv_result load_shipped(const char *name, double pixels, mcv_scene **scene, mcv_
     mcv_sensor *sensor = (*scene)->sensors;
     mcv_sensor_film_size(sensor, film, film + 1);
     const mcv_readout readout = mcv_sensor_readout(sensor);
+    if (readout.film[0] != readout.size[0] || readout.film[1] != readout.size[1]) return MCV_OK;
     const double factor = sqrt(pixels / ((double)film[0] * film[1]));
     return mcv_sensor_resize(sensor, (uint64_t)lround(fmax(1, readout.size[0] * factor)),
                              (uint64_t)lround(fmax(1, readout.size[1] * factor)), *scene, error);

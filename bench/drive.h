@@ -10,7 +10,7 @@ enum { DRIVE_REPLICATES = 4, MAX_SCENES = 64 };
 /* The scenes that ship, by name, or those whose names contain `only` unless it is NULL; the caller frees names[0 … count - 1]. */
 mcv_result shipped_scenes(const char *only, char *names[MAX_SCENES], size_t *count, mcv_error *error);
 
-/* Loads scenes/NAME and gives its first sensor about so many pixels. */
+/* Loads scenes/NAME and gives its first sensor about so many pixels; one with a region of interest or binning keeps its own. */
 mcv_result load_shipped(const char *name, double pixels, mcv_scene **scene, mcv_error *error);
 
 /* One launch of DRIVE_REPLICATES * 2^log2_samples samples of all pixels of the first sensor, without the light paths of caustics. */
