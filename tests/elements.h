@@ -6,6 +6,8 @@
 #include "scene_builder.h"
 
 #include "cl/cl.h"
+#include "reference/random.h"
+#include "reference/vector.h"
 #include "render/pack.h"
 #include "render/render.h"
 #include "scene/sensors.h"
@@ -55,6 +57,26 @@ static inline void run_elements(const char *kernel_name, uint32_t sensor_type, c
     mcv_cl_release(&in_buffer);
     mcv_cl_release(&out_buffer);
     clReleaseKernel(kernel);
+}
+
+static inline float *floats(size_t count) {
+    float *memory = malloc(count * sizeof *memory);
+    assert_non_null(memory);
+    return memory;
+}
+
+/* A direction with z from `least` to `most`, all alike. */
+static inline ref_vec direction(ref_random *random, double least, double most) {
+    const double z = least + (most - least) * ref_random_unit(random), phi = 2 * M_PI * ref_random_unit(random), s = sqrt(1 - z * z);
+    return (ref_vec){s * cos(phi), s * sin(phi), z};
+}
+
+/* Rounds a direction to float32. */
+static inline ref_vec put(float *to, ref_vec v) {
+    to[0] = (float)v.x;
+    to[1] = (float)v.y;
+    to[2] = (float)v.z;
+    return (ref_vec){to[0], to[1], to[2]};
 }
 
 /* Rays of sight of `count` cases: column, row, x, y, ξ, η as words, integers first; to origin, direction, weight in the optical frame. */

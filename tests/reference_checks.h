@@ -3,7 +3,7 @@
 #ifndef MCVISI_TESTS_REFERENCE_CHECKS_H
 #define MCVISI_TESTS_REFERENCE_CHECKS_H
 
-#include "scene_builder.h"
+#include "estimates.h"
 
 #include "reference/interface.h"
 #include "reference/path.h"
@@ -37,20 +37,6 @@ static inline double student_two_sided(double t, int freedom) {
 
 /* Rendered with fixed seeds, each check has one outcome; a right renderer would miss this for one seed of a thousand. */
 #define LEVEL 1e-3
-
-enum { REPLICATES = 16 };
-
-/* Mean and variance of the mean over a film's replicates, of all pixels or of one. */
-static inline mcv_estimate film_estimate(const mcv_film *film, size_t first_pixel, size_t pixel_count) {
-    const size_t pixels = (size_t)film->width * film->height;
-    double means[MCV_MAX_REPLICATES];
-    for (uint32_t r = 0; r < film->replicates; ++r) {
-        means[r] = 0;
-        for (size_t i = first_pixel; i < first_pixel + pixel_count; ++i) means[r] += film->sums[r * film->channels * pixels + i];
-        means[r] /= (double)film->samples * (double)pixel_count;
-    }
-    return mcv_estimate_replicates(means, film->replicates);
-}
 
 /* Tests a mean of REPLICATES replicates against the truth, which is itself known within `slack`. */
 static inline void check_mean(const char *what, mcv_estimate estimate, double truth, double slack) {

@@ -77,4 +77,16 @@ static inline mcv_result load_text(const char *name, const char *text, const cha
     return result;
 }
 
+/* A scene file of this name and text must be refused, with one sentence that names the file and says this. */
+static inline void must_refuse(const char *name, const char *text, const char *says) {
+    mcv_scene *scene = (mcv_scene *)1;
+    mcv_error error;
+    const mcv_result result = load_text(name, text, NULL, &scene, &error);
+    if (result != MCV_BAD_INPUT || scene) fail_msg("%s\n  gave %d, must be refused with \"%s\"", text, result, says);
+    const char *named = strstr(error.text, name);
+    if (!named || strncmp(named + strlen(name), ": ", 2) != 0 || !strstr(error.text, says))
+        fail_msg("%s\n  \"%s\"\n  must name the file and say \"%s\"", text, error.text, says);
+    if (strchr(error.text, '\n')) fail_msg("\"%s\" must be one line", error.text);
+}
+
 #endif

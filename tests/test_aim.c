@@ -3,12 +3,12 @@
  * Sensors that look into a parallel emitter, with pupils from a thousandth to a thousand times as wide as its cone: closed forms,
  * conservation, and images found by chance alone.
  */
-#include "scene_builder.h"
+#include "estimates.h"
 
 #include "render/render.h"
 #include "uneven_panel.h"
 
-enum { REPLICATES = 16, SAMPLES = 64, PIXELS = 16 };
+enum { SAMPLES = 64, PIXELS = 16 };
 static const double alpha = 0.02; /* half-angle of the pupil */
 
 static mcv_film render(const mcv_scene *scene, uint32_t schedule, uint64_t samples, mcv_render_stats *stats) {
@@ -21,37 +21,19 @@ static mcv_film render(const mcv_scene *scene, uint32_t schedule, uint64_t sampl
     return film;
 }
 
-/* The mean over the image and its standard error over the replicates. */
-static mcv_estimate image_mean(const mcv_film *film) {
-    const size_t pixels = (size_t)film->width * film->height * film->channels;
-    double means[REPLICATES] = {0};
-    for (uint32_t r = 0; r < REPLICATES; ++r) {
-        for (size_t i = 0; i < pixels; ++i) means[r] += film->sums[r * pixels + i];
-        means[r] /= (double)pixels * (double)film->samples;
-    }
-    return mcv_estimate_replicates(means, REPLICATES);
-}
-
 /* Whether the image was made with aimed pupils must be as said. */
 static mcv_estimate render_mean(const mcv_scene *scene, uint64_t samples, bool aims) {
     mcv_render_stats stats;
     mcv_film film = render(scene, MCV_SCHEDULE_AUTO, samples, &stats);
-    const mcv_estimate mean = image_mean(&film);
+    const mcv_estimate mean = image_estimate(&film);
     if ((strstr(stats.features, "aim") != NULL) != aims) fail_msg("features: %s", stats.features);
     mcv_film_free(&film);
     return mean;
 }
 
-/*
- * 16 replicates, Student's t with 15 degrees of freedom: 6.1 standard errors happen with probability 2e-5. Roundings to float32 move the
- * edge of a cone of 2e-5 rad, whose angles are known to some 2^-23, by 1 % of it.
- */
+/* Roundings to float32 move the edge of a cone of 2e-5 rad, whose angles are known to some 2^-23, by 1 % of it. */
 static void expect(const char *what, mcv_estimate m, double expected, double rounding) {
-    const double error = sqrt(m.variance);
-    print_message("%s: %.6g ± %.2g, expected %.6g\n", what, m.mean, error, expected);
-    if (!(error <= 0.03 * expected)) fail_msg("%s: the standard error %g is above 3 %% of %g", what, error, expected);
-    if (!(fabs(m.mean - expected) <= 6.1 * error + rounding * expected))
-        fail_msg("%s: %.9g ± %.2g, expected %.9g", what, m.mean, error, expected);
+    expect_estimate(what, m, expected, 0.03, rounding);
 }
 
 /* A field of 1 mm, magnification 1; pupil half-angle alpha: tan alpha = D_t/2f. */
@@ -168,8 +150,8 @@ static void test_wide_cones(void **state) {
         mcv_render_stats stats;
         mcv_scene *scene = ball_scene(2e-4, 2e-4 * wide[i], true);
         mcv_film film = render(scene, MCV_SCHEDULE_AUTO, SAMPLES, &stats);
-        print_message("through a ball, pupil/cone 1/%g: %g\n", wide[i], image_mean(&film).mean);
-        assert_true(image_mean(&film).mean > 0);
+        print_message("through a ball, pupil/cone 1/%g: %g\n", wide[i], image_estimate(&film).mean);
+        assert_true(image_estimate(&film).mean > 0);
         mcv_film_free(&film);
         mcv_scene_free(scene);
     }

@@ -8,7 +8,6 @@
 enum { WIDTH = 6, HEIGHT = 4 };
 
 #define NAMED "\"type\":\"collimatedBeam\",\"size\":[\"6mm\",\"4mm\"],"
-#define CAMERA "\"type\":\"pinhole\",\"imageDistance\":1,\"resolution\":[1,1],\"pixelSize\":1e-6"
 
 /*
  * A wall of reflectance ρ 0.2 m before the emitter, tilted by 45° about the rig's x axis, and a telecentric camera of scale 1 that looks
@@ -45,7 +44,7 @@ static void test_each_pixel_is_where_it_belongs(void **state) {
         mcv_scene *scene;
         mcv_image mean, error;
         char *emitter = text_of(NAMED "\"image\":0,\"mirror\":%s,\"irradiance\":2", mirror ? "true" : "false");
-        char *text = rig_text(rig, emitter, CAMERA, 0.1, "beam.png");
+        char *text = rig_text(rig, emitter, ONE_PIXEL, 0.1, "beam.png");
         BUILD(load_text("beam.gltf", text, NULL, &scene, &builder_error));
         add_wall_and_camera(scene, WIDTH, HEIGHT, 1e-3);
         mcv_film film = render_by(reference, scene, 1, 16, 1);
@@ -83,7 +82,7 @@ static void test_the_beam_ends(void **state) {
             const double r = edge * (k & 1 ? 1.0001 : 0.9999);
             mcv_scene *scene;
             char *emitter = text_of(NAMED "\"aperture\":\"%s\",\"irradiance\":3", circle ? "circle" : "square");
-            char *text = rig_text("", emitter, CAMERA, 0.1, "beam.png");
+            char *text = rig_text("", emitter, ONE_PIXEL, 0.1, "beam.png");
             BUILD(load_text("beam.gltf", text, NULL, &scene, &builder_error));
             add_rectangle(scene, 0.1, 0.1, add_diffuse(scene, rho), looking_up_z(0, 0, -0.2));
             const double from[3] = {r * c + 0.1, r * s, -0.1}, forward[3] = {-sqrt(0.5), 0, -sqrt(0.5)};
@@ -106,7 +105,7 @@ static void test_shadow_and_sight(void **state) {
     (void)state;
     for (int reference = 0; reference < 2; ++reference) {
         mcv_scene *scene;
-        char *text = rig_text("", NAMED "\"irradiance\":3", CAMERA, 0.1, "beam.png");
+        char *text = rig_text("", NAMED "\"irradiance\":3", ONE_PIXEL, 0.1, "beam.png");
         BUILD(load_text("beam.gltf", text, NULL, &scene, &builder_error));
         mcv_film film = render_by(reference, scene, 0, 4, 1);
         assert_true(mcv_film_mean(&film) == 0);
@@ -131,7 +130,7 @@ static void test_power_arrives(void **state) {
     for (int i = 0; i < 2; ++i) {
         char *emitter = text_of("\"type\":\"collimatedBeam\",\"size\":[0.024,0.016],\"image\":0,\"aperture\":\"%s\",\"power\":[1,2,0.25]",
                                 i ? "circle" : "square");
-        char *text = rig_text(i ? rigs[0] : "", emitter, CAMERA, 0.1, "beam.png");
+        char *text = rig_text(i ? rigs[0] : "", emitter, ONE_PIXEL, 0.1, "beam.png");
         expect_power(text, power, 0.026, 0, i ? "round beam" : "rectangular beam");
         free(text);
         free(emitter);
@@ -144,7 +143,7 @@ static void test_mean_of_image(void **state) {
     enum { POINTS = 2000 };
     mcv_scene *scene;
     double sum[3] = {0, 0, 0}, inside = 0, mean[3];
-    char *text = rig_text("", NAMED "\"image\":0,\"aperture\":\"circle\",\"irradiance\":1", CAMERA, 0.1, "beam.png");
+    char *text = rig_text("", NAMED "\"image\":0,\"aperture\":\"circle\",\"irradiance\":1", ONE_PIXEL, 0.1, "beam.png");
     BUILD(load_text("beam.gltf", text, NULL, &scene, &builder_error));
     for (int i = 0; i < POINTS * POINTS; ++i) {
         const double x = (i % POINTS + 0.5) / POINTS, y = (i / POINTS + 0.5) / POINTS;
@@ -164,9 +163,7 @@ static void test_mean_of_image(void **state) {
 
 static void test_bad_input(void **state) {
     (void)state;
-    static const struct {
-        const char *emitter, *says;
-    } cases[] = {
+    static const bad_emitter cases[] = {
         {NAMED "\"radiance\":1", "emitters/e: unknown key \"radiance\""},
         {NAMED "\"halfAngle\":0,\"power\":1", "emitters/e: unknown key \"halfAngle\""},
         {NAMED "\"aperture\":\"circle\"", "emitters/e: needs irradiance [W/m²] or power [W]"},
@@ -183,11 +180,7 @@ static void test_bad_input(void **state) {
         {"\"type\":\"unknown\"", "known are parallel, "},
         {"\"type\":\"parallel\",\"size\":1,\"radiance\":1,\"halfAngle\":0", "use the type \"collimatedBeam\""},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        char *text = rig_text("", cases[i].emitter, CAMERA, 0.1, "beam.png");
-        refuse(text, cases[i].says);
-        free(text);
-    }
+    refuse_emitters(cases, sizeof cases / sizeof cases[0], "beam.png");
 }
 
 int main(void) {

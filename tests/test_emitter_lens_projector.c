@@ -185,9 +185,7 @@ static void test_unit_power(void **state) {
 
 static void test_bad_input(void **state) {
     (void)state;
-    static const struct {
-        const char *emitter, *says;
-    } cases[] = {
+    static const bad_emitter cases[] = {
         {NAMED "\"radiance\":1", "emitters/e/image: is missing"},
         {NAMED "\"image\":0", "emitters/e: needs radiance"},
         {NAMED "\"image\":0,\"radiance\":1,\"size\":1", "emitters/e: unknown key \"size\""},
@@ -202,11 +200,7 @@ static void test_bad_input(void **state) {
         {"\"type\":\"projector\",\"image\":0,\"radiance\":1,\"focalLength\":0.02,\"focusDistance\":1,\"fNumber\":2",
          "emitters/e/pixelSize: is missing"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        char *text = rig_text("", cases[i].emitter, CAMERA, 0.1, "lens_projector.png");
-        refuse(text, cases[i].says);
-        free(text);
-    }
+    refuse_emitters(cases, sizeof cases / sizeof cases[0], "lens_projector.png");
 }
 
 int main(void) {

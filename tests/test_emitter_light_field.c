@@ -169,9 +169,7 @@ static void test_mean_of_image(void **state) {
 
 static void test_bad_input(void **state) {
     (void)state;
-    static const struct {
-        const char *emitter, *says;
-    } cases[] = {
+    static const bad_emitter cases[] = {
         {NAMED "\"radiance\":1", "emitters/e/image: is missing"},
         {NAMED "\"image\":0,\"radiance\":1,\"angularRange\":0", "emitters/e/angularRange: 0 must be above 0"},
         {NAMED "\"image\":0,\"radiance\":1,\"angularRange\":1.5", "emitters/e/angularRange: "},
@@ -183,11 +181,7 @@ static void test_bad_input(void **state) {
         {"\"type\":\"lightField\",\"size\":1,\"angularResolution\":[4,3],\"image\":0,\"radiance\":1",
          "emitters/e/spatialResolution: is missing"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        char *text = rig_text("", cases[i].emitter, CAMERA, distance, "light_field.png");
-        refuse(text, cases[i].says);
-        free(text);
-    }
+    refuse_emitters(cases, sizeof cases / sizeof cases[0], "light_field.png");
 }
 
 int main(void) {

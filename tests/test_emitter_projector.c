@@ -75,14 +75,14 @@ static void test_openexr_is_linear(void **state) {
 
     image.pixels[WIDTH * HEIGHT + 7] = NAN;
     BUILD(mcv_exr_write(MCV_BINARY_DIR "/tests/projector_nan.exr", &part, 1, NULL, 0, &builder_error));
-    text = rig_text("", NAMED "\"image\":{\"uri\":\"projector_nan.exr\"},\"halfAngle\":1,\"radiance\":1", CAMERA, 0.1, "projector.png");
-    refuse(text, "emitters/e/image: \"projector_nan.exr\" has the value nan in column 1, row 1");
-    free(text);
+    static const bad_emitter cases[] = {
+        {NAMED "\"image\":{\"uri\":\"projector_nan.exr\"},\"halfAngle\":1,\"radiance\":1",
+         "emitters/e/image: \"projector_nan.exr\" has the value nan in column 1, row 1"},
+        {NAMED "\"image\":{\"uri\":\"projector_nan.exr\"},\"halfAngle\":1,\"radiance\":1", "has the value -1 in column 1, row 1"}};
+    refuse_emitters(&cases[0], 1, "projector.png");
     image.pixels[WIDTH * HEIGHT + 7] = -1;
     BUILD(mcv_exr_write(MCV_BINARY_DIR "/tests/projector_nan.exr", &part, 1, NULL, 0, &builder_error));
-    text = rig_text("", NAMED "\"image\":{\"uri\":\"projector_nan.exr\"},\"halfAngle\":1,\"radiance\":1", CAMERA, 0.1, "projector.png");
-    refuse(text, "has the value -1 in column 1, row 1");
-    free(text);
+    refuse_emitters(&cases[1], 1, "projector.png");
     mcv_image_free(&image);
 }
 
@@ -136,9 +136,7 @@ static void test_power_arrives(void **state) {
 
 static void test_bad_input(void **state) {
     (void)state;
-    static const struct {
-        const char *emitter, *says;
-    } cases[] = {
+    static const bad_emitter cases[] = {
         {NAMED "\"halfAngle\":0.1,\"radiance\":1", "emitters/e/image: is missing"},
         {NAMED "\"image\":1,\"halfAngle\":0.1,\"radiance\":1", "emitters/e/image: "},
         {NAMED "\"image\":-1,\"halfAngle\":0.1,\"radiance\":1", "emitters/e/image: "},
@@ -155,26 +153,17 @@ static void test_bad_input(void **state) {
         {NAMED "\"image\":0,\"halfAngle\":0.1,\"radiance\":1,\"mirror\":1", "emitters/e/mirror: must be true or false"},
         {"\"type\":\"telecentricProjector\",\"image\":0,\"halfAngle\":0.1,\"radiance\":1", "emitters/e/size: is missing"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        char *text = rig_text("", cases[i].emitter, CAMERA, 0.1, "projector.png");
-        refuse(text, cases[i].says);
-        free(text);
-    }
-    char *text = rig_text("", NAMED "\"image\":0,\"halfAngle\":0.1,\"radiance\":1", CAMERA, 0.1, "no.png");
-    refuse(text, "images/0/uri: ");
-    free(text);
+    refuse_emitters(cases, sizeof cases / sizeof cases[0], "projector.png");
+    refuse_emitters(&(bad_emitter){NAMED "\"image\":0,\"halfAngle\":0.1,\"radiance\":1", "images/0/uri: "}, 1, "no.png");
     free(write_bytes("projector_empty.png", "", 0));
-    text = rig_text("", NAMED "\"image\":0,\"halfAngle\":0.1,\"radiance\":1", CAMERA, 0.1, "projector_empty.png");
-    refuse(text, "images/0");
-    free(text);
+    refuse_emitters(&(bad_emitter){NAMED "\"image\":0,\"halfAngle\":0.1,\"radiance\":1", "images/0"}, 1, "projector_empty.png");
     /* Black: no radiance gives it power. */
     mcv_image black;
     BUILD(mcv_image_new(&black, 2, 2, 1, &builder_error));
     BUILD(mcv_png_write_values(MCV_BINARY_DIR "/tests/projector_black.png", &black, 8, &builder_error));
     mcv_image_free(&black);
-    text = rig_text("", NAMED "\"image\":0,\"halfAngle\":0.1,\"power\":1", CAMERA, 0.1, "projector_black.png");
-    refuse(text, "its image is black in channel R");
-    free(text);
+    refuse_emitters(&(bad_emitter){NAMED "\"image\":0,\"halfAngle\":0.1,\"power\":1", "its image is black in channel R"}, 1,
+                    "projector_black.png");
 }
 
 int main(void) {

@@ -22,12 +22,6 @@ static double uniform(double low, double high) { return low + (high - low) * ref
 
 static float random_float(void) { return (float)(ref_random_bits(&random_numbers) >> 40) * 0x1p-24f; }
 
-/* How many standard deviations of a normal distribution χ² of so many degrees of freedom is as rare as (Wilson and Hilferty 1931). */
-static double normal_of(double chi_squared, double freedom) {
-    const double variance = 2 / (9 * freedom);
-    return (cbrt(chi_squared / freedom) - (1 - variance)) / sqrt(variance);
-}
-
 /* Fails above 4 standard deviations: one right sampler of 30 000; seeds are fixed. Bins of less than 5 are pooled with `rest`. */
 static void expect_counts(const char *what, const double *counts, const double *expected, size_t bins, double rest, double expected_rest) {
     double chi_squared = 0, freedom = -1;
@@ -230,8 +224,7 @@ static void test_meshes(void **state) {
 
 static void check_file(const char *what, const char *emitter, const double receiver[3], bool image_later) {
     mcv_scene *scene;
-    char *text =
-        rig_text("", emitter, "\"type\":\"pinhole\",\"imageDistance\":1,\"resolution\":[1,1],\"pixelSize\":1e-6", 0.1, "sampling.png");
+    char *text = rig_text("", emitter, ONE_PIXEL, 0.1, "sampling.png");
     BUILD(load_text("sampling.gltf", text, NULL, &scene, &builder_error));
     add_rectangle(scene, 1e-3, 1e-3, add_absorber(scene), looking_down_z(0, 0, 1)); /* behind all of them */
     check_sampling(what, scene, receiver, (const double[]){0, 0, 1}, image_later);
@@ -272,8 +265,7 @@ static void check_delta(const char *what, const char *emitter, double reach) {
     float *in = malloc(8 * sizeof(float) * CASES), *out = malloc(8 * sizeof(float) * CASES);
     size_t lit = 0, other = 0;
     double worst_direction = 0, worst_light = 0;
-    char *text =
-        rig_text("", emitter, "\"type\":\"pinhole\",\"imageDistance\":1,\"resolution\":[1,1],\"pixelSize\":1e-6", 0.1, "sampling.png");
+    char *text = rig_text("", emitter, ONE_PIXEL, 0.1, "sampling.png");
     assert_non_null(in);
     assert_non_null(out);
     BUILD(load_text("sampling.gltf", text, NULL, &scene, &builder_error));
@@ -548,8 +540,7 @@ static void test_power_and_back(void **state) {
                 char *start = text_of(cases[i].emitter, values[v]);
                 char *emitter = back ? text_of("%s,\"power\":[%.17g,%.17g,%.17g]", start, power[0], power[1], power[2])
                                      : text_of("%s,\"%s\":[1,0.5,3]", start, cases[i].key);
-                char *text = rig_text("", emitter, "\"type\":\"pinhole\",\"imageDistance\":1,\"resolution\":[1,1],\"pixelSize\":1e-6", 0.1,
-                                      "sampling.png");
+                char *text = rig_text("", emitter, ONE_PIXEL, 0.1, "sampling.png");
                 BUILD(load_text("sampling.gltf", text, NULL, &scene, &builder_error));
                 const mcv_emitter *e = &scene->emitters[0];
                 mcv_emitter_image_mean(scene, e, mean);

@@ -3,13 +3,11 @@
  * Light paths: light of narrow emitters through smooth surfaces onto diffuse ones, and beams into lenses. Against closed forms, against
  * the same light without the smooth surface, and against camera paths that find it by chance.
  */
-#include "scene_builder.h"
+#include "estimates.h"
 
-#include "analysis/compare.h"
 #include "render/render.h"
 #include "scene/sensors.h"
 
-enum { REPLICATES = 16 };
 static const double ior = 1.5;
 
 /* Both faces of a slab at normal incidence: R = ((n - 1)/(n + 1))², and the series of reflections inside. */
@@ -36,31 +34,9 @@ static mcv_film render(const mcv_scene *scene, const mcv_render_options *options
     return film;
 }
 
-static mcv_estimate image_mean(const mcv_film *film) {
-    const size_t pixels = (size_t)film->width * film->height * film->channels;
-    double means[REPLICATES] = {0};
-    for (uint32_t r = 0; r < REPLICATES; ++r) {
-        for (size_t i = 0; i < pixels; ++i) means[r] += film->sums[r * pixels + i];
-        means[r] /= (double)pixels * (double)film->samples;
-    }
-    return mcv_estimate_replicates(means, REPLICATES);
-}
-
-/* Student's t with 15 degrees of freedom: 6.1 standard errors happen with probability 2e-5. `bias`: what the closed form leaves out. */
+/* `bias`: what the closed form leaves out. */
 static void expect_mean(const char *what, const mcv_film *film, double expected, double bias) {
-    const mcv_estimate m = image_mean(film);
-    const double error = sqrt(m.variance);
-    print_message("%s: %.6g ± %.2g, expected %.6g\n", what, m.mean, error, expected);
-    if (!(error <= 0.02 * expected)) fail_msg("%s: the standard error %g is above 2 %% of %g", what, error, expected);
-    if (!(fabs(m.mean - expected) <= 6.1 * error + bias * expected))
-        fail_msg("%s: %.9g ± %.2g, expected %.9g", what, m.mean, error, expected);
-}
-
-static void expect_equal(const char *what, const mcv_film *x, const mcv_film *y) {
-    mcv_comparison c;
-    BUILD(mcv_compare_films(x, y, &c, &builder_error));
-    print_message("%s: %.6g and %.6g; %s\n", what, c.mean_x, c.mean_y, c.reason);
-    if (c.different) fail_msg("%s: %s", what, c.reason);
+    expect_estimate(what, image_estimate(film), expected, 0.02, bias);
 }
 
 static void add_light(mcv_scene *scene, mcv_emitter emitter) {
@@ -169,7 +145,7 @@ static void test_slab_before_every_sensor(void **state) {
             const mcv_render_options one = options_of(16, 1), other = options_of(64, 2);
             /* A beam that shines away from a sensor needs no light paths, behind a slab it does. */
             mcv_film x = render(bare, &one, false), y = render(through, &other, true);
-            expect_equal(what, &x, &y);
+            expect_same_picture(what, &x, &y);
             if (!irradiance && kind != ROUND_FIELD) expect_mean(what, &y, 0.5 / M_PI * 3 * slab_transmittance(), 1e-4);
             mcv_film_free(&x);
             mcv_film_free(&y);
@@ -300,7 +276,7 @@ static void test_projector_through_slab(void **state) {
         films[slab] = render(scene, &options, slab);
         mcv_scene_free(scene);
     }
-    expect_equal("projector", &films[0], &films[1]);
+    expect_same_picture("projector", &films[0], &films[1]);
     mcv_film_free(&films[0]);
     mcv_film_free(&films[1]);
 }
@@ -317,7 +293,7 @@ static void test_coaxial(void **state) {
     mcv_film x = render(panel, &by_light, true);
     by_chance.no_light_paths = true;
     mcv_film y = render(panel, &by_chance, false);
-    expect_equal("coaxial panel", &x, &y);
+    expect_same_picture("coaxial panel", &x, &y);
     mcv_film_free(&x);
     mcv_film_free(&y);
     mcv_scene_free(beam);
@@ -357,7 +333,7 @@ static void test_ball_against_chance(void **state) {
         mcv_render_options by_light = options_of(512, 1), by_chance = options_of(4096, 2);
         by_chance.no_light_paths = true;
         mcv_film x = render(scene, &by_light, true), y = render(scene, &by_chance, false);
-        expect_equal(kinds[tested[i]], &x, &y);
+        expect_same_picture(kinds[tested[i]], &x, &y);
         mcv_film_free(&x);
         mcv_film_free(&y);
         mcv_scene_free(scene);

@@ -3,44 +3,32 @@
  * Light that a diffuse floor gets from parallel and area emitters, by next-event estimation and by chance together, against
  * closed forms. A floor of reflectance ρ under irradiance E has the radiance ρ E/π.
  */
-#include "scene_builder.h"
+#include "estimates.h"
 
 #include "render/render.h"
 #include "uneven_panel.h"
 
-enum { REPLICATES = 16, SAMPLES = 64, PIXELS = 16 };
+enum { SAMPLES = 64, PIXELS = 16 };
 static const double rho = 0.5;
 
-/* The mean over the image and its standard error over the replicates. */
 static mcv_estimate render(const mcv_scene *scene) {
     mcv_render_options options = mcv_render_defaults();
     mcv_render_stats stats;
     mcv_film film;
-    double means[REPLICATES] = {0};
     options.replicates = REPLICATES;
     options.last = SAMPLES;
     BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
-    const size_t pixels = (size_t)film.width * film.height * film.channels;
-    for (uint32_t r = 0; r < REPLICATES; ++r) {
-        for (size_t i = 0; i < pixels; ++i) means[r] += film.sums[r * pixels + i];
-        means[r] /= (double)pixels * SAMPLES;
-    }
+    const mcv_estimate mean = image_estimate(&film);
     mcv_film_free(&film);
-    return mcv_estimate_replicates(means, REPLICATES);
+    return mean;
 }
 
 /*
- * 16 replicates, Student's t with 15 degrees of freedom: 6.1 standard errors happen with probability 2e-5. Some 15 roundings to
- * float32 make 1e-6. In the narrowest cone chance finds the lamp too seldom to show in the error, and its share of the light, at most
- * sin²β = 1e-6 by the balance heuristic, is missing. The test is worth nothing where its own error is large: 1 % at most.
+ * Some 15 roundings to float32 make 1e-6. In the narrowest cone chance finds the lamp too seldom to show in the error, and its share of
+ * the light, at most sin²β = 1e-6 by the balance heuristic, is missing.
  */
 static void expect(const char *what, const mcv_scene *scene, double expected) {
-    const mcv_estimate m = render(scene);
-    const double error = sqrt(m.variance);
-    print_message("%s: %.6g ± %.2g, expected %.6g\n", what, m.mean, error, expected);
-    if (!(error <= 0.01 * expected)) fail_msg("%s: the standard error %g is above 1 %% of %g", what, error, expected);
-    if (!(fabs(m.mean - expected) <= 6.1 * error + 2e-6 * expected))
-        fail_msg("%s: %.9g ± %.2g, expected %.9g", what, m.mean, error, expected);
+    expect_estimate(what, render(scene), expected, 0.01, 2e-6);
 }
 
 /* A floor of 4 m, seen in a spot of `spot` m about its centre, obliquely from 1 m away. */

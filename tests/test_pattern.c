@@ -154,9 +154,7 @@ static void test_power(void **state) {
 static void test_bad_input(void **state) {
     (void)state;
 #define PROJECTOR "\"type\":\"telecentricProjector\",\"size\":1,\"halfAngle\":0.1,\"radiance\":1,"
-    static const struct {
-        const char *emitter, *says;
-    } cases[] = {
+    static const bad_emitter cases[] = {
         {PROJECTOR "\"pattern\":1", "emitters/e/pattern: must be an object with a \"type\""},
         {PROJECTOR "\"pattern\":{}", "emitters/e/pattern/type: is missing: one of phaseShift, grayCode"},
         {PROJECTOR "\"pattern\":{\"type\":\"grey\"}", "unknown type \"grey\""},
@@ -183,11 +181,7 @@ static void test_bad_input(void **state) {
          "\"grayCode\",\"resolution\":1}",
          "unknown key \"pattern\""},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        char *text = rig_text("", cases[i].emitter, CAMERA, 0.1, "none.png");
-        refuse(text, cases[i].says);
-        free(text);
-    }
+    refuse_emitters(cases, sizeof cases / sizeof cases[0], "none.png");
 }
 
 int main(void) {
