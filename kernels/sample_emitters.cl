@@ -138,6 +138,7 @@ static mcv_shadow mcv_sample_area_of(mcv_world world, mcv_meeting at, uint emitt
 /* A direction from the receiver towards one emitter. */
 static mcv_shadow mcv_sample_towards(mcv_world world, mcv_meeting at, uint emitter, mcv_pair pair) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
+    (void)e;
 #if MCV_WITH_BEAM
     if (e->type == MCV_EMITTER_COLLIMATED_BEAM) return mcv_sample_beam_of(at, e);
 #endif
@@ -156,7 +157,7 @@ static mcv_shadow mcv_sample_towards(mcv_world world, mcv_meeting at, uint emitt
 #else
     mcv_shadow none;
     none.light = mcv_grey(0.0f);
-    (void)e, (void)pair;
+    (void)at, (void)pair;
     return none;
 #endif
 }

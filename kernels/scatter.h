@@ -175,7 +175,7 @@ static mcv_crossing mcv_cross_surface(mcv_world world, mcv_meeting meeting, uint
 }
 
 /* xi in [0, 1) chooses reflection with probability R; 1 always refracts where that is possible. */
-static mcv_scattering mcv_scatter_dielectric(mcv_world world, mcv_meeting meeting, uint media, uint medium, float xi, uint *unmatched) {
+static mcv_scattering mcv_scatter_dielectric(mcv_world world, mcv_meeting meeting, uint media, float xi, uint *unmatched) {
     mcv_scattering scattering;
     const mcv_crossing crossing = mcv_cross_surface(world, meeting, media);
     const mcv_device_interface between = crossing.between;
@@ -563,7 +563,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, ui
     (void)choice;
 #endif
 #if MCV_WITH_DIELECTRIC
-    if (material.type == MCV_MATERIAL_DIELECTRIC) return mcv_scatter_dielectric(world, meeting, media, instance.medium, pair.x, unmatched);
+    if (material.type == MCV_MATERIAL_DIELECTRIC) return mcv_scatter_dielectric(world, meeting, media, pair.x, unmatched);
 #else
     (void)unmatched;
 #endif

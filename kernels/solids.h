@@ -327,7 +327,7 @@ static __attribute__((noinline)) mcv_hit mcv_meet_solids(mcv_world world, mcv_ve
 }
 
 /* The same along a way of any length, in which distances are. */
-static mcv_hit mcv_meet_solids_along(mcv_world world, mcv_vec3 origin, mcv_vec3 way, uint left, mcv_hit hit) {
+MCV_FUNCTION mcv_hit mcv_meet_solids_along(mcv_world world, mcv_vec3 origin, mcv_vec3 way, uint left, mcv_hit hit) {
     const float length = mcv_sqrt(mcv_dot(way, way));
     mcv_hit unit = hit;
     unit.t *= length;

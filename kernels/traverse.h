@@ -340,8 +340,8 @@ static inline __attribute__((noinline)) int mcv_intersect_any_ray(__global const
 
 #if MCV_WITH_CONTACT
 /* The next hit after another one, up to t_max. */
-static __attribute__((noinline)) mcv_hit mcv_next_hit_ray(__global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_vec3 origin,
-                                                          mcv_vec3 direction, mcv_hit after, float t_max) {
+static __attribute__((noinline, unused)) mcv_hit mcv_next_hit_ray(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                                                                  mcv_vec3 origin, mcv_vec3 direction, mcv_hit after, float t_max) {
     mcv_hit hit = mcv_miss(t_max);
     const mcv_ray_frame ray = mcv_ray_setup(origin, direction, nodes->extent);
     uint waiting[MCV_BVH_STACK];
