@@ -3,7 +3,11 @@
  * Next-event estimation from receivers anywhere in a scene, and what rays from there meet, one work-item per case: how
  * tests/test_emitter_sampling.c sees the functions that the stages call.
  */
-#if MCV_WITH_NEXT_EVENT
+#undef MCV_WITH_DIFFUSE
+#define MCV_WITH_DIFFUSE 1 /* the receivers */
+#undef MCV_WITH_NEXT_EVENT
+#define MCV_WITH_NEXT_EVENT 1
+
 #include "sample_emitters.cl"
 
 /* What a ray from a receiver meets of an emitter: cosine to its face, radiance (first channel) and the density of next-event estimation
@@ -61,4 +65,3 @@ __kernel void meet_emitter(MCV_WORLD_PARAMETERS uint emitter, __global const flo
     __global const float *in = cases + 8 * i;
     mcv_meet_emitter(world, mcv_vec(in[0], in[1], in[2]), mcv_vec(in[3], in[4], in[5]), emitter, results + 8 * i + 5);
 }
-#endif

@@ -60,8 +60,7 @@ static void open_world(world_on_device *w, const mcv_scene *scene) {
     const mcv_packed *packed = &w->scene.packed;
     const mcv_frame frame = {.emitter_count = packed->emitter_count, .environment_emitter = packed->environment_emitter};
     BUILD(mcv_cl_write(&cl, w->scene.frame, 0, sizeof frame, &frame, &builder_error));
-    mcv_feature_options(packed->features | 1u << MCV_FEATURE_DIFFUSE | 1u << MCV_FEATURE_NEXT_EVENT, packed->channels, MCV_SENSOR_PINHOLE,
-                        MCV_SAMPLER_SOBOL, MCV_BLOCK, options, sizeof options);
+    mcv_feature_options(packed->features, packed->channels, MCV_SENSOR_PINHOLE, MCV_SAMPLER_SOBOL, MCV_BLOCK, options, sizeof options);
     BUILD(mcv_cl_build(&cl, "emitters", options, &w->program, &builder_error));
 }
 

@@ -6,6 +6,7 @@
 #include "analysis/blur.h"
 #include "analysis/camera.h"
 #include "cli/report.h"
+#include "core/basics.h"
 #include "output/exr.h"
 #include "output/file.h"
 #include "output/values.h"
@@ -14,11 +15,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static bool ends_with(const char *path, const char *ending) {
-    const size_t length = strlen(path);
-    return length > strlen(ending) && strcmp(path + length - strlen(ending), ending) == 0;
-}
 
 bool mcv_camera_wanted(const mcv_command *command) {
     return command->exposure_time > 0 || command->electrons_per_unit[0] > 0 || command->expose_to > 0;
@@ -38,7 +34,7 @@ mcv_result mcv_camera_check_options(const mcv_command *command, mcv_error *error
 }
 
 mcv_result mcv_camera_check(const mcv_command *command, const char *grey, mcv_error *error) {
-    if (!mcv_values_named(grey) && !ends_with(grey, ".exr"))
+    if (!mcv_values_named(grey) && !mcv_ends_in(grey, ".exr"))
         return mcv_fail(error, MCV_USAGE, "%s: the name of grey values must end in .exr, " MCV_VALUES_ENDINGS, grey);
     MCV_TRY(mcv_camera_check_options(command, error));
     return mcv_output_check(grey, error);
@@ -65,14 +61,9 @@ static mcv_result check_quantity(const mcv_command *command, const char *path, c
 
 /* --- the header ------------------------------------------------------------------------------------------------- */
 
-static const double *header_numbers(const mcv_exr *exr, const char *name, uint32_t count) {
-    const mcv_attribute *a = mcv_exr_attribute(exr, name);
-    return a && !a->text && a->count == count ? a->numbers : NULL;
-}
-
 /* Width and height of a pixel of the image [m]: of binned ones, all together. */
 static bool pixel_size(const mcv_exr *exr, double size[2]) {
-    const double *one = header_numbers(exr, "mcvisi:pixelSize", 2), *binning = header_numbers(exr, "mcvisi:binning", 2);
+    const double *one = mcv_exr_numbers(exr, "mcvisi:pixelSize", 2), *binning = mcv_exr_numbers(exr, "mcvisi:binning", 2);
     for (int i = 0; one && i < 2; ++i) size[i] = one[i] * (binning ? binning[i] : 1);
     return one;
 }
@@ -106,18 +97,6 @@ static mcv_result scale_light(const mcv_command *command, const char *path, cons
     return MCV_OK;
 }
 
-/* The standard error that a render has as its second part, or NULL. */
-static mcv_image *error_of(const mcv_exr *exr) {
-    const mcv_image *light = &exr->parts[0].image;
-    for (uint32_t i = 1; i < exr->part_count; ++i) {
-        mcv_image *image = &exr->parts[i].image;
-        if (strcmp(exr->parts[i].name, "error") == 0 && image->width == light->width && image->height == light->height &&
-            image->channels == light->channels)
-            return image;
-    }
-    return NULL;
-}
-
 /* --- the lens --------------------------------------------------------------------------------------------------- */
 
 enum { WIDEST_DIFFRACTION = 100 };
@@ -127,7 +106,7 @@ enum { WIDEST_DIFFRACTION = 100 };
  * pupil. So is a stop whose diffraction would fill the image: that of a glTF camera, which stands for none.
  */
 static mcv_result blur(const mcv_command *command, const char *path, mcv_exr *exr, char words[128], mcv_error *error) {
-    const double *f_number = header_numbers(exr, "mcvisi:fNumber", 1);
+    const double *f_number = mcv_exr_numbers(exr, "mcvisi:fNumber", 1);
     const bool table = strcmp(command->lens_mtf, "diffraction") != 0;
     double size[2], widest = 0;
     mcv_lens_mtf mtf[3];
@@ -155,7 +134,7 @@ static mcv_result blur(const mcv_command *command, const char *path, mcv_exr *ex
         snprintf(words, 128, "table %.100s", command->lens_mtf);
     else
         snprintf(words, 128, "diffraction at f/%g", *f_number);
-    const mcv_result result = mcv_blur(&exr->parts[0].image, error_of(exr), mtf, size, error);
+    const mcv_result result = mcv_blur(&exr->parts[0].image, mcv_exr_error(exr), mtf, size, error);
     free(rows);
     return result;
 }
@@ -277,7 +256,7 @@ static mcv_result read_out(const mcv_command *command, const char *path, mcv_exr
     if (result != MCV_OK) return mcv_fail(error, result, "%s: %s", path, detail.text);
     MCV_TRY(blur(command, path, exr, lens, error));
     MCV_TRY(scale_light(command, path, exr, camera->electrons_per_unit, error));
-    result = mcv_camera_expose(camera, light, error_of(exr), exposure, &detail);
+    result = mcv_camera_expose(camera, light, mcv_exr_error(exr), exposure, &detail);
     return result == MCV_OK ? MCV_OK : mcv_fail(error, result, "%s: %s", path, detail.text);
 }
 
@@ -294,8 +273,8 @@ static mcv_result expose(const mcv_command *command, const char *path, mcv_exr *
     mcv_exposure exposure;
     mcv_camera camera = camera_of(command);
     MCV_TRY(read_out(command, path, exr, &camera, &exposure, &unit, lens, error));
-    mcv_result result = ends_with(grey, ".exr") ? write_exr(command, grey, exr, &camera, &exposure, lens, error)
-                                                : mcv_values_write(grey, &exposure.grey, camera.bits > 8 ? 16 : 8, error);
+    mcv_result result = mcv_ends_in(grey, ".exr") ? write_exr(command, grey, exr, &camera, &exposure, lens, error)
+                                                  : mcv_values_write(grey, &exposure.grey, camera.bits > 8 ? 16 : 8, error);
     if (result == MCV_OK) warn(grey, &camera, &exposure);
     if (result == MCV_OK && told) result = report_exposure(command, grey, &camera, &exposure, unit, lens, error);
     mcv_exposure_free(&exposure);

@@ -3,6 +3,7 @@
 #include "analysis/contrast.h"
 #include "analysis/lightfield_file.h"
 #include "cli/options.h"
+#include "core/basics.h"
 #include "cli/report.h"
 #include "output/figure.h"
 #include "output/file.h"
@@ -12,20 +13,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* --- where to ---------------------------------------------------------------------------------------------------- */
-
-static bool ends_in(const char *path, const char *ending) {
-    const size_t length = strlen(path), tail = strlen(ending);
-    return length > tail && strcmp(path + length - tail, ending) == 0;
-}
 
 /* Both may be NULL, not both are. */
 typedef struct outputs {
@@ -35,8 +24,9 @@ typedef struct outputs {
 static mcv_result plan(const mcv_command *command, outputs *out, mcv_error *error) {
     const char *path = command->processed;
     if (!path) return mcv_fail(error, MCV_USAGE, "--output is missing: give F.png for a picture or F.exr for the values");
-    *out = (outputs){.exr = ends_in(path, ".exr") ? path : NULL, .png = ends_in(path, ".png") ? path : command->picture};
-    if (!ends_in(path, ".exr") && !ends_in(path, ".png")) return mcv_fail(error, MCV_USAGE, "--output %s: must end in .png or .exr", path);
+    *out = (outputs){.exr = mcv_ends_in(path, ".exr") ? path : NULL, .png = mcv_ends_in(path, ".png") ? path : command->picture};
+    if (!mcv_ends_in(path, ".exr") && !mcv_ends_in(path, ".png"))
+        return mcv_fail(error, MCV_USAGE, "--output %s: must end in .png or .exr", path);
     if (command->picture && !out->exr) return mcv_fail(error, MCV_USAGE, "--png goes with --output F.exr: %s is a picture already", path);
     const char *const paths[] = {out->exr, out->png};
     for (int i = 0; i < 2; ++i) {
@@ -125,10 +115,10 @@ static mcv_result write_gradient(const mcv_command *command, const mcv_light_fie
                                  {.name = "mcvisi:form", .text = forms[command->form]}};
     mcv_image gradient;
     char title[256];
-    const double begun = now();
+    const double begun = mcv_seconds();
     MCV_TRY(mcv_light_field_gradient(&file->image, file->angular, command->form ? MCV_EMD_MASS : MCV_EMD_NORMALIZED,
                                      (uint32_t)command->threads, &gradient, error));
-    told->seconds = now() - begun;
+    told->seconds = mcv_seconds() - begun;
     told->spread = mcv_image_spread(&gradient, NULL);
     const mcv_color_scale scale = {.map = MCV_COLORMAP_VIRIDIS,
                                    .high = command->scale_end > 0 ? command->scale_end : mcv_preview_white(&gradient)};

@@ -5,6 +5,7 @@
 #include "cli/options.h"
 #include "cli/report.h"
 #include "cli/sensor.h"
+#include "core/basics.h"
 #include "output/exr.h"
 #include "output/values.h"
 #include "scene/sensors.h"
@@ -30,15 +31,10 @@ typedef struct subject {
 
 /* --- reading ---------------------------------------------------------------------------------------------------- */
 
-static const double *header_numbers(const mcv_exr *exr, const char *name, uint32_t count) {
-    const mcv_attribute *a = mcv_exr_attribute(exr, name);
-    return a && !a->text && a->count == count ? a->numbers : NULL;
-}
-
 static void read_scale(const mcv_exr *exr, subject *s) {
-    const double *size = header_numbers(exr, "mcvisi:pixelSize", 2), *binning = header_numbers(exr, "mcvisi:binning", 2);
-    const double *given = header_numbers(exr, "mcvisi:magnification", 1), *f = header_numbers(exr, "mcvisi:focalLength", 1);
-    const double *b = header_numbers(exr, "mcvisi:imageDistance", 1);
+    const double *size = mcv_exr_numbers(exr, "mcvisi:pixelSize", 2), *binning = mcv_exr_numbers(exr, "mcvisi:binning", 2);
+    const double *given = mcv_exr_numbers(exr, "mcvisi:magnification", 1), *f = mcv_exr_numbers(exr, "mcvisi:focalLength", 1);
+    const double *b = mcv_exr_numbers(exr, "mcvisi:imageDistance", 1);
     const double magnification = given ? *given : f && b ? *b / *f - 1 : 0;
     if (!size || !(magnification > 0) || mcv_exr_attribute(exr, "mcvisi:angularResolution")) return;
     for (int i = 0; i < 2; ++i) s->pixel[i] = size[i] * (binning ? binning[i] : 1) / magnification;
@@ -49,17 +45,14 @@ static mcv_result read_exr(const char *path, subject *s, mcv_error *error) {
     MCV_TRY(mcv_exr_read(path, &exr, error));
     const mcv_image *image = &exr.parts[0].image;
     const mcv_attribute *unit = mcv_exr_attribute(&exr, "mcvisi:unit");
-    const double *bits = header_numbers(&exr, "mcvisi:bits", 1);
+    const double *bits = mcv_exr_numbers(&exr, "mcvisi:bits", 1);
     snprintf(s->unit, sizeof s->unit, "%s", unit && unit->text ? unit->text : "");
     s->largest = bits ? exp2(*bits) - 1 : NAN;
     read_scale(&exr, s);
     mcv_result result = mcv_choose_channel(s->command->channel, path, image, false, &s->readings.values, error);
-    for (uint32_t i = 1; i < exr.part_count && result == MCV_OK && !s->noise; ++i) {
-        const mcv_image *part = &exr.parts[i].image;
-        if (strcmp(exr.parts[i].name, "error") != 0 || part->width != image->width || part->height != image->height ||
-            part->channels != image->channels)
-            continue;
-        result = mcv_choose_channel(s->command->channel, path, part, true, &s->readings.deviation, error);
+    const mcv_image *deviation = mcv_exr_error(&exr);
+    if (result == MCV_OK && deviation) {
+        result = mcv_choose_channel(s->command->channel, path, deviation, true, &s->readings.deviation, error);
         s->noise = "the image's standard errors";
     }
     mcv_exr_free(&exr);
@@ -91,10 +84,8 @@ static void set_noise(subject *s) {
 }
 
 static mcv_result read_subject(const mcv_command *command, const char *path, subject *s, mcv_error *error) {
-    const size_t length = strlen(path);
     *s = (subject){.command = command, .largest = NAN};
-    const bool exr = length > 4 && strcmp(path + length - 4, ".exr") == 0;
-    MCV_TRY(exr ? read_exr(path, s, error) : read_values(path, s, error));
+    MCV_TRY(mcv_ends_in(path, ".exr") ? read_exr(path, s, error) : read_values(path, s, error));
     const mcv_image *values = &s->readings.values;
     if (!s->readings.deviation.pixels) MCV_TRY(mcv_image_new(&s->readings.deviation, values->width, values->height, 1, error));
     set_noise(s);
@@ -153,10 +144,7 @@ static void put(mcv_report *report, const char *key, const char *unit, mcv_quant
     mcv_report_quantity(report, key, unit, q.value, q.uncertainty);
 }
 
-/* Rounding alone makes 1/√12. */
-static void know_noise(subject *s, const mcv_roi *region) {
-    if (!s->noise) mcv_roi_estimate_noise(&s->readings, region, s->whole ? sqrt(1.0 / 12) : 0);
-}
+static void know_noise(subject *s, const mcv_roi *region) { mcv_know_noise(&s->readings, s->noise, s->whole, region); }
 
 static void report_region(subject *s, mcv_report *report, const mcv_roi *region, const mcv_roi *background) {
     uint64_t saturated = 0;
@@ -270,22 +258,10 @@ static void report_distance(const subject *s, mcv_report *report, const mcv_edge
     mcv_report_close(report);
 }
 
-static mcv_result find_edge(subject *s, const char *text, size_t number, mcv_edge *edge, mcv_error *error) {
-    char box[128];
-    mcv_roi region;
-    MCV_TRY(mcv_edge_parse(text, number, &s->readings.values, edge, error));
-    if (!s->noise) {
-        snprintf(box, sizeof box, "%u,%u,%u,%u", edge->x, edge->y, edge->width, edge->height);
-        MCV_TRY(mcv_roi_parse(box, number, &s->readings.values, &region, error));
-        know_noise(s, &region);
-        mcv_roi_free(&region);
-    }
-    return mcv_edge_find(&s->readings, edge, error);
-}
-
 static mcv_result find_edges(subject *s, mcv_error *error) {
     const mcv_list *texts = &s->command->edge;
-    for (size_t i = 0; i < texts->count; ++i) MCV_TRY(find_edge(s, texts->items[i], i + 1, s->edges + i, error));
+    for (size_t i = 0; i < texts->count; ++i)
+        MCV_TRY(mcv_locate_edge(&s->readings, s->noise, s->whole, texts->items[i], i + 1, s->edges + i, error));
     return MCV_OK;
 }
 

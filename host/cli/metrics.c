@@ -118,10 +118,11 @@ mcv_result mcv_metric_known(void *user, const char *name, mcv_quantity *quantity
 
 /* --- figures ---------------------------------------------------------------------------------------------------- */
 
-/* As `mcvisi measure` does for images that do not tell their noise. */
-static void know_noise(mcv_metrics *m, const mcv_roi *region) {
-    if (!m->known) mcv_roi_estimate_noise(&m->readings, region, m->whole ? sqrt(1.0 / 12) : 0);
+void mcv_know_noise(mcv_readings *readings, bool known, bool whole, const mcv_roi *region) {
+    if (!known) mcv_roi_estimate_noise(readings, region, whole ? sqrt(1.0 / 12) : 0);
 }
+
+static void know_noise(mcv_metrics *m, const mcv_roi *region) { mcv_know_noise(&m->readings, m->known, m->whole, region); }
 
 static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quantity *quantity, mcv_error *error) {
     const mcv_command *c = m->command;
@@ -155,17 +156,22 @@ static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quant
     return MCV_OK;
 }
 
-static mcv_result find_edge(mcv_metrics *m, size_t index, mcv_edge *edge, mcv_error *error) {
+mcv_result mcv_locate_edge(mcv_readings *readings, bool known, bool whole, const char *text, size_t number, mcv_edge *edge,
+                           mcv_error *error) {
     char box[128];
     mcv_roi region;
-    MCV_TRY(mcv_edge_parse(m->command->edge.items[index], index + 1, &m->readings.values, edge, error));
-    if (!m->known) {
+    MCV_TRY(mcv_edge_parse(text, number, &readings->values, edge, error));
+    if (!known) {
         snprintf(box, sizeof box, "%u,%u,%u,%u", edge->x, edge->y, edge->width, edge->height);
-        MCV_TRY(mcv_roi_parse(box, index + 1, &m->readings.values, &region, error));
-        know_noise(m, &region);
+        MCV_TRY(mcv_roi_parse(box, number, &readings->values, &region, error));
+        mcv_know_noise(readings, known, whole, &region);
         mcv_roi_free(&region);
     }
-    return mcv_edge_find(&m->readings, edge, error);
+    return mcv_edge_find(readings, edge, error);
+}
+
+static mcv_result find_edge(mcv_metrics *m, size_t index, mcv_edge *edge, mcv_error *error) {
+    return mcv_locate_edge(&m->readings, m->known, m->whole, m->command->edge.items[index], index + 1, edge, error);
 }
 
 static mcv_quantity scaled(mcv_quantity q, double factor) { return (mcv_quantity){q.value * factor, q.uncertainty * factor}; }

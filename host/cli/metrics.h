@@ -44,6 +44,13 @@ mcv_result mcv_metric_look_up(void *user, const char *name, mcv_quantity *quanti
 /* Whether there is such a figure, without an image: region and edge of that name on the command line, and the figure. */
 mcv_result mcv_metric_known(void *user, const char *name, mcv_quantity *quantity, mcv_error *error);
 
+/* Estimates the noise of a region where the readings' deviations are not known; rounding to whole numbers alone makes 1/√12. */
+void mcv_know_noise(mcv_readings *readings, bool known, bool whole, const mcv_roi *region);
+
+/* The edge of "[NAME=]X,Y,W,H", with its noise as above. */
+mcv_result mcv_locate_edge(mcv_readings *readings, bool known, bool whole, const char *text, size_t number, mcv_edge *edge,
+                           mcv_error *error);
+
 /* One channel of an image (0: the mean of all); of deviations, those of the mean of independent channels. `path` is for messages. */
 mcv_result mcv_choose_channel(uint64_t chosen, const char *path, const mcv_image *image, bool deviations, mcv_image *out, mcv_error *error);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi new: a rig around a part, with standard optics and a light, written for people to read and edit. */
 #include "cli/options.h"
+#include "core/basics.h"
 #include "output/file.h"
 #include "scene/load.h"
 #include "scene/params.h"
@@ -42,11 +43,6 @@ typedef struct rig {
 } rig;
 
 /* --- the part --------------------------------------------------------------------------------------------------- */
-
-static bool ends_in(const char *text, const char *ending) {
-    const char *dot = strrchr(text, '.');
-    return dot && strcasecmp(dot, ending) == 0;
-}
 
 static void add_points(part *p, const mcv_mesh *mesh, const mcv_transform *to_world, double unit) {
     for (size_t v = 0; v < mesh->vertex_count; ++v) {
@@ -97,10 +93,10 @@ static mcv_result read_part(const mcv_command *command, part *p, mcv_error *erro
     char one[32];
     *p = (part){.path = command->second,
                 .unit = command->unit,
-                .stl = ends_in(command->second, ".stl"),
+                .stl = mcv_ends_in(command->second, ".stl"),
                 .lower = {INFINITY, INFINITY, INFINITY},
                 .upper = {-INFINITY, -INFINITY, -INFINITY}};
-    if (!p->stl && !ends_in(p->path, ".glb") && !ends_in(p->path, ".gltf"))
+    if (!p->stl && !mcv_ends_in(p->path, ".glb") && !mcv_ends_in(p->path, ".gltf"))
         return mcv_fail(error, MCV_USAGE, "%s: must be a .gltf, .glb or .stl file: convert other formats", p->path);
     if (p->unit) {
         snprintf(one, sizeof one, "1%.16s", p->unit);
@@ -304,7 +300,7 @@ static mcv_result plan_output(const mcv_command *command, int kind, char path[PA
     const int length_of = command->rig ? snprintf(path, PATH_MAX, "%s", command->rig)
                                        : snprintf(path, PATH_MAX, "%.*s-%s.gltf", stem, part_path, kinds[kind]);
     if (length_of >= PATH_MAX) return mcv_fail(error, MCV_USAGE, "the path of the rig is longer than %d bytes", PATH_MAX);
-    if (!ends_in(path, ".gltf")) return mcv_fail(error, MCV_USAGE, "%s: the name of a rig must end in .gltf", path);
+    if (!mcv_ends_in(path, ".gltf")) return mcv_fail(error, MCV_USAGE, "%s: the name of a rig must end in .gltf", path);
     if (mcv_same_file(path, part_path)) return mcv_fail(error, MCV_USAGE, "%s is the part: give the rig another name", path);
     return mcv_output_check(path, error);
 }

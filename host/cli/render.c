@@ -5,6 +5,7 @@
 #include "cli/options.h"
 #include "cli/picture.h"
 #include "cli/sensor.h"
+#include "core/basics.h"
 #include "output/progress.h"
 #include "output/summary.h"
 #include "reference/reference.h"
@@ -12,16 +13,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 static const double default_error = 0.01;
 static const double default_seconds = 60;
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* --- options ---------------------------------------------------------------------------------------------------- */
 
@@ -68,10 +62,10 @@ static mcv_result render_sensor(const mcv_command *command, const mcv_scene *sce
     const mcv_result result = (reference ? mcv_reference_render : mcv_render)(scene, sensor, &options, film, &summary->stats, error);
     mcv_progress_end(&line);
     MCV_TRY(result);
-    const double begun = now();
+    const double begun = mcv_seconds();
     mcv_interrupt_watch(true);
     MCV_TRY(mcv_picture_write(picture, command, scene, sensor, &options, film, &summary->stats, &summary->preview, error));
-    summary->seconds_write = now() - begun;
+    summary->seconds_write = mcv_seconds() - begun;
     summary->width = film->width;
     summary->height = film->height;
     summary->channels = film->channels;
@@ -151,12 +145,12 @@ static mcv_result render_scene(const mcv_command *command, mcv_scene *scene, con
 mcv_result mcv_verb_render(const mcv_command *command, mcv_error *error) {
     mcv_scene *scene;
     mcv_render_options options;
-    const double begun = now();
+    const double begun = mcv_seconds();
     if (!command->camera && mcv_camera_wanted(command))
         return mcv_fail(error, MCV_USAGE, "the exposure is that of --camera FILE: give it, or leave the exposure out");
     MCV_TRY(mcv_render_options_read(command, &options, error));
     MCV_TRY(mcv_scene_load(command->argument, (mcv_overrides){command->set.items, command->set.count}, &scene, error));
-    const double seconds_load = now() - begun;
+    const double seconds_load = mcv_seconds() - begun;
     for (uint32_t i = 0; i < scene->warning_count; ++i) fprintf(stderr, "mcvisi: warning: %s\n", scene->warnings[i]);
     const mcv_result result = render_scene(command, scene, &options, seconds_load, error);
     mcv_scene_free(scene);

@@ -8,6 +8,7 @@
 #include "cli/metrics.h"
 #include "cli/picture.h"
 #include "cli/sensor.h"
+#include "core/basics.h"
 #include "output/exr.h"
 #include "output/file.h"
 #include "output/plots.h"
@@ -24,7 +25,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { MAX_METRICS = 32, MAX_ROW = 8192, FIXED_COLUMNS = 4 };
@@ -71,12 +71,6 @@ typedef struct sweep {
     const mcv_scene *scene;
     uint32_t sensor;
 } sweep;
-
-static double seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* --- what to try ------------------------------------------------------------------------------------------------ */
 
@@ -644,13 +638,13 @@ static mcv_result report(const sweep *s, double spent, mcv_error *error) {
 /* A set that fails is a row with its error, and the sweep goes on: but for what would fail every time. */
 static mcv_result run_set(sweep *s, size_t set, double *row, mcv_error *error) {
     mcv_error why = {""};
-    const double begun = seconds();
+    const double begun = mcv_seconds();
     for (size_t i = s->count; i < s->columns; ++i) row[i] = NAN;
     row[s->columns - 1] = (double)set;
     const mcv_result result = try_set(s, set, row, &why);
     if (mcv_interrupt != 0)
         return mcv_fail(error, mcv_interrupt_result(), "interrupted: go on by --resume; %zu rows are in %s", s->row_count, s->table);
-    row[s->columns - 2] = seconds() - begun;
+    row[s->columns - 2] = mcv_seconds() - begun;
     const char *message = result == MCV_OK ? NULL : why.text;
     for (char *c = why.text; *c; ++c)
         if (*c == '\n' || *c == '\r') *c = ' ';
@@ -754,7 +748,7 @@ static mcv_result plan(sweep *s, mcv_error *error) {
 }
 
 static mcv_result run_sweep(sweep *s, mcv_error *error) {
-    const double begun = seconds();
+    const double begun = mcv_seconds();
     MCV_TRY(plan(s, error));
     MCV_TRY(check_rig(s, error));
     MCV_TRY(check_paths(s, error));
@@ -768,7 +762,7 @@ static mcv_result run_sweep(sweep *s, mcv_error *error) {
         const mcv_result paged = s->row_count ? write_page(s, result == MCV_OK ? error : &later) : MCV_OK;
         if (result == MCV_OK) result = paged;
     }
-    if (result == MCV_OK) result = report(s, seconds() - begun, error);
+    if (result == MCV_OK) result = report(s, mcv_seconds() - begun, error);
     size_t failed = 0;
     for (size_t row = 0; row < s->row_count; ++row) failed += s->messages[row] != NULL;
     if (result == MCV_OK && failed == s->row_count)
@@ -827,7 +821,6 @@ static mcv_result sweep_file(const mcv_command *given, const char *path, mcv_err
 }
 
 mcv_result mcv_verb_sweep(const mcv_command *command, mcv_error *error) {
-    const char *dot = strrchr(command->argument, '.');
-    return dot && strcmp(dot, ".json") == 0 ? sweep_file(command, command->argument, error)
-                                            : sweep_command(command, command->argument, error);
+    return mcv_ends_in(command->argument, ".json") ? sweep_file(command, command->argument, error)
+                                                   : sweep_command(command, command->argument, error);
 }

@@ -366,6 +366,22 @@ const mcv_attribute *mcv_exr_attribute(const mcv_exr *exr, const char *name) {
     return NULL;
 }
 
+const double *mcv_exr_numbers(const mcv_exr *exr, const char *name, uint32_t count) {
+    const mcv_attribute *a = mcv_exr_attribute(exr, name);
+    return a && !a->text && a->count == count ? a->numbers : NULL;
+}
+
+mcv_image *mcv_exr_error(const mcv_exr *exr) {
+    const mcv_image *image = &exr->parts[0].image;
+    for (uint32_t i = 1; i < exr->part_count; ++i) {
+        mcv_image *part = &exr->parts[i].image;
+        if (strcmp(exr->parts[i].name, "error") == 0 && part->width == image->width && part->height == image->height &&
+            part->channels == image->channels)
+            return part;
+    }
+    return NULL;
+}
+
 void mcv_exr_free(mcv_exr *exr) {
     for (uint32_t p = 0; p < exr->part_count; ++p) {
         mcv_exr_part *part = &exr->parts[p];

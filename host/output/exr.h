@@ -56,4 +56,10 @@ void mcv_exr_free(mcv_exr *exr);
 /* The attribute of this name, or NULL. */
 const mcv_attribute *mcv_exr_attribute(const mcv_exr *exr, const char *name);
 
+/* The numbers of the attribute of this name, if it has so many; or NULL. */
+const double *mcv_exr_numbers(const mcv_exr *exr, const char *name, uint32_t count);
+
+/* The standard error of each value of part 0, which a render has as its second part; or NULL. */
+mcv_image *mcv_exr_error(const mcv_exr *exr);
+
 #endif

@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "output/values.h"
+
+#include "core/basics.h"
 #include "output/png.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static bool ends_in(const char *path, const char *ending) {
-    const size_t length = strlen(path), tail = strlen(ending);
-    return length > tail && strcmp(path + length - tail, ending) == 0;
-}
 
 typedef struct format {
     const char *ending;
@@ -23,7 +20,7 @@ static const format *find_format(const char *path) {
                                      {".tiff", mcv_tiff_write_values, mcv_tiff_read_values},
                                      {".npy", mcv_npy_write_values, mcv_npy_read_values}};
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; ++i)
-        if (ends_in(path, formats[i].ending)) return formats + i;
+        if (mcv_ends_in(path, formats[i].ending)) return formats + i;
     return NULL;
 }
 

@@ -4,9 +4,9 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
-#include <time.h>
 #include <unistd.h>
 
+#include "core/basics.h"
 #include "reference/path.h"
 
 /* A pass: the samples [first, first + count) of every replicate of every pixel. Threads take whole rows. */
@@ -21,12 +21,6 @@ typedef struct pass {
     atomic_uint next;
     atomic_bool stopped;
 } pass;
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* Adds the samples of a power-of-two range over the film's binary tree. */
 static void sum_samples(const pass *r, uint32_t column, uint32_t row, uint32_t replicate, uint64_t first, uint64_t count, ref_tally *tally,
@@ -82,10 +76,10 @@ static bool render_round(pass *r, pthread_t *threads, double start, double done,
     uint32_t helpers = 0;
     atomic_store(&r->next, 0);
     while (helpers + 1 < wanted && pthread_create(&threads[helpers], NULL, render_rows, r) == 0) ++helpers; /* fewer only make it slower */
-    double told = now();
+    double told = mcv_seconds();
     while (render_row(r)) {
-        if (!r->options->progress || now() - told < 0.1) continue;
-        told = now();
+        if (!r->options->progress || mcv_seconds() - told < 0.1) continue;
+        told = mcv_seconds();
         const double rows = fmin(atomic_load(&r->next), r->film->height) / r->film->height;
         if (!r->options->progress(r->options->user, done + share * rows, told - start, error)) atomic_store(&r->stopped, true);
     }
@@ -117,7 +111,7 @@ static void render_rounds(pass *r, mcv_film *film, pthread_t *threads, double st
     ref_tally total = {0};
     double error = INFINITY;
     while (wanted == 0 || film->samples < wanted) {
-        const double begun = now();
+        const double begun = mcv_seconds();
         const double done = wanted ? (double)film->samples / (double)wanted : options->seconds > 0 ? (begun - start) / options->seconds : 0;
         r->count = next_count(film);
         r->first = options->first + film->samples;
@@ -126,7 +120,7 @@ static void render_rounds(pass *r, mcv_film *film, pthread_t *threads, double st
         for (size_t i = 0; i < values; ++i) film->sums[i] += r->sums[i];
         film->samples += r->count;
         for (uint32_t row = 0; row < film->height; ++row) add_tally(&total, &r->rows[row]);
-        const double end = now();
+        const double end = mcv_seconds();
         if (stats->seconds_first_sample == 0) stats->seconds_first_sample = end - start;
         if (options->error > 0 || options->progress) error = mcv_film_relative_error(film);
         if (options->progress &&
@@ -146,7 +140,7 @@ static void render_rounds(pass *r, mcv_film *film, pthread_t *threads, double st
     stats->nonfinite = total.nonfinite;
     stats->unmatched = total.unmatched;
     stats->lost_energy = total.begun > 0 ? total.cut / total.begun : 0;
-    stats->seconds_render = now() - start - stats->seconds_build;
+    stats->seconds_render = mcv_seconds() - start - stats->seconds_build;
     stats->interrupted = atomic_load(&r->stopped);
 }
 
@@ -169,7 +163,7 @@ static mcv_result check_options(const mcv_scene *scene, uint32_t sensor, const m
 
 mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, bool sample_emitters, mcv_film *film,
                       mcv_render_stats *stats, mcv_error *error) {
-    const double start = now();
+    const double start = mcv_seconds();
     *film = (mcv_film){0};
     *stats = (mcv_render_stats){.device = "reference (double precision)"};
     MCV_TRY(check_options(scene, sensor, options, error));
@@ -194,7 +188,7 @@ mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_
         result = ref_media_at(&world.geometry, ref_from(lens), winding, &world.media, error);
     }
     if (result == MCV_OK) {
-        stats->seconds_build = now() - start;
+        stats->seconds_build = mcv_seconds() - start;
         render_rounds(&r, film, threads, start, stats);
     } else {
         mcv_film_free(film);

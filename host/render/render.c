@@ -5,8 +5,8 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
+#include "core/basics.h"
 #include "film/film.h"
 #include "render/schedule.h"
 
@@ -42,12 +42,6 @@ struct mcv_renderer {
     double begun; /* when */
     mcv_error *error;
 };
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static uint32_t floor_log2(uint64_t x) {
     uint32_t k = 0;
@@ -115,7 +109,7 @@ static mcv_result open_schedule(renderer *r, uint32_t sensor_type) {
 
 /* kept: the scene before, or NULL. */
 static mcv_result open_scene(renderer *r, const mcv_scene *scene, uint32_t sensor, mcv_device_scene *kept) {
-    const double start = now();
+    const double start = mcv_seconds();
     if (!r->cl.context) MCV_TRY(mcv_cl_open(r->options->device, &r->cl, r->error));
     memcpy(r->stats->device, r->cl.name, sizeof r->stats->device);
     memcpy(r->stats->driver, r->cl.version, sizeof r->stats->driver);
@@ -126,11 +120,11 @@ static mcv_result open_scene(renderer *r, const mcv_scene *scene, uint32_t senso
     if (r->options->no_light_paths) packed->features &= ~(1u << MCV_FEATURE_LIGHT_TRACING);
     mcv_feature_names(packed->features, r->stats->features, sizeof r->stats->features);
 
-    const double compile = now();
+    const double compile = mcv_seconds();
     MCV_TRY(open_schedule(r, scene->sensors[sensor].type));
-    r->stats->seconds_compile = now() - compile;
+    r->stats->seconds_compile = mcv_seconds() - compile;
     MCV_TRY(mcv_device_scene_finish(&r->cl, kept, &r->scene, r->error));
-    r->stats->seconds_build = now() - start - r->stats->seconds_compile;
+    r->stats->seconds_build = mcv_seconds() - start - r->stats->seconds_compile;
 
     r->frame = (mcv_frame){.width = r->film->width,
                            .height = r->film->height,
@@ -221,7 +215,7 @@ static mcv_result launch(renderer *r, uint32_t sets, uint32_t first_block, harve
     h->sets = sets;
     h->first_block = first_block;
     h->ripe = true;
-    if (r->stats->seconds_first_sample == 0) r->stats->seconds_first_sample = now() - r->begun;
+    if (r->stats->seconds_first_sample == 0) r->stats->seconds_first_sample = mcv_seconds() - r->begun;
     return MCV_OK;
 }
 
@@ -265,7 +259,7 @@ static mcv_result render_round(renderer *r, uint64_t first, uint64_t count, doub
         if (result == MCV_OK && o->progress) {
             const double share = ((double)set + sets) / (double)set_count;
             const double samples = (double)film->samples + share * (double)count;
-            const double seconds = now() - r->begun;
+            const double seconds = mcv_seconds() - r->begun;
             double fraction = o->last > 0 ? samples / (double)(o->last - o->first) : 0;
             if (o->seconds > 0 && seconds / o->seconds > fraction) fraction = seconds / o->seconds;
             /* The error falls at least as fast as the root of the samples grows. */
@@ -293,15 +287,15 @@ static mcv_result render_rounds(renderer *r) {
     for (;;) {
         /* [0, 1), [1, 2), [2, 4) … counted from the range's first sample, a multiple of its length: the same tree. */
         const uint64_t count = next > o->first ? next - o->first : 1;
-        const double round_begun = now();
+        const double round_begun = mcv_seconds();
         MCV_TRY(render_round(r, next, count, error, &stop));
         if (stop) return MCV_OK;
         if (r->film->splats) MCV_TRY(mcv_cl_read(&r->cl, r->scene.splats, 0, 8 * values, r->film->splats, r->error));
         mcv_film_add(r->film, r->round, count);
         next += count;
         error = mcv_film_relative_error(r->film);
-        const double seconds = now() - r->begun;
-        const double predicted = 2 * (now() - round_begun);
+        const double seconds = mcv_seconds() - r->begun;
+        const double predicted = 2 * (mcv_seconds() - round_begun);
         if (o->last > 0 && next >= o->last) return MCV_OK;
         /* A picture that is black so far may have missed a small light: its error of 0 says nothing yet. */
         const uint64_t enough = mcv_film_mean(r->film) > 0 ? MIN_SAMPLES : MIN_SAMPLES_BLACK;
@@ -325,9 +319,9 @@ static mcv_result render(renderer *r, const mcv_scene *scene, uint32_t sensor) {
     r->round = calloc((size_t)width * height * channels * options->replicates, sizeof(double));
     if (!r->round) return mcv_fail(error, MCV_FAILED, "no memory for an image of %u x %u pixels", width, height);
     MCV_TRY(open_renderer(r, scene, sensor));
-    const double begun = now();
+    const double begun = mcv_seconds();
     const mcv_result result = render_rounds(r);
-    r->stats->seconds_render = now() - begun;
+    r->stats->seconds_render = mcv_seconds() - begun;
     r->stats->lost_energy = r->stats->paths > 0 ? r->stats->lost_energy / (double)r->stats->paths : 0;
     return result;
 }
@@ -347,7 +341,7 @@ mcv_result mcv_renderer_render(mcv_renderer *r, const mcv_scene *scene, uint32_t
     r->stats = stats;
     r->film = film;
     r->error = error;
-    r->begun = now();
+    r->begun = mcv_seconds();
     const mcv_result result = render(r, scene, sensor);
     free(r->round);
     r->round = NULL;

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/basics.h"
 #include "output/file.h"
 #include "scene/params.h"
 #include "scene/surfaces.h"
@@ -423,8 +424,7 @@ static mcv_result convert(lens *l, const char *const *indices, size_t count, jso
 }
 
 mcv_result mcv_lens_file_read(const char *path, const char *const *indices, size_t index_count, json_t **scene, mcv_error *error) {
-    const char *dot = strrchr(path, '.');
-    const bool zemax = dot && is(dot, ".zmx"), codev = dot && is(dot, ".seq");
+    const bool zemax = mcv_ends_in(path, ".zmx"), codev = mcv_ends_in(path, ".seq");
     char *text = NULL;
     *scene = NULL;
     if (!zemax && !codev) return mcv_fail(error, MCV_BAD_INPUT, "%s: must be a .zmx or .seq file", path);

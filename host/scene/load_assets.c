@@ -6,6 +6,7 @@
  */
 #include "scene/load.h"
 
+#include "core/basics.h"
 #include "scene/params.h"
 
 #include <stdlib.h>
@@ -61,11 +62,6 @@ static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *
     return asset->solid_material == MCV_NONE ? mcv_load_plain(loader, &asset->solid_material, error) : MCV_OK;
 }
 
-static bool ends_in(const char *text, const char *ending) {
-    const char *dot = strrchr(text, '.');
-    return dot && strcasecmp(dot, ending) == 0;
-}
-
 static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t index, const mcv_place *place, mcv_error *error) {
     static const char *const others[] = {"name", "uri", "unit", "material", "extras", "extensions", NULL};
     const char *uri = NULL;
@@ -74,8 +70,8 @@ static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t in
     MCV_TRY(mcv_params_parse((mcv_param_table){0}, object, others, NULL, place, error));
     MCV_TRY(mcv_json_string(object, "uri", &uri, place, error));
     if (!uri) return mcv_fail_at(&here, error, "is missing: a .gltf, .glb or .stl file");
-    const bool stl = ends_in(uri, ".stl");
-    if (!stl && !ends_in(uri, ".gltf") && !ends_in(uri, ".glb"))
+    const bool stl = mcv_ends_in(uri, ".stl");
+    if (!stl && !mcv_ends_in(uri, ".gltf") && !mcv_ends_in(uri, ".glb"))
         return mcv_fail_at(&here, error, "\"%s\" must be a .gltf, .glb or .stl file: convert other formats", uri);
     if (!stl && json_object_get(object, "material"))
         return mcv_fail_at(&material, error, "is for .stl files: \"%s\" has its own materials", uri);

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef MCVISI_HOST_CORE_BASICS_H
+#define MCVISI_HOST_CORE_BASICS_H
+
+#include <stdbool.h>
+
+/* Seconds since some fixed time, which no change of the wall's clock disturbs. */
+double mcv_seconds(void);
+
+/* Whether a file's name has this ending, ".png", in capitals or not. */
+bool mcv_ends_in(const char *path, const char *ending);
+
+#endif
