@@ -83,6 +83,11 @@ static void test_index(void **state) {
     assert_non_null(strstr(builder_error.text, "surface 1: unknown glass \"B270\""));
     BUILD(mcv_lens_file_read("test_lens_file.zmx", indices, 1, &document, &builder_error));
     json_decref(document);
+    static const char *const bad[] = {"B270", "B270=", "=1.5", "B270=0.5"};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        assert_int_equal(mcv_lens_file_read("test_lens_file.zmx", bad + i, 1, &document, &builder_error), MCV_USAGE);
+        assert_non_null(strstr(builder_error.text, "must be GLASS=N"));
+    }
     remove("test_lens_file.zmx");
 }
 

@@ -8,25 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static void vertex_in_world(const mcv_scene *scene, uint32_t instance, size_t vertex, double world[3]) {
-    const float *p = scene->meshes[scene->instances[instance].mesh].positions + 3 * vertex;
-    mcv_transform_point(&scene->instances[instance].to_world, (const double[3]){p[0], p[1], p[2]}, world);
-}
-
-/* The instance's box in the world. */
-static void box_of(const mcv_scene *scene, uint32_t instance, double lower[3], double upper[3]) {
-    const mcv_mesh *mesh = scene->meshes + scene->instances[instance].mesh;
-    for (int k = 0; k < 3; ++k) lower[k] = INFINITY, upper[k] = -INFINITY;
-    for (size_t v = 0; v < mesh->vertex_count; ++v) {
-        double world[3];
-        vertex_in_world(scene, instance, v, world);
-        for (int k = 0; k < 3; ++k) {
-            lower[k] = fmin(lower[k], world[k]);
-            upper[k] = fmax(upper[k], world[k]);
-        }
-    }
-}
-
 /* --- emitters that light nothing -------------------------------------------------------------------------------- */
 
 /* Has the mesh no thickness along an axis, and its normals (if any) no other component? */
@@ -42,16 +23,6 @@ static bool is_flat(const mcv_mesh *mesh) {
     return false;
 }
 
-/* Not normalised; 0 for a degenerate triangle. */
-static void face_normal(double corners[3][3], double normal[3]) {
-    double a[3], b[3];
-    for (int k = 0; k < 3; ++k) {
-        a[k] = corners[1][k] - corners[0][k];
-        b[k] = corners[2][k] - corners[0][k];
-    }
-    for (int k = 0; k < 3; ++k) normal[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /* The unit normal of a flat instance and a point on it. False where its triangles face both ways. */
@@ -63,7 +34,7 @@ static bool plane_of(const mcv_scene *scene, uint32_t instance, double normal[3]
         for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
             double corners[3][3], face[3];
             mcv_scene_corners(scene, instance, t, corners);
-            face_normal(corners, face);
+            mcv_scene_face_normal(scene, instance, t, face);
             if (pass == 1 && dot(face, total) < 0) return false;
             for (int k = 0; k < 3 && pass == 0; ++k) total[k] += face[k];
             memcpy(point, corners[0], sizeof corners[0]);
@@ -104,11 +75,11 @@ static bool meets_ball(const beam *b, const double centre[3], double radius) {
 static void ball_of(const mcv_scene *scene, uint32_t instance, double centre[3], double *radius) {
     double lower[3], upper[3], world[3];
     const mcv_mesh *mesh = scene->meshes + scene->instances[instance].mesh;
-    box_of(scene, instance, lower, upper);
+    mcv_scene_box(scene, instance, lower, upper);
     for (int k = 0; k < 3; ++k) centre[k] = (lower[k] + upper[k]) / 2;
     *radius = 0;
-    for (size_t v = 0; v < mesh->vertex_count; ++v) {
-        vertex_in_world(scene, instance, v, world);
+    for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
+        mcv_scene_vertex(scene, instance, v, world);
         for (int k = 0; k < 3; ++k) world[k] -= centre[k];
         *radius = fmax(*radius, sqrt(dot(world, world)));
     }
@@ -202,7 +173,7 @@ static const char *in_words(double metres, char text[32]) {
 /* The longest side of the instance's box in the world. */
 static double width_of(const mcv_scene *scene, uint32_t instance) {
     double lower[3], upper[3];
-    box_of(scene, instance, lower, upper);
+    mcv_scene_box(scene, instance, lower, upper);
     return fmax(upper[0] - lower[0], fmax(upper[1] - lower[1], upper[2] - lower[2]));
 }
 

@@ -25,15 +25,11 @@ static void report_size(mcv_report *report, const mcv_scene *scene) {
     double lower[3] = {INFINITY, INFINITY, INFINITY};
     double upper[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        const mcv_mesh *mesh = scene->meshes + scene->instances[i].mesh;
-        for (size_t v = 0; v < mesh->vertex_count; ++v) {
-            const float *p = mesh->positions + 3 * v;
-            double world[3];
-            mcv_transform_point(&scene->instances[i].to_world, (const double[3]){p[0], p[1], p[2]}, world);
-            for (int k = 0; k < 3; ++k) {
-                lower[k] = fmin(lower[k], world[k]);
-                upper[k] = fmax(upper[k], world[k]);
-            }
+        double low[3], high[3];
+        mcv_scene_box(scene, i, low, high);
+        for (int k = 0; k < 3; ++k) {
+            lower[k] = fmin(lower[k], low[k]);
+            upper[k] = fmax(upper[k], high[k]);
         }
     }
     mcv_report_number(report, "triangles", "", scene->triangle_count);

@@ -36,12 +36,8 @@ mcv_result mcv_sensor_find(const mcv_scene *scene, const char *name, uint32_t *s
     return mcv_fail(error, MCV_USAGE, "%s: there is no sensor %s: there are %s", scene->path, name, labels);
 }
 
-/* The value of a parameter, or NULL where this type of sensor has none of that name. */
 static void *parameter(const mcv_sensor *sensor, const char *key) {
-    const mcv_param_table table = mcv_sensor_table(sensor->type);
-    for (size_t i = 0; i < table.count; ++i)
-        if (strcmp(table.params[i].key, key) == 0) return (char *)&sensor->as + table.params[i].offset;
-    return NULL;
+    return mcv_params_find(mcv_sensor_table(sensor->type), key, &sensor->as);
 }
 
 mcv_result mcv_sensor_resize(mcv_sensor *sensor, uint64_t width, uint64_t height, const mcv_scene *scene, mcv_error *error) {

@@ -496,6 +496,17 @@ static mcv_result check_sidecar(const sweep *s, mcv_error *error) {
     return result;
 }
 
+/* Takes the quotes off that put_quoted has put around a text and in it. */
+static const char *unquote(char *text) {
+    char *to = text;
+    for (const char *from = text + 1; *from && !(from[0] == '"' && from[1] == '\0'); ++from) {
+        *to++ = *from;
+        if (from[0] == '"' && from[1] == '"') ++from;
+    }
+    *to = '\0';
+    return text;
+}
+
 /* The rows of a table that was begun; what follows the last whole one is cut off. done[set] is set. */
 static mcv_result read_rows(sweep *s, bool *done, mcv_error *error) {
     char *line = NULL;
@@ -518,8 +529,7 @@ static mcv_result read_rows(sweep *s, bool *done, mcv_error *error) {
         const size_t set = row[s->columns - 1] >= 0 && row[s->columns - 1] < (double)s->set_count ? (size_t)row[s->columns - 1] : SIZE_MAX;
         if (*at != ',' || set == SIZE_MAX || done[set]) continue;
         done[set] = true;
-        if (at[1]) line[length - 2] = '\0'; /* the closing quote */
-        remember(s, row, at[1] ? at + 2 : NULL);
+        remember(s, row, at[1] ? unquote(at + 1) : NULL);
     }
     free(line);
     fclose(file);

@@ -250,7 +250,7 @@ static mcv_result open_splats(mcv_cl *cl, const mcv_sensor *sensor, mcv_device_s
     frame->light_cdf = packed->light_cdf;
     frame->splat_scale = (float)(1 / mcv_splat_unit(packed, sensor, frame));
     frame->log2_pixels = 6;
-    while (1u << frame->log2_pixels < 64 * (uint64_t)tiles) ++frame->log2_pixels;
+    while ((uint64_t)1 << frame->log2_pixels < 64 * (uint64_t)tiles) ++frame->log2_pixels;
     MCV_TRY(mcv_cl_buffer(cl, "what light paths bring", bytes, NULL, &device->splats, error));
     MCV_TRY_CL(clEnqueueFillBuffer(cl->queue, device->splats, &nothing, sizeof nothing, 0, bytes, 0, NULL, NULL), error);
     return MCV_OK;

@@ -64,22 +64,6 @@ static bool overlap(const mcv_box *a, const mcv_box *b) {
     return true;
 }
 
-static void world_position(const mcv_mesh *mesh, const mcv_transform *to_world, uint32_t vertex, double out[3]) {
-    const float *p = mesh->positions + 3 * (size_t)vertex;
-    mcv_transform_point(to_world, (const double[3]){p[0], p[1], p[2]}, out);
-}
-
-static mcv_box instance_box(const mcv_scene *scene, const mcv_instance *instance) {
-    const mcv_mesh *mesh = &scene->meshes[instance->mesh];
-    mcv_box b = empty_box();
-    for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
-        double p[3];
-        world_position(mesh, &instance->to_world, v, p);
-        extend(&b, p);
-    }
-    return b;
-}
-
 /* The scene's centre on a grid of an eighth of its size, a power of two: moving the scene by whole grid steps changes no bit. */
 static void find_centre(const mcv_box *boxes, uint32_t count, double centre[3]) {
     mcv_box all = empty_box();
@@ -103,7 +87,7 @@ static void pack_instance(const mcv_scene *scene, mcv_packed *packed, uint32_t i
     for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
         const size_t to = first_vertex + (size_t)v;
         double p[3];
-        world_position(mesh, &instance->to_world, v, p);
+        mcv_scene_vertex(scene, index, v, p);
         for (int k = 0; k < 3; ++k) packed->positions[3 * to + k] = (float)(p[k] - packed->centre[k]);
         if (packed->normals && mesh->normals) {
             const float *from = mesh->normals + 3 * (size_t)v;
@@ -568,7 +552,7 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error
     if (failed) return mcv_fail(error, MCV_FAILED, "%s: no memory to place the scene", scene->path);
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         vertices += scene->meshes[scene->instances[i].mesh].vertex_count;
-        packed->boxes[i] = instance_box(scene, &scene->instances[i]);
+        mcv_scene_box(scene, i, packed->boxes[i].lower, packed->boxes[i].upper);
     }
     /* The kernels count the coordinates of the vertices in 32 bits. */
     if (vertices > UINT32_MAX / 3) {

@@ -25,9 +25,9 @@ typedef struct mcv_packed {
     float *positions, *normals, *texcoords; /* 3, 3, 2 per vertex; normals and texcoords NULL where no feature needs them */
     mcv_device_solid *solids;               /* solid_count; NULL without any */
     uint32_t solid_count;
-    uint32_t *indices;                      /* 3 per triangle, for the acceleration structure */
-    uint32_t *triangles;                    /* 4 per triangle: the vertices and the instance */
-    float *tangents;                        /* 4 per vertex: direction, handedness; NULL where no glossy surface has a direction */
+    uint32_t *indices;   /* 3 per triangle, for the acceleration structure */
+    uint32_t *triangles; /* 4 per triangle: the vertices and the instance */
+    float *tangents;     /* 4 per vertex: direction, handedness; NULL where no glossy surface has a direction */
     mcv_device_instance *instances;
     mcv_device_material *materials;
     mcv_device_gloss *gloss; /* of each material, or NULL */

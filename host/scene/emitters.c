@@ -33,11 +33,8 @@ mcv_result mcv_emitter_check(mcv_emitter *emitter, const mcv_place *place, mcv_e
                        emitter->as.spot.outerConeAngle);
 }
 
-static void *parameter(mcv_emitter *emitter, const char *key) {
-    const mcv_param_table table = mcv_emitter_table(emitter->type);
-    for (size_t i = 0; i < table.count; ++i)
-        if (strcmp(table.params[i].key, key) == 0) return (char *)&emitter->as + table.params[i].offset;
-    return NULL;
+static void *parameter(const mcv_emitter *emitter, const char *key) {
+    return mcv_params_find(mcv_emitter_table(emitter->type), key, &emitter->as);
 }
 
 double *mcv_emitter_parameter(mcv_emitter *emitter, const char *key) { return parameter(emitter, key); }
@@ -45,24 +42,21 @@ double *mcv_emitter_parameter(mcv_emitter *emitter, const char *key) { return pa
 uint32_t *mcv_emitter_image(mcv_emitter *emitter) { return parameter(emitter, "image"); }
 
 void mcv_emitter_size(const mcv_emitter *emitter, double size[2]) {
-    mcv_emitter own = *emitter;
-    const double *given = parameter(&own, "size");
+    const double *given = parameter(emitter, "size");
     for (int i = 0; i < 2; ++i)
-        size[i] = emitter->type == MCV_EMITTER_PROJECTOR ? own.as.projector.lensDiameter : given ? given[i] : (double)NAN;
+        size[i] = emitter->type == MCV_EMITTER_PROJECTOR ? emitter->as.projector.lensDiameter : given ? given[i] : (double)NAN;
 }
 
 bool mcv_emitter_mirrors(const mcv_emitter *emitter) {
-    mcv_emitter own = *emitter;
-    const int *mirror = parameter(&own, "mirror");
+    const int *mirror = parameter(emitter, "mirror");
     return mirror && *mirror;
 }
 
 static const struct { const char *key, *unit; } brightnesses[] = {{"radiance", "W/(m² sr)"}, {"irradiance", "W/m²"}, {"intensity", "W/sr"}};
 
 const char *mcv_emitter_brightness(const mcv_emitter *emitter, const char **unit) {
-    mcv_emitter own = *emitter;
     int i = 0;
-    while (i < 2 && !parameter(&own, brightnesses[i].key)) ++i;
+    while (i < 2 && !parameter(emitter, brightnesses[i].key)) ++i;
     *unit = brightnesses[i].unit;
     return brightnesses[i].key;
 }
@@ -72,8 +66,7 @@ mcv_pattern *mcv_emitter_pattern(mcv_emitter *emitter) { return parameter(emitte
 uint32_t *mcv_emitter_index(mcv_emitter *emitter) { return parameter(emitter, "index"); }
 
 mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
-    mcv_emitter own = *emitter;
-    const uint32_t *image = mcv_emitter_image(&own);
+    const uint32_t *image = parameter(emitter, "image");
     const mcv_place here = mcv_place_key(place, "image");
     if (!image || *image == MCV_NONE) return MCV_OK;
     if (*image >= scene->texture_count) return mcv_fail_at(&here, error, "texture %u does not exist", *image);
@@ -185,10 +178,9 @@ static double pixel_share(const mcv_emitter *emitter, const mcv_texture *texture
 }
 
 void mcv_emitter_image_mean(const mcv_scene *scene, const mcv_emitter *emitter, double mean[3]) {
-    mcv_emitter own = *emitter;
     double sum[3] = {0, 0, 0}, total = 0, rgb[3], decoded[256];
     for (int i = 0; i < 3; ++i) mean[i] = 1;
-    if (!mcv_emitter_image(&own) || emitter->texture == MCV_NONE) return;
+    if (!parameter(emitter, "image") || emitter->texture == MCV_NONE) return;
     const mcv_texture *texture = scene->textures + emitter->texture;
     mcv_srgb_table(decoded);
     for (uint32_t row = 0; row < texture->height; ++row)

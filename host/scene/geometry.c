@@ -3,6 +3,8 @@
 #include "scene/mesh.h"
 #include "scene/transform.h"
 
+#include <math.h>
+
 uint32_t mcv_scene_instance_of(const mcv_scene *scene, uint32_t global) {
     if (global >= scene->triangle_count) {
         const uint32_t piece = global - scene->triangle_count;
@@ -29,16 +31,29 @@ void mcv_scene_triangle(const mcv_scene *scene, uint32_t instance, uint32_t loca
     vertices[2] = indices[mirrored ? 1 : 2];
 }
 
-void mcv_scene_corners(const mcv_scene *scene, uint32_t instance, uint32_t local, double corners[3][3]) {
+void mcv_scene_vertex(const mcv_scene *scene, uint32_t instance, uint32_t vertex, double world[3]) {
     const mcv_instance *placed = scene->instances + instance;
-    const float *positions = scene->meshes[placed->mesh].positions;
+    const float *p = scene->meshes[placed->mesh].positions + 3 * (size_t)vertex;
+    mcv_transform_point(&placed->to_world, (const double[3]){p[0], p[1], p[2]}, world);
+}
+
+void mcv_scene_box(const mcv_scene *scene, uint32_t instance, double lower[3], double upper[3]) {
+    const mcv_mesh *mesh = scene->meshes + scene->instances[instance].mesh;
+    for (int k = 0; k < 3; ++k) lower[k] = INFINITY, upper[k] = -INFINITY;
+    for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
+        double world[3];
+        mcv_scene_vertex(scene, instance, v, world);
+        for (int k = 0; k < 3; ++k) {
+            lower[k] = fmin(lower[k], world[k]);
+            upper[k] = fmax(upper[k], world[k]);
+        }
+    }
+}
+
+void mcv_scene_corners(const mcv_scene *scene, uint32_t instance, uint32_t local, double corners[3][3]) {
     uint32_t vertices[3];
     mcv_scene_triangle(scene, instance, local, vertices);
-    for (int i = 0; i < 3; ++i) {
-        const float *p = positions + 3 * (size_t)vertices[i];
-        const double point[3] = {p[0], p[1], p[2]};
-        mcv_transform_point(&placed->to_world, point, corners[i]);
-    }
+    for (int i = 0; i < 3; ++i) mcv_scene_vertex(scene, instance, vertices[i], corners[i]);
 }
 
 void mcv_scene_face_normal(const mcv_scene *scene, uint32_t instance, uint32_t local, double normal[3]) {

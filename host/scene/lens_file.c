@@ -394,6 +394,16 @@ static json_t *write_scene(const lens *l, json_t *const *materials, int first, i
                      "extensions", "MCVISI_surfaces", "surfaces", bodies, "materials", list, "nodes", nodes);
 }
 
+static mcv_result check_indices(const char *const *indices, size_t count, mcv_error *error) {
+    for (size_t i = 0; i < count; ++i) {
+        const char *equals = strchr(indices[i], '=');
+        const double index = equals && equals > indices[i] ? strtod(equals + 1, NULL) : 0;
+        if (!(index >= 1 && index <= 10))
+            return mcv_fail(error, MCV_USAGE, "--index %s: must be GLASS=N, an index from 1 to 10", indices[i]);
+    }
+    return MCV_OK;
+}
+
 static mcv_result convert(lens *l, const char *const *indices, size_t count, json_t **scene, mcv_error *error) {
     json_t *materials[MOST_SURFACES] = {0};
     bool given[MOST_SURFACES];
@@ -428,6 +438,7 @@ mcv_result mcv_lens_file_read(const char *path, const char *const *indices, size
     char *text = NULL;
     *scene = NULL;
     if (!zemax && !codev) return mcv_fail(error, MCV_BAD_INPUT, "%s: must be a .zmx or .seq file", path);
+    MCV_TRY(check_indices(indices, index_count, error));
     MCV_TRY(read_text(path, &text, error));
     lens *l = calloc(1, sizeof *l);
     mcv_result result = l ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: no memory for it", path);

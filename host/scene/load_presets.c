@@ -34,11 +34,7 @@ static mcv_result check_shape(const mcv_preset *preset, const mcv_place *place, 
 }
 
 static const double *parameter(const mcv_preset *preset, const char *key) {
-    const mcv_param_table table = mcv_emitter_table(preset->type);
-    for (size_t i = 0; i < table.count; ++i)
-        if (strcmp(table.params[i].key, key) == 0)
-            return (const double *)(const void *)((const char *)&preset->as + table.params[i].offset);
-    return NULL;
+    return mcv_params_find(mcv_emitter_table(preset->type), key, &preset->as);
 }
 
 mcv_result mcv_preset_resolve(const mcv_preset *preset, mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {

@@ -125,8 +125,8 @@ static mcv_result read_solids(reader *r, mcv_mesh *mesh, const mcv_place *place,
         } else if (word_is(r, "facet")) {
             if (mesh->vertex_count + (size_t)3 > room) {
                 room = 2 * room + 3072;
-                float *positions = realloc(mesh->positions, 3 * room * sizeof *positions);
-                if (!positions || room > INT32_MAX) return mcv_fail_memory(place, error);
+                float *positions = room > INT32_MAX ? NULL : realloc(mesh->positions, 3 * room * sizeof *positions);
+                if (!positions) return mcv_fail_memory(place, error);
                 mesh->positions = positions;
             }
             MCV_TRY(read_facet(r, mesh->positions + 3 * (size_t)mesh->vertex_count, place, error));

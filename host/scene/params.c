@@ -83,6 +83,12 @@ static void set(const mcv_param *param, void *params, size_t i, double value) {
         ((double *)(void *)field)[i] = value;
 }
 
+void *mcv_params_find(mcv_param_table table, const char *key, const void *params) {
+    for (size_t i = 0; i < table.count; ++i)
+        if (strcmp(table.params[i].key, key) == 0) return (char *)params + table.params[i].offset;
+    return NULL;
+}
+
 void mcv_params_set_defaults(mcv_param_table table, void *params) {
     memset(params, 0, table.struct_size);
     for (size_t i = 0; i < table.count; ++i) {

@@ -217,6 +217,8 @@ mcv_param_table mcv_sensor_table(uint32_t type);
 mcv_param_table mcv_emitter_table(uint32_t type); /* presets too */
 mcv_param_table mcv_material_table(uint32_t type);
 void mcv_params_set_defaults(mcv_param_table table, void *params);
+/* A parameter's field of params, or NULL where the table has none of that name. */
+void *mcv_params_find(mcv_param_table table, const char *key, const void *params);
 
 /*
  * The wavelength that a channel stands for [m]. Unless the scene says, a grey scene is rendered at the d line of helium, 587.6 nm, and the
@@ -261,6 +263,8 @@ uint32_t mcv_scene_channels(const mcv_scene *scene);
 /* World geometry in double. `global` is a triangle's number; `instance` gets its instance. Corners run counter-clockwise from the front. */
 uint32_t mcv_scene_instance_of(const mcv_scene *scene, uint32_t global);
 void mcv_scene_triangle(const mcv_scene *scene, uint32_t instance, uint32_t local, uint32_t vertices[3]); /* of the mesh, in that order */
+void mcv_scene_vertex(const mcv_scene *scene, uint32_t instance, uint32_t vertex, double world[3]);
+void mcv_scene_box(const mcv_scene *scene, uint32_t instance, double lower[3], double upper[3]); /* without vertices: lower > upper */
 void mcv_scene_corners(const mcv_scene *scene, uint32_t instance, uint32_t local, double corners[3][3]);
 void mcv_scene_face_normal(const mcv_scene *scene, uint32_t instance, uint32_t local, double normal[3]); /* twice the area long */
 void mcv_scene_vertex_normals(const mcv_scene *scene, uint32_t instance, uint32_t local,

@@ -20,10 +20,7 @@ static film light_field_film(const mcv_light_field_params *p) {
 }
 
 static const void *parameter(const mcv_sensor *sensor, const char *key) {
-    const mcv_param_table table = mcv_sensor_table(sensor->type);
-    for (size_t i = 0; i < table.count; ++i)
-        if (strcmp(table.params[i].key, key) == 0) return (const char *)&sensor->as + table.params[i].offset;
-    return NULL;
+    return mcv_params_find(mcv_sensor_table(sensor->type), key, &sensor->as);
 }
 
 static film film_of(const mcv_sensor *sensor) {
