@@ -67,6 +67,17 @@ static inline json_t *program_json(const char *line) {
     return value;
 }
 
+/* The number at a path of keys and indices, as in "regions/0/mean/value". */
+static inline double number_at(const json_t *object, const char *path) {
+    char copy[256], *rest = NULL;
+    snprintf(copy, sizeof copy, "%s", path);
+    for (char *key = strtok_r(copy, "/", &rest); key; key = strtok_r(NULL, "/", &rest)) {
+        object = json_is_array(object) ? json_array_get(object, (size_t)atoi(key)) : json_object_get(object, key);
+        if (!object) fail_msg("%s: there is no %s", path, key);
+    }
+    return json_number_value(object);
+}
+
 static inline void write_file(const char *path, const char *text) {
     FILE *file = fopen(path, "w");
     assert_non_null(file);

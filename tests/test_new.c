@@ -4,16 +4,6 @@
 
 #include <math.h>
 
-static double number_at(const json_t *object, const char *path) {
-    char copy[256], *rest = NULL;
-    snprintf(copy, sizeof copy, "%s", path);
-    for (char *key = strtok_r(copy, "/", &rest); key; key = strtok_r(NULL, "/", &rest)) {
-        object = json_is_array(object) ? json_array_get(object, (size_t)atoi(key)) : json_object_get(object, key);
-        if (!object) fail_msg("%s: there is no %s", path, key);
-    }
-    return json_number_value(object);
-}
-
 /* Boxes that lie each way, their middle anywhere; [mm]. */
 static const struct {
     double lower[3], upper[3];

@@ -156,16 +156,23 @@ static mcv_result load_nodes(mcv_loader *loader, const mcv_transform *document, 
 
 /* --- document --------------------------------------------------------------------------------------------------- */
 
-void mcv_load_count(mcv_scene *scene, const void *data, size_t size) {
+/* Each word is mixed by multiplication and shift, the size before all. */
+void mcv_load_count(mcv_loader *loader, const void *data, size_t size) {
     const unsigned char *bytes = data;
-    uint64_t hash = scene->fingerprint ? scene->fingerprint : 0xcbf29ce484222325u;
-    for (size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 0x100000001b3u;
-    scene->fingerprint = hash;
+    uint64_t hash = loader->fingerprint ^ size;
+    for (size_t i = 0; i < size; i += sizeof hash) {
+        uint64_t word = 0;
+        memcpy(&word, bytes + i, size - i < sizeof word ? size - i : sizeof word);
+        hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 29;
+    }
+    loader->fingerprint = hash;
 }
 
 mcv_result mcv_load_file(mcv_loader *loader, const char *path, mcv_bytes *bytes, const mcv_place *place, mcv_error *error) {
+    if (loader->is_asset && loader->kept) MCV_TRY(mcv_stamp_add(loader, path, place, error));
     MCV_TRY(mcv_file_read(path, bytes, place, error));
-    mcv_load_count(loader->scene, bytes->data, bytes->size);
+    mcv_load_count(loader, bytes->data, bytes->size);
     return MCV_OK;
 }
 
@@ -253,6 +260,7 @@ static json_t *describe_document(const mcv_loader *loader, uint32_t image_count)
 static mcv_result open_data(mcv_loader *loader, mcv_error *error) {
     uint32_t image_count;
     MCV_TRY(mcv_load_needed_images(loader, &image_count, error));
+    if (loader->has_kept_data) return MCV_OK;
     json_t *document = describe_document(loader, image_count);
     char *text = json_dumps(document, JSON_COMPACT);
     json_decref(document);
@@ -264,7 +272,8 @@ static mcv_result open_data(mcv_loader *loader, mcv_error *error) {
     return result;
 }
 
-static mcv_result parse(mcv_loader *loader, mcv_error *error) {
+/* To a document that holds what glTF asks for. */
+static mcv_result parse(mcv_loader *loader, mcv_overrides overrides, mcv_error *error) {
     mcv_bytes json;
     json_error_t wrong;
     MCV_TRY(mcv_glb_split(loader->bytes, &json, &loader->binary, &loader->file, error));
@@ -274,14 +283,13 @@ static mcv_result parse(mcv_loader *loader, mcv_error *error) {
         free(loader->bytes.data);
         loader->bytes = (mcv_bytes){NULL, 0};
     }
-    return MCV_OK;
+    MCV_TRY(mcv_overrides_apply(overrides, loader->root, &loader->file, error));
+    MCV_TRY(mcv_gltf_validate(loader->root, loader->binary, &loader->file, error));
+    return check_extensions(loader->root, &loader->file, error);
 }
 
 mcv_result mcv_load_open(mcv_loader *loader, mcv_overrides overrides, mcv_error *error) {
-    MCV_TRY(parse(loader, error));
-    MCV_TRY(mcv_overrides_apply(overrides, loader->root, &loader->file, error));
-    MCV_TRY(mcv_gltf_validate(loader->root, loader->binary, &loader->file, error));
-    MCV_TRY(check_extensions(loader->root, &loader->file, error));
+    if (!loader->has_kept_data) MCV_TRY(parse(loader, overrides, error));
     const size_t images = json_array_size(json_object_get(loader->root, "images"));
     const size_t textures = json_array_size(json_object_get(loader->root, "textures"));
     const size_t materials = json_array_size(json_object_get(loader->root, "materials"));
@@ -325,7 +333,8 @@ void mcv_load_finish(mcv_loader *loader) {
     free(loader->presets);
     free(loader->sensor_uses);
     free(loader->emitter_uses);
-    mcv_gltf_close(loader->gltf);
+    if (!loader->has_kept_data) mcv_gltf_close(loader->gltf);
+    mcv_stamps_free(loader->stamps, loader->stamp_count);
     json_decref(loader->root);
     free(loader->bytes.data);
 }
@@ -355,7 +364,12 @@ static mcv_result load_spectrum(mcv_loader *loader, mcv_error *error) {
 }
 
 mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene **scene, mcv_error *error) {
-    mcv_loader loader = {.file = mcv_place_file(path), .solid = MCV_NONE, .plain = MCV_NONE, .absorber = MCV_NONE};
+    return mcv_scene_load_again(path, overrides, NULL, scene, error);
+}
+
+mcv_result mcv_scene_load_again(const char *path, mcv_overrides overrides, mcv_kept_assets *kept, mcv_scene **scene, mcv_error *error) {
+    mcv_loader loader = {.file = mcv_place_file(path), .solid = MCV_NONE, .plain = MCV_NONE, .absorber = MCV_NONE, .kept = kept};
+    if (kept) mcv_kept_forget_changed(kept);
     *scene = loader.scene = mcv_scene_new(path);
     if (!loader.scene) return mcv_fail_memory(&loader.file, error);
     const mcv_transform world = mcv_transform_identity();
@@ -365,6 +379,7 @@ mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene *
     if (result == MCV_OK) result = load_nodes(&loader, &world, error);
     if (result == MCV_OK) mcv_scene_settle_spectra(*scene);
     if (result == MCV_OK) result = warn_unused(&loader, error);
+    (*scene)->fingerprint = loader.fingerprint;
     mcv_load_finish(&loader);
     if (result == MCV_OK) return MCV_OK;
     mcv_scene_free(*scene);

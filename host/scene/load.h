@@ -29,6 +29,24 @@ typedef struct mcv_body {
     uint32_t *materials; /* 2 per solid: of the scene, of the caps and of the side; MCV_NONE: the node's */
 } mcv_body;
 
+/* A file as it was before it was read. */
+typedef struct mcv_stamp {
+    char *path;
+    uint64_t device, inode, size;
+    struct timespec modified, changed;
+} mcv_stamp;
+
+/* An asset that was parsed before. */
+typedef struct mcv_kept_asset {
+    mcv_stamp *stamps; /* of all files that were read for it, its own first */
+    size_t stamp_count;
+    uint64_t fingerprint;
+    json_t *root; /* of a glTF file, without its .glb's binary chunk */
+    mcv_gltf *gltf;
+    mcv_scene *solid; /* an STL file's mesh, or NULL */
+    double size[3];   /* and its box */
+} mcv_kept_asset;
+
 typedef struct mcv_loader {
     mcv_scene *scene;
     mcv_place file;
@@ -38,6 +56,11 @@ typedef struct mcv_loader {
     json_t *root;
     mcv_bytes bytes, binary; /* the file; the binary chunk inside of it */
     mcv_gltf *gltf;
+    mcv_kept_assets *kept; /* or NULL */
+    bool has_kept_data;    /* root and gltf are those of a kept asset */
+    mcv_stamp *stamps;     /* of the files read, for an asset that is to be kept */
+    size_t stamp_count;
+    uint64_t fingerprint;    /* of this document's files and its assets */
     uint32_t *images;        /* number in gltf of images[i], or MCV_NONE where no material needs it */
     uint32_t *textures;      /* the scene's number of textures[i], or MCV_NONE as long as no material has asked for it */
     uint32_t *data_textures; /* the same where it holds no colour */
@@ -117,16 +140,26 @@ mcv_result mcv_load_transform(const mcv_loader *loader, uint32_t index, int dept
 
 /*
  * load_assets.c: opens the documents of MCVISI_assets; the one that a node places (its extension object's "asset"), or NULL.
- * mcv_load_file (load.c) reads a file and counts it in the scene's fingerprint by mcv_load_count; mcv_load_open parses loader->bytes up to
- * the materials; mcv_load_finish frees what a loader holds.
+ * mcv_load_file (load.c) reads a file and counts it in the fingerprint by mcv_load_count; mcv_load_open parses loader->bytes (or goes on
+ * with a root and buffers that are there already) up to the materials; mcv_load_finish frees what a loader holds.
  */
 mcv_result mcv_load_assets(mcv_loader *loader, mcv_error *error);
 mcv_result mcv_load_asset_of(const mcv_loader *loader, const json_t *node, struct mcv_loader **asset, const mcv_place *place,
                              mcv_error *error);
-void mcv_load_count(mcv_scene *scene, const void *data, size_t size);
+void mcv_load_count(mcv_loader *loader, const void *data, size_t size);
 mcv_result mcv_load_file(mcv_loader *loader, const char *path, mcv_bytes *bytes, const mcv_place *place, mcv_error *error);
 mcv_result mcv_load_open(mcv_loader *loader, mcv_overrides overrides, mcv_error *error);
 void mcv_load_finish(mcv_loader *loader);
+
+/*
+ * kept.c: the asset at a path, if it was kept; keeps what an asset's loader has parsed. Forgetting what has changed on disk is for the
+ * begin of a load: until its end, its loaders share what is kept.
+ */
+mcv_result mcv_stamp_add(mcv_loader *loader, const char *path, const mcv_place *place, mcv_error *error);
+const mcv_kept_asset *mcv_kept_find(const mcv_kept_assets *kept, const char *path);
+mcv_result mcv_kept_add(mcv_loader *asset, const double size[3], const mcv_place *place, mcv_error *error);
+void mcv_kept_forget_changed(mcv_kept_assets *kept);
+void mcv_stamps_free(mcv_stamp *stamps, size_t count);
 
 /*
  * load_stl.c: adds the triangles of an STL file, binary or ASCII, to the scene; size is that of its box, in its own unit. `place` is the

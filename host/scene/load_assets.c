@@ -47,19 +47,44 @@ mcv_result mcv_load_find_material(const mcv_loader *loader, const json_t *object
 
 static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *object, const char *uri, const mcv_place *place,
                            mcv_error *error) {
-    double size[3];
-    const mcv_place here = mcv_place_key(place, "unit");
+    const mcv_kept_asset *kept = mcv_kept_find(loader->kept, asset->file.key);
+    double size[3] = {0};
+    const mcv_place here = mcv_place_key(place, "unit"), there = mcv_place_key(place, "uri");
     const char *slash = strrchr(uri, '/');
-    const mcv_result result = mcv_load_stl(asset->scene, asset->bytes, slash ? slash + 1 : uri, &asset->solid, size, &asset->file, error);
-    free(asset->bytes.data);
-    asset->bytes = (mcv_bytes){NULL, 0};
-    MCV_TRY(result);
+    if (kept) {
+        memcpy(size, kept->size, sizeof size);
+        asset->fingerprint = kept->fingerprint;
+        asset->solid = asset->scene->mesh_count;
+        MCV_TRY(mcv_scene_add_mesh(asset->scene, kept->solid->meshes, error));
+    } else {
+        MCV_TRY(mcv_load_file(asset, asset->file.key, &asset->bytes, &there, error));
+        const mcv_result result =
+            mcv_load_stl(asset->scene, asset->bytes, slash ? slash + 1 : uri, &asset->solid, size, &asset->file, error);
+        free(asset->bytes.data);
+        asset->bytes = (mcv_bytes){NULL, 0};
+        MCV_TRY(result);
+        MCV_TRY(mcv_kept_add(asset, size, place, error));
+    }
     if (!json_object_get(object, "unit"))
         return mcv_fail_at(&here, error,
                            "is missing, and \"%s\" does not tell it: the part is %.4g x %.4g x %.4g of it, most are in \"mm\"", uri,
                            size[0], size[1], size[2]);
     MCV_TRY(mcv_load_find_material(loader, object, "material", &asset->solid_material, place, error));
     return asset->solid_material == MCV_NONE ? mcv_load_plain(loader, &asset->solid_material, error) : MCV_OK;
+}
+
+static mcv_result open_gltf(mcv_loader *asset, const mcv_place *place, mcv_error *error) {
+    const mcv_kept_asset *kept = mcv_kept_find(asset->kept, asset->file.key);
+    if (kept) {
+        asset->has_kept_data = true;
+        asset->root = json_incref(kept->root);
+        asset->gltf = kept->gltf;
+        asset->fingerprint = kept->fingerprint;
+        return mcv_load_open(asset, (mcv_overrides){NULL, 0}, error);
+    }
+    MCV_TRY(mcv_load_file(asset, asset->file.key, &asset->bytes, place, error));
+    MCV_TRY(mcv_load_open(asset, (mcv_overrides){NULL, 0}, error));
+    return mcv_kept_add(asset, NULL, place, error);
 }
 
 static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t index, const mcv_place *place, mcv_error *error) {
@@ -80,12 +105,14 @@ static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t in
     *asset = (mcv_loader){.scene = loader->scene,
                           .file = mcv_place_file(loader->asset_paths[index]),
                           .is_asset = true,
+                          .kept = loader->kept,
                           .solid = MCV_NONE,
                           .plain = MCV_NONE,
                           .absorber = MCV_NONE};
     MCV_TRY(read_unit(object, &asset->unit, place, error));
-    MCV_TRY(mcv_load_file(asset, asset->file.key, &asset->bytes, &here, error));
-    return stl ? open_stl(loader, asset, object, uri, place, error) : mcv_load_open(asset, (mcv_overrides){NULL, 0}, error);
+    MCV_TRY(stl ? open_stl(loader, asset, object, uri, place, error) : open_gltf(asset, &here, error));
+    mcv_load_count(loader, &asset->fingerprint, sizeof asset->fingerprint);
+    return MCV_OK;
 }
 
 mcv_result mcv_load_assets(mcv_loader *loader, mcv_error *error) {

@@ -91,7 +91,7 @@ static mcv_result copy_linear(const mcv_exr *exr, mcv_texture *texture, const ch
     return MCV_OK;
 }
 
-static mcv_result load_exr(const mcv_loader *loader, const char *uri, mcv_texture *texture, const mcv_place *place, mcv_error *error) {
+static mcv_result load_exr(mcv_loader *loader, const char *uri, mcv_texture *texture, const mcv_place *place, mcv_error *error) {
     char *path;
     mcv_exr exr;
     mcv_error cause;
@@ -100,8 +100,7 @@ static mcv_result load_exr(const mcv_loader *loader, const char *uri, mcv_textur
     free(path);
     if (result != MCV_OK) return mcv_fail_at(place, error, "\"%s\" is no image to read: %s", uri, cause.text);
     result = copy_linear(&exr, texture, uri, place, error);
-    if (result == MCV_OK)
-        mcv_load_count(loader->scene, texture->linear, 3 * sizeof *texture->linear * (size_t)texture->width * texture->height);
+    if (result == MCV_OK) mcv_load_count(loader, texture->linear, 3 * sizeof *texture->linear * (size_t)texture->width * texture->height);
     mcv_exr_free(&exr);
     return result;
 }

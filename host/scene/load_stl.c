@@ -174,13 +174,14 @@ mcv_result mcv_load_stl(mcv_scene *scene, mcv_bytes bytes, const char *name, uin
         mcv_mesh_free(&loaded);
         return result;
     }
-    for (int i = 0; i < 3; ++i) {
-        double low = INFINITY, high = -INFINITY;
+    for (size_t i = 0; i < 3; ++i) {
+        float low = INFINITY, high = -INFINITY; /* comparisons: a call of fmin for each would take longer than all else here */
         for (size_t v = 0; v < loaded.vertex_count; ++v) {
-            low = fmin(low, loaded.positions[3 * v + (size_t)i]);
-            high = fmax(high, loaded.positions[3 * v + (size_t)i]);
+            const float here = loaded.positions[3 * v + i];
+            low = here < low ? here : low;
+            high = here > high ? here : high;
         }
-        size[i] = high - low;
+        size[i] = (double)high - low;
     }
     *mesh = scene->mesh_count;
     return mcv_scene_take_mesh(scene, &loaded, error);

@@ -171,7 +171,7 @@ typedef struct mcv_scene {
     mcv_sensor *sensors;
     mcv_solid *solids;
     double wavelengths[3]; /* of the channels [m]; 0: the defaults */
-    uint64_t fingerprint;  /* FNV-1a of all files that were read, in their order */
+    uint64_t fingerprint;  /* of all files that were read, in their order */
     char **warnings;       /* sentences for the user */
     uint32_t warning_count;
 } mcv_scene;
@@ -184,6 +184,17 @@ typedef struct mcv_overrides {
 
 /* Reads a .gltf or .glb. On failure *scene is NULL and the error names file, JSON path and what would be right. */
 mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene **scene, mcv_error *error);
+
+/*
+ * For scenes that are loaded again and again: the files of MCVISI_assets are kept as they were parsed, and read again only where they have
+ * changed since (by inode, size and times). Scenes do not depend on what is kept. mcv_kept_assets_read: how many had to be read so far.
+ */
+typedef struct mcv_kept_assets mcv_kept_assets;
+mcv_kept_assets *mcv_kept_assets_new(void); /* NULL without memory */
+void mcv_kept_assets_free(mcv_kept_assets *kept);
+size_t mcv_kept_assets_read(const mcv_kept_assets *kept);
+mcv_result mcv_scene_load_again(const char *path, mcv_overrides overrides, mcv_kept_assets *kept, mcv_scene **scene, mcv_error *error);
+
 void mcv_scene_free(mcv_scene *scene);
 
 /* An empty scene to add to. NULL without memory. */
