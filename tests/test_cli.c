@@ -799,6 +799,27 @@ static void test_compare(void **state) {
     assert_non_null(strstr(err, "both images are of seed 0"));
 }
 
+/* Scenes are rendered: with other options, by the other renderer, against an image. */
+static void test_compare_scenes(void **state) {
+    (void)state;
+    write_scene("s.gltf", pinhole, panel_noisy);
+    run_well("render s.gltf --spp 1024 --replicates 16 -o a.exr --parts replicates");
+    assert_false(compare_says_different("compare s.gltf s.gltf --spp 256 --json", "Mann-Whitney and Welch"));
+    assert_false(compare_says_different("compare s.gltf s.gltf --spp 64 --json --against=--device=reference", "Mann-Whitney and Welch"));
+    assert_true(compare_says_different("compare s.gltf s.gltf --spp 256 --json --against=--set=emitters/panel/radiance=2.625",
+                                       "Mann-Whitney and Welch"));
+    assert_false(compare_says_different("compare a.exr s.gltf --spp 256 --json", "Mann-Whitney and Welch"));
+    assert_true(
+        compare_says_different("compare s.gltf a.exr --spp 256 --json --set emitters/panel/radiance=2.625", "Mann-Whitney and Welch"));
+    assert_int_equal(run("compare s.gltf s.gltf --spp 256"), 0);
+    assert_non_null(strstr(out, "tiles by p"));
+    EXPECT_FAILURE("compare s.gltf s.gltf --against=--dept=3", 2, "--against", "--depth");
+    EXPECT_FAILURE("compare s.gltf a.exr --against=--depth=3", 2, "--against", "a.exr is an image");
+    EXPECT_FAILURE("compare a.exr a.exr --spp 16", 2, "--spp is for scenes");
+    EXPECT_FAILURE("compare s.gltf s.gltf --sensor nobody", 2, "nobody");
+    EXPECT_FAILURE("compare s.gltf missing.gltf --spp 16", 3, "missing.gltf");
+}
+
 static void test_compare_bad_input(void **state) {
     (void)state;
     write_scene("s.gltf", pinhole, panel_noisy);
@@ -807,9 +828,9 @@ static void test_compare_bad_input(void **state) {
     run_well("render s.gltf --spp 16 -o single.exr --replicates 1");
     write_scene("t.gltf", lens, panel);
     run_well("render t.gltf --spp 16");
-    EXPECT_FAILURE("compare", 2, "A.exr B.exr");
-    EXPECT_FAILURE("compare s.exr", 2, "A.exr B.exr");
-    EXPECT_FAILURE("compare s.exr t.exr s.exr", 2, "A.exr B.exr", "leave out s.exr");
+    EXPECT_FAILURE("compare", 2, "compare A B");
+    EXPECT_FAILURE("compare s.exr", 2, "compare A B");
+    EXPECT_FAILURE("compare s.exr t.exr s.exr", 2, "A B", "leave out s.exr");
     EXPECT_FAILURE("compare s.exr missing.exr", 3, "missing.exr");
     EXPECT_FAILURE("compare s.exr small.exr", 3, "24 x 16", "12 x 8");
     EXPECT_FAILURE("compare s.exr single.exr", 3, "single.exr", "error", "--replicates");
@@ -967,6 +988,7 @@ int main(void) {
         TEST(test_measure),
         TEST(test_measure_bad_input),
         TEST(test_compare),
+        TEST(test_compare_scenes),
         TEST(test_compare_bad_input),
         TEST(test_light_field_views),
         TEST(test_light_field_gradient),

@@ -199,6 +199,7 @@ static mcv_result test_tiles(const side *x, const side *y, uint32_t width, uint3
             if (!o.counts) continue;
             p[c->tiles++] = o.uniform;
             c->small_tiles += o.uniform < 0.01;
+            c->histogram[o.uniform < 1 ? (int)(o.uniform * MCV_COMPARE_BINS) : MCV_COMPARE_BINS - 1] += 1;
         }
     }
     c->p_tiles = mcv_smaller_than_uniform(p, c->tiles);

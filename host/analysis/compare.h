@@ -23,7 +23,7 @@
 
 #define MCV_COMPARE_ALPHA 2.5e-4
 #define MCV_COMPARE_ROUNDING 1e-6
-enum { MCV_COMPARE_TILE = 8 };
+enum { MCV_COMPARE_TILE = 8, MCV_COMPARE_BINS = 10 };
 
 /* Where the smallest p-value is, in pixels. */
 typedef struct mcv_region {
@@ -36,6 +36,7 @@ typedef struct mcv_comparison {
     double p_unit, p_tiles, p_count, p_image; /* each different below MCV_COMPARE_ALPHA */
     mcv_region worst;                         /* the unit of the smallest p-value */
     uint64_t units, tiles, small_tiles;       /* tested; tiles that KS and count look at; of them with p < 0.01 */
+    uint64_t histogram[MCV_COMPARE_BINS];     /* of these tiles' p-values, by tenths: level without a difference, or rising */
     double mean_x, mean_y;                    /* of the whole image */
     double detectable;                        /* relative bias of the image mean that would be seen in 9 of 10 cases */
     double detectable_tile;                   /* of a tile, relative to the image mean; after Šidák */

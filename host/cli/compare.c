@@ -4,21 +4,27 @@
 #include "cli/options.h"
 #include "cli/picture.h"
 #include "cli/report.h"
+#include "cli/sensor.h"
 #include "output/exr.h"
 #include "output/figure.h"
 #include "output/file.h"
+#include "output/progress.h"
+#include "reference/reference.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* One of the two files. */
+/* One of the two: a file, or a scene that is rendered here. */
 typedef struct render {
     const char *path;
     mcv_exr exr;
+    mcv_image mean, error; /* of a scene */
     mcv_measured measured;
-    mcv_film film; /* of the replicates' means, as of one sample each; empty where the file has none */
+    mcv_film film; /* of a file: the replicates' means, as of one sample each; empty where it has none */
+    char quantity[64], unit[64], sampler[64], device[256];
+    double seed;
 } render;
 
 static const char *text_attribute(const mcv_exr *exr, const char *name) {
@@ -77,36 +83,143 @@ static mcv_result read_render(const char *path, render *r, mcv_error *error) {
         return mcv_fail(error, MCV_BAD_INPUT, "%s: mcvisi:replicates in its header must be an integer from 2 to %d", path,
                         MCV_MAX_REPLICATES);
     r->measured.replicates = (uint32_t)replicates;
+    snprintf(r->quantity, sizeof r->quantity, "%s", text_attribute(&r->exr, "mcvisi:quantity"));
+    snprintf(r->unit, sizeof r->unit, "%s", text_attribute(&r->exr, "mcvisi:unit"));
+    snprintf(r->sampler, sizeof r->sampler, "%s", text_attribute(&r->exr, "mcvisi:sampler"));
+    snprintf(r->device, sizeof r->device, "%s", text_attribute(&r->exr, "mcvisi:device"));
+    r->seed = number_attribute(&r->exr, "mcvisi:seed");
     return gather_replicates(r, error);
 }
 
 static void free_render(render *r) {
     mcv_film_free(&r->film);
+    mcv_image_free(&r->mean);
+    mcv_image_free(&r->error);
     mcv_exr_free(&r->exr);
 }
 
+/* --- scenes ----------------------------------------------------------------------------------------------------- */
+
+static mcv_result choose_sensor(const mcv_command *command, mcv_scene *scene, uint32_t *sensor, mcv_error *error) {
+    *sensor = 0;
+    if (command->sensor) MCV_TRY(mcv_sensor_find(scene, command->sensor, sensor, error));
+    if (!command->sensor && scene->sensor_count != 1)
+        return mcv_fail(error, MCV_USAGE, "%s: has %u sensors: choose one by --sensor", scene->path, scene->sensor_count);
+    if (command->resolution[0])
+        return mcv_sensor_resize(scene->sensors + *sensor, command->resolution[0], command->resolution[1], scene, error);
+    return MCV_OK;
+}
+
+static mcv_result render_loaded(const mcv_command *command, mcv_scene *scene, render *r, mcv_error *error) {
+    const bool reference = command->device && strcmp(command->device, "reference") == 0;
+    mcv_render_options options;
+    mcv_render_stats stats;
+    uint32_t sensor;
+    MCV_TRY(choose_sensor(command, scene, &sensor, error));
+    MCV_TRY(mcv_render_options_read(command, &options, error));
+    mcv_progress_line line = mcv_progress_stderr(r->path, NULL);
+    options.progress = mcv_progress_report;
+    options.user = &line;
+    const mcv_result result = (reference ? mcv_reference_render : mcv_render)(scene, sensor, &options, &r->film, &stats, error);
+    mcv_progress_end(&line);
+    MCV_TRY(result);
+    MCV_TRY(mcv_film_develop(&r->film, &r->mean, &r->error, error));
+    const bool irradiance = mcv_sensor_measures_irradiance(scene->sensors + sensor);
+    snprintf(r->quantity, sizeof r->quantity, "%s", irradiance ? "irradiance" : "radiance");
+    snprintf(r->unit, sizeof r->unit, "%s", irradiance ? "W/m^2" : "W/(m^2 sr)");
+    snprintf(r->sampler, sizeof r->sampler, "%s", reference || options.sampler == MCV_SAMPLER_RANDOM ? "random" : "sobol");
+    snprintf(r->device, sizeof r->device, "%s", stats.device);
+    r->seed = options.seed;
+    r->measured = (mcv_measured){&r->mean, &r->error, options.replicates};
+    return MCV_OK;
+}
+
+static mcv_result render_scene(const mcv_command *command, const char *path, render *r, mcv_error *error) {
+    mcv_command options = *command;
+    mcv_scene *scene;
+    options.replicates = command->repeats;
+    r->path = path;
+    MCV_TRY(mcv_scene_load(path, (mcv_overrides){command->set.items, command->set.count}, &scene, error));
+    const mcv_result result = render_loaded(&options, scene, r, error);
+    mcv_scene_free(scene);
+    return result;
+}
+
+/* B's options: those given, then those of --against. The words of `text`, made here, are part of argv. */
+static mcv_result read_against(const mcv_command *command, char **text, char ***argv, mcv_command *other, mcv_error *error) {
+    int argc = command->argc;
+    const char *against = command->against ? command->against : "";
+    *text = strdup(against);
+    *argv = calloc((size_t)argc + strlen(against) + 1, sizeof **argv);
+    if (!*text || !*argv) return mcv_fail(error, MCV_FAILED, "no memory for the options of --against");
+    memcpy(*argv, command->argv, (size_t)argc * sizeof **argv);
+    for (char *rest, *word = strtok_r(*text, " ", &rest); word; word = strtok_r(NULL, " ", &rest)) (*argv)[argc++] = word;
+    mcv_error detail = {""};
+    const mcv_result result = mcv_command_parse(argc, *argv, other, &detail);
+    if (result != MCV_OK) return mcv_fail(error, result, "--against: %s", detail.text);
+    /* Equal seeds would be one noise. */
+    if (other->seed == command->seed) other->seed = (other->seed + 1) & UINT32_MAX;
+    return MCV_OK;
+}
+
+static bool is_image(const char *path) {
+    const size_t length = strlen(path);
+    return length >= 4 && strcmp(path + length - 4, ".exr") == 0;
+}
+
+static mcv_result get_a(const mcv_command *command, render *a, mcv_error *error) {
+    if (!is_image(command->argument)) return render_scene(command, command->argument, a, error);
+    return read_render(command->argument, a, error);
+}
+
+static mcv_result get_b(const mcv_command *command, render *b, mcv_error *error) {
+    mcv_command other = {0};
+    char *text = NULL, **argv = NULL;
+    if (is_image(command->second)) return read_render(command->second, b, error);
+    mcv_result result = read_against(command, &text, &argv, &other, error);
+    if (result == MCV_OK) result = render_scene(&other, command->second, b, error);
+    mcv_command_free(&other);
+    free(text);
+    free(argv);
+    return result;
+}
+
+/* Images are rendered already. */
+static mcv_result check_options(const mcv_command *command, mcv_error *error) {
+    static const char *const always[] = {"output", "json", NULL};
+    mcv_result result = MCV_OK;
+    if (!is_image(command->second)) return MCV_OK;
+    if (command->against) return mcv_fail(error, MCV_USAGE, "--against: %s is an image: options are for scenes", command->second);
+    if (!is_image(command->argument)) return MCV_OK;
+    json_t *given = mcv_command_json(command, always);
+    const char *key = json_object_iter_key(json_object_iter(given));
+    if (key) result = mcv_fail(error, MCV_USAGE, "--%s is for scenes, and both are images: leave it out", key);
+    json_decref(given);
+    return result;
+}
+
+/* --- the comparison --------------------------------------------------------------------------------------------- */
+
 /* Equal seeds make equal sample points: the noise of both would be the same, and the tests too kind. */
 static void warn_of_seeds(const render *a, const render *b) {
-    static const char *const names[] = {"mcvisi:sampler", "mcvisi:device"};
-    for (int i = 0; i < 2; ++i)
-        if (strcmp(text_attribute(&a->exr, names[i]), text_attribute(&b->exr, names[i])) != 0) return;
-    const double seed = number_attribute(&a->exr, "mcvisi:seed");
-    if (seed != number_attribute(&b->exr, "mcvisi:seed")) return;
+    if (a->seed != b->seed || strcmp(a->sampler, b->sampler) != 0 || strcmp(a->device, b->device) != 0) return;
     fprintf(stderr,
             "mcvisi: warning: both images are of seed %.0f, so that their noise is alike and hides differences: render one with another "
             "--seed\n",
-            seed);
+            a->seed);
 }
 
 static mcv_result report_comparison(const mcv_command *command, const render *a, const render *b, bool ranks, const mcv_comparison *c,
                                     mcv_error *error) {
     mcv_report report;
+    double histogram[MCV_COMPARE_BINS];
+    for (int i = 0; i < MCV_COMPARE_BINS; ++i) histogram[i] = (double)c->histogram[i];
     mcv_report_begin(&report, command->json);
     mcv_report_flag(&report, "different", c->different);
     mcv_report_text(&report, "reason", c->reason);
     mcv_report_text(&report, "pixel_test", ranks ? "Mann-Whitney and Welch" : "Welch");
     mcv_report_numbers(&report, "replicates", "", ", ", (const double[]){a->measured.replicates, b->measured.replicates}, 2);
-    mcv_report_numbers(&report, "means", text_attribute(&a->exr, "mcvisi:unit"), ", ", (const double[]){c->mean_x, c->mean_y}, 2);
+    mcv_report_numbers(&report, "means", a->unit, ", ", (const double[]){c->mean_x, c->mean_y}, 2);
     mcv_report_number(&report, "p_unit", "", c->p_unit);
     mcv_report_number(&report, "p_tiles", "", c->p_tiles);
     mcv_report_number(&report, "p_count", "", c->p_count);
@@ -115,6 +228,7 @@ static mcv_result report_comparison(const mcv_command *command, const render *a,
     mcv_report_number(&report, "units", "", (double)c->units);
     mcv_report_number(&report, "tiles", "", (double)c->tiles);
     mcv_report_number(&report, "small_tiles", "", (double)c->small_tiles);
+    mcv_report_numbers(&report, "tiles_by_p", "", " ", histogram, MCV_COMPARE_BINS);
     mcv_report_number(&report, "detectable", "", c->detectable);
     mcv_report_number(&report, "detectable_tile", "", c->detectable_tile);
     mcv_report_open(&report, "worst");
@@ -145,10 +259,8 @@ static mcv_result draw_difference(const char *path, const render *a, const rende
 }
 
 static mcv_result compare(const mcv_command *command, const render *a, const render *b, mcv_error *error) {
-    const char *quantities[] = {text_attribute(&a->exr, "mcvisi:quantity"), text_attribute(&b->exr, "mcvisi:quantity")};
-    if (strcmp(quantities[0], quantities[1]) != 0)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s is %s and %s is %s: both must be the same", a->path, quantities[0], b->path,
-                        quantities[1]);
+    if (strcmp(a->quantity, b->quantity) != 0)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s is %s and %s is %s: both must be the same", a->path, a->quantity, b->path, b->quantity);
     mcv_comparison comparison;
     const bool ranks = a->film.samples > 0 && b->film.samples > 0;
     MCV_TRY(ranks ? mcv_compare_films(&a->film, &b->film, &comparison, error)
@@ -162,8 +274,9 @@ static mcv_result compare(const mcv_command *command, const render *a, const ren
 mcv_result mcv_verb_compare(const mcv_command *command, mcv_error *error) {
     render a = {0}, b = {0};
     if (command->difference) MCV_TRY(mcv_output_check(command->difference, error));
-    mcv_result result = read_render(command->argument, &a, error);
-    if (result == MCV_OK) result = read_render(command->second, &b, error);
+    MCV_TRY(check_options(command, error));
+    mcv_result result = get_a(command, &a, error);
+    if (result == MCV_OK) result = get_b(command, &b, error);
     if (result == MCV_OK) result = compare(command, &a, &b, error);
     free_render(&a);
     free_render(&b);

@@ -14,8 +14,9 @@
       "write a rig around a part (.stl, .glb, .gltf): standard optics that frame it and a light, to be edited and rendered") \
     X(check, CHECK, "[SCENE]", "print what was understood of a scene: optics, emitters, materials, features and stages, and why") \
     X(trace, TRACE, "SCENE", "print every vertex of the given rays' paths through a scene's smooth surfaces") \
-    X(compare, COMPARE, "A.exr B.exr", \
-      "tell whether two renders of the same picture differ by more than their noise; exit code 1 if they do") \
+    X(compare, COMPARE, "A B", \
+      "tell whether two renders of the same picture, OpenEXR images or scenes to be rendered, differ by more than their noise; exit " \
+      "code 1 if they do") \
     X(camera, CAMERA, "IMAGE.exr", "turn irradiance or radiance into the grey values of a camera, with its noise (EMVA 1288)") \
     X(measure, MEASURE, "IMAGE", "measure in an image: regions, contrasts, edges and their sharpness, each with its standard uncertainty") \
     X(sweep, SWEEP, "RIG|EXPERIMENT.json", \
@@ -65,29 +66,37 @@ enum {
       "where to write; by default the name of the lens file with .gltf") \
     X(list, index, "index", 0, "GLASS=N", MCV_IN_IMPORT, NULL, 0, 0, "the refractive index of a glass that the catalogue lacks") \
     X(text, unit, "unit", 0, "nm|um|mm|cm|m", MCV_IN_NEW, NULL, 0, 0, "of the part's lengths; .stl files do not tell it, glTF has metres") \
-    X(text, sensor, "sensor", 0, "NAME", MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_MEASURE, NULL, 0, 0, "only this sensor, by name or number") \
-    X(count, spp, "spp", 0, "N", MCV_IN_TAKE, NULL, 1, 1ull << 37, \
+    X(text, sensor, "sensor", 0, "NAME", MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_MEASURE | MCV_IN_COMPARE, NULL, 0, 0, \
+      "only this sensor, by name or number") \
+    X(count, spp, "spp", 0, "N", MCV_IN_TAKE | MCV_IN_COMPARE, NULL, 1, 1ull << 37, \
       "stop at N samples per pixel over all replicates; N / replicates is rounded up to a power of two") \
-    X(number, error, "error", 0, "E", MCV_IN_TAKE, NULL, 0, 1e9, \
+    X(number, error, "error", 0, "E", MCV_IN_TAKE | MCV_IN_COMPARE, NULL, 0, 1e9, \
       "stop at this error: root of the mean squared standard error over the image's mean; without --spp, --error, --time and " \
       "--samples it is 0.01 or 60 s") \
-    X(number, time, "time", 0, "T", MCV_IN_TAKE, NULL, 0, 1e9, \
+    X(number, time, "time", 0, "T", MCV_IN_TAKE | MCV_IN_COMPARE, NULL, 0, 1e9, \
       "stop before T seconds have passed, those of building the scene and the kernels included; the first sample of each pixel and " \
       "replicate is always rendered") \
     X(range, samples, "samples", 0, "A:B", MCV_IN_RENDER, NULL, 0, 1ull << 31, \
       "render just samples A to B - 1 of each replicate; B - A is a power of two and A a multiple of it") \
     X(count, replicates, "replicates", 0, "R", MCV_IN_TAKE, "4", 1, 64, \
       "independent scrambles of the sample points, from whose spread the standard error comes") \
-    X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_TAKE, "sobol", 0, 0, "Owen-scrambled Sobol' points, or independent ones") \
-    X(count, seed, "seed", 0, "S", MCV_IN_GREY, "0", 0, UINT32_MAX, "another seed, another noise; the same seed, the same bits") \
-    X(count, depth, "depth", 0, "N", MCV_IN_TAKE | MCV_IN_TRACE, "32", 1, 1000000, "surfaces that a path may meet") \
-    X(size, resolution, "resolution", 0, "WxH", MCV_IN_TAKE, NULL, 1, 65536, \
+    X(count, repeats, "replicates", 0, "R", MCV_IN_COMPARE, "16", 2, 64, \
+      "independent scrambles of the sample points of a scene; what differs by less than their spread is no difference") \
+    X(text, against, "against", 0, "OPTIONS", MCV_IN_COMPARE, NULL, 0, 0, \
+      "options of the scene B that are not those of A, in quotes, as in --against=\"--device reference --depth 64\"; where its seed " \
+      "would be A's it is the next one") \
+    X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_TAKE | MCV_IN_COMPARE, "sobol", 0, 0, \
+      "Owen-scrambled Sobol' points, or independent ones") \
+    X(count, seed, "seed", 0, "S", MCV_IN_GREY | MCV_IN_COMPARE, "0", 0, UINT32_MAX, \
+      "another seed, another noise; the same seed, the same bits") \
+    X(count, depth, "depth", 0, "N", MCV_IN_TAKE | MCV_IN_COMPARE | MCV_IN_TRACE, "32", 1, 1000000, "surfaces that a path may meet") \
+    X(size, resolution, "resolution", 0, "WxH", MCV_IN_TAKE | MCV_IN_COMPARE, NULL, 1, 65536, \
       "other pixels on the same field of view; the macro pixels of a light field camera") \
-    X(choice, schedule, "schedule", 0, "auto|tile|stream", MCV_IN_TAKE, "auto", 0, 0, \
+    X(choice, schedule, "schedule", 0, "auto|tile|stream", MCV_IN_TAKE | MCV_IN_COMPARE, "auto", 0, 0, \
       "how the stages are launched: a slice of the image at a time (CPUs), or one launch a stage (GPUs); the same bits") \
-    X(text, device, "device", 0, "D", MCV_IN_TAKE | MCV_IN_TRACE, NULL, 0, 0, \
+    X(text, device, "device", 0, "D", MCV_IN_TAKE | MCV_IN_TRACE | MCV_IN_COMPARE, NULL, 0, 0, \
       "a number from `mcvisi devices`, PLATFORM:TYPE:NAME, or `reference`: the independent renderer in double precision, slow") \
-    X(count, threads, "threads", 0, "N", MCV_IN_TAKE | MCV_IN_TRACE | MCV_IN_LIGHTFIELD, NULL, 1, 1024, \
+    X(count, threads, "threads", 0, "N", MCV_IN_TAKE | MCV_IN_TRACE | MCV_IN_LIGHTFIELD | MCV_IN_COMPARE, NULL, 1, 1024, \
       "threads of the host (building the scene, the reference renderer, the gradient); by default one per core") \
     X(text, rays, "rays", 0, "rays.csv", MCV_IN_TRACE, NULL, 0, 0, "the rays: rows x,y,z,dx,dy,dz in metres, in the world") \
     X(text, paths, "output", 'o', "paths.csv", MCV_IN_TRACE, NULL, 0, 0, "where to write the vertices; by default standard output") \
@@ -184,7 +193,7 @@ enum {
       "of the emd-gradient: the value shown in the last colour, to compare pictures; by default 99.5 % of the macro pixels lie below it") \
     X(size, angular, "angular", 0, "JxK", MCV_IN_LIGHTFIELD, NULL, 1, 256, \
       "pixels of a macro pixel, for images whose header does not tell") \
-    X(list, set, "set", 0, "PATH=VALUE", MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE, NULL, 0, 0, \
+    X(list, set, "set", 0, "PATH=VALUE", MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE | MCV_IN_COMPARE, NULL, 0, 0, \
       "change the scene, as in --set sensors/cam/fNumber=8 or --set emitters/back/halfAngle=0.2deg; may be repeated") \
     X(flag, defines, "defines", 0, NULL, MCV_IN_CHECK, NULL, 0, 0, \
       "print the -D options that specialise the scene's OpenCL programs; without a scene, those with all features") \
