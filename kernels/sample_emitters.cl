@@ -167,6 +167,9 @@ MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) 
     if (triangle == MCV_NONE) return 0;
     const uint material = world.instances[mcv_instance_of(world, triangle)].material;
     if (!world.materials[material].spreads) return 0;
+#if MCV_WITH_DISPERSION
+    world = mcv_disperse(world, slot);
+#endif
 
     const mcv_meeting meeting = mcv_meet_surface(world, slot);
 

@@ -30,6 +30,9 @@ MCV_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, mcv_meeting me
 /* 1 if the path goes on. */
 static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *unmatched) {
     const uint triangle = MCV_WORD(slot, hit, 3);
+#if MCV_WITH_DISPERSION
+    world = mcv_disperse(world, slot);
+#endif
     mcv_color throughput;
     mcv_color radiance;
     uint media = 0;

@@ -3,72 +3,7 @@
  * Exact surfaces: rays through them against closed forms, an independent program's listing and the reference renderer; what goes in comes
  * out; a lens shows what a fine mesh of it shows.
  */
-#include "scene_builder.h"
-
-#include "mcvisi/surfaces/solid.h"
-#include "reference/reference.h"
-#include "render/render.h"
-#include "scene/solid.h"
-
-static const mcv_transform unmoved = {{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}};
-
-static mcv_scene *new_scene(void) {
-    mcv_scene *scene = mcv_scene_new("test");
-    assert_non_null(scene);
-    return scene;
-}
-
-static void add_solid(mcv_scene *scene, const mcv_solid *solid, uint32_t body, uint32_t rim) {
-    BUILD(mcv_scene_add_solid(scene, solid, "lens", body, rim, &builder_error));
-}
-
-static mcv_solid element(double radius, mcv_cap first, mcv_cap second) {
-    return (mcv_solid){.side = MCV_SIDE_CYLINDER, .radius = radius, .caps = {first, second}, .to_world = unmoved};
-}
-
-static mcv_solid sphere(double radius) { return (mcv_solid){.side = MCV_SIDE_SPHERE, .radius = radius, .to_world = unmoved}; }
-
-/* --- single rays ------------------------------------------------------------------------------------------------ */
-
-enum { DEPTH = 40 };
-typedef struct traced {
-    mcv_vertex *vertices;
-    size_t count;
-} traced;
-
-static traced trace(const mcv_scene *scene, bool reference, const mcv_trace_ray *rays, size_t n) {
-    mcv_render_options options = mcv_render_defaults();
-    traced t;
-    options.depth = DEPTH;
-    if (reference)
-        BUILD(mcv_reference_trace(scene, rays, n, &options, &t.vertices, &t.count, &builder_error));
-    else
-        BUILD(mcv_trace(scene, rays, n, &options, &t.vertices, &t.count, &builder_error));
-    return t;
-}
-
-/* Of one ray: its vertices; the last one before it is gone is out[returned - 1]. */
-static size_t trace_one(const mcv_scene *scene, bool reference, mcv_trace_ray ray, mcv_vertex out[DEPTH + 1]) {
-    const traced t = trace(scene, reference, &ray, 1);
-    size_t n = 0;
-    for (size_t i = 0; i < t.count; ++i)
-        if (t.vertices[i].event != MCV_EVENT_MISS) out[n++] = t.vertices[i];
-    free(t.vertices);
-    return n;
-}
-
-/* Where the ray that leaves a vertex in the xz plane crosses the axis. */
-static double crossing(const mcv_vertex *v) { return v->position[2] - v->position[0] * v->direction[2] / v->direction[0]; }
-
-static const char *name_of(bool reference) { return reference ? "reference" : "device"; }
-
-static void expect_near(const char *what, bool reference, double got, double expected, double tolerance) {
-    if (!(fabs(got - expected) <= tolerance))
-        fail_msg("%s, %s: %.12g, not %.12g: off by %.3g, allowed are %.3g", what, name_of(reference), got, expected, got - expected,
-                 tolerance);
-}
-
-static mcv_trace_ray along_z(double x, double y, double z) { return (mcv_trace_ray){{x, y, z}, {0, 0, 1}}; }
+#include "exact_builder.h"
 
 /* T1: a plate shifts a ray by t sin θ (1 - cos θ/√(n² - sin² θ)). float32: 2e-6 t. */
 static void plate(void **state) {
@@ -252,11 +187,6 @@ static void double_gauss(void **state) {
 }
 
 /* --- many rays -------------------------------------------------------------------------------------------------- */
-
-static double uniform(uint64_t *state) {
-    *state = *state * 6364136223846793005ull + 1442695040888963407ull;
-    return (double)(*state >> 11) * 0x1p-53;
-}
 
 /* Lenses of all kinds; each frame turned and moved. */
 static mcv_scene *many_lenses(int kind, uint32_t *glass) {
@@ -597,37 +527,6 @@ static void nested(void **state) {
     mcv_scene_free(scene);
 }
 
-/* --- glass ------------------------------------------------------------------------------------------------------ */
-
-/* n_d and Abbe's number of data sheets, to their last digit. */
-static void glasses(void **state) {
-    (void)state;
-    static const struct {
-        double n, abbe;
-    } known[] = {{1.51680, 64.17}, {1.52249, 59.48}, {1.56883, 55.98}, {1.60738, 56.65}, {1.62041, 60.32}, {1.62229, 53.27},
-                 {1.71300, 53.83}, {1.65113, 55.89}, {1.85025, 32.17}, {1.67003, 47.11}, {1.62004, 36.37}, {1.62005, 36.43},
-                 {1.60342, 38.03}, {1.67270, 32.21}, {1.67271, 32.25}, {1.80518, 25.43}, {1.80518, 25.36}, {1.72828, 28.53},
-                 {1.78472, 25.68}, {1.84666, 23.78}, {1.48656, 84.47}, {1.45846, 67.82}};
-    for (size_t i = 0; i < sizeof known / sizeof known[0]; ++i) {
-        const int glass = (int)i + 1;
-        const double n = mcv_glass_index(glass, 587.5618e-9);
-        const double abbe = (n - 1) / (mcv_glass_index(glass, 486.1327e-9) - mcv_glass_index(glass, 656.2725e-9));
-        if (fabs(n - known[i].n) > 1.1e-5 || fabs(abbe - known[i].abbe) > 0.011)
-            fail_msg("glass %d has n = %g and Abbe's number %g, not %g and %g", glass, n, abbe, known[i].n, known[i].abbe);
-    }
-    /* In a scene: that of its wavelength. */
-    mcv_scene *scene = new_scene();
-    mcv_material material = {.name = (char *)"glass", .type = MCV_MATERIAL_DIELECTRIC, .texture = MCV_NONE};
-    scene->wavelengths[0] = scene->wavelengths[1] = scene->wavelengths[2] = 486.1327e-9;
-    mcv_params_set_defaults(mcv_material_table(material.type), &material.as);
-    material.as.dielectric.glass = 1;
-    BUILD(mcv_scene_add_material(scene, &material, &builder_error));
-    expect_near("N-BK7 at the F line", true, scene->materials[0].as.dielectric.ior, 1.52238, 1e-5);
-    material.as.dielectric.ior = 1.6;
-    assert_int_equal(mcv_scene_add_material(scene, &material, &builder_error), MCV_BAD_INPUT);
-    mcv_scene_free(scene);
-}
-
 /* --- scene files ------------------------------------------------------------------------------------------------ */
 
 /* A scene whose one node places the definition. */
@@ -703,7 +602,7 @@ int main(void) {
         cmocka_unit_test(radii),        cmocka_unit_test(reflections),
         cmocka_unit_test(furnace),      cmocka_unit_test(meshes_in_contact),
         cmocka_unit_test(cemented),     cmocka_unit_test(nested),
-        cmocka_unit_test(glasses),      cmocka_unit_test(definitions),
+        cmocka_unit_test(definitions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

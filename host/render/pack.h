@@ -25,16 +25,16 @@ typedef struct mcv_packed {
     float *positions, *normals, *texcoords; /* 3, 3, 2 per vertex; normals and texcoords NULL where no feature needs them */
     mcv_device_solid *solids;               /* solid_count; NULL without any */
     uint32_t solid_count;
-    uint32_t *indices;                      /* 3 per triangle, for the acceleration structure */
-    uint32_t *triangles;                    /* 4 per triangle: the vertices and the instance */
-    float *tangents;                        /* 4 per vertex: direction, handedness; NULL where no glossy surface has a direction */
+    uint32_t *indices;   /* 3 per triangle, for the acceleration structure */
+    uint32_t *triangles; /* 4 per triangle: the vertices and the instance */
+    float *tangents;     /* 4 per vertex: direction, handedness; NULL where no glossy surface has a direction */
     mcv_device_instance *instances;
     mcv_device_material *materials;
     mcv_device_gloss *gloss; /* of each material, or NULL */
     float *albedos;
     size_t albedo_count;
-    mcv_device_medium media[MCV_MAX_MEDIA + 1];
-    mcv_device_interface interfaces[(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
+    mcv_device_medium media[3][MCV_MAX_MEDIA + 1]; /* by channel */
+    mcv_device_interface interfaces[3][(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
     uint32_t interface_albedos[(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
     mcv_device_emitter *emitters;
     uint32_t
