@@ -89,7 +89,7 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
     MCV_STORE_3(slot, origin, mcv_onward_origin(meeting, on.direction));
     MCV_STORE_3(slot, direction, on.direction);
 #if MCV_WITH_SURFACES
-    MCV_WORD(slot, left, 0) = mcv_leave(world, meeting.surface, on.direction);
+    MCV_WORD(slot, left, 0) = mcv_leave_meeting(world, meeting, on.direction);
 #endif
     MCV_STORE_COLOR(slot, throughput, throughput);
 #if MCV_WITH_DIELECTRIC

@@ -224,7 +224,7 @@ static void mcv_connect(mcv_world world, mcv_meeting meeting, mcv_color flux, ui
     const mcv_vec3 origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, out);
     uint begun = MCV_NONE;
 #if MCV_WITH_SURFACES
-    begun = mcv_leave(world, meeting.surface, out);
+    begun = mcv_leave_meeting(world, meeting, out);
 #endif
     const mcv_color left = mcv_pass_plates(world, origin, begun, seen.origin, response.media, plates, counts);
     if (!(mcv_brightest(left) > 0.0f)) return;
@@ -314,7 +314,7 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
         }
         path.origin = mcv_onward_origin(meeting, on.direction);
 #if MCV_WITH_SURFACES
-        path.left = mcv_leave(world, meeting.surface, on.direction);
+        path.left = mcv_leave_meeting(world, meeting, on.direction);
 #endif
         path.direction = on.direction;
         path.media = on.media;

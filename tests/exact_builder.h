@@ -35,7 +35,7 @@ typedef struct traced {
     size_t count;
 } traced;
 
-static inline traced trace(const mcv_scene *scene, bool reference, const mcv_trace_ray *rays, size_t n) {
+static inline traced follow(const mcv_scene *scene, bool reference, const mcv_trace_ray *rays, size_t n) {
     mcv_render_options options = mcv_render_defaults();
     traced t;
     options.depth = DEPTH;
@@ -48,7 +48,7 @@ static inline traced trace(const mcv_scene *scene, bool reference, const mcv_tra
 
 /* Of one ray: its vertices; the last one before it is gone is out[returned - 1]. */
 static inline size_t trace_one(const mcv_scene *scene, bool reference, mcv_trace_ray ray, mcv_vertex out[DEPTH + 1]) {
-    const traced t = trace(scene, reference, &ray, 1);
+    const traced t = follow(scene, reference, &ray, 1);
     size_t n = 0;
     memset(out, 0, (DEPTH + 1) * sizeof *out);
     for (size_t i = 0; i < t.count; ++i)
@@ -73,6 +73,38 @@ static inline mcv_trace_ray along_z(double x, double y, double z) { return (mcv_
 static inline double uniform(uint64_t *state) {
     *state = *state * 6364136223846793005ull + 1442695040888963407ull;
     return (double)(*state >> 11) * 0x1p-53;
+}
+
+/* A slab of a turned and moved frame, n x n squares in each face, from z = low to high. */
+static inline void add_slab(mcv_scene *scene, int n, double low, double high, uint32_t material) {
+    enum { MOST = 8 };
+    float positions[2 * (MOST + 1) * (MOST + 1) * 3];
+    uint32_t indices[6 * (2 * MOST * MOST + 4 * MOST)], count = 0;
+    const uint32_t row = (uint32_t)n + 1, face = row * row;
+    for (uint32_t v = 0; v < 2 * face; ++v) {
+        positions[3 * v] = (float)(0.02 * (v % row) / n - 0.01);
+        positions[3 * v + 1] = (float)(0.02 * (v / row % row) / n - 0.01);
+        positions[3 * v + 2] = (float)(v < face ? low : high);
+    }
+#define QUAD(a, b, c, d) memcpy(indices + count, (uint32_t[6]){(a), (b), (c), (a), (c), (d)}, 6 * sizeof *indices), count += 6
+    for (uint32_t y = 0; y + 1 < row; ++y)
+        for (uint32_t x = 0; x + 1 < row; ++x) {
+            const uint32_t a = y * row + x, t = a + face;
+            QUAD(a, a + row, a + row + 1, a + 1);
+            QUAD(t, t + 1, t + row + 1, t + row);
+        }
+    for (uint32_t k = 0; k + 1 < row; ++k) {
+        const uint32_t front = k, back = face - row + k, left = k * row, right = k * row + row - 1;
+        QUAD(front, front + 1, front + 1 + face, front + face);
+        QUAD(back + 1, back, back + face, back + 1 + face);
+        QUAD(left + row, left, left + face, left + row + face);
+        QUAD(right, right + row, right + row + face, right + face);
+    }
+#undef QUAD
+    const double c = 0.8, s = 0.6;
+    const mcv_transform turned = {{c, 0, s, 0, 1, 0, -s, 0, c, 0.1, -0.05, 0.02}};
+    add_instance(scene, &(mcv_mesh){.vertex_count = 2 * face, .triangle_count = count / 3, .positions = positions, .indices = indices},
+                 material, turned);
 }
 
 #endif

@@ -260,7 +260,7 @@ static void against_reference(void **state) {
         bool *at_join = calloc(RAYS, sizeof *at_join);
         uint64_t seed = 77 + (uint64_t)kind;
         for (int i = 0; i < RAYS; ++i) rays[i] = random_ray(scene, &seed, at_join + i);
-        const traced device = trace(scene, false, rays, RAYS), reference = trace(scene, true, rays, RAYS);
+        const traced device = follow(scene, false, rays, RAYS), reference = follow(scene, true, rays, RAYS);
         size_t d = 0, r = 0;
         int other = 0, met = 0;
         double farthest = 0;
@@ -306,20 +306,23 @@ static void against_reference(void **state) {
 static void radii(void **state) {
     (void)state;
     for (int reference = 0; reference < 2; ++reference)
-        for (double radius = 1e-3; radius < 2e6; radius *= 10) {
-            mcv_scene *scene = new_scene();
-            const double edge = fmin(radius / 2, 0.01), thick = edge, x = edge / 3, y = edge / 5;
-            const mcv_solid solid = element(edge, (mcv_cap){.curvature = 1 / radius}, (mcv_cap){.z = thick});
-            const uint32_t glass = add_glass(scene, 1.5, 0, 0);
-            mcv_vertex v[DEPTH + 1];
-            add_solid(scene, &solid, glass, glass);
-            trace_one(scene, reference, along_z(x, y, -0.1), v);
-            const double r2 = x * x + y * y, z = r2 / (radius * (1 + sqrt(1 - r2 / (radius * radius))));
-            expect_near("height", reference, v[1].position[2], z, reference ? 1e-16 : 5 * 0x1p-24 * (0.1 + edge));
-            expect_near("normal", reference, v[1].normal[0], x / radius,
-                        reference ? 1e-15 : 0x1p-24 * (4 * x / radius + 2 * (0.01 + x) / radius));
-            mcv_scene_free(scene);
-        }
+        for (double radius = 1e-3; radius < 2e6; radius *= 10)
+            for (int side = 0; side < 4; ++side) { /* bulging or hollow; from outside or from within the glass */
+                mcv_scene *scene = new_scene();
+                const double edge = fmin(radius / 2, 0.01), thick = edge, x = edge / 3, y = edge / 5, sign = side & 1 ? -1 : 1;
+                const mcv_solid solid = element(edge, (mcv_cap){.curvature = sign / radius}, (mcv_cap){.z = thick});
+                const uint32_t glass = add_glass(scene, 1.5, 0, 0);
+                mcv_vertex v[DEPTH + 1];
+                add_solid(scene, &solid, glass, glass);
+                const double from = side & 2 ? thick * 0.9 : -0.1, along = side & 2 ? -1 : 1;
+                trace_one(scene, reference, (mcv_trace_ray){{x, y, from}, {0, 0, along}}, v);
+                const double r2 = x * x + y * y, z = sign * r2 / (radius * (1 + sqrt(1 - r2 / (radius * radius))));
+                assert_true(fabs(v[1].ior - (side & 2 ? 1 : 1.5)) < 1e-6);
+                expect_near("height", reference, v[1].position[2], z, reference ? 1e-16 : 5 * 0x1p-24 * (fabs(from) + edge));
+                expect_near("normal", reference, v[1].normal[0], along * sign * x / radius,
+                            reference ? 1e-15 : 0x1p-24 * (4 * x / radius + 2 * (0.01 + x) / radius));
+                mcv_scene_free(scene);
+            }
 }
 
 /* A thousand total reflections in a plate, and in a rod: it stays inside, and keeps its angle. */
@@ -397,38 +400,6 @@ static void furnace(void **state) {
 
 /* --- bodies in contact ------------------------------------------------------------------------------------------ */
 
-/* A slab of a turned and moved frame, n x n squares in each face, from z = low to high. */
-static void add_slab(mcv_scene *scene, int n, double low, double high, uint32_t material) {
-    enum { MOST = 8 };
-    float positions[2 * (MOST + 1) * (MOST + 1) * 3];
-    uint32_t indices[6 * (2 * MOST * MOST + 4 * MOST)], count = 0;
-    const uint32_t row = (uint32_t)n + 1, face = row * row;
-    for (uint32_t v = 0; v < 2 * face; ++v) {
-        positions[3 * v] = (float)(0.02 * (v % row) / n - 0.01);
-        positions[3 * v + 1] = (float)(0.02 * (v / row % row) / n - 0.01);
-        positions[3 * v + 2] = (float)(v < face ? low : high);
-    }
-#define QUAD(a, b, c, d) memcpy(indices + count, (uint32_t[6]){(a), (b), (c), (a), (c), (d)}, 6 * sizeof *indices), count += 6
-    for (uint32_t y = 0; y + 1 < row; ++y)
-        for (uint32_t x = 0; x + 1 < row; ++x) {
-            const uint32_t a = y * row + x, t = a + face;
-            QUAD(a, a + row, a + row + 1, a + 1);
-            QUAD(t, t + 1, t + row + 1, t + row);
-        }
-    for (uint32_t k = 0; k + 1 < row; ++k) {
-        const uint32_t front = k, back = face - row + k, left = k * row, right = k * row + row - 1;
-        QUAD(front, front + 1, front + 1 + face, front + face);
-        QUAD(back + 1, back, back + face, back + 1 + face);
-        QUAD(left + row, left, left + face, left + row + face);
-        QUAD(right, right + row, right + row + face, right + face);
-    }
-#undef QUAD
-    const double c = 0.8, s = 0.6;
-    const mcv_transform turned = {{c, 0, s, 0, 1, 0, -s, 0, c, 0.1, -0.05, 0.02}};
-    add_instance(scene, &(mcv_mesh){.vertex_count = 2 * face, .triangle_count = count / 3, .positions = positions, .indices = indices},
-                 material, turned);
-}
-
 /*
  * Three slabs of glass, their faces in the same places but cut into other triangles: a ray goes from the one into the next, with no gap of
  * air between, and through all of them as through plates in contact.
@@ -451,7 +422,7 @@ static void meshes_in_contact(void **state) {
         for (int k = 0; k < 3; ++k) rays[i].origin[k] = (float)rays[i].origin[k];
     }
     for (int reference = 0; reference < 2; ++reference) {
-        const traced t = trace(scene, reference, rays, RAYS);
+        const traced t = follow(scene, reference, rays, RAYS);
         size_t v = 0;
         for (uint32_t i = 0; i < RAYS; ++i) {
             for (int k = 0; k < 6; ++k, ++v) {
@@ -490,7 +461,7 @@ static void cemented(void **state) {
         for (int k = 0; k < 3; ++k) rays[i].origin[k] = (float)rays[i].origin[k];
     }
     for (int reference = 0; reference < 2; ++reference) {
-        const traced t = trace(scene, reference, rays, RAYS);
+        const traced t = follow(scene, reference, rays, RAYS);
         const double up[] = {1, 1.5, 1.7, 1, 1}, down[] = {1, 1.7, 1.5, 1, 1};
         assert_int_equal(t.count, 5 * RAYS);
         for (size_t v = 0; v < t.count; ++v) {

@@ -555,14 +555,24 @@ static bool well_inside(const mcv_box *inner, const mcv_box *outer) {
     return true;
 }
 
-/* May meshes of dielectrics be in contact? Not where their boxes are apart, or one inside the other. */
+static bool is_dielectric_body(const mcv_scene *scene, const mcv_instance *instance) {
+    return scene->materials[instance->material].type == MCV_MATERIAL_DIELECTRIC;
+}
+
+/* Are both of them pieces of exact bodies with one frame, as those of a lens are? */
+static bool same_lens(const mcv_scene *scene, const mcv_instance *a, const mcv_instance *b) {
+    return scene->meshes[a->mesh].triangle_count == 0 && scene->meshes[b->mesh].triangle_count == 0 &&
+           memcmp(&a->to_world, &b->to_world, sizeof a->to_world) == 0;
+}
+
+/* May bodies of dielectrics be in contact? Not where their boxes are apart, or one inside the other. */
 static bool may_touch(const mcv_scene *scene, const mcv_box *boxes) {
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         const mcv_instance *a = scene->instances + i;
-        if (scene->materials[a->material].type != MCV_MATERIAL_DIELECTRIC || scene->meshes[a->mesh].triangle_count == 0) continue;
+        if (!is_dielectric_body(scene, a)) continue;
         for (uint32_t j = 0; j < i; ++j) {
             const mcv_instance *b = scene->instances + j;
-            if (scene->materials[b->material].type != MCV_MATERIAL_DIELECTRIC || scene->meshes[b->mesh].triangle_count == 0) continue;
+            if (!is_dielectric_body(scene, b) || same_lens(scene, a, b)) continue;
             if (overlap(boxes + i, boxes + j) && !well_inside(boxes + i, boxes + j) && !well_inside(boxes + j, boxes + i)) return true;
         }
     }
