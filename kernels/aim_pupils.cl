@@ -53,7 +53,7 @@ static mcv_aimed mcv_follow(mcv_world world, mcv_film_sample film, float p_x, fl
         origin = mcv_onward_origin(meeting, on.direction);
         direction = on.direction;
 #if MCV_WITH_SURFACES
-        left = mcv_leave(world, meeting.surface, direction);
+        left = mcv_leave_meeting(world, meeting, direction);
 #endif
         media = on.media;
     }

@@ -26,6 +26,16 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
         MCV_STORE(slot, radiance, i, 0.0f);
     }
 
+#if MCV_WITH_DISPERSION
+    /* A sensor within glass may look into that glass before it meets any. */
+    if (world.frame->initial_media != 0u) {
+        float chance;
+        const uint kept = mcv_choose_channel(mcv_grey(1.0f), mcv_sample_pair(id.stream, id.sample, MCV_PAIR_CHANNEL).x, &chance);
+        const mcv_color throughput = mcv_keep_channel(mcv_grey(1.0f), kept, chance);
+        MCV_STORE_COLOR(slot, throughput, throughput);
+    }
+#endif
+
     const mcv_ray ray = mcv_place_sight(world.frame, sight);
     MCV_STORE_3(slot, origin, ray.origin);
     MCV_STORE_3(slot, direction, ray.direction);

@@ -6,6 +6,24 @@
 #include "path.h"
 #include "scatter.h"
 
+#if MCV_WITH_DISPERSION
+/* Keeps one channel at a dielectric; the world as the path's light meets it. */
+MCV_FUNCTION mcv_world mcv_disperse(mcv_world world, mcv_slot slot) {
+    const uint triangle = MCV_WORD(slot, hit, 3);
+    mcv_color throughput;
+    MCV_LOAD_COLOR(slot, throughput, throughput);
+    if (triangle != MCV_NONE &&
+        world.materials[world.instances[mcv_instance_of(world, triangle)].material].type == MCV_MATERIAL_DIELECTRIC) {
+        const float xi = mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0), MCV_PAIR_CHANNEL).x;
+        float chance;
+        const uint channel = mcv_choose_channel(throughput, xi, &chance);
+        throughput = mcv_keep_channel(throughput, channel, chance);
+        MCV_STORE_COLOR(slot, throughput, throughput);
+    }
+    return mcv_in_channel(world, mcv_kept_channel(throughput));
+}
+#endif
+
 #if MCV_TILE
 /* Works out the surface; where nothing was met, some other one. */
 MCV_LOOP_FUNCTION void mcv_find_surface(mcv_world world, mcv_slot slot) {

@@ -168,6 +168,9 @@ MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) 
     if (triangle == MCV_NONE) return 0;
     const uint material = world.instances[mcv_instance_of(world, triangle)].material;
     if (!world.materials[material].spreads) return 0;
+#if MCV_WITH_DISPERSION
+    world = mcv_disperse(world, slot);
+#endif
 
     const mcv_meeting meeting = mcv_meet_surface(world, slot);
 
@@ -199,7 +202,7 @@ MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) 
     MCV_STORE_3(slot, shadow_origin, shadow.origin);
     MCV_STORE_3(slot, shadow_direction, shadow.direction);
 #if MCV_WITH_SURFACES
-    MCV_WORD(slot, shadow_left, 0) = mcv_leave(world, meeting.surface, shadow.direction);
+    MCV_WORD(slot, shadow_left, 0) = mcv_leave_meeting(world, meeting, shadow.direction);
 #endif
     MCV_WORD(slot, shadow_target, 0) = shadow.target;
     MCV_STORE_COLOR(slot, shadow_light, light);

@@ -29,6 +29,8 @@ typedef struct mcv_meeting {
 #if MCV_WITH_CONTACT
     uint left, entered;                  /* media of other bodies whose surfaces are in the same place */
     mcv_vec3 beyond_point, beyond_error; /* of the last of these surfaces */
+    uint touched;                        /* if this is a triangle: an exact one of them, or MCV_NONE */
+    mcv_vec3 touched_face;
 #endif
 #if MCV_TILE && MCV_WITH_DIFFUSE
     int bounces; /* 1: worked out beforehand for many paths is where it goes on if the surface is diffuse */
@@ -62,22 +64,79 @@ MCV_LOOP_FUNCTION mcv_surface mcv_surface_met(mcv_world world, mcv_vec3 origin, 
 }
 
 #if MCV_WITH_CONTACT
+MCV_FUNCTION mcv_vec3 mcv_larger(mcv_vec3 a, mcv_vec3 b) { return mcv_vec(fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)); }
+
+#if MCV_WITH_SURFACES
+/* Where a ray meets an exact surface, and where it would meet a mesh's in the same place: both round, and the corners have been rounded. */
+MCV_FUNCTION float mcv_exact_rounding(mcv_vec3 at, float size) {
+    return MCV_GAMMA(16) * (mcv_abs(at.x) + mcv_abs(at.y) + mcv_abs(at.z) + size);
+}
+
+/*
+ * Exact surfaces of dielectrics in the same place as the one met, but those of its own lens: what is no farther away than places are
+ * rounded. The next ray starts twice as far off, or knows that it starts on that surface.
+ */
+static void mcv_find_exact_contacts(mcv_world world, uint own, mcv_meeting *meeting) {
+    const uint met = meeting->surface.triangle;
+    const uint group = met >= MCV_EXACT ? world.solids[(met & ~MCV_EXACT) >> 2].group : MCV_NONE;
+    const mcv_vec3 at = meeting->surface.point;
+    const mcv_vec3 e = meeting->surface.error;
+    for (uint i = 0; i < world.frame->solid_count; ++i) {
+        __global const mcv_device_solid *solid = world.solids + i;
+        const float reach = mcv_exact_rounding(at, solid->bound) + e.x + e.y + e.z;
+        const mcv_vec3 p = mcv_into_frame(solid, mcv_from_middle(solid, at));
+        uint piece = MCV_PIECE_COUNT;
+        mcv_vec3 face = p;
+        if (solid->group == group || solid->side == MCV_SIDE_OPEN) continue;
+        for (uint k = solid->side == MCV_SIDE_SPHERE ? MCV_PIECE_SIDE : 0u; k < MCV_PIECE_COUNT; ++k) {
+            float outside;
+            const mcv_vec3 normal = mcv_piece_gradient(solid, k, p, &outside);
+            if (!(outside <= reach)) {
+                piece = MCV_PIECE_COUNT;
+                break;
+            }
+            if (outside < -reach) continue;
+            piece = k;
+            face = mcv_out_of_frame(solid, normal);
+        }
+        if (piece == MCV_PIECE_COUNT) continue;
+        const uint medium = world.instances[solid->instance[piece]].medium;
+        if (medium == 0u || medium == own) continue;
+        if (mcv_dot(meeting->direction, face) > 0.0f)
+            meeting->left |= 1u << (medium - 1u);
+        else
+            meeting->entered |= 1u << (medium - 1u);
+        const float off = 2.0f * reach;
+        meeting->surface.error = mcv_larger(meeting->surface.error, mcv_vec(off, off, off));
+        if (met < MCV_EXACT) {
+            meeting->touched = MCV_EXACT | 4u * i | piece;
+            meeting->touched_face = face;
+        }
+    }
+}
+#endif
+
 /*
  * Surfaces of dielectric bodies in the same place as the one that the ray has met: so close behind that the next ray's origin, which is
  * moved off the surface by its error, might lie beyond them, too. From each found the next is looked for.
  */
 static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit, mcv_meeting *meeting) {
     meeting->left = meeting->entered = 0u;
+    meeting->touched = MCV_NONE;
+    const uint own = world.instances[meeting->surface.instance].medium;
+#if MCV_WITH_SURFACES
+    if (own != 0u) mcv_find_exact_contacts(world, own, meeting);
+#endif
     meeting->beyond_point = meeting->surface.point;
     meeting->beyond_error = meeting->surface.error;
-#if MCV_WITH_SURFACES
-    if (hit.triangle >= MCV_EXACT) return;
-#endif
-    const uint own = world.instances[meeting->surface.instance].medium;
     if (own == 0u) return;
-    uint crossed = 1u << (own - 1u);
+    uint crossed = 1u << (own - 1u) | meeting->left | meeting->entered;
+    mcv_vec3 e = meeting->surface.error;
+#if MCV_WITH_SURFACES
+    const float rounding = hit.triangle >= MCV_EXACT ? mcv_exact_rounding(meeting->surface.point, 0.0f) : 0.0f;
+    e = mcv_larger(e, mcv_vec(rounding, rounding, rounding));
+#endif
     for (int i = 0; i < (int)MCV_MAX_MEDIA; ++i) {
-        const mcv_vec3 e = meeting->beyond_error;
         const mcv_vec3 f = meeting->face;
         const float reach = mcv_abs(f.x) * e.x + mcv_abs(f.y) * e.y + mcv_abs(f.z) * e.z;
         const float band = 2.0f * reach / -mcv_dot(meeting->direction, f) + 2.0f * MCV_GAMMA(16) * hit.t;
@@ -98,8 +157,14 @@ static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit, mcv
             meeting->entered |= bit;
         }
         crossed ^= bit;
+        e = mcv_larger(e, next.error);
+#if MCV_WITH_SURFACES
+        meeting->surface.error = mcv_larger(meeting->surface.error, mcv_scale(e, rounding > 0.0f ? 2.0f : 0.0f));
+#else
+        e = next.error;
+#endif
         meeting->beyond_point = next.point;
-        meeting->beyond_error = next.error;
+        meeting->beyond_error = e;
     }
 }
 #endif
@@ -120,6 +185,20 @@ MCV_FUNCTION mcv_vec3 mcv_onward_origin(mcv_meeting meeting, mcv_vec3 direction)
 #endif
     return mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, direction);
 }
+
+#if MCV_WITH_SURFACES
+/* What a ray remembers of the exact surface that it starts on (mcv_leave), or MCV_NONE. */
+MCV_FUNCTION uint mcv_leave_meeting(mcv_world world, mcv_meeting meeting, mcv_vec3 direction) {
+    mcv_surface surface = meeting.surface;
+#if MCV_WITH_CONTACT
+    if (meeting.touched != MCV_NONE) {
+        surface.triangle = meeting.touched;
+        surface.face = meeting.touched_face;
+    }
+#endif
+    return mcv_leave(world, surface, direction);
+}
+#endif
 
 /* How a path goes on. */
 typedef struct mcv_scattering {

@@ -30,6 +30,9 @@ MCV_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, mcv_meeting me
 /* 1 if the path goes on. */
 static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *unmatched) {
     const uint triangle = MCV_WORD(slot, hit, 3);
+#if MCV_WITH_DISPERSION
+    world = mcv_disperse(world, slot);
+#endif
     mcv_color throughput;
     mcv_color radiance;
     uint media = 0;
@@ -86,7 +89,7 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
     MCV_STORE_3(slot, origin, mcv_onward_origin(meeting, on.direction));
     MCV_STORE_3(slot, direction, on.direction);
 #if MCV_WITH_SURFACES
-    MCV_WORD(slot, left, 0) = mcv_leave(world, meeting.surface, on.direction);
+    MCV_WORD(slot, left, 0) = mcv_leave_meeting(world, meeting, on.direction);
 #endif
     MCV_STORE_COLOR(slot, throughput, throughput);
 #if MCV_WITH_DIELECTRIC

@@ -84,7 +84,7 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         normal = meeting.normal;
         origin = mcv_onward_origin(meeting, on.direction);
 #if MCV_WITH_SURFACES
-        left = mcv_leave(world, meeting.surface, on.direction);
+        left = mcv_leave_meeting(world, meeting, on.direction);
 #endif
         if (on.event == MCV_EVENT_END)
             on.direction = mcv_vec(0.0f, 0.0f, 0.0f);

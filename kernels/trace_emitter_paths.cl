@@ -224,7 +224,7 @@ static void mcv_connect(mcv_world world, mcv_meeting meeting, mcv_color flux, ui
     const mcv_vec3 origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, out);
     uint begun = MCV_NONE;
 #if MCV_WITH_SURFACES
-    begun = mcv_leave(world, meeting.surface, out);
+    begun = mcv_leave_meeting(world, meeting, out);
 #endif
     const mcv_color left = mcv_pass_plates(world, origin, begun, seen.origin, response.media, plates, counts);
     if (!(mcv_brightest(left) > 0.0f)) return;
@@ -274,17 +274,28 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
         path.throughput = mcv_tint(path.throughput, mcv_medium_transmittance(world, path.media, hit.t));
 #endif
         const mcv_meeting meeting = mcv_meet(world, path.origin, path.direction, hit);
+#if MCV_WITH_DISPERSION
+        if (world.materials[world.instances[meeting.surface.instance].material].type == MCV_MATERIAL_DIELECTRIC) {
+            float chance;
+            const float xi = mcv_sample_pair(id.stream, id.sample, MCV_PAIR_CHANNEL).x;
+            const uint channel = mcv_choose_channel(mcv_tint(path.flux, path.throughput), xi, &chance);
+            path.throughput = mcv_keep_channel(path.throughput, channel, chance);
+        }
+        const mcv_world seen = mcv_in_channel(world, mcv_kept_channel(path.throughput));
+#else
+        const mcv_world seen = world;
+#endif
         const int left_to_camera = found_by_chance && !mcv_is_wide(world, meeting);
 #if MCV_WITH_NEXT_EVENT
         if (path.smooth && !left_to_camera && world.materials[world.instances[meeting.surface.instance].material].spreads) {
             const mcv_pair pupil = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_EMITTER));
             const float share = path.spread ? 1.0f : mcv_within_range(e, path.length);
-            mcv_connect(world, meeting, mcv_dim(mcv_tint(path.flux, path.throughput), share), path.media, world.frame->depth - 1u - depth,
+            mcv_connect(seen, meeting, mcv_dim(mcv_tint(path.flux, path.throughput), share), path.media, world.frame->depth - 1u - depth,
                         pupil, splats, id.replicate, choice.x, counts);
         }
 #endif
         const mcv_pair pair = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_SCATTER));
-        const mcv_scattering on = mcv_scatter(world, meeting, path.media, pair, choice.x, &counts[MCV_COUNTER_unmatched]);
+        const mcv_scattering on = mcv_scatter(seen, meeting, path.media, pair, choice.x, &counts[MCV_COUNTER_unmatched]);
         path.throughput = mcv_tint(path.throughput, on.factor);
         const float brightest = mcv_brightest(path.throughput);
         if (!(brightest > 0.0f)) return;
@@ -303,7 +314,7 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
         }
         path.origin = mcv_onward_origin(meeting, on.direction);
 #if MCV_WITH_SURFACES
-        path.left = mcv_leave(world, meeting.surface, on.direction);
+        path.left = mcv_leave_meeting(world, meeting, on.direction);
 #endif
         path.direction = on.direction;
         path.media = on.media;

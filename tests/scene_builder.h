@@ -54,7 +54,7 @@ static inline uint32_t add_diffuse(mcv_scene *scene, double reflectance) {
 
 static inline uint32_t add_glass(mcv_scene *scene, double ior, double absorption, double priority) {
     return add_material(scene, MCV_MATERIAL_DIELECTRIC,
-                        &(mcv_material){.as.dielectric = {ior, {absorption, absorption, absorption}, priority}});
+                        &(mcv_material){.as.dielectric = {{ior, ior, ior}, {absorption, absorption, absorption}, priority}});
 }
 
 static inline uint32_t add_absorber(mcv_scene *scene) { return add_material(scene, MCV_MATERIAL_ABSORBER, NULL); }

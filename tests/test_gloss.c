@@ -35,7 +35,7 @@ typedef struct subject {
     { (x), (x), (x) }
 #define METAL(n, k, ...) .type = MCV_MATERIAL_CONDUCTOR, .material.as.conductor = {GREY(n), GREY(k), __VA_ARGS__}
 #define LAYER(...) .type = MCV_MATERIAL_METALLIC_ROUGHNESS, .material.as.metallic_roughness = {__VA_ARGS__}
-#define GLASS(ior, ...) .type = MCV_MATERIAL_DIELECTRIC, .material.as.dielectric = {ior, GREY(0), 0, __VA_ARGS__}
+#define GLASS(ior, ...) .type = MCV_MATERIAL_DIELECTRIC, .material.as.dielectric = {GREY(ior), GREY(0), 0, __VA_ARGS__}
 
 static const subject subjects[] = {
     {"perfect metal, roughness 0.2", METAL(0, 3, 0.2), .lossless = true},
@@ -99,7 +99,7 @@ static bench open_bench(const subject *s, bool inside, bool with_reference) {
         BUILD(ref_gloss_tables_new(made[number].scene, &made[number].tables, &builder_error));
     bench b = {.scene = made[number].scene, .tables = made[number].tables};
     const mcv_packed packed = made[number].packed;
-    const double scale = s->scale > 0 ? s->scale : 1, ior = s->type == MCV_MATERIAL_DIELECTRIC ? material.as.dielectric.ior : 1;
+    const double scale = s->scale > 0 ? s->scale : 1, ior = s->type == MCV_MATERIAL_DIELECTRIC ? material.as.dielectric.ior[0] : 1;
     const mcv_device_gloss *gloss = &packed.gloss[0];
     const double alpha = fmax(pow(gloss->roughness * scale, 2), 1e-3);
     b.bytes = sizeof *b.element + sizeof(float) * packed.albedo_count;
@@ -115,7 +115,7 @@ static bench open_bench(const subject *s, bool inside, bool with_reference) {
                            .eta = 1};
     b.element->table = s->type == MCV_MATERIAL_DIELECTRIC ? packed.interface_albedos[1] : gloss->table;
     if (s->type == MCV_MATERIAL_DIELECTRIC) {
-        const mcv_device_interface between = packed.interfaces[inside ? MCV_MAX_MEDIA + 1 : 1];
+        const mcv_device_interface between = packed.interfaces[0][inside ? MCV_MAX_MEDIA + 1 : 1];
         b.element->eta = between.eta;
         b.element->delta = between.delta;
         b.element->scale = between.scale;

@@ -53,7 +53,7 @@ static void test_zemax(void **state) {
         near(solid->caps[0].asphere[0], 5.5e3); /* 1/mm³ to 1/m³ */
         near(solid->caps[1].z, 5e-3);
         near(solid->radius, 10e-3);
-        near(scene->materials[0].as.dielectric.ior, mcv_glass_index(1, 587.6e-9));
+        near(scene->materials[0].as.dielectric.ior[0], mcv_glass_index(1, 587.6e-9));
         mcv_scene_free(scene);
     }
 }

@@ -77,7 +77,7 @@ static mcv_scene *lamp_scene(void) {
 
 /* A slab of n = 1.5, 0.1 m thick: T = (1 - R)² a/(1 - R² a²), a = exp(-σ d), R = 0.04. */
 static void test_absorbing_slab(void **state) {
-    const mcv_material glass = {.as.dielectric = {1.5, {0, 5, 20}, 0}};
+    const mcv_material glass = {.as.dielectric = {{1.5, 1.5, 1.5}, {0, 5, 20}, 0}};
     mcv_scene *scene = lamp_scene();
     double expected[3];
     (void)state;
@@ -108,7 +108,7 @@ static void test_sheet(void **state) {
  * environment that a ray meets as of a directional light that a floor looks for, past the mesh.
  */
 static void test_endless_medium(void **state) {
-    const mcv_material gas = {.as.dielectric = {1, {0, 1e-3, 20}, 0}};
+    const mcv_material gas = {.as.dielectric = {{1, 1, 1}, {0, 1e-3, 20}, 0}};
     const double s = sqrt(0.5);
     (void)state;
     for (int with_floor = 0; with_floor < 2; ++with_floor) {
@@ -191,7 +191,8 @@ static void test_rough_furnace(void **state) {
                    false);
     expect_furnace("white plastic", (mcv_material){.surface_texture = MCV_NONE, .as.metallic_roughness = {{1, 1, 1}, 0, 1.5, 0, 0, 0.5}},
                    MCV_MATERIAL_METALLIC_ROUGHNESS, 1, false);
-    expect_furnace("frosted glass", (mcv_material){.as.dielectric = {1.5, {0, 0, 0}, 0, 0.6}}, MCV_MATERIAL_DIELECTRIC, 1, true);
+    expect_furnace("frosted glass", (mcv_material){.as.dielectric = {{1.5, 1.5, 1.5}, {0, 0, 0}, 0, 0.6}}, MCV_MATERIAL_DIELECTRIC, 1,
+                   true);
 }
 
 /* A smooth metal at 45°: Fresnel's reflectance by the complex index; without k and with n < sin 45° all is reflected. */
@@ -229,7 +230,7 @@ static double coated(double r0, double n1, double n2, double angle) {
  */
 static void test_coating(void **state) {
     const double water = 1.33;
-    const mcv_material glass = {.as.dielectric = {.ior = 1.5, .absorption = {0, 5, 20}, .priority = 1, .coating = 0.005}};
+    const mcv_material glass = {.as.dielectric = {.ior = {1.5, 1.5, 1.5}, .absorption = {0, 5, 20}, .priority = 1, .coating = 0.005}};
     double expected[3];
     (void)state;
     for (int turned = 0; turned < 2; ++turned) {
@@ -329,7 +330,7 @@ static void test_rough_images(void **state) {
         {"opal", MCV_MATERIAL_DIFFUSE, {.as.diffuse = {{0.5, 0.6, 0.7}, {0.4, 0.2, 0.1}}}},
         {"tape", MCV_MATERIAL_RETROREFLECTOR, {.as.retroreflector = {{0.5, 0.6, 0.7}, 0.8, 0.6, {0.3, 0.2, 0.1}}}},
         {"corner cubes on paper", MCV_MATERIAL_RETROREFLECTOR, {.as.retroreflector = {{0.5, 0.6, 0.7}, 0.8, 0, {0.3, 0.2, 0.1}}}},
-        {"coated, absorbing rough glass", MCV_MATERIAL_DIELECTRIC, {.as.dielectric = {1.5, {2, 5, 9}, 0, 0.5, 0, 0, 0.004}}},
+        {"coated, absorbing rough glass", MCV_MATERIAL_DIELECTRIC, {.as.dielectric = {{1.5, 1.5, 1.5}, {2, 5, 9}, 0, 0.5, 0, 0, 0.004}}},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {

@@ -257,7 +257,7 @@ static void test_made_by_hand(void **state) {
             if (!(fabs(n[1][i] - truth[i] / length) <= 2 * (double)FLT_EPSILON))
                 fail_msg("scale %g %g %g: normal[%d] is %g, must be %g", s[0], s[1], s[2], i, n[1][i], truth[i] / length);
     }
-    mcv_material wrong = {.name = "w", .type = MCV_MATERIAL_DIELECTRIC, .texture = MCV_NONE, .as.dielectric = {.ior = NAN}};
+    mcv_material wrong = {.name = "w", .type = MCV_MATERIAL_DIELECTRIC, .texture = MCV_NONE, .as.dielectric = {.ior = {NAN, NAN, NAN}}};
     assert_int_equal(mcv_scene_add_material(scene, &wrong, &error), MCV_BAD_INPUT);
     assert_non_null(strstr(error.text, "w/ior: nan must lie from 1 to 10"));
     mesh.indices = outside;
@@ -296,13 +296,13 @@ static void test_materials(void **state) {
         if (m[i].type != types[i]) fail_msg("material %s has type %u, must have %u", m[i].name, m[i].type, types[i]);
     const mcv_metallic_roughness_params *plastic = &m[0].as.metallic_roughness;
     assert_true(plastic->baseColor[1] == 0.2 && plastic->metallic == 0 && plastic->roughness == 1 && plastic->ior == 1.5);
-    assert_true(m[1].as.dielectric.ior == 1.7);
+    assert_true(m[1].as.dielectric.ior[0] == 1.7);
     assert_true(m[1].as.dielectric.absorption[0] == 0);
     assert_close(m[1].as.dielectric.absorption[1], 2 * log(4), 4, 4, "absorption: colour 1/4 after 0.5 m");
     assert_true(m[1].as.dielectric.absorption[2] == 1e30);
     assert_true(m[2].as.sheet.ior == 1.5 && m[2].as.sheet.transmittance[0] == 0.9);
     assert_true(m[3].as.mirror.reflectance[0] == 1);
-    assert_true(m[4].as.dielectric.ior == 1 && m[4].as.dielectric.priority == 1);
+    assert_true(m[4].as.dielectric.ior[0] == 1 && m[4].as.dielectric.priority == 1);
     assert_warns(scene, "materials black: rendered opaque");
     assert_int_equal(scene->instances[0].material, 1);
     assert_int_equal(mcv_scene_channels(scene), 3);
@@ -524,7 +524,7 @@ static void test_overrides(void **state) {
         {"sensors/cam/imageDistance=25mm", offsetof(mcv_sensor, as.pinhole.imageDistance), 25e-3, 's'},
         {"sensors/0/pixelSize=[\"1um\",2e-6]", offsetof(mcv_sensor, as.pinhole.pixelSize[1]), 2e-6, 's'},
         {"emitters/a/b/radiance=3", offsetof(mcv_emitter, radiance), 3, 'e'},
-        {"materials/glass/ior=1.52", offsetof(mcv_material, as.dielectric.ior), 1.52, 'm'},
+        {"materials/glass/ior=1.52", offsetof(mcv_material, as.dielectric.ior[0]), 1.52, 'm'},
         {"materials/glass/extensions/MCVISI_materials/priority=2", offsetof(mcv_material, as.dielectric.priority), 2, 'm'},
         {"materials/paint/baseColorFactor/g=0.25", offsetof(mcv_material, as.diffuse.reflectance[1]), 0.25, 'n'},
         {"materials/paint/pbrMetallicRoughness/baseColorFactor=[0.5,0,0,1]", offsetof(mcv_material, as.diffuse.reflectance[0]), 0.5, 'n'},

@@ -105,6 +105,21 @@ static void build(ref_geometry *geometry, uint32_t node, uint32_t *node_count, u
     build(geometry, children + 1, node_count, first + left, count - left, depth + 1);
 }
 
+/* The diagonal of the scene's box; exact bodies have the corners of theirs as vertices. */
+static double diagonal(const mcv_scene *scene) {
+    bounds all = nothing;
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        const mcv_mesh *mesh = &scene->meshes[scene->instances[i].mesh];
+        for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
+            const double local[3] = {mesh->positions[3 * v], mesh->positions[3 * v + 1], mesh->positions[3 * v + 2]};
+            double placed[3];
+            mcv_transform_point(&scene->instances[i].to_world, local, placed);
+            all = join(all, (bounds){ref_from(placed), ref_from(placed)});
+        }
+    }
+    return all.low.x <= all.high.x ? ref_length(ref_sub(all.high, all.low)) : 0;
+}
+
 mcv_result ref_geometry_new(const mcv_scene *scene, ref_geometry *geometry, mcv_error *error) {
     *geometry = (ref_geometry){.scene = scene};
     const size_t count = scene->triangle_count;
@@ -113,6 +128,7 @@ mcv_result ref_geometry_new(const mcv_scene *scene, ref_geometry *geometry, mcv_
     for (uint32_t i = 0; i < REF_PIECES * scene->solid_count; ++i)
         geometry->pieces[i] =
             (ref_triangle){.instance = scene->solids[i / REF_PIECES].instances[i % REF_PIECES], .number = scene->triangle_count + i};
+    geometry->touch = FLT_EPSILON * 2 * diagonal(scene);
     if (count == 0) return MCV_OK;
     geometry->triangles = malloc(count * sizeof *geometry->triangles);
     geometry->nodes = malloc(2 * count * sizeof *geometry->nodes);
@@ -133,7 +149,6 @@ mcv_result ref_geometry_new(const mcv_scene *scene, ref_geometry *geometry, mcv_
     }
     uint32_t node_count = 1;
     build(geometry, 0, &node_count, 0, kept, 0);
-    geometry->touch = FLT_EPSILON * 2 * ref_length(ref_sub(geometry->nodes[0].high, geometry->nodes[0].low));
     return MCV_OK;
 }
 

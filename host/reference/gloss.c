@@ -131,9 +131,9 @@ static bool albedos_new(ref_albedos *albedos, const mcv_material *material, doub
                 if (outside > 0) {
                     double both[2];
                     const double coating = mcv_material_coating(material, outside);
-                    integrate(alpha, o, outside, material->as.dielectric.ior, coating, both);
+                    integrate(alpha, o, outside, material->as.dielectric.ior[MCV_ALBEDO_CHANNEL], coating, both);
                     pair[0] = both[0];
-                    integrate(alpha, o, material->as.dielectric.ior, outside, coating, both);
+                    integrate(alpha, o, material->as.dielectric.ior[MCV_ALBEDO_CHANNEL], outside, coating, both);
                     pair[1] = both[0];
                 } else {
                     integrate(alpha, o, 0, 0, 0, pair);
@@ -194,8 +194,9 @@ mcv_result ref_gloss_tables_new(const mcv_scene *scene, ref_gloss_tables *tables
         made = add_table(tables, scene, material, 1);
         for (uint32_t j = 0; j < scene->instance_count && made; ++j) {
             const mcv_material *other = &scene->materials[scene->instances[j].material];
-            if (other->type == MCV_MATERIAL_DIELECTRIC && other->as.dielectric.ior != from->as.dielectric.ior)
-                made = add_table(tables, scene, material, other->as.dielectric.ior);
+            if (other->type == MCV_MATERIAL_DIELECTRIC &&
+                other->as.dielectric.ior[MCV_ALBEDO_CHANNEL] != from->as.dielectric.ior[MCV_ALBEDO_CHANNEL])
+                made = add_table(tables, scene, material, other->as.dielectric.ior[MCV_ALBEDO_CHANNEL]);
         }
     }
     return made ? MCV_OK : mcv_fail(error, MCV_FAILED, "reference renderer: no memory for the glossy materials of %s", scene->path);
@@ -217,7 +218,7 @@ const ref_gloss_table *ref_gloss_find(const ref_gloss_tables *tables, const mcv_
         const mcv_roughness roughness = mcv_material_roughness(from);
         double alpha[2];
         alphas(&roughness, 1, alpha);
-        if (alpha[1] * fabs(from->as.dielectric.ior - outside) / outside < least_spread) return NULL;
+        if (alpha[1] * fabs(from->as.dielectric.ior[MCV_ALBEDO_CHANNEL] - outside) / outside < least_spread) return NULL;
     }
     for (uint32_t i = 0; i < tables->count; ++i)
         if (tables->items[i].material == material && tables->items[i].outside == (dielectric ? outside : 0)) return &tables->items[i];

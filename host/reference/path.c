@@ -43,15 +43,31 @@ static const ref_emitter *sampled_emitter(const ref_world *world, uint32_t insta
     return NULL;
 }
 
+/* The channel of a path that carries only one. */
+static int kept_channel(const path *p) { return p->throughput[1] > 0 ? 1 : p->throughput[2] > 0 ? 2 : 0; }
+
+/* Where a medium on either side refracts channels differently only one of them goes on. */
+static void keep_channel(path *p, const mcv_dielectric_params *near, const mcv_dielectric_params *far, ref_random *random) {
+    const bool parts = (near && !mcv_is_grey(near->ior)) || (far && !mcv_is_grey(far->ior));
+    const double all = p->throughput[0] + p->throughput[1] + p->throughput[2];
+    if (!parts || largest(p->throughput) == all) return;
+    double at = ref_random_unit(random) * all;
+    int kept = 0;
+    while (kept < 2 && at >= p->throughput[kept]) at -= p->throughput[kept++];
+    for (int channel = 0; channel < 3; ++channel) p->throughput[channel] = channel == kept ? all : 0;
+}
+
 /* Adds the emission of a surface that the path has met. */
-static void add_emission(const ref_world *world, const path *p, const ref_surface *surface, double ior, double radiance[3]) {
+static void add_emission(const ref_world *world, const path *p, const ref_surface *surface, const mcv_dielectric_params *filling,
+                         double radiance[3]) {
     double emitted[3], weight = 1;
     ref_emitted(world->scene, surface, ref_scale(-1, p->direction), emitted);
     if (largest(emitted) == 0) return;
     if (p->density > 0)
         weight =
             p->density / (p->density + ref_emitter_density(sampled_emitter(world, surface->instance), p->origin, p->direction, surface));
-    for (int channel = 0; channel < 3; ++channel) radiance[channel] += weight * p->throughput[channel] * emitted[channel] / (ior * ior);
+    for (int channel = 0; channel < 3; ++channel)
+        radiance[channel] += weight * p->throughput[channel] * emitted[channel] / pow(ref_media_ior(filling, channel), 2);
 }
 
 /* A surface that spreads light, as the path meets it. */
@@ -123,7 +139,7 @@ static void add_direct(const ref_world *world, const path *p, const ref_emitter 
     if (largest(emitted) == 0 || density == 0) return;
     const bool beyond = ref_dot(direction, s->meeting.face) < 0;
     const mcv_dielectric_params *filling = ref_media_filling(beyond ? &s->far : s->near, world->scene);
-    const double ior = ref_media_ior(filling);
+    const double ior = ref_media_ior(filling, kept_channel(p));
     const double scale = 1 / (density + own) / (ior * ior); /* balance heuristic / density */
     for (int channel = 0; channel < 3; ++channel) {
         const double absorption = filling ? exp(-filling->absorption[channel] * hit.distance) : 1;
@@ -146,7 +162,7 @@ static void add_light(const ref_world *world, const path *p, const mcv_emitter *
     if (blocked) return;
     const bool beyond = ref_dot(light.direction, s->meeting.face) < 0;
     const mcv_dielectric_params *filling = ref_media_filling(beyond ? &s->far : s->near, world->scene);
-    const double ior = ref_media_ior(filling);
+    const double ior = ref_media_ior(filling, kept_channel(p));
     for (int channel = 0; channel < 3; ++channel) {
         const double absorption = filling && filling->absorption[channel] > 0 ? exp(-filling->absorption[channel] * light.distance) : 1;
         radiance[channel] += p->throughput[channel] * value[channel] * light.irradiance[channel] * absorption / (ior * ior);
@@ -192,10 +208,12 @@ static bool meet_dielectric(const ref_world *world, path *p, const ref_surface *
     const ref_meeting meeting = ref_meet(surface, p->direction);
     ref_media beyond;
     if (!ref_media_cross_all(&p->media, &beyond, hits->count, hits->instances, hits->fronts)) ++tally->unmatched;
-    const double from = ref_media_ior(ref_media_filling(&p->media, world->scene));
-    const double to = ref_media_ior(ref_media_filling(&beyond, world->scene));
+    const mcv_dielectric_params *near = ref_media_filling(&p->media, world->scene), *far = ref_media_filling(&beyond, world->scene);
+    keep_channel(p, near, far, random);
+    const double from = ref_media_ior(near, kept_channel(p)), to = ref_media_ior(far, kept_channel(p));
     const uint32_t number = world->scene->instances[surface->instance].material;
-    const ref_gloss_table *table = ref_gloss_find(&world->gloss, world->scene, number, meeting.front ? from : to);
+    const double outside = ref_media_ior(meeting.front ? near : far, MCV_ALBEDO_CHANNEL);
+    const ref_gloss_table *table = ref_gloss_find(&world->gloss, world->scene, number, outside);
     if (table && from != to) {
         spreader s = {.material = &world->scene->materials[number], .meeting = meeting, .near = &p->media, .far = beyond};
         s.gloss = (ref_gloss){.material = s.material, .table = table, .roughness = 1, .from = from, .to = to, .inside = !meeting.front};
@@ -221,7 +239,7 @@ static void meet_mirror(path *p, const ref_surface *surface, const double reflec
 static void meet_sheet(const ref_world *world, path *p, const ref_surface *surface, double ior, const double transmittance[3],
                        ref_random *random) {
     const ref_meeting meeting = ref_meet(surface, p->direction);
-    const double outside = ref_media_ior(ref_media_filling(&p->media, world->scene));
+    const double outside = ref_media_ior(ref_media_filling(&p->media, world->scene), kept_channel(p));
     if (ref_random_unit(random) < ref_sheet_reflectance(ref_reflectance(&meeting, outside, ior)))
         p->direction = ref_reflect(&meeting);
     else
@@ -248,10 +266,12 @@ static void modulate(const ref_world *world, const ref_surface *surface, const d
 
 static void meet_conductor(const ref_world *world, path *p, const ref_surface *surface, const mcv_conductor_params *metal) {
     const ref_meeting meeting = ref_meet(surface, p->direction);
-    const double outside = ref_media_ior(ref_media_filling(&p->media, world->scene));
+    const mcv_dielectric_params *filling = ref_media_filling(&p->media, world->scene);
     const double cosine = fmin(-ref_dot(meeting.direction, meeting.normal), 1);
-    for (int channel = 0; channel < 3; ++channel)
+    for (int channel = 0; channel < 3; ++channel) {
+        const double outside = ref_media_ior(filling, channel);
         p->throughput[channel] *= ref_conductor_reflectance(metal->n[channel] / outside, metal->k[channel] / outside, cosine);
+    }
     p->direction = ref_reflect(&meeting);
 }
 
@@ -265,7 +285,7 @@ static bool meet_gloss(const ref_world *world, path *p, const ref_surface *surfa
     s.gloss = (ref_gloss){.material = material,
                           .table = ref_gloss_find(&world->gloss, world->scene, number, 0),
                           .roughness = 1,
-                          .from = ref_media_ior(ref_media_filling(&p->media, world->scene))};
+                          .from = ref_media_ior(ref_media_filling(&p->media, world->scene), kept_channel(p))};
     if (material->type == MCV_MATERIAL_METALLIC_ROUGHNESS) {
         double scales[3];
         ref_texture_lookup(world->scene, texture, surface->texcoord, scales);
@@ -350,7 +370,7 @@ static bool survives(path *p, ref_random *random) {
 
 void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *random, ref_tally *tally, double value[3]) {
     path p = {.origin = sight->origin, .direction = sight->direction, .media = world->media, .throughput = {1, 1, 1}};
-    const double sensor_ior = ref_media_ior(ref_media_filling(&p.media, world->scene));
+    const mcv_dielectric_params *around = ref_media_filling(&p.media, world->scene);
     value[0] = value[1] = value[2] = 0;
     if (sight->weight == 0) return; /* the lens stops it */
     ++tally->paths;
@@ -362,7 +382,6 @@ void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *
             break;
         }
         const mcv_dielectric_params *filling = ref_media_filling(&p.media, world->scene);
-        const double ior = ref_media_ior(filling);
         ref_hit hit;
         ++tally->rays;
         if (!ref_next_hit(&world->geometry, p.origin, p.direction, &p.skip, &hit)) {
@@ -370,18 +389,18 @@ void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *
             ref_environment(world->scene, &world->emitters, p.direction, sky);
             for (int channel = 0; channel < 3; ++channel)
                 if (!filling || filling->absorption[channel] == 0) /* it is infinitely far away */
-                    value[channel] += p.throughput[channel] * sky[channel] / (ior * ior);
+                    value[channel] += p.throughput[channel] * sky[channel] / pow(ref_media_ior(filling, channel), 2);
             break;
         }
         const ref_surface surface = ref_surface_at(&world->geometry, &hit);
         if (filling)
             for (int channel = 0; channel < 3; ++channel) p.throughput[channel] *= exp(-filling->absorption[channel] * hit.distance);
-        add_emission(world, &p, &surface, ior, value);
+        add_emission(world, &p, &surface, filling, value);
         const ref_hits hits = ref_hits_at(&world->geometry, p.origin, p.direction, &p.skip, &hit);
         if (!meet_surface(world, &p, &surface, &hits, met + 1 == world->depth, random, tally, value)) break;
         if (largest(p.throughput) == 0 || (met + 1 >= ROULETTE_DEPTH && !survives(&p, random))) break;
         p.origin = surface.position;
         p.skip = hits.numbers;
     }
-    for (int channel = 0; channel < 3; ++channel) value[channel] *= sight->weight * sensor_ior * sensor_ior;
+    for (int channel = 0; channel < 3; ++channel) value[channel] *= sight->weight * pow(ref_media_ior(around, channel), 2);
 }

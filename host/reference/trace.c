@@ -36,7 +36,7 @@ static void store(double out[3], ref_vec v) {
 static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_hits *hits, ref_vec *direction, ref_media *media,
                  mcv_vertex *vertex) {
     const mcv_material *material = &scene->materials[scene->instances[surface->instance].material];
-    const double ior = ref_media_ior(ref_media_filling(media, scene));
+    const double ior = ref_media_ior(ref_media_filling(media, scene), 0);
     double texture[3];
     ref_texture_lookup(scene, material->texture, surface->texcoord, texture);
     const ref_meeting meeting = ref_meet(surface, *direction);
@@ -75,7 +75,7 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_h
     case MCV_MATERIAL_DIELECTRIC: {
         ref_media beyond;
         ref_media_cross_all(media, &beyond, hits->count, hits->instances, hits->fronts);
-        const double from = ref_media_ior(ref_media_filling(media, scene)), to = ref_media_ior(ref_media_filling(&beyond, scene));
+        const double from = ref_media_ior(ref_media_filling(media, scene), 0), to = ref_media_ior(ref_media_filling(&beyond, scene), 0);
         if (mcv_material_is_rough(material) && from != to) break;
         reflectance = ref_reflectance(&meeting, from, to);
         if (from != to) reflectance = ref_coated(reflectance, mcv_material_coating(material, meeting.front ? from : to), from, to);
@@ -99,7 +99,7 @@ static mcv_result trace_ray(const ref_world *world, ref_media media, uint32_t ra
     mcv_vertex vertex = {.ray = ray, .triangle = MCV_NONE, .event = MCV_EVENT_START, .transmittance = 1};
     store(vertex.position, origin);
     store(vertex.direction, direction);
-    vertex.ior = ref_media_ior(ref_media_filling(&media, scene));
+    vertex.ior = ref_media_ior(ref_media_filling(&media, scene), 0);
     MCV_TRY(append(all, vertex, error));
     bool goes_on = true;
     ref_skip skip = {0};
@@ -133,7 +133,7 @@ static mcv_result trace_ray(const ref_world *world, ref_media media, uint32_t ra
             store(vertex.normal, (ref_vec){0, 0, 0});
         }
         store(vertex.direction, goes_on ? direction : (ref_vec){0, 0, 0});
-        vertex.ior = ref_media_ior(ref_media_filling(&media, scene));
+        vertex.ior = ref_media_ior(ref_media_filling(&media, scene), 0);
         MCV_TRY(append(all, vertex, error));
     }
     return MCV_OK;

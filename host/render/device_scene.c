@@ -71,6 +71,7 @@ static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene 
     const size_t vertices = p->vertex_count;
     const size_t triangles = p->triangle_count;
     const bool dielectric = p->features >> MCV_FEATURE_DIELECTRIC & 1;
+    const size_t tables = !dielectric ? 0 : p->features >> MCV_FEATURE_DISPERSION & 1 ? 3 : 1; /* of media */
     const bool emitters = p->emitter_count > 0;
     const bool textures = p->features >> MCV_FEATURE_TEXTURE & 1;
     const plan plans[] = {
@@ -85,8 +86,8 @@ static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene 
         {&d->materials, "the materials", p->material_count * sizeof *p->materials, p->materials},
         {&d->gloss, "the glossy materials", present(p->gloss, p->material_count * sizeof *p->gloss), p->gloss},
         {&d->albedos, "the albedos of microfacets", 4 * p->albedo_count, p->albedos},
-        {&d->media, "the media", dielectric ? sizeof p->media : 0, p->media},
-        {&d->interfaces, "the interfaces", dielectric ? sizeof p->interfaces : 0, p->interfaces},
+        {&d->media, "the media", tables * sizeof p->media[0], p->media},
+        {&d->interfaces, "the interfaces", tables * sizeof p->interfaces[0], p->interfaces},
         {&d->interface_albedos, "the rough interfaces", dielectric && p->gloss ? sizeof p->interface_albedos : 0, p->interface_albedos},
         {&d->emitters, "the emitters", p->emitter_count * sizeof *p->emitters, p->emitters},
         {&d->emitter_cdf, "the emitters' areas", emitters ? 4 * p->cdf_count : 0, p->emitter_cdf},
@@ -280,7 +281,8 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
     frame->initial_media = mcv_media_around(scene, packed, from->to_world.m + 9);
     uint32_t filling = 0;
     while (filling < MCV_MAX_MEDIA && frame->initial_media >> filling != 0) ++filling;
-    frame->sensor_index_squared = filling > 0 ? 1.0f / packed->media[filling].inverse_index_squared : 1.0f;
+    for (int k = 0; k < 3; ++k)
+        frame->sensor_index_squared[k] = filling > 0 ? 1.0f / packed->media[k][filling].inverse_index_squared : 1.0f;
     memcpy(frame->environment, packed->environment, sizeof frame->environment);
     frame->environment_emitter = packed->environment_emitter;
     mcv_pack_placement(packed, &from->to_world, frame->to_world);

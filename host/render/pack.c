@@ -127,12 +127,36 @@ static bool comes_before(const body_medium *a, const body_medium *b) {
     return a->priority != b->priority ? a->priority < b->priority : a->material < b->material;
 }
 
+/* Media 0 … count as light of one channel meets them; m > 0 is of the material materials[m]. */
+static void pack_media(const mcv_scene *scene, mcv_packed *packed, uint32_t count, const uint32_t *materials, int channel) {
+    double index[MCV_MAX_MEDIA + 1] = {1.0};
+    for (uint32_t m = 1; m <= count; ++m) {
+        const mcv_dielectric_params *params = &scene->materials[materials[m]].as.dielectric;
+        index[m] = params->ior[channel];
+        for (int k = 0; k < 3; ++k) packed->media[channel][m].absorption[k] = (float)params->absorption[k];
+    }
+    for (uint32_t a = 0; a <= count; ++a) {
+        packed->media[channel][a].inverse_index_squared = (float)(1 / (index[a] * index[a]));
+        for (uint32_t b = 0; b <= count; ++b) {
+            mcv_device_interface *between = &packed->interfaces[channel][a * (MCV_MAX_MEDIA + 1) + b];
+            between->eta = (float)(index[a] / index[b]);
+            between->delta = (float)((index[b] - index[a]) * (index[b] + index[a]) / (index[b] * index[b]));
+            /* The later medium owns the surface between two: it has the higher priority. */
+            const uint32_t owner = a > b ? a : b, other = a > b ? b : a;
+            double scale, offset;
+            mcv_coat(owner > 0 ? mcv_material_coating(&scene->materials[materials[owner]], index[other]) : 0, index[a], index[b], &scale,
+                     &offset);
+            between->scale = (float)scale;
+            between->offset = (float)offset;
+        }
+    }
+}
+
 /*
  * Gives each dielectric instance a medium, so that a path can keep the set of the bodies it is in as bits, the highest
  * priority on top. Bodies of one material whose boxes do not touch share a bit.
  */
 static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
-    double index[MCV_MAX_MEDIA + 1] = {1.0};
     const mcv_box *boxes = packed->boxes;
     body_medium media[MCV_MAX_MEDIA];
     uint32_t count = 0;
@@ -173,29 +197,13 @@ static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, mcv_e
     for (uint32_t i = 0; i < scene->instance_count; ++i) packed->instances[i].medium = medium_of[i] > 0 ? place[medium_of[i] - 1] + 1 : 0;
     free(medium_of);
 
-    for (uint32_t m = 0; m < count; ++m) {
-        const mcv_dielectric_params *params = &scene->materials[sorted[m].material].as.dielectric;
-        index[m + 1] = params->ior;
-        for (int k = 0; k < 3; ++k) packed->media[m + 1].absorption[k] = (float)params->absorption[k];
-    }
-    for (uint32_t a = 0; a <= count; ++a) {
-        packed->media[a].inverse_index_squared = (float)(1 / (index[a] * index[a]));
-        for (uint32_t b = 0; b <= count; ++b) {
-            mcv_device_interface *between = &packed->interfaces[a * (MCV_MAX_MEDIA + 1) + b];
-            between->eta = (float)(index[a] / index[b]);
-            between->delta = (float)((index[b] - index[a]) * (index[b] + index[a]) / (index[b] * index[b]));
-            /* The later medium owns the surface between two: it has the higher priority. */
-            const uint32_t owner = a > b ? a : b, other = a > b ? b : a;
-            const mcv_material *material = owner > 0 ? &scene->materials[sorted[owner - 1].material] : NULL;
-            double scale, offset;
-            mcv_coat(material ? mcv_material_coating(material, index[other]) : 0, index[a], index[b], &scale, &offset);
-            between->scale = (float)scale;
-            between->offset = (float)offset;
-        }
-    }
     uint32_t materials[MCV_MAX_MEDIA + 1] = {0};
     for (uint32_t m = 0; m < count; ++m) materials[m + 1] = sorted[m].material;
-    return packed->gloss ? mcv_pack_interfaces(scene, packed, count, materials, index, error) : MCV_OK;
+    for (int channel = 0; channel < 3; ++channel) pack_media(scene, packed, count, materials, channel);
+    if (!packed->gloss) return MCV_OK;
+    double index[MCV_MAX_MEDIA + 1] = {1.0};
+    for (uint32_t m = 1; m <= count; ++m) index[m] = scene->materials[materials[m]].as.dielectric.ior[MCV_ALBEDO_CHANNEL];
+    return mcv_pack_interfaces(scene, packed, count, materials, index, error);
 }
 
 /*
@@ -491,7 +499,7 @@ static uint32_t find_features(const mcv_scene *scene) {
         features |=
             feature(MCV_FEATURE_DIFFUSE, material->type == MCV_MATERIAL_DIFFUSE) | feature(MCV_FEATURE_DIELECTRIC, glass) |
             feature(MCV_FEATURE_TRANSLUCENT, material->type == MCV_MATERIAL_DIFFUSE && largest(material->as.diffuse.transmittance) > 0) |
-            feature(MCV_FEATURE_COATING, glass && glass->coating > 0) |
+            feature(MCV_FEATURE_COATING, glass && glass->coating > 0) | feature(MCV_FEATURE_DISPERSION, glass && !mcv_is_grey(glass->ior)) |
             feature(MCV_FEATURE_SHEET, material->type == MCV_MATERIAL_SHEET || material->type == MCV_MATERIAL_BEAM_SPLITTER) |
             feature(MCV_FEATURE_MIRROR, material->type == MCV_MATERIAL_MIRROR) |
             feature(MCV_FEATURE_GLOSS, mcv_material_is_rough(material) || material->type == MCV_MATERIAL_CONDUCTOR) |
@@ -531,14 +539,24 @@ static bool well_inside(const mcv_box *inner, const mcv_box *outer) {
     return true;
 }
 
-/* May meshes of dielectrics be in contact? Not where their boxes are apart, or one inside the other. */
+static bool is_dielectric_body(const mcv_scene *scene, const mcv_instance *instance) {
+    return scene->materials[instance->material].type == MCV_MATERIAL_DIELECTRIC;
+}
+
+/* Are both of them pieces of exact bodies with one frame, as those of a lens are? */
+static bool same_lens(const mcv_scene *scene, const mcv_instance *a, const mcv_instance *b) {
+    return scene->meshes[a->mesh].triangle_count == 0 && scene->meshes[b->mesh].triangle_count == 0 &&
+           memcmp(&a->to_world, &b->to_world, sizeof a->to_world) == 0;
+}
+
+/* May bodies of dielectrics be in contact? Not where their boxes are apart, or one inside the other. */
 static bool may_touch(const mcv_scene *scene, const mcv_box *boxes) {
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         const mcv_instance *a = scene->instances + i;
-        if (scene->materials[a->material].type != MCV_MATERIAL_DIELECTRIC || scene->meshes[a->mesh].triangle_count == 0) continue;
+        if (!is_dielectric_body(scene, a)) continue;
         for (uint32_t j = 0; j < i; ++j) {
             const mcv_instance *b = scene->instances + j;
-            if (scene->materials[b->material].type != MCV_MATERIAL_DIELECTRIC || scene->meshes[b->mesh].triangle_count == 0) continue;
+            if (!is_dielectric_body(scene, b) || same_lens(scene, a, b)) continue;
             if (overlap(boxes + i, boxes + j) && !well_inside(boxes + i, boxes + j) && !well_inside(boxes + j, boxes + i)) return true;
         }
     }

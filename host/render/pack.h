@@ -33,8 +33,8 @@ typedef struct mcv_packed {
     mcv_device_gloss *gloss; /* of each material, or NULL */
     float *albedos;
     size_t albedo_count;
-    mcv_device_medium media[MCV_MAX_MEDIA + 1];
-    mcv_device_interface interfaces[(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
+    mcv_device_medium media[3][MCV_MAX_MEDIA + 1]; /* by channel */
+    mcv_device_interface interfaces[3][(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
     uint32_t interface_albedos[(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
     mcv_device_emitter *emitters;
     uint32_t

@@ -91,7 +91,7 @@ static mcv_vertex host_vertex(const mcv_packed *packed, const mcv_device_vertex 
         to.normal[k] = from->normal[k];
         to.direction[k] = from->direction[k];
     }
-    to.ior = from->medium > 0 ? sqrt(1 / (double)packed->media[from->medium].inverse_index_squared) : 1;
+    to.ior = from->medium > 0 ? sqrt(1 / (double)packed->media[0][from->medium].inverse_index_squared) : 1;
     to.transmittance = from->transmittance;
     to.radiance = from->radiance;
     return to;

@@ -4,13 +4,17 @@
  * n² = 1 + Σ B_i λ²/(λ² - C_i), λ and √C_i in µm, in air at 20 to 22 °C. Schott's glasses from their data sheets (Optical Glass, Collection
  * Datasheets);
  *   fused silica: I. H. Malitson, J. Opt. Soc. Am. 55, 1205 (1965);
- *   water: M. Daimon and A. Masumura, Appl. Opt. 46, 3811 (2007), 20 °C;
- *   PMMA, polycarbonate: N. Sultanova, S. Kasarova and I. Nikolov, Acta Phys. Pol. A 116, 585 (2009).
+ *   water: M. Daimon and A. Masumura, Appl. Opt. 46, 3811 (2007), 20 °C, relative to vacuum;
+ *   PMMA, polycarbonate: n_d and V_d of N. Sultanova, S. Kasarova and I. Nikolov, Acta Phys. Pol. A 116, 585 (2009), and within 0.002 of
+ *   their table from 437 to 1052 nm.
  */
 #include "scene/scene.h"
 
+/* The squared index of air relative to vacuum. */
+#define AIR (1.000272 * 1.000272)
+
 static const struct {
-    double b[4], c[4];
+    double b[5], c[5];
 } glasses[] = {
     {{1.03961212, 0.231792344, 1.01046945}, {0.00600069867, 0.0200179144, 103.560653}},  /* N-BK7 */
     {{1.08511833, 0.199562005, 0.930511663}, {0.00661099503, 0.024110866, 111.982777}},  /* N-K5 */
@@ -34,18 +38,28 @@ static const struct {
     {{1.87543831, 0.37375749, 2.30001797}, {0.0141749518, 0.0640509927, 177.389795}},    /* N-SF57 */
     {{0.971247817, 0.216901417, 0.904651666}, {0.00472301995, 0.0153575612, 168.68133}}, /* N-FK51A */
     {{0.6961663, 0.4079426, 0.8974794}, {0.00467914826, 0.0135120631, 97.9340025}},      /* fusedSilica */
-    {{0.5684027565, 0.1726177391, 0.02086189578, 0.1130748688}, {0.005101829712, 0.01821153936, 0.02620722293, 10.69792721}}, /* water */
-    {{1.1819, 0, 0}, {0.011313, 0, 0}},                                                                                       /* PMMA */
-    {{1.4182, 0, 0}, {0.021304, 0, 0}}, /* polycarbonate */
+    /* water: the fifth term turns n² into n² / n_air² */
+    {{0.5684027565 / AIR, 0.1726177391 / AIR, 0.02086189578 / AIR, 0.1130748688 / AIR, 1 / AIR - 1},
+     {0.005101829712, 0.01821153936, 0.02620722293, 10.69792721}},
+    /* PMMA */
+    {{-0.0260113, 1.2129107}, {0, 0.01}},
+    /* polycarbonate */
+    {{-0.4176267, 1.8387337}, {0, 0.0163}},
 };
 
 /* Beyond these wavelengths some of them are opaque, and the formula is not theirs. */
 static const double shortest = 0.35, longest = 2.0;
 
+double mcv_cauchy_index(double n_d, double abbe_number, double wavelength) {
+    const double d = 587.5618e-9, f = 486.1327e-9, c = 656.2725e-9;
+    const double b = (n_d - 1) / (abbe_number * (1 / (f * f) - 1 / (c * c)));
+    return fmax(n_d + b * (1 / (wavelength * wavelength) - 1 / (d * d)), 1);
+}
+
 double mcv_glass_index(int glass, double wavelength) {
     const double micrometres = fmin(fmax(1e6 * wavelength, shortest), longest), square = micrometres * micrometres;
     double squared = 1;
     if (glass < 1) return 1.5;
-    for (int i = 0; i < 4; ++i) squared += glasses[glass - 1].b[i] * square / (square - glasses[glass - 1].c[i]);
+    for (int i = 0; i < 5; ++i) squared += glasses[glass - 1].b[i] * square / (square - glasses[glass - 1].c[i]);
     return sqrt(squared);
 }

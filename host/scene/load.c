@@ -24,6 +24,7 @@ static const char *const known_extensions[] = {"MCVISI_sensors",
                                                "KHR_mesh_quantization",
                                                "KHR_materials_anisotropy",
                                                "KHR_materials_diffuse_transmission",
+                                               "KHR_materials_dispersion",
                                                "MCVISI_spectrum"};
 static bool is_known(const char *name) {
     for (size_t i = 0; i < sizeof known_extensions / sizeof known_extensions[0]; ++i)

@@ -122,7 +122,7 @@ static mcv_result load_texture(mcv_loader *loader, const json_t *part, const cha
 /* --- core materials --------------------------------------------------------------------------------------------- */
 
 typedef struct core_material {
-    double base[4], metallic, roughness, transmission, thickness, ior;
+    double base[4], metallic, roughness, transmission, thickness, ior, dispersion;
     double diffuse_transmission, anisotropy, rotation;
     double attenuation_distance, attenuation[3];
     double emissive[3], emissive_strength;
@@ -132,11 +132,12 @@ static mcv_result read_core(const json_t *material, core_material *core, const m
     const json_t *part = json_object_get(material, "pbrMetallicRoughness");
     const mcv_place part_place = mcv_place_key(place, "pbrMetallicRoughness");
     const mcv_place extensions = mcv_place_key(place, "extensions");
-    enum { EXTENSIONS = 6 };
+    enum { EXTENSIONS = 7 };
     json_t *extension[EXTENSIONS];
     static const char *const names[EXTENSIONS] = {"KHR_materials_transmission", "KHR_materials_volume",
                                                   "KHR_materials_ior",          "KHR_materials_emissive_strength",
-                                                  "KHR_materials_anisotropy",   "KHR_materials_diffuse_transmission"};
+                                                  "KHR_materials_anisotropy",   "KHR_materials_diffuse_transmission",
+                                                  "KHR_materials_dispersion"};
     mcv_place places[EXTENSIONS];
     *core = (core_material){.base = {1, 1, 1, 1},
                             .metallic = 1,
@@ -164,6 +165,7 @@ static mcv_result read_core(const json_t *material, core_material *core, const m
     MCV_TRY(mcv_json_number(extension[4], "anisotropyStrength", 0, 1, &core->anisotropy, &places[4], error));
     MCV_TRY(mcv_json_number(extension[4], "anisotropyRotation", -DBL_MAX, DBL_MAX, &core->rotation, &places[4], error));
     MCV_TRY(mcv_json_number(extension[5], "diffuseTransmissionFactor", 0, 1, &core->diffuse_transmission, &places[5], error));
+    MCV_TRY(mcv_json_number(extension[6], "dispersion", 0, DBL_MAX, &core->dispersion, &places[6], error));
     core->rotation = remainder(core->rotation, 2 * M_PI);
     if (core->ior > 0 && core->ior < 1) return mcv_fail_at(&places[2], error, "ior %g must be 1 or more", core->ior);
     return MCV_OK;
@@ -177,8 +179,11 @@ static bool map_core(const core_material *core, bool textured, mcv_material *mat
     const bool smooth = core->roughness == 0, clear = core->transmission == 1 && (core->metallic == 0);
     if (clear && core->thickness > 0 && !textured) {
         material->type = MCV_MATERIAL_DIELECTRIC;
-        material->as.dielectric = (mcv_dielectric_params){
-            .ior = core->ior, .roughness = core->roughness, .anisotropy = core->anisotropy, .anisotropyRotation = core->rotation};
+        material->as.dielectric = (mcv_dielectric_params){.ior = {core->ior, core->ior, core->ior},
+                                                          .abbeNumber = core->dispersion > 0 ? 20 / core->dispersion : 0,
+                                                          .roughness = core->roughness,
+                                                          .anisotropy = core->anisotropy,
+                                                          .anisotropyRotation = core->rotation};
         for (int i = 0; i < 3; ++i) /* a colour of 0 has an infinite coefficient: the largest that is allowed */
             material->as.dielectric.absorption[i] =
                 core->attenuation[i] == 1 ? 0 : fmin(-log(core->attenuation[i]) / core->attenuation_distance, 1e30);

@@ -142,6 +142,19 @@ static mcv_result check_material(const mcv_material *material, const mcv_place *
     return MCV_OK;
 }
 
+/* What depends on the wavelength: of a channel, or of a grey scene. */
+static void settle_material(const mcv_scene *scene, mcv_material *material, bool coloured) {
+    mcv_conductor_params *metal = material->type == MCV_MATERIAL_CONDUCTOR && material->by_name ? &material->as.conductor : NULL;
+    mcv_dielectric_params *glass = material->type == MCV_MATERIAL_DIELECTRIC ? &material->as.dielectric : NULL;
+    for (int k = 0; k < 3; ++k) {
+        const double own = scene->wavelengths[k] > 0 ? scene->wavelengths[k] : default_wavelengths[k];
+        const double wavelength = coloured ? own : grey_wavelength;
+        if (metal) mcv_metal_index(metal->metal, wavelength, metal->n + k, metal->k + k);
+        if (glass && glass->glass > 0) glass->ior[k] = mcv_glass_index(glass->glass, wavelength);
+        if (glass && glass->abbeNumber > 0) glass->ior[k] = mcv_cauchy_index(material->ior_d, glass->abbeNumber, wavelength);
+    }
+}
+
 mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material, mcv_error *error) {
     element_place place;
     const mcv_place *here = place_element(&place, scene, "materials", material->name, scene->material_count);
@@ -158,14 +171,16 @@ mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material
     mcv_conductor_params *metal = own.type == MCV_MATERIAL_CONDUCTOR ? &own.as.conductor : NULL;
     if (metal && isnan(metal->n[0]) != isnan(metal->k[0])) return mcv_fail_at(here, error, "n and k must be given together");
     own.by_name = metal && isnan(metal->n[0]);
-    for (int i = 0; own.by_name && i < 3; ++i)
-        mcv_metal_index(metal->metal, scene->wavelengths[i] > 0 ? scene->wavelengths[i] : default_wavelengths[i], metal->n + i,
-                        metal->k + i);
     mcv_dielectric_params *glass = own.type == MCV_MATERIAL_DIELECTRIC ? &own.as.dielectric : NULL;
     if (glass && glass->glass > 0) {
-        if (glass->ior != 1.5) return mcv_fail_at(here, error, "has both glass and ior: give one of them"); /* 1.5: none is given */
-        glass->ior = mcv_glass_index(glass->glass, scene->wavelengths[1] > 0 ? scene->wavelengths[1] : grey_wavelength);
+        if (!mcv_is_grey(glass->ior) || glass->ior[0] != 1.5) /* 1.5: none is given */
+            return mcv_fail_at(here, error, "has both glass and ior: give one of them");
+        if (glass->abbeNumber > 0) return mcv_fail_at(here, error, "has both glass and abbeNumber: give one of them");
     }
+    if (glass && glass->abbeNumber > 0 && !mcv_is_grey(glass->ior))
+        return mcv_fail_at(here, error, "has an abbeNumber and ior for each channel: give one number, n_d, as ior");
+    own.ior_d = glass ? glass->ior[0] : 0;
+    settle_material(scene, &own, own.by_name || scene->wavelengths[0] > 0);
     own.name = copy_name(material->name, &failed);
     if (!failed && append(&scene->materials, &scene->material_count, &own, sizeof own)) return MCV_OK;
     free(own.name);
@@ -319,49 +334,32 @@ double mcv_scene_wavelength(const mcv_scene *scene, int channel) {
     return mcv_scene_channels(scene) == 1 ? grey_wavelength : default_wavelengths[channel];
 }
 
-static void settle_glasses(mcv_scene *scene) {
-    const double wavelength = mcv_scene_wavelength(scene, 1);
-    for (uint32_t i = 0; i < scene->material_count; ++i) {
-        mcv_dielectric_params *glass = &scene->materials[i].as.dielectric;
-        if (scene->materials[i].type == MCV_MATERIAL_DIELECTRIC && glass->glass > 0) glass->ior = mcv_glass_index(glass->glass, wavelength);
-    }
-}
-
-static void settle_metals(mcv_scene *scene) {
-    /* Grey first: if the scene is, they stay so. */
-    for (int colour = scene->wavelengths[0] > 0; colour < 2; ++colour) {
-        for (uint32_t i = 0; i < scene->material_count; ++i) {
-            mcv_conductor_params *metal = &scene->materials[i].as.conductor;
-            if (scene->materials[i].type != MCV_MATERIAL_CONDUCTOR || !scene->materials[i].by_name) continue;
-            for (int k = 0; k < 3; ++k) {
-                const double wavelength = scene->wavelengths[k] > 0 ? scene->wavelengths[k] : default_wavelengths[k];
-                mcv_metal_index(metal->metal, colour ? wavelength : grey_wavelength, metal->n + k, metal->k + k);
-            }
-        }
+void mcv_scene_settle_spectra(mcv_scene *scene) {
+    bool coloured = scene->wavelengths[0] > 0;
+    for (uint32_t i = 0; i < scene->material_count; ++i)
+        if (scene->materials[i].type == MCV_MATERIAL_DIELECTRIC && scene->materials[i].as.dielectric.abbeNumber > 0) coloured = true;
+    /* Grey first: if the scene is, it stays so. */
+    for (int pass = coloured; pass < 2; ++pass) {
+        for (uint32_t i = 0; i < scene->material_count; ++i) settle_material(scene, scene->materials + i, pass);
         if (mcv_scene_channels(scene) == 1) return;
     }
 }
 
-void mcv_scene_settle_spectra(mcv_scene *scene) {
-    settle_metals(scene);
-    settle_glasses(scene);
-}
-
 /* --- channels --------------------------------------------------------------------------------------------------- */
 
-static bool grey(const double spectrum[3]) { return spectrum[0] == spectrum[1] && spectrum[1] == spectrum[2]; }
+bool mcv_is_grey(const double spectrum[3]) { return spectrum[0] == spectrum[1] && spectrum[1] == spectrum[2]; }
 
 static bool grey_parameters(mcv_param_table table, const void *params) {
     for (size_t i = 0; i < table.count; ++i)
         if (table.params[i].kind == MCV_PARAM_spectrum && !mcv_param_unset(table.params + i, params) &&
-            !grey((const double *)(const void *)((const char *)params + table.params[i].offset)))
+            !mcv_is_grey((const double *)(const void *)((const char *)params + table.params[i].offset)))
             return false;
     return true;
 }
 
 uint32_t mcv_scene_channels(const mcv_scene *scene) {
     for (uint32_t i = 0; i < scene->emitter_count; ++i)
-        if (!grey(scene->emitters[i].radiance)) return 3;
+        if (!mcv_is_grey(scene->emitters[i].radiance)) return 3;
     for (uint32_t i = 0; i < scene->material_count; ++i)
         if (!grey_parameters(mcv_material_table(scene->materials[i].type), &scene->materials[i].as)) return 3;
     for (uint32_t i = 0; i < scene->texture_count; ++i) {

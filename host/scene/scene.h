@@ -75,6 +75,7 @@ typedef struct mcv_material {
     uint32_t type;            /* MCV_MATERIAL_… */
     uint32_t texture;         /* multiplies reflectance or transmittance, or MCV_NONE */
     bool by_name;             /* a conductor whose n and k come from its metal and the scene's wavelengths */
+    double ior_d;             /* of a dielectric with an Abbe number: its index at the d line */
     uint32_t surface_texture; /* of a metallicRoughness: linear, multiplies roughness (green) and metallic (blue), or MCV_NONE */
     union {
 #define MCV_X(name, key, NAME) mcv_##name##_params name;
@@ -153,6 +154,9 @@ typedef struct mcv_sensor {
 #undef MCV_X
     } as; /* resolved: the report's parameters are all set */
 } mcv_sensor;
+
+/* What microfacets lose is tabled for one channel's indices: green's. */
+enum { MCV_ALBEDO_CHANNEL = 1 };
 
 /* A scene's wavelengths lie between [m]. */
 #define MCV_LEAST_WAVELENGTH 1e-7
@@ -243,6 +247,9 @@ void mcv_scene_settle_spectra(mcv_scene *scene);
 /* The index of a glass (an option of `glass`) at a wavelength [m]. */
 double mcv_glass_index(int glass, double wavelength);
 
+/* The index at a wavelength [m] by Cauchy's first two terms from n_d and Abbe's number; at least 1. */
+double mcv_cauchy_index(double n_d, double abbe_number, double wavelength);
+
 /* n and k of a metal (an option of `metal`), between the wavelengths of its table by line, beyond them at their ends. */
 void mcv_metal_index(int metal, double wavelength, double *n, double *k);
 
@@ -267,6 +274,8 @@ double mcv_srgb_decode(uint8_t value);
 /* Linear R, G, B of a texture's pixel; `decoded` holds mcv_srgb_decode of all bytes. */
 void mcv_texture_value(const mcv_texture *texture, const double decoded[256], uint32_t column, uint32_t row, double rgb[3]);
 void mcv_srgb_table(double decoded[256]);
+
+bool mcv_is_grey(const double spectrum[3]);
 
 /* The number of channels that the spectra need: 1 if all are grey and no texture is coloured, else 3. */
 uint32_t mcv_scene_channels(const mcv_scene *scene);

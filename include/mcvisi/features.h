@@ -14,6 +14,7 @@
     X(DIELECTRIC, "dielectric", "a body of glass, fluid or gas refracts") \
     X(ABSORPTION, "absorption", "a medium absorbs along the path") \
     X(COATING, "coating", "a coating changes how much a body reflects") \
+    X(DISPERSION, "dispersion", "a body refracts colours differently") \
     X(SHEET, "sheet", "a thin sheet or a beam splitter transmits") \
     X(MIRROR, "mirror", "a mirror reflects") \
     X(GLOSS, "gloss", "a metal reflects, or a surface of microfacets") \

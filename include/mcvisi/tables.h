@@ -45,12 +45,12 @@ typedef struct mcv_frame {
     uint log2_samples;  /* k: samples per replicate in this pass, as a power of two */
     uint first_sample;  /* of this pass, per replicate */
     uint seed;
-    uint depth;                 /* surfaces a path may meet */
-    uint emitter_count;         /* that next-event estimation chooses from */
-    uint initial_media;         /* the set of media that surround the sensor */
-    float sensor_index_squared; /* n² of the medium the sensor lies in */
-    float to_world[12];         /* row-major; of the optical frame (z towards the scene) */
-    float environment[3];       /* its radiance, without an image */
+    uint depth;                    /* surfaces a path may meet */
+    uint emitter_count;            /* that next-event estimation chooses from */
+    uint initial_media;            /* the set of media that surround the sensor */
+    float sensor_index_squared[3]; /* n² of the medium the sensor lies in, by channel */
+    float to_world[12];            /* row-major; of the optical frame (z towards the scene) */
+    float environment[3];          /* its radiance, without an image */
     /* Random numbers belong to pixels of the whole film, whatever region is read out: pixel (0, 0) of the image is that of the number … */
     uint first_pixel;
     uint row_pitch;           /* and the next row's begins so many further */
@@ -60,7 +60,7 @@ typedef struct mcv_frame {
     uint log2_pixels;  /* the pixels, numbered by tiles, fit into so many bits */
     float splat_scale; /* units of the splats per pixel value: a power of two */
     uint solid_count;
-    uint padding[30];
+    uint padding[28];
 } mcv_frame;
 MCV_ASSERT_SIZE(mcv_frame, 256);
 

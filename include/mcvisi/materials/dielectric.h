@@ -9,8 +9,14 @@
  * meeting each other is spread on both sides as reciprocity asks for; roughness between 0 and 0.032 is 0.032. Both lobes use
  * the height-correlated masking of the reflected one.
  *
- * In place of ior, `glass` names one of the catalogue in host/scene/glasses.c: its index at the wavelength of a grey scene, or of the green
- * channel, is that of all light (MCVISI_spectrum); a path is not parted by colours.
+ * Dispersion. In place of ior, `glass` names one of the catalogue in host/scene/glasses.c, whose index is taken at the wavelength of each
+ * channel (MCVISI_spectrum). An abbeNumber V_d, or KHR_materials_dispersion (20/V_d), gives the two terms of Cauchy's formula
+ * n = A + B/λ² that have n_d = ior and V_d at the lines d, F, C (587.5618, 486.1327, 656.2725 nm). Three numbers as ior are taken as they
+ * are. Where the channels' indices differ, a path keeps one of them from the first dielectric on, chosen by what it carries. A scene in
+ * which nothing else has a colour stays grey, at one wavelength, unless it gives three or a material has an abbeNumber.
+ *
+ * Light is unpolarised at each interface, which is not so behind the first one: a plate of n = 1.5 passes 1.4 % less at 60° than the
+ * polarised truth (84.81 %).
  *
  * A coating changes the reflectance at every angle from Fresnel's F, which is F0 at normal incidence, to
  *
@@ -22,6 +28,7 @@
  *
  *     {"type": "dielectric", "ior": 1.5168, "absorption": 2.0, "priority": 0, "coating": 0.004}
  *     {"type": "dielectric", "glass": "N-BK7"}
+ *     {"type": "dielectric", "ior": 1.72, "abbeNumber": 29}
  */
 #ifndef MCVISI_MATERIALS_DIELECTRIC_H
 #define MCVISI_MATERIALS_DIELECTRIC_H
@@ -29,12 +36,13 @@
 #include "mcvisi/materials/material.h"
 
 #define MCV_DIELECTRIC_PARAMS(X) \
-    X(number, ior, 1.5, 1, 10, "refractive index n") \
+    X(spectrum, ior, 1.5, 1, 10, "refractive index n; with an abbeNumber that at the d line") \
     X(spectrum, absorption, 0, 0, 1e30, "absorption coefficient σ: transmittance exp(-σ d) over a path d [1/m]") \
     X(number, priority, 0, -1000, 1000, "where bodies overlap the larger one fills the space (an integer)") \
     MCV_ROUGHNESS_PARAMS(X, 0) \
     X(number, coating, 0, 0, 1, "reflectance at normal incidence of a coating, against gas or vacuum; 0: none") \
-    X(choice, glass, 0, 0, 25, "whose index at the scene's wavelength it has")
+    X(choice, glass, 0, 0, 25, "whose index at the scene's wavelengths it has") \
+    X(number, abbeNumber, 0, 0, 1e30, "(n_d - 1)/(n_F - n_C), by which n depends on the wavelength; 0: it does not")
 
 /* exp(-x) for x >= 0, by 2^(-x log2 e) with a polynomial: relative error below 3e-7. */
 MCV_FUNCTION float mcv_exp_minus(float x) {

@@ -19,7 +19,7 @@
  * "surface": one such surface by itself, with a hole of radius `holeRadius`: mirrors, stops, screens. "disc": a plane one. Their front
  * faces -z. "box", "cylinder" (along z) and "sphere" are centred in the node's origin.
  *
- * Meshes of glass may touch one another, but exact bodies only those of their own lens: others must overlap by a micrometre or so.
+ * Bodies of glass, exact or meshes, may touch one another: surfaces in the same place, to the rounding of coordinates, are met together.
  */
 #ifndef MCVISI_SURFACES_H
 #define MCVISI_SURFACES_H
