@@ -7,8 +7,18 @@
 
 #include "analysis/compare.h"
 #include "film/film.h"
+#include "render/render.h"
 
 enum { REPLICATES = 16 };
+
+/* As mcv_render, with its bits; device and programs are kept. */
+static inline mcv_result render_again(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, mcv_film *film,
+                                      mcv_render_stats *stats, mcv_error *error) {
+    static mcv_renderer *renderer;
+    if (!renderer) renderer = mcv_renderer_new();
+    assert_non_null(renderer);
+    return mcv_renderer_render(renderer, scene, sensor, options, film, stats, error);
+}
 
 /* Mean and variance of the mean over a film's replicates, of some of a replicate's values: pixels, channel after channel. */
 static inline mcv_estimate film_estimate(const mcv_film *film, size_t first, size_t count) {

@@ -66,7 +66,7 @@ static inline mcv_film render_by(bool reference, const mcv_scene *scene, uint32_
     options.replicates = REPLICATES;
     options.last = samples;
     options.seed = seed;
-    BUILD((reference ? mcv_reference_render : mcv_render)(scene, sensor, &options, &film, &stats, &builder_error));
+    BUILD((reference ? mcv_reference_render : render_again)(scene, sensor, &options, &film, &stats, &builder_error));
     return film;
 }
 

@@ -17,7 +17,7 @@ static mcv_film render(const mcv_scene *scene, uint32_t schedule, uint64_t sampl
     options.replicates = REPLICATES;
     options.last = samples;
     options.schedule = schedule;
-    BUILD(mcv_render(scene, 0, &options, &film, stats, &builder_error));
+    BUILD(render_again(scene, 0, &options, &film, stats, &builder_error));
     return film;
 }
 

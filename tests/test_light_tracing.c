@@ -27,7 +27,7 @@ static mcv_render_options options_of(uint64_t samples, uint32_t seed) {
 static mcv_film render(const mcv_scene *scene, const mcv_render_options *options, bool traced) {
     mcv_render_stats stats;
     mcv_film film;
-    BUILD(mcv_render(scene, 0, options, &film, &stats, &builder_error));
+    BUILD(render_again(scene, 0, options, &film, &stats, &builder_error));
     if ((strstr(stats.features, "light-tracing") != NULL) != traced) fail_msg("features: %s", stats.features);
     if (stats.saturated > 0 || stats.nonfinite > 0 || stats.unmatched > 0)
         fail_msg("%d saturated, %d not finite, %d unmatched", (int)stats.saturated, (int)stats.nonfinite, (int)stats.unmatched);

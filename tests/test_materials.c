@@ -31,7 +31,7 @@ static void expect_within(const char *what, const mcv_scene *scene, const double
     mcv_film film;
     options.replicates = REPLICATES;
     options.last = SAMPLES;
-    BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
+    BUILD(render_again(scene, 0, &options, &film, &stats, &builder_error));
     expect_film(what, film, stats, expected, bound);
     char reference[64];
     snprintf(reference, sizeof reference, "%s, reference", what);
@@ -51,7 +51,7 @@ static void expect_same(const char *what, const mcv_scene *scene) {
     mcv_film film[2];
     options.replicates = REPLICATES;
     options.last = 4 * SAMPLES;
-    BUILD(mcv_render(scene, 0, &options, &film[0], &stats, &builder_error));
+    BUILD(render_again(scene, 0, &options, &film[0], &stats, &builder_error));
     BUILD(mcv_reference_render(scene, 0, &options, &film[1], &stats, &builder_error));
     const size_t pixels = (size_t)film[0].width * film[0].height;
     for (size_t i = 0; i < 3 * pixels; ++i) {

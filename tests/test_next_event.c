@@ -17,7 +17,7 @@ static mcv_estimate render(const mcv_scene *scene) {
     mcv_film film;
     options.replicates = REPLICATES;
     options.last = SAMPLES;
-    BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
+    BUILD(render_again(scene, 0, &options, &film, &stats, &builder_error));
     const mcv_estimate mean = image_estimate(&film);
     mcv_film_free(&film);
     return mean;
@@ -134,7 +134,7 @@ static double variance_at(double x, double width, bool even) {
     options.sampler = MCV_SAMPLER_RANDOM;
     options.replicates = 64;
     options.last = SAMPLES_PER_PIXEL;
-    BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
+    BUILD(render_again(scene, 0, &options, &film, &stats, &builder_error));
     const size_t pixels = (size_t)film.width * film.height;
     double sum = 0;
     /* Of one sample of a pixel, from the spread of the replicates. */

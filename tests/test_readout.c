@@ -162,7 +162,7 @@ static mcv_film device_film(const mcv_scene *scene, uint32_t schedule, uint32_t 
     options.replicates = replicates;
     options.last = samples;
     options.depth = 3;
-    BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
+    BUILD(render_again(scene, 0, &options, &film, &stats, &builder_error));
     return film;
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rendering on the device: truths that every image must keep. */
-#include "scene_builder.h"
+#include "estimates.h"
 
 #include "render/render.h"
 
@@ -33,7 +33,7 @@ static mean_value render_mean(const mcv_scene *scene, uint32_t replicates, uint3
     options.replicates = replicates;
     options.last = samples;
     options.depth = depth;
-    if (mcv_render(scene, 0, &options, &film, &last_stats, &error) != MCV_OK) fail_msg("%s", error.text);
+    if (render_again(scene, 0, &options, &film, &last_stats, &error) != MCV_OK) fail_msg("%s", error.text);
     const mean_value mean = mean_of(&film, 0);
     mcv_film_free(&film);
     return mean;
@@ -138,7 +138,7 @@ static mcv_film render_film(const mcv_scene *scene, uint32_t schedule, uint32_t 
     options.sampler = sampler;
     options.first = first;
     options.last = last;
-    if (mcv_render(scene, 0, &options, &film, &last_stats, &error) != MCV_OK) fail_msg("%s", error.text);
+    if (render_again(scene, 0, &options, &film, &last_stats, &error) != MCV_OK) fail_msg("%s", error.text);
     return film;
 }
 
@@ -238,7 +238,7 @@ static void test_high_depth_limit_is_cheap(void **state) {
         options.schedule = i ? MCV_SCHEDULE_STREAM : MCV_SCHEDULE_TILE;
         options.last = 1;
         options.depth = 1000000;
-        BUILD(mcv_render(scene, 0, &options, &films[i], &last_stats, &builder_error));
+        BUILD(render_again(scene, 0, &options, &films[i], &last_stats, &builder_error));
     }
     expect_equal_bits(&films[0], &films[1], "schedule");
     assert_int_equal(last_stats.depth_cut, 0);

@@ -175,7 +175,7 @@ static void test_blur_of_an_edge(void **state) {
         mcv_film film;
         options.replicates = REPLICATES;
         options.last = 64;
-        BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
+        BUILD(render_again(scene, 0, &options, &film, &stats, &builder_error));
         double widths[REPLICATES];
         for (uint32_t r = 0; r < REPLICATES; ++r) {
             double before = 0, total = 0, mean = 0, square = 0;
@@ -208,7 +208,7 @@ static mcv_film device_film(const mcv_scene *scene, uint32_t samples) {
     mcv_film film;
     options.replicates = REPLICATES;
     options.last = samples;
-    BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
+    BUILD(render_again(scene, 0, &options, &film, &stats, &builder_error));
     return film;
 }
 

@@ -195,7 +195,7 @@ static int compare_values(const void *a, const void *b) {
  */
 static void say_peak(const images *seen, char *text) {
     enum { LEFT = 118, RIGHT = 165, TOP = 100, BOTTOM = 140, RANK = 10 };
-    float around[(RIGHT - LEFT) * (BOTTOM - TOP)], *pixels = seen->of->pixels;
+    float around[(RIGHT - LEFT) * (BOTTOM - TOP)] = {0}, *pixels = seen->of->pixels;
     const size_t count = (size_t)seen->of->width * seen->of->height, near = sizeof around / sizeof around[0];
     for (uint32_t i = 0; i < near; ++i) around[i] = (float)value(seen->of, LEFT + i % (RIGHT - LEFT), TOP + i / (RIGHT - LEFT));
     qsort(around, near, sizeof *around, compare_values);

@@ -50,8 +50,9 @@ static float largest_coordinate(const mcv_bvh *bvh) {
 }
 
 mcv_result mcv_bvh_refit(mcv_bvh *bvh, const float *positions, const uint32_t *indices, mcv_error *error) {
-    bool *moved = calloc((size_t)bvh->leaf_count + bvh->node_count + 1, sizeof *moved), *moved_nodes = moved + bvh->leaf_count;
+    bool *moved = calloc((size_t)bvh->leaf_count + bvh->node_count + 1, sizeof *moved);
     if (!moved) return mcv_fail(error, MCV_FAILED, "no memory to move the acceleration structure");
+    bool *moved_nodes = moved + bvh->leaf_count;
     for (uint32_t i = 0; i < bvh->leaf_count; ++i) moved[i] = move_leaf(bvh->leaves + i, positions, indices);
     const float extent = largest_coordinate(bvh);
     /* A node has a smaller number than the nodes below it. */

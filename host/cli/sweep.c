@@ -243,9 +243,9 @@ static mcv_result read_channel(const sweep *s, const mcv_image *image, const mcv
 static mcv_result take_readings(const sweep *s, const mcv_film *film, mcv_metrics *m, mcv_error *error) {
     light l;
     mcv_exposure exposure = {0};
-    const mcv_image *image = &l.parts[0].image, *deviation = &l.parts[1].image;
     *m = (mcv_metrics){.command = s->command, .known = film->replicates > 1};
     mcv_result result = develop(s, film, &l, error);
+    const mcv_image *image = &l.parts[0].image, *deviation = &l.parts[1].image;
     if (result == MCV_OK && mcv_camera_wanted(s->command)) {
         result = mcv_camera_read_out(s->command, s->rig, &l.exr, &exposure, error);
         image = &exposure.grey;

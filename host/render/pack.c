@@ -186,7 +186,7 @@ static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, mcv_e
 
     /* Sorted by priority, ties as they came: the order carries the old number along in an index table. */
     uint32_t place[MCV_MAX_MEDIA] = {0}; /* new number of an old one */
-    body_medium sorted[MCV_MAX_MEDIA];
+    body_medium sorted[MCV_MAX_MEDIA] = {{0}};
     for (uint32_t m = 0; m < count; ++m) {
         place[m] = 0;
         for (uint32_t o = 0; o < count; ++o) {
