@@ -2,6 +2,8 @@
 /* mcvisi sweep: what it measures is what `mcvisi measure` does, its table grows by whole rows, and it goes on. */
 #include "program.h"
 
+#include "comma_locale.h"
+
 #include <math.h>
 
 /* A panel of 0.4931 m before a pinhole camera: 24 x 16 pixels of 40 mm; the error is that of the panel's border. */
@@ -186,6 +188,44 @@ static void test_camera(void **state) {
     assert_true(fabs(row[2] - 2000) <= 5 * sqrt(2000.0 / 32) && fabs(row[3] - sqrt(2000.0 / 32)) <= 0.05 * row[3]);
 }
 
+/* What the user's language makes of numbers matters nowhere: neither in what is read nor in what is written. */
+static void test_foreign_locale(void **state) {
+    static const char *const lines[] = {
+        "check s.gltf --set sensors/cam/imageDistance=10.5mm --json",
+        "sweep s.gltf --vary emitters/panel/radiance=0.5..2.5:3 --tie nodes/stand/translation/z=-0.75*radiance --where 'radiance<2.75' "
+        "--region mid=8.5,6.5,8,4 --metric 'x:=0.5*mid.mean' --until x=0.125 --spp 16 --images kept -o x.csv",
+        "camera kept/set-00001.exr --electrons-per-unit 1000.5 --gain 0.25 --bits 12 -o grey.png --json",
+        "measure grey.png --region mid=8.5,6.5,8,4 --gain 0.25 --json",
+        "measure kept/set-00001.exr --region 8.5,6.5,8,4",
+    };
+    char *plain[5] = {NULL};
+    (void)state;
+    if (!make_comma_locale()) skip();
+    for (int foreign = 0; foreign < 2; ++foreign) {
+        assert_int_equal(foreign ? setenv("LC_ALL", "comma", 1) : unsetenv("LC_ALL"), 0);
+        for (int i = 0; i < 5; ++i) {
+            program_well(lines[i]);
+            if (i == 1) continue; /* it tells seconds */
+            if (foreign && strcmp(said, plain[i]) != 0) fail_msg("%s says %s in place of %s", lines[i], said, plain[i]);
+            free(plain[i]);
+            plain[i] = strdup(said);
+        }
+        if (!foreign) assert_int_equal(system("mkdir away && mv x.* kept away"), 0);
+    }
+    for (int i = 0; i < 5; ++i) free(plain[i]);
+    assert_int_equal(unsetenv("LC_ALL"), 0);
+    assert_int_equal(
+        system("cmp x.html away/x.html && cmp x.json away/x.json && test $(wc -l <x.csv) -eq 4 && ! grep , x.csv | grep -q '\"'"), 0);
+    for (size_t i = 0; i < 3; ++i) {
+        double a[6], b[6];
+        char text[4096];
+        snprintf(text, sizeof text, "%.4000s", read_whole("away/x.csv"));
+        read_numbers(text, i, a, 6);
+        read_numbers(read_whole("x.csv"), i, b, 6);
+        assert_memory_equal(a, b, sizeof a);
+    }
+}
+
 static void test_bad_input(void **state) {
     (void)state;
     program_fails("sweep none.gltf --vary a/b=1 --metric mean", 3, "none.gltf");
@@ -261,6 +301,7 @@ int main(void) {
         cmocka_unit_test_setup(test_resume, fresh),
         cmocka_unit_test_setup(test_experiment_file, fresh),
         cmocka_unit_test_setup(test_camera, fresh),
+        cmocka_unit_test_setup(test_foreign_locale, fresh),
         cmocka_unit_test_setup(test_bad_input, fresh),
         cmocka_unit_test_setup(test_schema, fresh),
         cmocka_unit_test_setup(test_shipped_experiments, fresh),

@@ -157,9 +157,8 @@ static void close_renderer(renderer *r) {
     mcv_cl_close(&r->cl);
 }
 
-/* Where in the image a set's pixel lies; false if its 8 x 8 tile sticks out there. */
-static bool pixel_of_set(const mcv_film *film, uint32_t set, size_t *pixel) {
-    const uint32_t number = set / film->replicates;
+/* Where in the image the pixel of this number lies; false if its 8 x 8 tile sticks out there. */
+static bool find_pixel(const mcv_film *film, uint32_t number, size_t *pixel) {
     const uint32_t tiles = (film->width + 7) / 8;
     const uint32_t column = (number >> 6) % tiles * 8 + (number & 7);
     const uint32_t row = (number >> 6) / tiles * 8 + (number >> 3 & 7);
@@ -177,6 +176,13 @@ typedef struct harvest {
     bool ripe;                                /* `read` holds sums that are not yet added */
 } harvest;
 
+/* The sum of a set's samples in the round, once all of its launches are read. */
+static double sum_of_set(const harvest *h, uint32_t set, uint32_t channel, uint32_t channels) {
+    const size_t at = (size_t)set * channels + channel;
+    if (h->blocks_per_set == 1) return (double)h->read[2 * at] + (double)h->read[2 * at + 1];
+    return mcv_tree_sum(h->blocks + at * h->blocks_per_set, h->blocks_per_set, 1);
+}
+
 /* Adds what was read; after the last launch of the sets, their sums go into the round. */
 static void bring_in(const renderer *r, harvest *h) {
     const mcv_film *film = r->film;
@@ -184,7 +190,7 @@ static void bring_in(const renderer *r, harvest *h) {
     const size_t pixels = (size_t)film->width * film->height;
     if (!h->ripe) return;
     h->ripe = false;
-    for (uint32_t set = 0; set < h->sets; ++set) {
+    for (uint32_t set = 0; h->blocks_per_set > 1 && set < h->sets; ++set) {
         for (uint32_t b = 0; b < h->launched_blocks; ++b) {
             for (uint32_t c = 0; c < channels; ++c) {
                 const float *pair = h->read + 2 * (((size_t)set * h->launched_blocks + b) * channels + c);
@@ -193,14 +199,13 @@ static void bring_in(const renderer *r, harvest *h) {
         }
     }
     if (h->first_block + h->launched_blocks < h->blocks_per_set) return;
-    for (uint32_t i = 0; i < h->sets; ++i) {
+    /* Sets are replicates of one pixel, then those of the next. */
+    for (uint32_t i = 0; i < h->sets;) {
         size_t pixel;
-        if (!pixel_of_set(film, h->first_set + i, &pixel)) continue;
-        const uint32_t replicate = (h->first_set + i) % film->replicates;
-        for (uint32_t c = 0; c < channels; ++c) {
-            r->round[((size_t)replicate * channels + c) * pixels + pixel] =
-                mcv_tree_sum(h->blocks + ((size_t)i * channels + c) * h->blocks_per_set, h->blocks_per_set, 1);
-        }
+        const bool inside = find_pixel(film, (h->first_set + i) / film->replicates, &pixel);
+        for (uint32_t replicate = (h->first_set + i) % film->replicates; replicate < film->replicates && i < h->sets; ++replicate, ++i)
+            for (uint32_t c = 0; inside && c < channels; ++c)
+                r->round[((size_t)replicate * channels + c) * pixels + pixel] = sum_of_set(h, i, c, channels);
     }
 }
 
@@ -293,10 +298,10 @@ static mcv_result render_rounds(renderer *r) {
         if (r->film->splats) MCV_TRY(mcv_cl_read(&r->cl, r->scene.splats, 0, 8 * values, r->film->splats, r->error));
         mcv_film_add(r->film, r->round, count);
         next += count;
+        if (o->last > 0 && next >= o->last) return MCV_OK;
         error = mcv_film_relative_error(r->film);
         const double seconds = mcv_seconds() - r->begun;
         const double predicted = 2 * (mcv_seconds() - round_begun);
-        if (o->last > 0 && next >= o->last) return MCV_OK;
         /* A picture that is black so far may have missed a small light: its error of 0 says nothing yet. */
         const uint64_t enough = mcv_film_mean(r->film) > 0 ? MIN_SAMPLES : MIN_SAMPLES_BLACK;
         if (o->error > 0 && r->film->samples >= enough && error <= o->error) return MCV_OK;
