@@ -15,6 +15,7 @@ import basics
 import experiments
 import images
 import lights
+import optics
 import part
 import report
 import setups
@@ -28,7 +29,7 @@ def main(arguments):
         print(__doc__.strip())
         return 0 if len(arguments) == 1 else 2
     files = {}
-    for module in (report, part, basics, images, lights, setups, experiments, surfaces):
+    for module in (report, part, basics, images, lights, setups, experiments, surfaces, optics):
         files.update(module.files())
     if arguments == ["--check"]:
         return check(files)

@@ -49,7 +49,8 @@ class Scene:
         self.nodes, self.meshes, self.materials = [], [], []
         self.accessors, self.views, self.binary = [], [], bytearray()
         self.images, self.textures, self.lights = [], [], []
-        self.elements = {}  # "sensor" or "emitter" -> its root array
+        self.elements = {}  # "sensor", "emitter" or "surface" -> its root array
+        self.wavelengths = None
         self.extensions = set()
 
     def material(self, name, mcvisi, base_colour=(1, 1, 1), extensions=None, **more):
@@ -104,13 +105,14 @@ class Scene:
         self.images.append({"name": name, "mimeType": "image/png", "bufferView": len(self.views) - 1})
         return name
 
-    def node(self, name, sensor=None, emitter=None, light=None, pose=None, **more):
-        """A node, with a sensor, an emitter or a light of KHR_lights_punctual of its own and an MCVISI_pose if given; returns its index."""
+    def node(self, name, sensor=None, emitter=None, surface=None, light=None, pose=None, **more):
+        """A node, with a sensor, an emitter, exact surfaces or a light of KHR_lights_punctual of its own and an MCVISI_pose if given;
+        returns its index."""
         extensions = {"MCVISI_pose": pose} if pose else {}
         if light:
             extensions["KHR_lights_punctual"] = {"light": len(self.lights)}
             self.lights.append(dict({"name": name}, **light))
-        for kind, element in (("sensor", sensor), ("emitter", emitter)):
+        for kind, element in (("sensor", sensor), ("emitter", emitter), ("surface", surface)):
             if element:
                 array = self.elements.setdefault(kind, [])
                 extensions["MCVISI_%ss" % kind] = {kind: len(array)}
@@ -122,6 +124,9 @@ class Scene:
     def tree(self, roots):
         """The JSON tree without buffers; roots are the top nodes."""
         extensions = {"MCVISI_%ss" % kind: {kind + "s": array} for kind, array in self.elements.items()}
+        if self.wavelengths:
+            extensions["MCVISI_spectrum"] = {"wavelengths": self.wavelengths}
+            self.extensions.add("MCVISI_spectrum")
         if self.lights:
             extensions["KHR_lights_punctual"] = {"lights": self.lights}
         tree = {"asset": self.asset, "scene": 0, "scenes": [{"nodes": roots}], "extensionsUsed": sorted(self.extensions),
@@ -142,8 +147,10 @@ class Scene:
 
     def gltf(self):
         """The whole as .gltf with the binary in a data URI: for small scenes, to be read and edited."""
-        uri = "data:application/octet-stream;base64," + base64.b64encode(self.binary).decode()
-        tree = dict(self.tree(list(range(len(self.nodes)))), buffers=[{"byteLength": len(self.binary), "uri": uri}])
+        tree = self.tree(list(range(len(self.nodes))))
+        if self.binary:
+            uri = "data:application/octet-stream;base64," + base64.b64encode(self.binary).decode()
+            tree["buffers"] = [{"byteLength": len(self.binary), "uri": uri}]
         return dumped(tree).encode()
 
 

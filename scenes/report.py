@@ -173,23 +173,31 @@ def glass(scene, name, ior, thickness, priority=0):
 
 
 def experiment(defect):
-    """defect: "clean", "bubble" or "dent"."""
+    """defect: "clean", "bubble" or "dent"; or "exact", a flawless lens that is no mesh."""
     scene = Scene("Report IES-2016-06, section 5: parallel light through a double-convex lens into a light field camera; " + defect + ".")
-    lens_mesh = lens(scene, glass(scene, "glass", IOR, THICKNESS), *((dented_sag, dent_radii()) if defect == "dent"
-                                                                    else (sphere_sag, uniform_radii())))
-    mount_mesh = mount(scene, scene.material("black", {"type": "absorber"}, (0, 0, 0), doubleSided=True))
+    material = glass(scene, "glass", IOR, THICKNESS)
+    black = scene.material("black", {"type": "absorber"}, (0, 0, 0), doubleSided=True)
     scene.node("camera", sensor={"type": "lightField", "focalLength": "50mm", "imageDistance": "60mm", "lensDiameter": "20mm",
                                  "spatialResolution": [160, 120], "angularResolution": [9, 9], "pixelSize": "4um"})
-    scene.node("lens", mesh=lens_mesh, translation=[0, 0, CENTRE])
-    scene.node("mount", mesh=mount_mesh, translation=[0, 0, CENTRE])
+    if defect == "exact":
+        face = {"radius": "310mm", "semiDiameter": "14mm"}
+        scene.node("lens", translation=[0, 0, CENTRE - THICKNESS / 2],
+                   surface={"type": "lens", "surfaces": [dict(face, thickness="6mm", material="glass"), dict(face, radius="-310mm")], "rim": "glass"})
+        scene.node("mount", translation=[0, 0, CENTRE], surface={"type": "disc", "radius": "30mm", "holeRadius": "14mm", "material": "black"})
+    else:
+        lens_mesh = lens(scene, material, *((dented_sag, dent_radii()) if defect == "dent" else (sphere_sag, uniform_radii())))
+        mount_mesh = mount(scene, black)
+        scene.node("lens", mesh=lens_mesh, translation=[0, 0, CENTRE])
+        scene.node("mount", mesh=mount_mesh, translation=[0, 0, CENTRE])
     if defect == "bubble":
         air = glass(scene, "air", 1, 2 * BUBBLE_RADIUS, priority=1)
         scene.node("bubble", mesh=scene.mesh("bubble", air, *ball(BUBBLE_RADIUS, 5)), translation=[0, 0, CENTRE])
     # Half a turn about y: emitters shine along -z, the camera is on the other side.
     scene.node("panel", translation=[0, 0, -0.384022], rotation=[0, 1, 0, 0],
                emitter={"type": "parallel", "size": ["60mm", "60mm"], "halfAngle": "0.5deg", "radiance": 1})
-    return scene.glb()
+    return scene.gltf() if defect == "exact" else scene.glb()
 
 
 def files():
-    return {"report-%s.glb" % defect: experiment(defect) for defect in ("clean", "bubble", "dent")}
+    meshes = {"report-%s.glb" % defect: experiment(defect) for defect in ("clean", "bubble", "dent")}
+    return dict(meshes, **{"report-exact.gltf": experiment("exact")})

@@ -75,6 +75,8 @@ def tape():
                               [(0, 1, 2), (0, 2, 3)])
             scene.node("%s %d" % (name, 20 * i), mesh=mesh, translation=[0.0075 * (i - 1.5), y, 0], rotation=turn)
     scene.node("coaxial", translation=[0, 0, 0.05], emitter={"type": "coaxial", "size": ["44mm", "44mm"], "halfAngle": "15deg", "radiance": 1})
+    # Off, until a picture is to show what light from aside does.
+    scene.node("lamp", translation=[0.15, 0, 0.26], rotation=facing((-0.15, 0, -0.26)), emitter={"type": "area", "size": ["40mm", "40mm"], "radiance": 0})
     scene.node("camera", translation=[0, 0, 0.150], sensor={"type": "telecentric", "magnification": 0.25, "workingDistance": "150mm", "fNumber": 8,
                                                             "resolution": [320, 200], "pixelSize": "25um"})
     return scene.gltf()

@@ -23,9 +23,9 @@ enum { MAX_IMAGES = 4, MAX_PANELS = 3, TEXT = 128 };
 
 /* --- numbers ---------------------------------------------------------------------------------------------------- */
 
-/* The images of one panel, one channel each (the mean of what there were), and the first one's standard error. */
+/* The images of one panel, one channel each (the mean of what there were), the first one's standard error, and that one in colour. */
 typedef struct images {
-    mcv_image of[MAX_IMAGES], error;
+    mcv_image of[MAX_IMAGES], error, coloured;
 } images;
 
 static double value(const mcv_image *image, uint32_t column, uint32_t row) { return image->pixels[(size_t)row * image->width + column]; }
@@ -203,6 +203,91 @@ static void say_peak(const images *seen, char *text) {
     snprintf(text, TEXT, "the focus is %.0f times the paper", (double)around[near - RANK] / (double)pixels[count / 2]);
 }
 
+/* One channel of the first image. */
+static mcv_image channel_of(const images *seen, uint32_t channel) {
+    mcv_image plane = seen->coloured;
+    plane.pixels += (size_t)channel * plane.width * plane.height;
+    plane.channels = 1;
+    return plane;
+}
+
+/* Where the left edge of the rightmost bar but one lies in red and in blue. */
+static void say_fringe(const images *seen, char *text) {
+    const mcv_image red = channel_of(seen, 0), blue = channel_of(seen, 2);
+    snprintf(text, TEXT, "red and blue are %.2f px apart", fabs(edge_from(&red, 172, 206, 60, 108) - edge_from(&blue, 172, 206, 60, 108)));
+}
+
+/* The centre of gravity of a line on the screen. */
+static void centre_of(const mcv_image *plane, double centre[2]) {
+    double sum = 0;
+    centre[0] = centre[1] = 0;
+    for (uint32_t row = 0; row < plane->height; ++row)
+        for (uint32_t column = 0; column < plane->width; ++column) {
+            const double v = value(plane, column, row);
+            sum += v;
+            centre[0] += v * column;
+            centre[1] += v * row;
+        }
+    centre[0] /= sum;
+    centre[1] /= sum;
+}
+
+static void say_spectrum(const images *seen, char *text) {
+    const mcv_image red = channel_of(seen, 0), blue = channel_of(seen, 2);
+    double a[2], b[2];
+    centre_of(&red, a);
+    centre_of(&blue, b);
+    snprintf(text, TEXT, "611 and 464 nm are %.1f px apart", hypot(a[0] - b[0], a[1] - b[1]));
+}
+
+/* The bubble of scenes/optics.py within 0.2 mm of its middle, the rod around it from 0.5 to 2 mm. */
+static region about_bubble(double x, double y) {
+    const double off = hypot(x - 0.002, y - 0.0025);
+    return off < 0.2e-3 ? REGION_DEFECT : off > 0.5e-3 && off < 2e-3 ? REGION_SURROUNDINGS : REGION_NONE;
+}
+
+static void say_bubble(const images *seen, char *text) {
+    snprintf(text, TEXT, "contrast to noise %.1f", contrast_to_noise(seen, 64e-6, about_bubble));
+}
+
+typedef struct window {
+    uint32_t left, right, top, bottom;
+} window;
+
+static double mean_of(const mcv_image *image, window w) {
+    double sum = 0;
+    for (uint32_t column = w.left; column < w.right; ++column) sum += mean_of_column(image, column, w.top, w.bottom);
+    return sum / (w.right - w.left);
+}
+
+/* Where the lamp is mirrored, against the same place on the other side of the chart's middle. */
+static void say_glare(const images *seen, char *text) {
+    const double lamp = mean_of(seen->of, (window){122, 158, 64, 102}), none = mean_of(seen->of, (window){66, 102, 64, 102});
+    snprintf(text, TEXT, "the lamp adds %.0f %% to the chart", 100 * (lamp / none - 1));
+}
+
+/* The panels that face the camera. */
+static void say_tape(const images *seen, char *text) {
+    const double tape = mean_of(seen->of, (window){24, 72, 26, 84}), paint = mean_of(seen->of, (window){24, 72, 116, 174});
+    snprintf(text, TEXT, "the tape is %.2f times as bright as paint", tape / paint);
+}
+
+/* Deviation over mean in the middle of the picture, that of the render taken off. */
+static void say_evenness(const images *seen, char *text) {
+    const mcv_image *image = seen->of;
+    double n = 0, sum = 0, squares = 0, errors = 0;
+    for (uint32_t row = image->height / 8; row < image->height - image->height / 8; ++row)
+        for (uint32_t column = image->width / 8; column < image->width - image->width / 8; ++column) {
+            const double v = value(image, column, row), e = value(&seen->error, column, row);
+            n += 1;
+            sum += v;
+            squares += v * v;
+            errors += e * e;
+        }
+    const double mean = sum / n;
+    snprintf(text, TEXT, "uneven by %.0f %%", 100 * sqrt(fmax(squares / n - mean * mean - errors / n, 0)) / mean);
+}
+
 /* --- the gallery ------------------------------------------------------------------------------------------------ */
 
 typedef struct panel {
@@ -263,6 +348,55 @@ static const entry entries[] = {
      {{"wrong: a wide cone, 16°", "scenes/caustic.gltf --set emitters/lamp/halfAngle=8deg --spp 256", NULL},
       {"right: a narrow one, 0.5°", "scenes/caustic.gltf --spp 256", NULL}},
      say_peak},
+    {"loupe",
+     "A single lens and an achromat",
+     "Bars on a light table through two loupes of 100 mm: one lens of N-SF11, and a doublet of N-BK7 and SF5 cemented together, exact "
+     "surfaces and catalogue glass both. Numbers are of the bar at the right.",
+     {{"wrong: a single lens of flint", "scenes/loupe.gltf --sensor singlet --spp 256", NULL},
+      {"right: an achromat", "scenes/loupe.gltf --sensor achromat --spp 256", NULL}},
+     say_fringe},
+    {"prism",
+     "What a prism parts",
+     "A white beam through a prism of 60°, onto a screen 150 mm behind it: light paths bring a line for each of the scene's wavelengths.",
+     {{"wrong: crown, N-BK7", "scenes/prism.gltf --set materials/glass/glass=N-BK7 --spp 64", NULL},
+      {"right: flint, N-SF11", "scenes/prism.gltf --spp 64", NULL}},
+     say_spectrum},
+    {"immersion",
+     "In fluid of its own index",
+     "A glass rod with a bubble of 0.6 mm in a cuvette before a backlight. In water the rod is a lens that hides it; in a fluid of the "
+     "glass's "
+     "index only the bubble is left.",
+     {{"wrong: in water", "scenes/immersion.gltf --set materials/fluid/ior=1.333 --spp 128", NULL},
+      {"right: in fluid of n = 1.5168", "scenes/immersion.gltf --spp 128", NULL}},
+     say_bubble},
+    {"window",
+     "A coated window",
+     "A chart behind a window in which a lamp is mirrored. A coating that leaves 0.4 % of the light takes nine tenths of the glare away.",
+     {{"wrong: bare glass", "scenes/window.gltf --set materials/pane/coating=0 --spp 512", NULL},
+      {"right: coated", "scenes/window.gltf --spp 512", NULL}},
+     say_glare},
+    {"tape",
+     "Light for a retroreflector",
+     "Tape above, white paint below, turned by 0, 20, 40 and 60°. Tape sends light back to where it came from: under a lamp at the "
+     "side it is dark, and through a half mirror before the camera it shines.",
+     {{"wrong: a lamp at 30°", "scenes/tape.gltf --set emitters/coaxial/radiance=0 --set emitters/lamp/radiance=20 --spp 256", NULL},
+      {"right: coaxial light", "scenes/tape.gltf --spp 256", NULL}},
+     say_tape},
+    {"diffuser",
+     "Lamps behind a plate",
+     "Sixteen lamps in a white box behind a plate: clear, and of opal, which passes 60 % diffusely.",
+     {{"wrong: a clear plate", "scenes/diffuser.gltf --set materials/plate/extensions/MCVISI_materials={\"type\":\"sheet\"} --spp 256",
+       NULL},
+      {"right: an opal plate", "scenes/diffuser.gltf --spp 256", NULL}},
+     say_evenness},
+    {"brushed",
+     "Turned metal under a lamp and in a tent",
+     "Turned discs of aluminium, copper and gold on brushed steel. A lamp makes a streak across the grooves, which turns with them; light "
+     "from "
+     "all around shows the metals' colours.",
+     {{"wrong: a small lamp", "scenes/brushed.gltf --spp 128", NULL},
+      {"right: light from all around", "scenes/brushed.gltf --set emitters/lamp/radiance=0 --set emitters/sky/radiance=1 --spp 128", NULL}},
+     say_evenness},
 };
 enum { ENTRIES = sizeof entries / sizeof entries[0] };
 
@@ -298,13 +432,17 @@ static mcv_result grey_of(const mcv_image *image, mcv_image *grey, mcv_error *er
     return MCV_OK;
 }
 
-static mcv_result read_image(const char *path, mcv_image *image, mcv_image *error_image, mcv_error *error) {
+static mcv_result read_image(const char *path, mcv_image *image, mcv_image *coloured, mcv_image *error_image, mcv_error *error) {
     mcv_exr exr;
     MCV_TRY(mcv_exr_read(path, &exr, error));
     mcv_result result = grey_of(&exr.parts[0].image, image, error);
     if (result == MCV_OK && error_image)
         result = exr.part_count > 1 ? grey_of(&exr.parts[1].image, error_image, error)
                                     : mcv_fail(error, MCV_BAD_INPUT, "%s: has no standard errors", path);
+    if (result == MCV_OK && coloured) {
+        *coloured = exr.parts[0].image;
+        exr.parts[0].image.pixels = NULL;
+    }
     mcv_exr_free(&exr);
     return result;
 }
@@ -315,11 +453,12 @@ static mcv_result say_number(const entry *e, int number, const char *renders, ch
     for (int n = 0; n < count_images(e->panels + number) && result == MCV_OK; ++n) {
         char path[4096];
         snprintf(path, sizeof path, "%s/%s-%d-%d.exr", renders, e->name, number, n);
-        result = read_image(path, seen.of + n, n == 0 ? &seen.error : NULL, error);
+        result = read_image(path, seen.of + n, n == 0 ? &seen.coloured : NULL, n == 0 ? &seen.error : NULL, error);
     }
     if (result == MCV_OK) e->say(&seen, text);
     for (int n = 0; n < MAX_IMAGES; ++n) mcv_image_free(seen.of + n);
     mcv_image_free(&seen.error);
+    mcv_image_free(&seen.coloured);
     return result;
 }
 
