@@ -15,7 +15,10 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
  */
 double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values);
 
-/* Is there light that light paths bring to this sensor and camera paths do not? */
+/* π times the light paths per sample: as many as there are pixels in whole tiles. */
+double mcv_light_density(uint32_t width, uint32_t height);
+
+/* Is there light that light paths bring to this sensor and camera paths do not, or with more noise? */
 bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor);
 
 /*
