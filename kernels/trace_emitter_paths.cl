@@ -48,7 +48,7 @@ static void mcv_leave_surface(mcv_world world, uint emitter, mcv_pair place, mcv
     __global const mcv_device_emitter *e = world.emitters + emitter;
     float xi;
     const uint triangle =
-        world.instances[e->instance].first_triangle + mcv_search_cdf(world.emitter_cdf + e->cdf, e->triangle_count, place.x, &xi);
+        world.instances[e->instance].first_triangle + mcv_search_cdf(world.emitter_cdf + e->cdf, e->triangle_count, place.x, place.y, &xi);
     const float root = mcv_sqrt(xi);
     const mcv_surface surface = mcv_surface_at(world, triangle, root * (1.0f - place.y), root * place.y);
 #if MCV_WITH_PARALLEL
@@ -255,7 +255,7 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
     float unused;
     const mcv_pair which = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_CHOICE));
     __global const uint *cdf = world.emitter_cdf + world.frame->light_cdf;
-    const uint emitter = mcv_search_cdf(cdf, world.frame->emitter_count, which.x, &unused);
+    const uint emitter = mcv_search_cdf(cdf, world.frame->emitter_count, which.x, which.y, &unused);
     __global const mcv_device_emitter *e = world.emitters + emitter;
     mcv_light_path path = mcv_leave_emitter(world, emitter, mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_EMITTER)),
                                             mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_SCATTER)));

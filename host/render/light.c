@@ -14,7 +14,7 @@ double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values) {
     double sum = 0;
     for (uint32_t i = 0; i < count; ++i) total += values[i];
     for (uint32_t i = 0; i < count; ++i) {
-        cdf[i] = total > 0 ? (uint32_t)(sum / total * 0x1p24) << 7 : 0;
+        cdf[i] = total > 0 ? (uint32_t)(sum / total * 0x1p31) : 0;
         sum += values[i];
     }
     cdf[count] = 0x80000000u;

@@ -10,7 +10,7 @@
 mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *cdf, mcv_error *error);
 
 /*
- * Cumulative shares in units of 2^-31, whole multiples of 2^-24: as fine as the random numbers, so that each is chosen exactly as often
+ * Cumulative shares in units of 2^-31: as fine as what chooses from them (kernels/choose.h), so that each is chosen exactly as often
  * as its share says. The last entry is 2^31. Returns the sum of the values.
  */
 double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values);
