@@ -197,9 +197,12 @@ bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor) {
         const mcv_device_emitter *e = &packed->emitters[i];
         if (!(e->light_flux > 0)) continue;
         if (e->type == MCV_EMITTER_PARALLEL || e->type == MCV_EMITTER_PROJECTOR) {
-            /* Camera paths find it, too (mcv_light_share in kernels/sight.h), and where they do it better light paths are not worth the
-             * time: where what the film sees is small against the emitter's area times sin²β. */
-            if (mcv_light_density(width, height) * footprint >= (double)e->light_flux) return true;
+            /*
+             * Camera paths find it, too (mcv_light_share in kernels/sight.h). Light paths cost as much again: they are worth it where one
+             * of them brings twice what a camera path does. They do not where what the film sees is small against the emitter's area times
+             * sin²β.
+             */
+            if (mcv_light_density(width, height) * footprint >= 2 * (double)e->light_flux) return true;
             continue;
         }
         if (e->type != MCV_EMITTER_COLLIMATED_BEAM) return true;
