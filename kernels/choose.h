@@ -5,9 +5,12 @@
 
 #include "mcvisi/dialect.h"
 
-/* The i with cdf[i] <= bits < cdf[i + 1], and where between them bits lies, in [0, 1). */
-MCV_FUNCTION uint mcv_search_cdf(__global const uint *cdf, uint count, float xi, float *rest) {
-    const uint bits = (uint)(xi * 2147483648.0f);
+/*
+ * The i with cdf[i] <= bits < cdf[i + 1], and where between them bits lies, in [0, 1). A number xi has 24 bits, too few for the triangles
+ * of a large mesh: 7 more are the last ones of another number, whose first ones alone matter where that is used.
+ */
+MCV_FUNCTION uint mcv_search_cdf(MCV_GLOBAL const uint *cdf, uint count, float xi, float other, float *rest) {
+    const uint bits = (uint)(xi * 2147483648.0f) | ((uint)(other * 16777216.0f) & 127u);
     uint low = 0;
     uint high = count;
     while (high - low > 1) {

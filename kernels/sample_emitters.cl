@@ -67,8 +67,8 @@ static mcv_shadow mcv_sample_directional_of(mcv_meeting at, __global const mcv_d
 static mcv_shadow mcv_sample_environment_of(mcv_world world, mcv_meeting at, __global const mcv_device_emitter *e, mcv_pair pair) {
     mcv_shadow shadow;
     float xi, eta;
-    const uint row = mcv_search_cdf(world.emitter_cdf + e->cdf, e->environment.height, pair.y, &eta);
-    const uint column = mcv_search_cdf(mcv_environment_row(world, e, row), e->environment.width, pair.x, &xi);
+    const uint row = mcv_search_cdf(world.emitter_cdf + e->cdf, e->environment.height, pair.y, pair.x, &eta);
+    const uint column = mcv_search_cdf(mcv_environment_row(world, e, row), e->environment.width, pair.x, pair.y, &xi);
     shadow.direction = mcv_environment_sample(&e->environment, column, row, xi, eta);
     shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, shadow.direction);
     shadow.target = MCV_SKY;
@@ -114,7 +114,7 @@ static mcv_shadow mcv_sample_area_of(mcv_world world, mcv_meeting at, uint emitt
     __global const mcv_device_emitter *e = world.emitters + emitter;
     float xi;
     const uint triangle =
-        world.instances[e->instance].first_triangle + mcv_search_cdf(world.emitter_cdf + e->cdf, e->triangle_count, pair.x, &xi);
+        world.instances[e->instance].first_triangle + mcv_search_cdf(world.emitter_cdf + e->cdf, e->triangle_count, pair.x, pair.y, &xi);
     /* The unit square to a triangle by area. */
     const float root = mcv_sqrt(xi);
     const mcv_surface there = mcv_surface_at(world, triangle, root * (1.0f - pair.y), root * pair.y);
@@ -178,7 +178,7 @@ MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) 
     const mcv_pair choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
     const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_EMITTER);
     float unused;
-    const uint emitter = mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count, choice.x, &unused);
+    const uint emitter = mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count, choice.x, choice.y, &unused);
     const mcv_shadow shadow = mcv_sample_towards(world, meeting, emitter, pair);
 
     /* What the surface makes of it, and the balance heuristic against its own choice. */

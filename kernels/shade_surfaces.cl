@@ -8,15 +8,18 @@
 #include "meet_surface.h"
 
 #if MCV_WITH_LIGHT_TRACING
-/* Do light paths bring what the emitter sends along this path? */
-MCV_FUNCTION int mcv_is_traced(mcv_world world, mcv_slot slot, uint emitter) {
-    return MCV_WORD(slot, trail, 0) == MCV_TRAIL_SMOOTH_SINCE && world.emitters[emitter].light_flux > 0.0f;
+/* What light paths leave of what the emitter sends along this path. */
+MCV_FUNCTION float mcv_camera_share(mcv_world world, mcv_slot slot, uint emitter) {
+    if (MCV_WORD(slot, trail, 0) != MCV_TRAIL_SMOOTH_SINCE || !(world.emitters[emitter].light_flux > 0.0f)) return 1.0f;
+    return 1.0f - mcv_light_share(world, emitter, MCV_LOAD(slot, footprint, 0));
 }
 
 MCV_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, mcv_meeting meeting, mcv_scattering on) {
     const uint before = MCV_WORD(slot, trail, 0);
     uint after = before;
     if (before == MCV_TRAIL_OTHER) return;
+    if (before == MCV_TRAIL_STRAIGHT)
+        MCV_STORE(slot, footprint, 0, mcv_sensor_footprint(world.sensor, mcv_point_to_optical(world.frame, meeting.surface.point).z));
     if (on.density > 0.0f)
         after = mcv_is_wide(world, meeting) ? MCV_TRAIL_DIFFUSE : before == MCV_TRAIL_STRAIGHT ? MCV_TRAIL_OTHER : MCV_TRAIL_GLOSSY;
     else if (before == MCV_TRAIL_DIFFUSE)
@@ -58,12 +61,11 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
 
     const mcv_meeting meeting = mcv_meet_surface(world, slot);
     const uint emitter = world.instances[meeting.surface.instance].emitter;
-#if MCV_WITH_LIGHT_TRACING
-    if (emitter != MCV_NONE && !mcv_is_traced(world, slot, emitter)) {
-#else
     if (emitter != MCV_NONE) {
+        mcv_color met = mcv_emission_met(world, meeting, emitter, media, density, MCV_LOAD(slot, hit, 0));
+#if MCV_WITH_LIGHT_TRACING
+        met = mcv_dim(met, mcv_camera_share(world, slot, emitter));
 #endif
-        const mcv_color met = mcv_emission_met(world, meeting, emitter, media, density, MCV_LOAD(slot, hit, 0));
         MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], met.c[i], radiance.c[i]);
         MCV_STORE_COLOR(slot, radiance, radiance);
     }

@@ -2,7 +2,7 @@
 /*
  * Stage: light paths, as many as camera paths. Each starts at a narrow emitter chosen by flux and goes through smooth surfaces; from the
  * first that spreads light on, if a smooth one came before, it connects each such surface to a place on the sensor's lens, straight or
- * through plates. A beam that comes to the lens itself counts, too. What they bring, camera paths leave out (MCV_TRAIL_…).
+ * through plates. A beam that comes to the lens itself counts, too. What camera paths find as well, both share (mcv_light_share).
  *
  * They carry flux. Radiance on camera paths and flux on these are transported alike where a surface spreads light about its triangle's
  * normal n_g; about another one n_s, flux has the factor |i·n_s||o·n_g|/(|i·n_g||o·n_s|) for going from i to o (Veach 1997, 5.3), without
@@ -48,7 +48,7 @@ static void mcv_leave_surface(mcv_world world, uint emitter, mcv_pair place, mcv
     __global const mcv_device_emitter *e = world.emitters + emitter;
     float xi;
     const uint triangle =
-        world.instances[e->instance].first_triangle + mcv_search_cdf(world.emitter_cdf + e->cdf, e->triangle_count, place.x, &xi);
+        world.instances[e->instance].first_triangle + mcv_search_cdf(world.emitter_cdf + e->cdf, e->triangle_count, place.x, place.y, &xi);
     const float root = mcv_sqrt(xi);
     const mcv_surface surface = mcv_surface_at(world, triangle, root * (1.0f - place.y), root * place.y);
 #if MCV_WITH_PARALLEL
@@ -205,9 +205,10 @@ static mcv_color mcv_pass_plates(mcv_world world, mcv_vec3 origin, uint begun, m
     return left;
 }
 
-/* Sends what arrives at a surface that spreads light to a place on the lens. */
-static void mcv_connect(mcv_world world, mcv_meeting meeting, mcv_color flux, uint media, uint plates, mcv_pair pair, __global uint *splats,
-                        uint replicate, float xi, uint counts[MCV_COUNTER_COUNT]) {
+/* Sends what arrives at a surface that spreads light to a place on the lens; `rival`: an emitter that camera paths find, too, or MCV_NONE.
+ */
+static void mcv_connect(mcv_world world, mcv_meeting meeting, mcv_color flux, uint rival, uint media, uint plates, mcv_pair pair,
+                        __global uint *splats, uint replicate, float xi, uint counts[MCV_COUNTER_COUNT]) {
     mcv_sight sight;
     mcv_film_place place;
     const mcv_vec3 point = mcv_point_to_optical(world.frame, meeting.surface.point);
@@ -231,6 +232,7 @@ static void mcv_connect(mcv_world world, mcv_meeting meeting, mcv_color flux, ui
     const float d = mcv_sqrt(mcv_dot(sight.direction, sight.direction));
     mcv_color value = mcv_tint(mcv_tint(flux, response.value), left);
     value = mcv_dim(value, mcv_flux_correction(meeting, out) * importance * d / (point.z * point.z));
+    if (rival != MCV_NONE) value = mcv_dim(value, mcv_light_share(world, rival, mcv_sensor_footprint(world.sensor, point.z)));
 #if MCV_WITH_ABSORPTION
     value = mcv_tint(value, mcv_medium_transmittance(world, response.media, point.z * d));
 #endif
@@ -253,7 +255,7 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
     float unused;
     const mcv_pair which = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_CHOICE));
     __global const uint *cdf = world.emitter_cdf + world.frame->light_cdf;
-    const uint emitter = mcv_search_cdf(cdf, world.frame->emitter_count, which.x, &unused);
+    const uint emitter = mcv_search_cdf(cdf, world.frame->emitter_count, which.x, which.y, &unused);
     __global const mcv_device_emitter *e = world.emitters + emitter;
     mcv_light_path path = mcv_leave_emitter(world, emitter, mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_EMITTER)),
                                             mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_SCATTER)));
@@ -290,8 +292,8 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
         if (path.smooth && !left_to_camera && world.materials[world.instances[meeting.surface.instance].material].spreads) {
             const mcv_pair pupil = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_EMITTER));
             const float share = path.spread ? 1.0f : mcv_within_range(e, path.length);
-            mcv_connect(seen, meeting, mcv_dim(mcv_tint(path.flux, path.throughput), share), path.media, world.frame->depth - 1u - depth,
-                        pupil, splats, id.replicate, choice.x, counts);
+            mcv_connect(seen, meeting, mcv_dim(mcv_tint(path.flux, path.throughput), share), found_by_chance ? emitter : MCV_NONE,
+                        path.media, world.frame->depth - 1u - depth, pupil, splats, id.replicate, choice.x, counts);
         }
 #endif
         const mcv_pair pair = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_SCATTER));

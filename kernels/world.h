@@ -55,6 +55,7 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
 #if MCV_WITH_LIGHT_TRACING
 #define mcv_sensor_invert MCV_JOIN(mcv_, MCV_SENSOR, _invert)
 #define mcv_sensor_connect MCV_JOIN(mcv_, MCV_SENSOR, _connect)
+#define mcv_sensor_footprint MCV_JOIN(mcv_, MCV_SENSOR, _footprint)
 #endif
 #if MCV_WITH_AIM
 #define mcv_sensor_through MCV_JOIN(mcv_, MCV_SENSOR, _through)

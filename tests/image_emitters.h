@@ -83,6 +83,27 @@ static inline void refuse_emitters(const bad_emitter *cases, size_t count, const
     }
 }
 
+/* Images of this size that are not there, empty, or hold what is no number, for an emitter that is whole but for its `image`. */
+static inline void refuse_images(const char *emitter, uint32_t width, uint32_t height) {
+    char *by_index = text_of("%s\"image\":0", emitter), *by_uri = text_of("%s\"image\":{\"uri\":\"bad_image.exr\"}", emitter);
+    const char *path = MCV_BINARY_DIR "/tests/bad_image.exr";
+    remove(path);
+    refuse_emitters(&(bad_emitter){by_index, "images/0/uri: "}, 1, "no.png");
+    refuse_emitters(&(bad_emitter){by_uri, "emitters/e/image: \"bad_image.exr\" "}, 1, "no.png");
+    free(write_bytes("bad_image.png", "", 0));
+    refuse_emitters(&(bad_emitter){by_index, "images/0 has no pixels"}, 1, "bad_image.png");
+    mcv_image image;
+    BUILD(mcv_image_new(&image, width, height, 1, &builder_error));
+    image.pixels[width + 1] = NAN;
+    const mcv_exr_part part = {.name = "part", .image = image};
+    BUILD(mcv_exr_write(path, &part, 1, NULL, 0, &builder_error));
+    write_png("bad_image.png", width, height); /* the file's own image, which nothing uses */
+    refuse_emitters(&(bad_emitter){by_uri, "emitters/e/image: \"bad_image.exr\" has the value nan in column 1, row 1"}, 1, "bad_image.png");
+    mcv_image_free(&image);
+    free(by_index);
+    free(by_uri);
+}
+
 /*
  * The light that a floor 0.2 m before the emitter throws back, seen whole from aside by a telecentric camera of this field [m] whose chief
  * rays fall in at 45°, against the power that the scene file states: Φ = π/ρ ∫ L dA, and a pixel of side p sees p²/cos 45° of the floor.

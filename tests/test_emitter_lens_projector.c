@@ -201,6 +201,7 @@ static void test_bad_input(void **state) {
          "emitters/e/pixelSize: is missing"},
     };
     refuse_emitters(cases, sizeof cases / sizeof cases[0], "lens_projector.png");
+    refuse_images(NAMED "\"radiance\":1,", 8, 4);
 }
 
 int main(void) {

@@ -182,6 +182,7 @@ static void test_bad_input(void **state) {
          "emitters/e/spatialResolution: is missing"},
     };
     refuse_emitters(cases, sizeof cases / sizeof cases[0], "light_field.png");
+    refuse_images(NAMED "\"radiance\":1,", 20, 12);
 }
 
 int main(void) {

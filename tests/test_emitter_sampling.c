@@ -8,9 +8,11 @@
 #include "elements.h"
 #include "image_emitters.h"
 
+#include "../kernels/choose.h"
 #include "reference/lights.h"
 #include "reference/random.h"
 #include "render/device_scene.h"
+#include "render/light.h"
 #include "scene/emitters.h"
 
 enum { CASES = 1 << 20, RINGS = 8, SECTORS = 32, BINS = RINGS * SECTORS, CELLS = 64 };
@@ -560,8 +562,26 @@ static void test_power_and_back(void **state) {
     }
 }
 
+/* Of a mesh of millions of triangles each is chosen by its share: here one of 2^-26, which 24 bits could not give. */
+static void test_rare_choices(void **state) {
+    (void)state;
+    const double areas[] = {1, 0x1p26 - 2, 1};
+    uint32_t cdf[4], chosen[3] = {0, 0, 0};
+    mcv_write_cdf(cdf, 3, areas);
+    /* All pairs of which the first number is the least or the largest there is, the others have all last bits. */
+    for (uint32_t i = 0; i < 2 * 128; ++i) {
+        float rest;
+        ++chosen[mcv_search_cdf(cdf, 3, i & 1 ? 1 - 0x1p-24f : 0, (float)(0xabc00 + i / 2) * 0x1p-24f, &rest)];
+        assert_true(rest >= 0 && rest < 1);
+    }
+    /* Each number stands for 2^-24: of 128 · 2^24 pairs 32 are 2^-26. */
+    if (chosen[0] != 32 || chosen[1] != 192 || chosen[2] != 32)
+        fail_msg("chosen %u, %u and %u times, must be 32, 192 and 32", chosen[0], chosen[1], chosen[2]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_rare_choices),
         cmocka_unit_test(test_panels),
         cmocka_unit_test(test_meshes),
         cmocka_unit_test(test_images),

@@ -61,7 +61,6 @@ static void expect_irradiance(const char *emitter, double h, double size, const 
         options.replicates = REPLICATES;
         options.last = samples_of(emitter);
         options.seed = 1;
-        options.no_light_paths = true; /* few of them would meet so small a film; test_light_tracing tests them */
         BUILD((reference ? mcv_reference_render : mcv_render)(scene, 0, &options, &film, &stats, &builder_error));
         const mcv_estimate estimate = film_estimate(&film, 0, 1);
         snprintf(name, sizeof name, "%s, %s", what, reference ? "reference" : "device");

@@ -655,6 +655,24 @@ static void test_assets(void **state) {
     free(part);
 }
 
+/* A cone narrower than float32 knows directions is warned of; one that is wide enough is not. */
+static void test_needles(void **state) {
+    (void)state;
+    for (int narrow = 0; narrow < 2; ++narrow) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+                 "\"nodes\":[{\"extensions\":{\"MCVISI_emitters\":{\"emitter\":0}}}],"
+                 "\"extensions\":{\"MCVISI_emitters\":{\"emitters\":[{\"name\":\"back\",\"type\":\"parallel\",\"size\":0.1,"
+                 "\"radiance\":1,\"halfAngle\":%s}]}}}",
+                 narrow ? "0.9e-7" : "1.1e-7");
+        mcv_scene *scene = must_load(text, NULL);
+        assert_int_equal(scene->warning_count, narrow);
+        if (narrow) assert_warns(scene, "emitter \"back\": a half-angle of 9e-08 rad is less than directions are known to (1e-07 rad)");
+        mcv_scene_free(scene);
+    }
+}
+
 /* Extras other than a note are counted, nothing else about them is said. */
 static void test_extras(void **state) {
     (void)state;
@@ -698,23 +716,15 @@ static void test_metals(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_primitives),
-                                       cmocka_unit_test(test_accessors),
-                                       cmocka_unit_test(test_normals),
-                                       cmocka_unit_test(test_hierarchy),
-                                       cmocka_unit_test(test_mirrored),
-                                       cmocka_unit_test(test_made_by_hand),
-                                       cmocka_unit_test(test_materials),
-                                       cmocka_unit_test(test_metals),
-                                       cmocka_unit_test(test_textures),
-                                       cmocka_unit_test(test_glb),
-                                       cmocka_unit_test(test_cameras),
-                                       cmocka_unit_test(test_rectangle),
-                                       cmocka_unit_test(test_power_of_meshes),
-                                       cmocka_unit_test(test_overrides),
-                                       cmocka_unit_test(test_ambiguous_name),
-                                       cmocka_unit_test(test_extras),
-                                       cmocka_unit_test(test_pose),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_primitives),      cmocka_unit_test(test_accessors),
+                                       cmocka_unit_test(test_normals),         cmocka_unit_test(test_hierarchy),
+                                       cmocka_unit_test(test_mirrored),        cmocka_unit_test(test_made_by_hand),
+                                       cmocka_unit_test(test_materials),       cmocka_unit_test(test_metals),
+                                       cmocka_unit_test(test_textures),        cmocka_unit_test(test_glb),
+                                       cmocka_unit_test(test_cameras),         cmocka_unit_test(test_rectangle),
+                                       cmocka_unit_test(test_power_of_meshes), cmocka_unit_test(test_overrides),
+                                       cmocka_unit_test(test_ambiguous_name),  cmocka_unit_test(test_needles),
+                                       cmocka_unit_test(test_extras),          cmocka_unit_test(test_pose),
                                        cmocka_unit_test(test_assets)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

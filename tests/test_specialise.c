@@ -134,10 +134,11 @@ static void expect_nothing_unneeded(const char *what, uint32_t features, uint32_
     restore_sources();
     for (int p = 0; p < PROGRAMS; ++p) full[p] = preprocess(programs[p], options);
     /* Of light paths, which belong to no element. */
-    static const char *const light[] = {"mcv_splat(", "mcv_leave_trail", "_invert(", "_connect(", "_emit("};
-    for (int p = 0; p < PROGRAMS * 5; ++p)
-        if (!(features & BIT(LIGHT_TRACING)) && strstr(full[p / 5], light[p % 5]))
-            fail_msg("%s: %s.cl holds %s without light-tracing", what, programs[p / 5], light[p % 5]);
+    static const char *const light[] = {"mcv_splat(", "mcv_leave_trail", "_invert(", "_connect(", "_footprint(", "_emit("};
+    enum { OF_LIGHT = sizeof light / sizeof light[0] };
+    for (int p = 0; p < PROGRAMS * OF_LIGHT; ++p)
+        if (!(features & BIT(LIGHT_TRACING)) && strstr(full[p / OF_LIGHT], light[p % OF_LIGHT]))
+            fail_msg("%s: %s.cl holds %s without light-tracing", what, programs[p / OF_LIGHT], light[p % OF_LIGHT]);
     for (size_t i = 0; i < sizeof element_headers / sizeof element_headers[0]; ++i)
         if (!(element_headers[i].features & features)) empty_header(element_headers[i].path);
     for (uint32_t s = 0; s < MCV_SENSOR_COUNT; ++s)

@@ -252,6 +252,7 @@ static mcv_result open_splats(mcv_cl *cl, const mcv_sensor *sensor, mcv_device_s
     frame->splat_scale = (float)(1 / mcv_splat_unit(packed, sensor, frame));
     frame->log2_pixels = 6;
     while ((uint64_t)1 << frame->log2_pixels < 64 * (uint64_t)tiles) ++frame->log2_pixels;
+    frame->light_density = (float)mcv_light_density(frame->width, frame->height);
     MCV_TRY(mcv_cl_buffer(cl, "what light paths bring", bytes, NULL, &device->splats, error));
     MCV_TRY_CL(clEnqueueFillBuffer(cl->queue, device->splats, &nothing, sizeof nothing, 0, bytes, 0, NULL, NULL), error);
     return MCV_OK;

@@ -14,7 +14,7 @@ double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values) {
     double sum = 0;
     for (uint32_t i = 0; i < count; ++i) total += values[i];
     for (uint32_t i = 0; i < count; ++i) {
-        cdf[i] = total > 0 ? (uint32_t)(sum / total * 0x1p24) << 7 : 0;
+        cdf[i] = total > 0 ? (uint32_t)(sum / total * 0x1p31) : 0;
         sum += values[i];
     }
     cdf[count] = 0x80000000u;
@@ -140,8 +140,11 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
     return MCV_OK;
 }
 
-/* W |d|/z² over the density with which o is chosen, for a point on the axis; 0: light paths cannot reach this type of sensor. */
-static double brightness_of_point(const mcv_sensor *sensor, float z) {
+/*
+ * What a sensor makes of a point on its axis at the depth z: its brightness, W |d|/z² over the density with which o is chosen; and a
+ * pixel's footprint there [m²]. False: light paths cannot reach this type of sensor.
+ */
+static bool look_at_point(const mcv_sensor *sensor, float z, double *brightness, double *footprint) {
     mcv_sight sight;
     mcv_film_place place;
     const mcv_vec3 point = mcv_vec(0, 0, z);
@@ -151,7 +154,9 @@ static double brightness_of_point(const mcv_sensor *sensor, float z) {
         mcv_##name device; \
         mcv_##name##_prepare(&sensor->as.name, &device); \
         const double area = mcv_##name##_connect(&device, point, 0.5f, 0.5f, &sight); \
-        return area * mcv_##name##_invert(&device, sight, &place) / ((double)z * z); \
+        *brightness = area * mcv_##name##_invert(&device, sight, &place) / ((double)z * z); \
+        *footprint = mcv_##name##_footprint(&device, z); \
+        return *brightness > 0; \
     }
         REACH(pinhole, PINHOLE)
         REACH(thin_lens, THIN_LENS)
@@ -159,17 +164,47 @@ static double brightness_of_point(const mcv_sensor *sensor, float z) {
         REACH(light_field, LIGHT_FIELD)
 #undef REACH
     default:
-        return 0;
+        return false;
     }
 }
+
+/* No surface lies deeper before the sensor. */
+static double greatest_depth(const mcv_packed *packed, const mcv_sensor *sensor) {
+    const double *m = sensor->to_world.m;
+    double depth = 0;
+    for (uint32_t i = 0; i < packed->instance_count; ++i) {
+        double z = 0;
+        for (int k = 0; k < 3; ++k) {
+            const double axis = -m[3 * k + 2];
+            z += axis * ((axis > 0 ? packed->boxes[i].upper : packed->boxes[i].lower)[k] - m[9 + k]);
+        }
+        if (isfinite(z)) depth = fmax(depth, z);
+    }
+    return depth;
+}
+
+double mcv_light_density(uint32_t width, uint32_t height) { return pi * 64 * ((width + 7) / 8) * ((height + 7) / 8); }
 
 bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor) {
     const bool smooth = smooth_ball(packed).radius > 0;
     const double *m = sensor->to_world.m;
-    if (!(brightness_of_point(sensor, 1) > 0)) return false;
+    const double depth = greatest_depth(packed, sensor);
+    double brightness, footprint;
+    uint32_t width, height;
+    if (!(depth > 0) || !look_at_point(sensor, (float)depth, &brightness, &footprint)) return false;
+    mcv_sensor_film_size(sensor, &width, &height);
     for (uint32_t i = 0; i < packed->emitter_count; ++i) {
         const mcv_device_emitter *e = &packed->emitters[i];
         if (!(e->light_flux > 0)) continue;
+        if (e->type == MCV_EMITTER_PARALLEL || e->type == MCV_EMITTER_PROJECTOR) {
+            /*
+             * Camera paths find it, too (mcv_light_share in kernels/sight.h). Light paths cost as much again: they are worth it where one
+             * of them brings twice what a camera path does. They do not where what the film sees is small against the emitter's area times
+             * sin²β.
+             */
+            if (mcv_light_density(width, height) * footprint >= 2 * (double)e->light_flux) return true;
+            continue;
+        }
         if (e->type != MCV_EMITTER_COLLIMATED_BEAM) return true;
         /* Both the beam's axis and the node's z point to where the light goes. */
         const double towards = e->beam.axis[0] * m[2] + e->beam.axis[1] * m[5] + e->beam.axis[2] * m[8];
@@ -185,7 +220,9 @@ double mcv_splat_unit(const mcv_packed *packed, const mcv_sensor *sensor, const 
         for (int k = 0; k < 3; ++k) flux = fmax(flux, (double)packed->emitters[i].radiance[k] * packed->emitters[i].light_flux);
     }
     const double distance = fmax(sqrt((double)t[0] * t[0] + (double)t[1] * t[1] + (double)t[2] * t[2]), mcv_packed_size(packed) / 16);
-    const double typical = flux / pi * brightness_of_point(sensor, (float)distance);
+    double brightness = 0, footprint;
+    look_at_point(sensor, (float)distance, &brightness, &footprint);
+    const double typical = flux / pi * brightness;
     const double exponent = isfinite(typical) && typical > 0 ? floor(log2(typical)) - 16 : 0;
     return exp2(fmin(fmax(exponent, -100), 100));
 }

@@ -10,12 +10,15 @@
 mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *cdf, mcv_error *error);
 
 /*
- * Cumulative shares in units of 2^-31, whole multiples of 2^-24: as fine as the random numbers, so that each is chosen exactly as often
+ * Cumulative shares in units of 2^-31: as fine as what chooses from them (kernels/choose.h), so that each is chosen exactly as often
  * as its share says. The last entry is 2^31. Returns the sum of the values.
  */
 double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values);
 
-/* Is there light that light paths bring to this sensor and camera paths do not? */
+/* π times the light paths per sample: as many as there are pixels in whole tiles. */
+double mcv_light_density(uint32_t width, uint32_t height);
+
+/* Is there light that light paths bring to this sensor and camera paths do not, or with more noise? */
 bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor);
 
 /*

@@ -133,8 +133,7 @@ static mcv_result open_scene(renderer *r, const mcv_scene *scene, uint32_t senso
                            .depth = r->options->depth};
     MCV_TRY(mcv_device_scene_place(&r->cl, scene, sensor, &r->scene, &r->frame, r->error));
     if (r->scene.splats) {
-        /* As many light paths as there are pixels in whole tiles share each sample. */
-        const double paths = 64.0 * ((r->film->width + 7) / 8) * ((r->film->height + 7) / 8);
+        const double paths = 64.0 * ((r->film->width + 7) / 8) * ((r->film->height + 7) / 8); /* as in mcv_light_density */
         MCV_TRY(mcv_film_take_splats(r->film, 1 / ((double)r->frame.splat_scale * paths), r->error));
     }
     return mcv_schedule_aim(&r->schedule, &r->frame, r->stats, r->error);

@@ -2,6 +2,7 @@
 /* A glTF document to a scene: read, split, parse, override, validate, open buffers, then walk the nodes. */
 #include "scene/load.h"
 
+#include "scene/emitters.h"
 #include "scene/overrides.h"
 #include "scene/params.h"
 #include "scene/transform.h"
@@ -93,6 +94,21 @@ static mcv_result warn_unused(mcv_loader *loader, mcv_error *error) {
     for (size_t i = 0; i < loader->emitter_count; ++i)
         if (!loader->emitter_uses[i])
             MCV_TRY(mcv_scene_warn(loader->scene, error, "emitters/%zu \"%s\" is on no node of the scene", i, loader->emitters[i].name));
+    return MCV_OK;
+}
+
+/* Directions of float32 are known to 6e-8. */
+static const double least_cone = 1e-7;
+
+static mcv_result warn_of_needles(mcv_scene *scene, mcv_error *error) {
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) {
+        const double half_angle = mcv_emitter_half_angle(&scene->emitters[i]);
+        if (half_angle < least_cone)
+            MCV_TRY(mcv_scene_warn(scene, error,
+                                   "emitter \"%s\": a half-angle of %.3g rad is less than directions are known to (%g rad), a sensor that "
+                                   "looks into it may see black: let it be wider, or make it a collimatedBeam",
+                                   scene->emitters[i].name, half_angle, least_cone));
+    }
     return MCV_OK;
 }
 
@@ -380,6 +396,7 @@ mcv_result mcv_scene_load_again(const char *path, mcv_overrides overrides, mcv_k
     if (result == MCV_OK) result = load_nodes(&loader, &world, error);
     if (result == MCV_OK) mcv_scene_settle_spectra(*scene);
     if (result == MCV_OK) result = warn_unused(&loader, error);
+    if (result == MCV_OK) result = warn_of_needles(*scene, error);
     (*scene)->fingerprint = loader.fingerprint;
     mcv_load_finish(&loader);
     if (result == MCV_OK) return MCV_OK;

@@ -60,7 +60,8 @@ typedef struct mcv_frame {
     uint log2_pixels;  /* the pixels, numbered by tiles, fit into so many bits */
     float splat_scale; /* units of the splats per pixel value: a power of two */
     uint solid_count;
-    uint padding[28];
+    float light_density; /* π times the light paths per sample */
+    uint padding[27];
 } mcv_frame;
 MCV_ASSERT_SIZE(mcv_frame, 256);
 

@@ -90,6 +90,12 @@ MCV_FUNCTION float mcv_light_field_connect(MCV_CONSTANT const mcv_light_field *s
     sight->direction = mcv_vec((point.x - sight->origin.x) / point.z, (point.y - sight->origin.y) / point.z, 1.0f);
     return 4.0f * sensor->radius * sensor->radius;
 }
+
+/* A macro pixel's, shared out among its sensor pixels. */
+MCV_FUNCTION float mcv_light_field_footprint(MCV_CONSTANT const mcv_light_field *sensor, float z) {
+    const float macro = sensor->slope_x * sensor->slope_y * (float)(sensor->binning_x * sensor->binning_y);
+    return macro * z * z / (float)(sensor->angular_width * sensor->angular_height);
+}
 #endif
 
 #endif

@@ -48,6 +48,10 @@ MCV_FUNCTION float mcv_pinhole_connect(MCV_CONSTANT const mcv_pinhole *sensor, m
     sight->direction = mcv_vec(point.x / point.z, point.y / point.z, 1.0f);
     return 1.0f;
 }
+
+MCV_FUNCTION float mcv_pinhole_footprint(MCV_CONSTANT const mcv_pinhole *sensor, float z) {
+    return sensor->slope_x * sensor->slope_y * z * z;
+}
 #endif
 
 #endif

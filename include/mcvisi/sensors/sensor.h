@@ -22,9 +22,9 @@
  *     mcv_<name>              what the device needs of them, 4-byte scalars
  *     mcv_<name>_sample       pixel and aperture sample -> ray of sight
  *     mcv_<name>_through      pixel and point of the pupil in its radii -> ray of sight; where the pupil is a disk that each pixel sees
- *     mcv_<name>_connect, mcv_<name>_invert    for light paths, see below; a sensor without them is not reached by any
- * whole one line in MCV_SENSORS (mcvisi/elements.h), and in host/scene/sensors.c mcv_<name>_resolve      fills in parameters that follow
- * from others, refuses contradictions mcv_<name>_prepare      parameters -> device struct, in double
+ *     mcv_<name>_connect, mcv_<name>_invert, mcv_<name>_footprint    for light paths, see below; a sensor without them is not reached by
+ * any whole one line in MCV_SENSORS (mcvisi/elements.h), and in host/scene/sensors.c mcv_<name>_resolve      fills in parameters that
+ * follow from others, refuses contradictions mcv_<name>_prepare      parameters -> device struct, in double
  */
 #ifndef MCVISI_SENSORS_SENSOR_H
 #define MCVISI_SENSORS_SENSOR_H
@@ -86,6 +86,7 @@ typedef struct mcv_film_place {
  *     mcv_<name>_invert    the ray's place on the film, and W [1/m²]; 0 where lens or stop end the ray. The inverse of mcv_<name>_sample.
  *     mcv_<name>_connect   a ray of sight to a point z > 0 of the optical frame, with o chosen of the aperture; returns the inverse
  *                          of o's density [m²]
+ *     mcv_<name>_footprint the area across the axis that a pixel sees at the depth z, through one place on the lens [m²]
  *
  * A point of intensity J towards o adds J |d|/z² W over that density; light of the flux Φ that goes along the ray of sight, Φ |d|⁴ W.
  */

@@ -91,6 +91,11 @@ MCV_FUNCTION float mcv_telecentric_connect(MCV_CONSTANT const mcv_telecentric *s
     sight->origin = mcv_vec(mcv_fma(-point.z, sight->direction.x, point.x), mcv_fma(-point.z, sight->direction.y, point.y), 0.0f);
     return MCV_PI * stop * stop * point.z * point.z;
 }
+
+MCV_FUNCTION float mcv_telecentric_footprint(MCV_CONSTANT const mcv_telecentric *sensor, float z) {
+    (void)z;
+    return sensor->pixel_x * sensor->pixel_y;
+}
 #endif
 
 #endif

@@ -65,6 +65,10 @@ MCV_FUNCTION float mcv_thin_lens_connect(MCV_CONSTANT const mcv_thin_lens *senso
     sight->direction = mcv_vec((point.x - sight->origin.x) / point.z, (point.y - sight->origin.y) / point.z, 1.0f);
     return MCV_PI * sensor->radius * sensor->radius;
 }
+
+MCV_FUNCTION float mcv_thin_lens_footprint(MCV_CONSTANT const mcv_thin_lens *sensor, float z) {
+    return sensor->slope_x * sensor->slope_y * z * z;
+}
 #endif
 
 #endif
