@@ -22,6 +22,11 @@ def box(low, high, outside=True):
     return positions, triangles
 
 
+def square(half):
+    """Corners and triangles of a square of the xy plane about the origin; it faces +z."""
+    return [(-half, -half, 0), (half, -half, 0), (half, half, 0), (-half, half, 0)], [(0, 1, 2), (0, 2, 3)]
+
+
 def face(mesh, *indices):
     """The given faces of a box as a mesh of their own."""
     positions, triangles = mesh
@@ -73,7 +78,7 @@ def depth_of_field():
         scene.node("block %d" % i, mesh=block, translation=[x, 0, z], rotation=facing((0.5, 0, -1)))
     window = scene.mesh("window", scene.material("window", {"type": "sheet", "ior": 1.52}, doubleSided=True,
                                                  extensions={"KHR_materials_transmission": {"transmissionFactor": 1}}),
-                        [(-0.05, -0.05, 0), (0.05, -0.05, 0), (0.05, 0.05, 0), (-0.05, 0.05, 0)], [(0, 1, 2), (0, 2, 3)])
+                        *square(0.05))
     scene.node("window", mesh=window, translation=[0, 0, -0.05])
     scene.node("light", translation=[0.1, 0.3, -0.2], rotation=facing((-0.1, -0.3, -0.1)),
                emitter={"type": "area", "size": ["200mm", "200mm"], "radiance": 5})

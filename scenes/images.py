@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What emitters with an image show: a coded pattern thrown on a step, and a light field display before a light field camera."""
 
-from basics import box, diffuse
+from basics import box, diffuse, square
 from gltf import Scene, facing
 
 
@@ -23,8 +23,7 @@ def stripes(width, height):
 def projector():
     """A pattern of 32 x 20 mm falls from the left on a plate with a block, which shifts the bars; seen from above by a telecentric camera."""
     scene = Scene("A telecentric projector throws bars and a letter on a plate with a block: the height shifts the pattern.")
-    scene.node("plate", mesh=scene.mesh("plate", diffuse(scene, "plate", 0.6), [(-0.05, -0.05, 0), (0.05, -0.05, 0), (0.05, 0.05, 0), (-0.05, 0.05, 0)],
-                                        [(0, 1, 2), (0, 2, 3)]))
+    scene.node("plate", mesh=scene.mesh("plate", diffuse(scene, "plate", 0.6), *square(0.05)))
     scene.node("block", mesh=scene.mesh("block", diffuse(scene, "block", 0.6), *box((-0.006, -0.005, 0), (0.006, 0.005, 0.004))),
                translation=[0.004, -0.002, 0])
     # Up is +y here and at the camera, and both look from the same side: the letter reads right.
@@ -42,8 +41,7 @@ def projector():
 def lens_projector():
     """A projector of f 16 mm throws a picture of 64 x 40 mm on a plate with a tall block, 0.25 m away: sharp below, blurred on the block."""
     scene = Scene("A projector with a lens: its picture is sharp on the plate and blurred on the block, which stands before its focus.")
-    scene.node("plate", mesh=scene.mesh("plate", diffuse(scene, "plate", 0.6), [(-0.05, -0.05, 0), (0.05, -0.05, 0), (0.05, 0.05, 0), (-0.05, 0.05, 0)],
-                                        [(0, 1, 2), (0, 2, 3)]))
+    scene.node("plate", mesh=scene.mesh("plate", diffuse(scene, "plate", 0.6), *square(0.05)))
     scene.node("block", mesh=scene.mesh("block", diffuse(scene, "block", 0.6), *box((-0.01, -0.008, 0), (0.01, 0.008, 0.03))),
                translation=[0.012, -0.006, 0])
     # b = f w/(w - f) = 17.094 mm, so that 64 pixels of 68.376 um become 64 mm.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lights that no ray of sight meets, or seldom: collimated beams, the points, spots and suns that Blender exports, and light of 0.5° behind glass."""
 
-from basics import box, diffuse
+from basics import box, diffuse, square
 from gltf import Scene, facing
 from images import stripes
 from report import ball, glass
@@ -10,8 +10,7 @@ from report import ball, glass
 def beam():
     """A light sheet of 0.2 mm falls at 45° on a step, which breaks its line; beside it a round beam throws an image."""
     scene = Scene("A light sheet breaks at a step; a round collimated beam throws an image without blur.")
-    scene.node("plate", mesh=scene.mesh("plate", diffuse(scene, "plate", 0.6), [(-0.05, -0.05, 0), (0.05, -0.05, 0), (0.05, 0.05, 0), (-0.05, 0.05, 0)],
-                                        [(0, 1, 2), (0, 2, 3)]))
+    scene.node("plate", mesh=scene.mesh("plate", diffuse(scene, "plate", 0.6), *square(0.05)))
     scene.node("block", mesh=scene.mesh("block", diffuse(scene, "block", 0.6), *box((-0.008, -0.01, 0), (0.008, 0.01, 0.005))),
                translation=[-0.012, 0, 0])
     scene.node("sheet", translation=[-0.012, -0.08, 0.08], rotation=facing((0, 0.08, -0.08), up=(0, 0, 1)),
@@ -78,8 +77,7 @@ def sky():
 def caustic():
     """A glass ball on paper in slanting light of 0.5°, like the sun's; a diffuse panel above lights the rest."""
     scene = Scene("A glass ball gathers light of 0.5° into a caustic on paper; emitters lamp and panel.")
-    scene.node("paper", mesh=scene.mesh("paper", diffuse(scene, "paper", 0.8), [(-0.1, -0.1, 0), (0.1, -0.1, 0), (0.1, 0.1, 0), (-0.1, 0.1, 0)],
-                                        [(0, 1, 2), (0, 2, 3)]))
+    scene.node("paper", mesh=scene.mesh("paper", diffuse(scene, "paper", 0.8), *square(0.1)))
     scene.node("ball", mesh=scene.mesh("ball", glass(scene, "glass", 1.517, 0.02), *ball(0.010, 5)), translation=[-0.008, 0, 0.0105])
     scene.node("lamp", translation=[-0.088, 0, 0.1058], rotation=facing((0.08, 0, -0.0953), up=(0, 1, 0)),
                emitter={"type": "parallel", "size": ["60mm", "60mm"], "halfAngle": "0.25deg", "power": 0.0043})

@@ -3,7 +3,7 @@
 
 import math
 
-from basics import diffuse
+from basics import diffuse, square
 from gltf import Scene, facing
 from surfaces import plate
 
@@ -57,7 +57,7 @@ def prism():
                emitter={"type": "collimatedBeam", "size": ["0.5mm", "8mm"], "irradiance": 1})
     screen = [leaves[k] + 0.15 * out[k] for k in range(3)]
     paper = diffuse(scene, "paper", 0.8)
-    mesh = scene.mesh("screen", paper, [(-0.02, -0.02, 0), (0.02, -0.02, 0), (0.02, 0.02, 0), (-0.02, 0.02, 0)], [(0, 1, 2), (0, 2, 3)])
+    mesh = scene.mesh("screen", paper, *square(0.02))
     scene.node("screen", mesh=mesh, translation=screen, rotation=facing(out))
     camera = [screen[0] - 0.07 * out[0], screen[1] - 0.07 * out[1], 0.05]
     scene.node("camera", translation=camera, rotation=facing([screen[k] - camera[k] for k in range(3)]),

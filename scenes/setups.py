@@ -7,7 +7,7 @@ note what to change. Cameras see 280 x 210 pixels.
 import math
 import random
 
-from basics import box, diffuse
+from basics import box, diffuse, square
 from gltf import Scene, facing
 
 PIXELS = [280, 210]
@@ -186,7 +186,7 @@ def structured_light(note, pattern, readout):
     """A step of 4 mm under a pattern; the camera looks along -z, the projector from the side by its azimuth."""
     scene = Scene(note)
     grey = diffuse(scene, "part", 0.6)
-    plate = scene.mesh("plate", grey, [(-0.05, -0.05, 0), (0.05, -0.05, 0), (0.05, 0.05, 0), (-0.05, 0.05, 0)], [(0, 1, 2), (0, 2, 3)])
+    plate = scene.mesh("plate", grey, *square(0.05))
     scene.node("plate", mesh=plate)
     scene.node("step", mesh=scene.mesh("step", grey, *box((-0.009, -0.008, 0), (0.009, 0.0, 0.004))))
     scene.node("projector", pose={"target": [0, 0, 0], "distance": "200mm", "azimuth": "-30deg"},

@@ -269,8 +269,8 @@ mcv_result mcv_camera_read_out(const mcv_command *command, const char *path, mcv
 
 static mcv_result expose(const mcv_command *command, const char *path, mcv_exr *exr, const char *grey, bool told, mcv_error *error) {
     const char *unit = NULL;
-    char lens[128];
-    mcv_exposure exposure;
+    char lens[128] = "";
+    mcv_exposure exposure = {0};
     mcv_camera camera = camera_of(command);
     MCV_TRY(read_out(command, path, exr, &camera, &exposure, &unit, lens, error));
     mcv_result result = mcv_ends_in(grey, ".exr") ? write_exr(command, grey, exr, &camera, &exposure, lens, error)

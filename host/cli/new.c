@@ -336,7 +336,7 @@ static void print_choice(const rig *r, const part *p, const char *path) {
 }
 
 mcv_result mcv_verb_new(const mcv_command *command, mcv_error *error) {
-    char path[PATH_MAX], uri[PATH_MAX];
+    char path[PATH_MAX], uri[PATH_MAX] = "";
     part p;
     rig r = {.kind = -1};
     for (int i = 0; i < 3; ++i)

@@ -88,8 +88,8 @@ static mcv_result decode(const char *path, const uint8_t *bytes, size_t size, mc
     const char *type = value_of(header, "descr"); /* '<u2' */
     const char kind = strlen(type) > 4 ? type[2] : 0;
     const size_t item = kind ? (size_t)(type[3] - '0') : 0;
-    const bool known =
-        (type[1] == '<' || type[1] == '|') && ((kind == 'u' && (item == 1 || item == 2)) || (kind == 'f' && (item == 4 || item == 8)));
+    const bool known = kind && (type[1] == '<' || type[1] == '|') &&
+                       ((kind == 'u' && (item == 1 || item == 2)) || (kind == 'f' && (item == 4 || item == 8)));
     const bool fits = shape[0] > 0 && shape[1] > 0 && shape[0] <= MAX_SIDE && shape[1] <= MAX_SIDE && (shape[2] == 1 || shape[2] == 3);
     if (dimensions < 2 || !fits || !known || strncmp(value_of(header, "fortran_order"), "False", 5) != 0)
         return mcv_fail(error, MCV_BAD_INPUT, "%s: must be an array of shape (height, width) or (height, width, 3) of u1, u2, f4 or f8",

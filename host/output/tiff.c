@@ -92,17 +92,8 @@ mcv_result mcv_tiff_write_values(const char *path, const mcv_image *image, int b
     const bool encoded = tiff && encode(tiff, image, bits, values);
     if (tiff) TIFFClose(tiff);
     free(values);
-    mcv_output output;
-    mcv_result result =
-        encoded ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: libtiff: %s", path, last_message[0] ? last_message : "no memory");
-    if (result == MCV_OK) result = mcv_output_open(&output, path, error);
-    if (result == MCV_OK) {
-        result = mcv_output_write(&output, m.bytes, m.size, error);
-        if (result == MCV_OK)
-            result = mcv_output_commit(&output, error);
-        else
-            mcv_output_discard(&output);
-    }
+    const mcv_result result = encoded ? mcv_output_whole(path, m.bytes, m.size, error)
+                                      : mcv_fail(error, MCV_FAILED, "%s: libtiff: %s", path, last_message[0] ? last_message : "no memory");
     free(m.bytes);
     return result;
 }

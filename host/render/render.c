@@ -349,7 +349,7 @@ mcv_result mcv_renderer_render(mcv_renderer *r, const mcv_scene *scene, uint32_t
     const mcv_result result = render(r, scene, sensor);
     free(r->round);
     r->round = NULL;
-    if (result == MCV_DEVICE) { /* what is on the device may be anything */
+    if (result == MCV_DEVICE || result == MCV_FAILED) { /* what is on the device, or on its way, may be anything */
         close_renderer(r);
         memset(r, 0, sizeof *r);
     }
