@@ -87,12 +87,13 @@ static double poisson_p(double mean, double expected, uint32_t seed, double *chi
     return chi2_p(*chi2, *freedom);
 }
 
-/* Each of 5 means at alpha = 1e-3 / 5; the control, a mean that is 8 standard errors off, must be refused at the same level. */
+/* Each of 11 means at alpha = 1e-3 / 11; the control, a mean that is 8 standard errors off, must be refused at the same level. */
 static void test_poisson_chi2(void **state) {
-    static const double means[] = {0.01, 1, 10, 1e3, 1e6};
-    const double alpha = 1e-3 / 5;
+    static const double means[] = {0.01, 0.1, 1, 5, 10, 30, 100, 1e3, 1e4, 1e5, 1e6};
+    enum { COUNT = sizeof means / sizeof means[0] };
+    const double alpha = 1e-3 / COUNT;
     (void)state;
-    for (int i = 0; i < 5; ++i) {
+    for (int i = 0; i < COUNT; ++i) {
         double chi2;
         int freedom;
         double p = poisson_p(means[i], means[i], 1, &chi2, &freedom);

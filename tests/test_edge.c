@@ -220,10 +220,10 @@ enum { REPLICATES = 1000, FIGURES = 9 };
  * Two parallel edges of a bar with shot-like noise (more in the bright): value ± 1.96 uncertainty holds the truth in 95 ± 2 % of 1000
  * pictures, as asked; the standard deviation of such a share is 0.7 %.
  */
-static void test_coverage(void **state) {
+static void check_coverage(double disc) {
     static const char *const names[FIGURES] = {"position",  "tilt",    "dark",  "bright",     "distance",
                                                "MTF(0.25)", "Nyquist", "MTF50", "10-90 width"};
-    const picture p = {.tilt = 5 * M_PI / 180, .place = 30.4, .row = 25, .disc = 1.2, .dark = 40, .bright = 200};
+    const picture p = {.tilt = 5 * M_PI / 180, .place = 30.4, .row = 25, .disc = disc, .dark = 40, .bright = 200};
     const double gap = 60 * cos(p.tilt); /* the second edge, 60 columns to the right */
     double truths[FIGURES] = {p.place, p.tilt, p.dark, p.bright, gap, mtf_of(&p, 0.25), mtf_of(&p, 0.5), 0, 0};
     while (mtf_of(&p, truths[7]) > 0.5) truths[7] += 1e-5;
@@ -231,7 +231,6 @@ static void test_coverage(void **state) {
     int covered[FIGURES] = {0};
     picture second = p;
     mcv_error error = {""};
-    (void)state;
     second.place += 60;
     mcv_readings clean = draw(&p, 120, 50, 0), other = draw(&second, 120, 50, 0), noisy = draw(&p, 120, 50, 0);
     for (size_t i = 0; i < 120 * 50; ++i) {
@@ -255,13 +254,19 @@ static void test_coverage(void **state) {
         mcv_edge_mtf_free(&m);
     }
     for (int k = 0; k < FIGURES; ++k) {
-        print_message("%s: %.1f %%\n", names[k], 100.0 * covered[k] / REPLICATES);
+        print_message("blur %g: %s: %.1f %%\n", disc, names[k], 100.0 * covered[k] / REPLICATES);
     }
     for (int k = 0; k < FIGURES; ++k)
         if (covered[k] < 930 || covered[k] > 970) fail_msg("%s: %d of %d intervals hold the truth", names[k], covered[k], REPLICATES);
     release(&clean);
     release(&other);
     release(&noisy);
+}
+
+static void test_coverage(void **state) {
+    (void)state;
+    check_coverage(1.2);
+    check_coverage(0);
 }
 
 /* --- bad input -------------------------------------------------------------------------------------------------- */

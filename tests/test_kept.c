@@ -119,6 +119,10 @@ static void test_sweep(void **state) {
     json_t *report = program_json("sweep box.gltf --vary sensors/camera/fNumber=4,8,11 --metric mean --resolution 16x16 --spp 4 --json");
     assert_true(number_at(report, "rows") == 3 && number_at(report, "failed") == 0 && number_at(report, "assets_read") == 1);
     json_decref(report);
+    /* Another part is another sweep. */
+    write_box(5);
+    program_fails("sweep box.gltf --vary sensors/camera/fNumber=4,8,11 --metric mean --resolution 16x16 --spp 4 --resume", 3,
+                  "box.gltf or a file that it names has changed");
 }
 
 int main(void) {

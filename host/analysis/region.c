@@ -132,7 +132,7 @@ double mcv_roi_estimate_noise(mcv_readings *readings, const mcv_roi *region, dou
         noise = fmax(least, found[count / 2] / (6 * median_of_normal));
     }
     free(found);
-    readings->estimated = true;
+    readings->estimated = count;
     for (size_t i = 0; i < (size_t)width * region->height; ++i)
         if (region->inside[i]) readings->deviation.pixels[i] = (float)noise;
     return noise;
@@ -140,54 +140,16 @@ double mcv_roi_estimate_noise(mcv_readings *readings, const mcv_roi *region, dou
 
 /* --- figures ---------------------------------------------------------------------------------------------------- */
 
-/* The smallest mean of the cells; its variance, and its covariance with the mean of all n. */
-typedef struct cell {
-    double mean, variance, covariance;
-} cell;
-
-enum { CELLS = 8 };
-
-static cell darkest_cell(const mcv_readings *r, const mcv_roi *region) {
-    uint32_t low[2] = {UINT32_MAX, UINT32_MAX}, high[2] = {0, 0};
-    double sums[CELLS * CELLS] = {0}, variances[CELLS * CELLS] = {0};
-    uint64_t counts[CELLS * CELLS] = {0};
-    for (uint32_t y = 0; y < region->height; ++y)
-        for (uint32_t x = 0; x < region->width; ++x) {
-            if (!region->inside[(size_t)y * region->width + x]) continue;
-            low[0] = x < low[0] ? x : low[0];
-            low[1] = y < low[1] ? y : low[1];
-            high[0] = x >= high[0] ? x + 1 : high[0];
-            high[1] = y >= high[1] ? y + 1 : high[1];
-        }
-    const uint64_t width = high[0] - low[0], height = high[1] - low[1];
-    for (uint32_t y = low[1]; y < high[1]; ++y)
-        for (uint32_t x = low[0]; x < high[0]; ++x) {
-            const size_t i = (size_t)y * region->width + x;
-            const uint64_t k = (y - low[1]) * CELLS / height * CELLS + (x - low[0]) * CELLS / width;
-            if (!region->inside[i]) continue;
-            ++counts[k];
-            sums[k] += r->values.pixels[i];
-            variances[k] += (double)r->deviation.pixels[i] * r->deviation.pixels[i];
-        }
-    cell darkest = {.mean = INFINITY};
-    for (int k = 0; k < CELLS * CELLS; ++k) {
-        const double n = (double)counts[k];
-        if (counts[k] == 0 || 2 * n * CELLS * CELLS < (double)(width * height) || sums[k] / n >= darkest.mean) continue;
-        darkest = (cell){sums[k] / n, variances[k] / (n * n), variances[k] / (n * (double)region->count)};
-    }
-    return darkest;
-}
-
 static mcv_quantity quantity(double value, double variance) { return (mcv_quantity){value, sqrt(fmax(0, variance))}; }
 
 /*
  * Mean m and sample variance V of n values y whose pixels have the variances u²: Var m = Σu²/n², Cov(m, V) = 2 Σ(y - m)u²/(n (n - 1)) and,
  * the noise being normal, Var V = (4 Σ(y - m)²u² - 2 Σu⁴)/(n - 1)², in which the second term takes out the noise that y brings into the
- * first.
+ * first; 2 Σu⁴/(n - 1)² where all is noise. Half of that is the least: few values may lie closer together than their noise.
  */
 typedef struct moments {
     double n, mean, variance, noise;
-    double var_mean, covariance, var_variance;
+    double var_mean, covariance, var_variance, var_without_signal;
 } moments;
 
 static moments find_moments(const mcv_readings *r, const mcv_roi *region) {
@@ -211,27 +173,74 @@ static moments find_moments(const mcv_readings *r, const mcv_roi *region) {
     m.noise = u2_sum / m.n;
     m.var_mean = u2_sum / (m.n * m.n);
     m.covariance = 2 * first / (m.n * freedom);
-    m.var_variance = fmax(0, 4 * second - 2 * u4_sum) / (freedom * freedom);
+    m.var_without_signal = 2 * u4_sum / (freedom * freedom);
+    m.var_variance = fmax(0.5 * m.var_without_signal, (4 * second - 2 * u4_sum) / (freedom * freedom));
     return m;
 }
 
 /*
- * The deviation that is not noise. An estimated noise variance s² has itself the variance 12 s⁴/n, by simulation, and the covariance 2 s⁴/n
- * with V. Near 0 the root has no slope: there the uncertainty of the square is what is left.
+ * The deviation that is not noise, over the mean: √s/m with s = V - noise; var_noise is what an estimate of the noise adds to the variance
+ * of s: from N differences, by simulation, 12/N of its square, less 2/N for its covariance with V of the same pixels. Near 0 the root has
+ * no slope, and the interval reaches up only: s without signal is below `reach` in 95 % of cases.
  */
-static mcv_quantity rms_contrast(const mcv_readings *r, const moments *m) {
-    const double signal = fmax(0, m->variance - m->noise), rms = sqrt(signal) / m->mean;
-    const double var_signal = m->var_variance + (r->estimated ? 8 * m->noise * m->noise / m->n : 0);
-    const double slope2 = 1 / fmax(4 * signal, sqrt(var_signal)), mean2 = m->mean * m->mean;
-    return quantity(rms,
-                    var_signal * slope2 / mean2 + rms * rms * m->var_mean / mean2 - (signal > 0 ? m->covariance / (mean2 * m->mean) : 0));
+static mcv_quantity rms_contrast(const moments *m, double var_noise) {
+    const double signal = fmax(0, m->variance - m->noise), rms = sqrt(signal) / m->mean, mean2 = m->mean * m->mean;
+    const double reach = 1.645 * sqrt(m->var_without_signal + var_noise);
+    double var_root = 0.75 * reach / 1.645; /* below `reach` whatever is large enough: the interval ends at 0 */
+    if (signal > reach) var_root = fmax((m->var_variance + var_noise) / (4 * signal), pow((sqrt(signal) - sqrt(signal - reach)) / 1.96, 2));
+    return quantity(rms, var_root / mean2 + rms * rms * m->var_mean / mean2 - (signal > 0 ? m->covariance / (mean2 * m->mean) : 0));
+}
+
+enum { CELLS = 8 };
+
+/* Adds the region's pixels to the cells of its frame: sums of values and variances, and how many. */
+static void fill_cells(const mcv_readings *r, const mcv_roi *region, double sums[CELLS * CELLS], double variances[CELLS * CELLS],
+                       double counts[CELLS * CELLS], double *whole) {
+    uint32_t low[2] = {UINT32_MAX, UINT32_MAX}, high[2] = {0, 0};
+    for (uint32_t y = 0; y < region->height; ++y)
+        for (uint32_t x = 0; x < region->width; ++x) {
+            if (!region->inside[(size_t)y * region->width + x]) continue;
+            low[0] = x < low[0] ? x : low[0];
+            low[1] = y < low[1] ? y : low[1];
+            high[0] = x >= high[0] ? x + 1 : high[0];
+            high[1] = y >= high[1] ? y + 1 : high[1];
+        }
+    const uint64_t width = high[0] - low[0], height = high[1] - low[1];
+    *whole = (double)(width * height) / (CELLS * CELLS);
+    for (uint32_t y = low[1]; y < high[1]; ++y)
+        for (uint32_t x = low[0]; x < high[0]; ++x) {
+            const size_t i = (size_t)y * region->width + x;
+            const uint64_t k = (y - low[1]) * CELLS / height * CELLS + (x - low[0]) * CELLS / width;
+            if (!region->inside[i]) continue;
+            ++counts[k];
+            sums[k] += r->values.pixels[i];
+            variances[k] += (double)r->deviation.pixels[i] * r->deviation.pixels[i];
+        }
+}
+
+/* 1 less the contrast of an image of 8 x 8 pixels, the cells' means. */
+static mcv_quantity uniformity(const mcv_readings *r, const mcv_roi *region) {
+    double sums[CELLS * CELLS] = {0}, variances[CELLS * CELLS] = {0}, counts[CELLS * CELLS] = {0}, whole;
+    float means[CELLS * CELLS], deviations[CELLS * CELLS];
+    uint8_t inside[CELLS * CELLS];
+    const mcv_readings cells = {.values = {.width = CELLS, .height = CELLS, .channels = 1, .pixels = means},
+                                .deviation = {.width = CELLS, .height = CELLS, .channels = 1, .pixels = deviations}};
+    mcv_roi all = {.width = CELLS, .height = CELLS, .inside = inside};
+    fill_cells(r, region, sums, variances, counts, &whole);
+    for (int k = 0; k < CELLS * CELLS; ++k) {
+        inside[k] = counts[k] > 0 && 2 * counts[k] >= whole;
+        all.count += inside[k];
+        means[k] = (float)(sums[k] / counts[k]);
+        deviations[k] = (float)(sqrt(variances[k]) / counts[k]);
+    }
+    const moments m = find_moments(&cells, &all);
+    const mcv_quantity contrast = rms_contrast(&m, r->estimated ? 12 * m.noise * m.noise / (double)r->estimated : 0);
+    return (mcv_quantity){1 - contrast.value, contrast.uncertainty};
 }
 
 mcv_roi_figures mcv_roi_measure(const mcv_readings *r, const mcv_roi *region) {
     const moments m = find_moments(r, region);
-    const double deviation = sqrt(m.variance), snr = m.mean / deviation, mean2 = m.mean * m.mean;
-    const cell dark = darkest_cell(r, region);
-    const double uniformity = dark.mean / m.mean;
+    const double deviation = sqrt(m.variance), snr = m.mean / deviation;
     mcv_roi_figures f = {
         .count = region->count,
         .smallest = INFINITY,
@@ -239,11 +248,10 @@ mcv_roi_figures mcv_roi_measure(const mcv_readings *r, const mcv_roi *region) {
         .noise = sqrt(m.noise),
         .mean = quantity(m.mean, m.var_mean),
         .deviation = quantity(deviation, m.var_variance / (4 * m.variance)),
-        .rms_contrast = rms_contrast(r, &m),
+        .rms_contrast = rms_contrast(&m, r->estimated ? 10 * m.noise * m.noise / (double)r->estimated : 0),
         .snr = quantity(snr, m.var_mean / m.variance + snr * snr * m.var_variance / (4 * m.variance * m.variance) -
                                  m.mean * m.covariance / (m.variance * m.variance)),
-        .uniformity =
-            quantity(uniformity, (dark.variance - 2 * uniformity * dark.covariance + uniformity * uniformity * m.var_mean) / mean2),
+        .uniformity = uniformity(r, region),
     };
     for (size_t i = 0; i < (size_t)region->width * region->height; ++i) {
         if (!region->inside[i]) continue;

@@ -16,7 +16,7 @@ typedef struct mcv_quantity {
 /* One channel of values and their standard uncertainties. Values that are NaN belong to no region. */
 typedef struct mcv_readings {
     mcv_image values, deviation;
-    bool estimated; /* the deviations, from the values themselves */
+    uint64_t estimated; /* from how many of the values' differences the deviations are; 0: they are known */
 } mcv_readings;
 
 /* A set of pixels. */
@@ -47,9 +47,8 @@ double mcv_roi_estimate_noise(mcv_readings *readings, const mcv_roi *region, dou
 
 /*
  * Of a region: the mean; the deviation of the values from it, noise and all; their noise (the root of the mean of the pixels' variances);
- * rms_contrast, the deviation that is not noise over the mean; snr, mean over deviation; uniformity, the smallest over the mean of all
- * means of 8 x 8 cells of the region's frame that lie in it by half: where several cells are equally dark but for their noise, it comes
- * out too low by up to two of its uncertainties.
+ * rms_contrast, the deviation that is not noise over the mean; snr, mean over deviation; uniformity, 1 less such a contrast of the means
+ * of 8 x 8 cells of the region's frame, those that lie in it by half (the darkest cell would tell more of the noise than of the light).
  */
 typedef struct mcv_roi_figures {
     uint64_t count;

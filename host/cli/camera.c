@@ -223,7 +223,7 @@ static mcv_result report_exposure(const mcv_command *command, const char *path, 
 static void warn(const char *path, const mcv_camera *camera, const mcv_exposure *exposure) {
     const double count = (double)exposure->grey.width * exposure->grey.height * exposure->grey.channels;
     if (exposure->saturated == 0) return;
-    fprintf(stderr, "mcvisi: warning: %s: %llu of %.0f values (%.2g %%) are saturated; the brightest has %.4g of %.4g e- on average\n",
+    fprintf(stderr, "mcvisi: warning: %s: %llu of %.0f values (%.3g %%) are saturated; the brightest has %.4g of %.4g e- on average\n",
             path, (unsigned long long)exposure->saturated, count, 100 * (double)exposure->saturated / count, exposure->brightest,
             camera->full_well);
 }
