@@ -58,11 +58,9 @@ static mcv_span mcv_cylinder_span(float radius, mcv_vec3 p, mcv_vec3 d, int on, 
         const float other = -2.0f * b / a;
         return mcv_span_of(-INFINITY, a > 0.0f ? (other > 0.0f ? other : 0.0f) : INFINITY);
     }
-    const float r = mcv_sqrt(mcv_fma(p.x, p.x, p.y * p.y));
-    const float c = (r - radius) * (r + radius);
-    const float length = mcv_sqrt(a);
-    const float cross = mcv_abs(mcv_difference_of_products(p.x, d.y, p.y, d.x));
-    const float discriminant = mcv_fma(length, radius, -cross) * mcv_fma(length, radius, cross);
+    const float c = mcv_fma(p.x, p.x, mcv_difference_of_products(p.y, p.y, radius, radius));
+    const float cross = mcv_difference_of_products(p.x, d.y, p.y, d.x);
+    const float discriminant = mcv_difference_of_products(a * radius, radius, cross, cross);
     if (!(a > 0.0f)) return c <= 0.0f ? mcv_everywhere() : mcv_nowhere();
     if (!(discriminant > 0.0f)) return mcv_nowhere();
     const float root = mcv_sqrt(discriminant);
@@ -260,13 +258,24 @@ static void mcv_intersect_solid(mcv_world world, uint number, mcv_vec3 origin, m
 
     /* All solids of a lens take the ray from the same place: what they share is met at the same distance, to the last bit. */
     const int here = left != MCV_NONE && world.solids[left >> 3].group == solid->group;
+    const int up = (int)(left & 1u);
+    int on[MCV_PIECE_COUNT];
+    for (uint k = 0; k < MCV_PIECE_COUNT; ++k) on[k] = here && left >> 1 == mcv_surface_of_piece(solid, number, k);
+    if (solid->convex && ((on[0] && !up) || (on[1] && up) || (on[2] && up))) return;
     const float shift = here ? 0.0f : nearest;
     const mcv_vec3 p = mcv_into_frame(solid, here ? from : foot);
     const mcv_vec3 d = mcv_into_frame(solid, direction);
     const float start = -shift;
-    const int up = (int)(left & 1u);
-    int on[MCV_PIECE_COUNT];
-    for (uint k = 0; k < MCV_PIECE_COUNT; ++k) on[k] = here && left >> 1 == mcv_surface_of_piece(solid, number, k);
+
+    /* A disc is a plane: of all there is to know of it little is needed, and stops stand in the way of most rays. */
+    if (solid->side == MCV_SIDE_OPEN && solid->cap[0].terms == 0u && solid->cap[0].curvature == 0.0f) {
+        const float at = (solid->cap[0].z - p.z) / d.z;
+        const mcv_vec3 there = mcv_along(p, at, d);
+        const float squared = mcv_fma(there.x, there.x, there.y * there.y);
+        if (!on[0] && at > start && at < INFINITY && squared <= solid->radius * solid->radius && squared >= solid->hole * solid->hole)
+            mcv_take_exact_hit(world, shift + at, number, 0u, hit);
+        return;
+    }
 
     /* Within the side, above the first cap, below the second. */
     mcv_span span[MCV_PIECE_COUNT];

@@ -7,6 +7,8 @@ from basics import diffuse
 from gltf import Scene, facing
 from report import ball
 
+WAVELENGTHS = ["611.4nm", "549.1nm", "464.2nm"]
+
 
 def plate(scene, name, material, x0, y0, x1, y1, z=0, texcoords=None):
     """A rectangle that faces +z."""
@@ -30,6 +32,7 @@ def ring(count, inner, outer):
 def brushed():
     """Discs of aluminium, copper and gold, turned on a lathe, on a sheet of brushed steel."""
     scene = Scene("Turned discs of three metals on a brushed sheet under a small lamp: highlights lie across the grooves.")
+    scene.wavelengths = WAVELENGTHS
     iron = scene.material("sheet", {"type": "conductor", "metal": "iron", "roughness": 0.3, "anisotropy": 0.7, "anisotropyRotation": "90deg"})
     plate(scene, "sheet", iron, -0.12, -0.09, 0.12, 0.09, -0.0005, texcoords=[(0, 1), (1, 1), (1, 0), (0, 0)])
     for i, metal in enumerate(("aluminium", "copper", "gold")):
@@ -76,7 +79,7 @@ def tape():
             scene.node("%s %d" % (name, 20 * i), mesh=mesh, translation=[0.0075 * (i - 1.5), y, 0], rotation=turn)
     scene.node("coaxial", translation=[0, 0, 0.05], emitter={"type": "coaxial", "size": ["44mm", "44mm"], "halfAngle": "15deg", "radiance": 1})
     # Off, until a picture is to show what light from aside does.
-    scene.node("lamp", translation=[0.15, 0, 0.26], rotation=facing((-0.15, 0, -0.26)), emitter={"type": "area", "size": ["40mm", "40mm"], "radiance": 0})
+    scene.node("lamp", translation=[0.2, 0, 0.15], rotation=facing((-0.2, 0, -0.15)), emitter={"type": "area", "size": ["40mm", "40mm"], "radiance": 0})
     scene.node("camera", translation=[0, 0, 0.150], sensor={"type": "telecentric", "magnification": 0.25, "workingDistance": "150mm", "fNumber": 8,
                                                             "resolution": [320, 200], "pixelSize": "25um"})
     return scene.gltf()

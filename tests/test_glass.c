@@ -93,6 +93,43 @@ static void bad(void **state) {
     mcv_scene_free(scene);
 }
 
+/* Of scene files: the sentence names file, material and parameter. */
+static void bad_files(void **state) {
+    (void)state;
+    static const struct {
+        const char *material, *word;
+    } cases[] = {{"{\"type\": \"dielectric\", \"glass\": \"N-BK77\"}", "glass: \"N-BK77\" must be"},
+                 {"{\"type\": \"dielectric\", \"ior\": 0.9}", "ior"},
+                 {"{\"type\": \"dielectric\", \"ior\": [1.5, 1.5]}", "ior"},
+                 {"{\"type\": \"dielectric\", \"ior\": 1e999}", ""},
+                 {"{\"type\": \"dielectric\", \"ior\": \"NaN\"}", "ior"},
+                 {"{\"type\": \"dielectric\", \"roughness\": 1.5}", "roughness"},
+                 {"{\"type\": \"dielectric\", \"coating\": -0.1}", "coating"},
+                 {"{\"type\": \"conductor\", \"n\": -1, \"k\": 3}", "n: "},
+                 {"{\"type\": \"conductor\", \"n\": 1, \"k\": -3}", "k: "},
+                 {"{\"type\": \"conductor\", \"n\": 1}", "n and k must be given together"},
+                 {"{\"type\": \"conductor\", \"metal\": \"gold\", \"roughness\": -0.1}", "roughness"},
+                 {"{\"type\": \"conductor\", \"metal\": \"goold\"}", "goold"}};
+    const char *path = "test_glass.gltf";
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        mcv_scene *scene;
+        FILE *file = fopen(path, "w");
+        assert_non_null(file);
+        fprintf(file,
+                "{\"asset\": {\"version\": \"2.0\"}, \"extensionsUsed\": [\"MCVISI_materials\"], \"materials\": [{\"name\": \"flint\", "
+                "\"extensions\": {\"MCVISI_materials\": %s}}]}",
+                cases[i].material);
+        assert_int_equal(fclose(file), 0);
+        const mcv_result result = mcv_scene_load(path, (mcv_overrides){NULL, 0}, &scene, &builder_error);
+        remove(path);
+        if (result == MCV_BAD_INPUT) print_message("  %s\n", builder_error.text);
+        const bool named = *cases[i].word == 0 || strstr(builder_error.text, "flint"); /* text that is no JSON has no material yet */
+        if (result != MCV_BAD_INPUT || !strstr(builder_error.text, cases[i].word) || !strstr(builder_error.text, path) || !named)
+            fail_msg("%s: \"%s\" should name %s and flint and say \"%s\"", cases[i].material, result == MCV_OK ? "" : builder_error.text,
+                     path, cases[i].word);
+    }
+}
+
 /* KHR_materials_dispersion is 20/V_d. */
 static void khr_dispersion(void **state) {
     (void)state;
@@ -268,7 +305,7 @@ static void channels(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(catalogue),      cmocka_unit_test(wavelengths), cmocka_unit_test(bad),
+        cmocka_unit_test(catalogue),      cmocka_unit_test(wavelengths), cmocka_unit_test(bad),      cmocka_unit_test(bad_files),
         cmocka_unit_test(khr_dispersion), cmocka_unit_test(furnace),     cmocka_unit_test(channels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

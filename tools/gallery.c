@@ -217,27 +217,20 @@ static void say_fringe(const images *seen, char *text) {
     snprintf(text, TEXT, "red and blue are %.2f px apart", fabs(edge_from(&red, 172, 206, 60, 108) - edge_from(&blue, 172, 206, 60, 108)));
 }
 
-/* The centre of gravity of a line on the screen. */
-static void centre_of(const mcv_image *plane, double centre[2]) {
-    double sum = 0;
-    centre[0] = centre[1] = 0;
-    for (uint32_t row = 0; row < plane->height; ++row)
-        for (uint32_t column = 0; column < plane->width; ++column) {
-            const double v = value(plane, column, row);
-            sum += v;
-            centre[0] += v * column;
-            centre[1] += v * row;
+/* Of all the light, that of the strongest channel of each place. */
+static void say_purity(const images *seen, char *text) {
+    const size_t pixels = (size_t)seen->coloured.width * seen->coloured.height;
+    double strongest = 0, all = 0;
+    for (size_t i = 0; i < pixels; ++i) {
+        double most = 0;
+        for (size_t c = 0; c < 3; ++c) {
+            const double v = (double)seen->coloured.pixels[c * pixels + i];
+            most = fmax(most, v);
+            all += v;
         }
-    centre[0] /= sum;
-    centre[1] /= sum;
-}
-
-static void say_spectrum(const images *seen, char *text) {
-    const mcv_image red = channel_of(seen, 0), blue = channel_of(seen, 2);
-    double a[2], b[2];
-    centre_of(&red, a);
-    centre_of(&blue, b);
-    snprintf(text, TEXT, "611 and 464 nm are %.1f px apart", hypot(a[0] - b[0], a[1] - b[1]));
+        strongest += most;
+    }
+    snprintf(text, TEXT, "%.0f %% of the light is of one wavelength", 100 * strongest / all);
 }
 
 /* The bubble of scenes/optics.py within 0.2 mm of its middle, the rod around it from 0.5 to 2 mm. */
@@ -269,7 +262,7 @@ static void say_glare(const images *seen, char *text) {
 /* The panels that face the camera. */
 static void say_tape(const images *seen, char *text) {
     const double tape = mean_of(seen->of, (window){24, 72, 26, 84}), paint = mean_of(seen->of, (window){24, 72, 116, 174});
-    snprintf(text, TEXT, "the tape is %.2f times as bright as paint", tape / paint);
+    snprintf(text, TEXT, "the tape has %.2f times the paint", tape / paint);
 }
 
 /* Deviation over mean in the middle of the picture, that of the render taken off. */
@@ -357,10 +350,12 @@ static const entry entries[] = {
      say_fringe},
     {"prism",
      "What a prism parts",
-     "A white beam through a prism of 60°, onto a screen 150 mm behind it: light paths bring a line for each of the scene's wavelengths.",
-     {{"wrong: crown, N-BK7", "scenes/prism.gltf --set materials/glass/glass=N-BK7 --spp 64", NULL},
-      {"right: flint, N-SF11", "scenes/prism.gltf --spp 64", NULL}},
-     say_spectrum},
+     "A white beam through a prism of N-SF11, onto a screen 150 mm behind it: light paths bring a line for each of the scene's "
+     "wavelengths, as wide "
+     "as the beam.",
+     {{"wrong: a beam of 8 mm", "scenes/prism.gltf --set emitters/beam/size=[0.008,0.008] --spp 64", NULL},
+      {"right: a slit of 0.5 mm", "scenes/prism.gltf --spp 64", NULL}},
+     say_purity},
     {"immersion",
      "In fluid of its own index",
      "A glass rod with a bubble of 0.6 mm in a cuvette before a backlight. In water the rod is a lens that hides it; in a fluid of the "
@@ -379,7 +374,7 @@ static const entry entries[] = {
      "Light for a retroreflector",
      "Tape above, white paint below, turned by 0, 20, 40 and 60°. Tape sends light back to where it came from: under a lamp at the "
      "side it is dark, and through a half mirror before the camera it shines.",
-     {{"wrong: a lamp at 30°", "scenes/tape.gltf --set emitters/coaxial/radiance=0 --set emitters/lamp/radiance=20 --spp 256", NULL},
+     {{"wrong: a lamp at the side", "scenes/tape.gltf --set emitters/coaxial/radiance=0 --set emitters/lamp/radiance=20 --spp 256", NULL},
       {"right: coaxial light", "scenes/tape.gltf --spp 256", NULL}},
      say_tape},
     {"diffuser",

@@ -42,6 +42,16 @@ static void extend(const mcv_solid *solid, double lower[3], double upper[3]) {
     }
 }
 
+/* Conics are, whatever their constant, where they bulge. */
+static bool is_convex(const mcv_solid *solid) {
+    for (int k = 0; k < 2; ++k) {
+        if (solid->caps[k].curvature * (k ? 1 : -1) > 0) return false;
+        for (int i = 0; i < MCV_ASPHERE_TERMS; ++i)
+            if (solid->caps[k].asphere[i] != 0) return false;
+    }
+    return solid->side != MCV_SIDE_OPEN;
+}
+
 void mcv_pack_solids(const mcv_scene *scene, mcv_packed *packed) {
     for (uint32_t first = 0, end; first < scene->solid_count; first = end) {
         double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -58,7 +68,8 @@ void mcv_pack_solids(const mcv_scene *scene, mcv_packed *packed) {
                                      .extent = {(float)from->half[0], (float)from->half[1]},
                                      .hole = (float)from->hole,
                                      .side = from->side,
-                                     .group = first};
+                                     .group = first,
+                                     .convex = is_convex(from)};
             for (int k = 0; k < 3; ++k) {
                 to->origin[k] = (float)(m[9 + k] + m[3 * k + 2] * middle - packed->centre[k]);
                 for (int axis = 0; axis < 3; ++axis) to->axes[3 * axis + k] = (float)m[3 * k + axis];

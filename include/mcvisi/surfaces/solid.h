@@ -42,7 +42,8 @@ typedef struct mcv_device_solid {
     uint side;       /* MCV_SIDE_… */
     uint group;      /* the first solid of the same lens */
     uint instance[MCV_PIECE_COUNT];
-    uint padding[2];
+    uint convex; /* 1: a ray that leaves it outwards does not meet it again */
+    uint padding;
     mcv_device_cap cap[2];
 } mcv_device_solid;
 MCV_ASSERT_SIZE(mcv_device_solid, 224);
