@@ -4,6 +4,7 @@
 #define MCVISI_TESTS_EXACT_BUILDER_H
 
 #include "scene_builder.h"
+#include "truths.h"
 
 #include "mcvisi/surfaces/solid.h"
 #include "reference/reference.h"
@@ -63,6 +64,7 @@ static inline double crossing(const mcv_vertex *v) { return v->position[2] - v->
 static inline const char *name_of(bool reference) { return reference ? "reference" : "device"; }
 
 static inline void expect_near(const char *what, bool reference, double got, double expected, double tolerance) {
+    note_truth(what, name_of(reference), fabs(got - expected), tolerance);
     if (!(fabs(got - expected) <= tolerance))
         fail_msg("%s, %s: %.12g, not %.12g: off by %.3g, allowed are %.3g", what, name_of(reference), got, expected, got - expected,
                  tolerance);

@@ -4,6 +4,7 @@
 #define MCVISI_TESTS_REFERENCE_CHECKS_H
 
 #include "estimates.h"
+#include "truths.h"
 
 #include "reference/interface.h"
 #include "reference/path.h"
@@ -12,10 +13,14 @@
 /* Half the spacing of the floats below 1: what storing a coordinate or a normal in float32 may change. */
 #define FLOAT_ROUNDING 0x1p-25
 
+/* Which renderer the checks below are about: "device" in tests of the device. */
+static const char *checked = "reference";
+
 /* Prints |value - expected| beside its bound and fails above it. */
 static inline void check(const char *what, double value, double expected, double bound) {
     const double error = fabs(value - expected);
     print_message("  %-58s %.9g, error %.2g, bound %.2g\n", what, value, error, bound);
+    note_truth(what, checked, error, bound);
     if (!(error <= bound)) fail_msg("%s: %.17g instead of %.17g, off by %.3g > %.3g", what, value, expected, error, bound);
 }
 
@@ -35,6 +40,13 @@ static inline double student_two_sided(double t, int freedom) {
     return 1 - (freedom % 2 ? 2 / M_PI * (angle + sin(angle) * sum) : sin(angle) * sum);
 }
 
+/* The t that is exceeded with probability p, to a thousandth of it. */
+static inline double student_two_sided_quantile(double p, int freedom) {
+    double t = 1;
+    while (student_two_sided(t, freedom) > p) t *= 1.001;
+    return t;
+}
+
 /* Rendered with fixed seeds, each check has one outcome; a right renderer would miss this for one seed of a thousand. */
 #define LEVEL 1e-3
 
@@ -45,6 +57,7 @@ static inline void check_mean(const char *what, mcv_estimate estimate, double tr
     const double p = student_two_sided(distance / error, (int)estimate.freedom);
     print_message("  %-58s %.7g, truth %.7g, off %.2g of it, SE %.2g of it, p %.3f\n", what, estimate.mean, truth,
                   fabs(estimate.mean / truth - 1), error / truth, p);
+    note_truth(what, checked, fabs(estimate.mean - truth), slack + student_two_sided_quantile(LEVEL, (int)estimate.freedom) * error);
     if (!(p >= LEVEL)) fail_msg("%s: %.9g instead of %.9g, standard error %.3g, p = %.2g", what, estimate.mean, truth, error, p);
 }
 
@@ -68,6 +81,31 @@ static inline mcv_estimate render_mean(const mcv_scene *scene, uint32_t samples,
     const mcv_estimate estimate = film_estimate(&film, 0, (size_t)film.width * film.height);
     mcv_film_free(&film);
     return estimate;
+}
+
+/* The image mean on the device. */
+static inline mcv_estimate device_mean(const mcv_scene *scene, uint32_t samples, uint32_t depth, mcv_render_stats *stats) {
+    mcv_render_options options = mcv_render_defaults();
+    mcv_film film;
+    options.replicates = REPLICATES;
+    options.last = samples;
+    options.depth = depth;
+    options.seed = 1;
+    BUILD(mcv_render(scene, 0, &options, &film, stats, &builder_error));
+    assert_int_equal(stats->nonfinite, 0);
+    const mcv_estimate estimate = film_estimate(&film, 0, (size_t)film.width * film.height);
+    mcv_film_free(&film);
+    return estimate;
+}
+
+/* check_mean of the device. Each path's value rounds a few times in float32. */
+static inline void check_device_mean(const char *what, const mcv_scene *scene, uint32_t samples, uint32_t depth, double truth,
+                                     double slack) {
+    mcv_render_stats stats;
+    const char *before = checked;
+    checked = "device";
+    check_mean(what, device_mean(scene, samples, depth, &stats), truth, slack + 0x1p-20 * truth);
+    checked = before;
 }
 
 /* A mesh of the scene turned inside out, without normals (so flat), as a new instance. */

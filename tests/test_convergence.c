@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* ctest: label truth */
 /* ctest: label slow */
 /* How the error of an image falls with its samples: as their inverse root with random points, faster with Sobol' points. */
 #include "scene_builder.h"
 
 #include "convergence.h"
+#include "truths.h"
 
 /*
  * The slope of ln RMSE over ln samples. The RMSE of P pixels with noise of their own is uncertain by 1/√(2P) in its logarithm. At most half
@@ -24,6 +26,11 @@ static void test_slopes(void **state) {
     print_message("slope %.3f random, %.3f Sobol'; RMSE %.3g and %.3g after %llu samples\n", slope, steeper,
                   random[CONVERGENCE_STEPS - 1].errors.rmse, sobol[CONVERGENCE_STEPS - 1].errors.rmse,
                   (unsigned long long)random[CONVERGENCE_STEPS - 1].samples);
+    note_truth("T10 slope of the RMSE over samples, random points, a part: -1/2", "device", fabs(slope + 0.5), 0.05);
+    for (int i = 0; i < CONVERGENCE_STEPS; ++i) {
+        note_point("RMSE over samples", "part, random", (double)random[i].samples, random[i].errors.rmse / mcv_film_mean(&truth));
+        note_point("RMSE over samples", "part, Sobol'", (double)sobol[i].samples, sobol[i].errors.rmse / mcv_film_mean(&truth));
+    }
     if (fabs(slope + 0.5) > 0.05) fail_msg("the slope with random points is %.3f instead of -0.50 +- 0.05", slope);
     if (!(steeper < slope - 0.05))
         fail_msg("the slope with Sobol' points, %.3f, is not steeper than that with random ones, %.3f", steeper, slope);
@@ -31,7 +38,27 @@ static void test_slopes(void **state) {
     mcv_scene_free(scene);
 }
 
+/* The report's lens before a light field camera: at most -0.58 with Sobol' points. */
+static void test_slope_of_the_report(void **state) {
+    mcv_scene *scene = NULL;
+    mcv_film truth = {0};
+    mcv_render_stats stats;
+    convergence_point sobol[CONVERGENCE_STEPS] = {{0}};
+    (void)state;
+    BUILD(load_small("report-clean.glb", &scene, &builder_error));
+    BUILD(render_truth(scene, CONVERGENCE_STEPS, &truth, &stats, &builder_error));
+    BUILD(converge(scene, false, MCV_SAMPLER_SOBOL, &truth, CONVERGENCE_STEPS, sobol, &builder_error));
+    const double slope = slope_of_rmse(sobol, CONVERGENCE_STEPS);
+    print_message("report: slope %.3f Sobol'\n", slope);
+    for (int i = 0; i < CONVERGENCE_STEPS; ++i)
+        note_point("RMSE over samples", "report, Sobol'", (double)sobol[i].samples, sobol[i].errors.rmse / mcv_film_mean(&truth));
+    note_truth("T10 slope of the RMSE over samples, Sobol' points, the report's lens: at most -0.58", "device", fmax(0, slope + 1), 0.42);
+    if (!(slope <= -0.58)) fail_msg("the slope with Sobol' points is %.3f, not -0.58 or steeper", slope);
+    mcv_film_free(&truth);
+    mcv_scene_free(scene);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_slopes)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_slopes), cmocka_unit_test(test_slope_of_the_report)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

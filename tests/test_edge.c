@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* ctest: label truth */
 /* Edges whose place and sharpness are known: exact pixels of slanted half-planes, blurred by known spreads. Seeds are fixed. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,6 +14,7 @@
 #include "analysis/blur.h"
 #include "analysis/edge.h"
 #include "analysis/noise.h"
+#include "truths.h"
 
 static double positive(double x) { return x > 0 ? x : 0; }
 
@@ -172,6 +174,7 @@ static void test_mtf(void **state) {
                 if (off > 0.01)
                     fail_msg("tilt %g°, disc %g: MTF(%g) is %g instead of %g", tilts[t], discs[d], f, m.modulation[k].value, truth);
             }
+            note_truth("T25 MTF of an edge behind a box pixel and a disc", "program", worst, 0.01);
             print_message("tilt %g°, disc %g: worst %.2g, MTF50 %.4f\n", tilts[t], discs[d], worst, m.mtf50.value);
             const double f = m.mtf50.value, half = sinc(f * cos(p.tilt)) * sinc(f * sin(p.tilt)) * disc_mtf(p.disc, f);
             if (fabs(half - 0.5) > 0.01) fail_msg("disc %g: the modulation at MTF50 = %g is %g", discs[d], f, half);

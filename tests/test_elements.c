@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* ctest: label truth */
 /*
  * Sensors, emitters and interfaces on the device against the reference's formulas in double, a million cases each.
  * u = 2^-24 is the relative error of one float32 operation; every bound counts operations.
@@ -9,6 +10,7 @@
 #include "reference/random.h"
 #include "reference/sight.h"
 #include "scene/emitters.h"
+#include "truths.h"
 
 enum { CASES = 1 << 20 };
 static const double u = 0x1p-24;
@@ -307,6 +309,9 @@ static void test_cone_samples(void **state) {
          */
         const double s_max = sin(half_angles[h] / 2);
         print_message("cone of %g rad: sine within %.2f u of its largest, cosine within %.2f u\n", half_angles[h], worst / u, worst_z / u);
+        char what[64];
+        snprintf(what, sizeof what, "T21 cone of %g rad: sine of its largest", half_angles[h]);
+        note_truth(what, "device", worst, 12 * u);
         assert_true(worst <= 12 * u);
         assert_true(worst_z <= (1 + 32 * s_max * s_max) * u);
     }
@@ -326,6 +331,8 @@ static void test_refraction(void **state) {
     double worst_angle = 0;
     double worst_fresnel = 0;
     size_t total = 0;
+    enum { BINS = 33 }; /* the last holds what is larger */
+    int histograms[2][BINS] = {{0}};
     (void)state;
     assert_non_null(cases);
     assert_non_null(results);
@@ -367,17 +374,26 @@ static void test_refraction(void **state) {
         const double product = eta * (1 - c1 * c1);
         const double reflectance = 0.5 * perpendicular * (1 + pow((c1 * c2 - product) / (c1 * c2 + product), 2));
         const double ulp = delta > 0 ? 20 : 16 * (1 + fabs(delta) / (c2 * (c1 + c2)));
-        worst_fresnel = fmax(worst_fresnel, fabs(out[0] - reflectance) / (0.5 * perpendicular * 2 * u) / ulp);
+        const double ulps = fabs(out[0] - reflectance) / (0.5 * perpendicular * 2 * u);
+        ++histograms[0][(int)fmin(ulps, BINS - 1)];
+        worst_fresnel = fmax(worst_fresnel, ulps / ulp);
         if (delta == 0) continue;
 
         const ref_vec t = ref_unit(ref_add(ref_scale(eta, d), ref_scale(-delta / sum, n)));
         const ref_vec got = {out[2], out[3], out[4]};
         const double angle = ref_length(ref_sub(got, t));
         const double tangent = sqrt(fmax(0, 1 - c2 * c2)) / c2;
+        ++histograms[1][(int)fmin(angle / (2 * u), BINS - 1)];
         worst_angle = fmax(worst_angle, angle / (4 * u * (1 + eta * tangent)));
     }
     print_message("refraction: direction error at most %.2f of its bound, Fresnel %.2f of its bound, %zu total reflections\n", worst_angle,
                   worst_fresnel, total);
+    note_truth("T12 Fresnel's R of any index step and angle [20 ulp]", "device", worst_fresnel, 1);
+    note_truth("T12 refracted direction of any index step and angle [4 u (1 + n tan t)]", "device", worst_angle, 1);
+    for (int i = 0; i < BINS; ++i) {
+        note_point("ULP of a refraction", "Fresnel's R", i, histograms[0][i]);
+        note_point("ULP of a refraction", "direction", i, histograms[1][i]);
+    }
     assert_true(total > CASES / 20);
     assert_true(worst_fresnel <= 1);
     assert_true(worst_angle <= 1);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* ctest: label truth */
 /* The reference renderer's geometry and interfaces against closed forms. T numbers: the truths' usual names in this project. */
 #include "reference_checks.h"
 

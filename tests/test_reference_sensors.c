@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* ctest: label truth */
 /* The reference renderer's rays of sight: the report's maps, orientation, both radiometries. */
 #include "reference_checks.h"
 
@@ -98,7 +99,7 @@ static void test_focus(void **state) {
             worst = worse(worst, fabs(place.y - (40 - (row + 0.5)) * pixel * scale[i]));
             spread = fmax(spread, hypot(sight.origin.x, sight.origin.y));
         }
-        check(i ? "telecentric: place in focus [m]" : "thin lens: place in focus [m]", worst, 0, place_bound(0.25));
+        check(i ? "T23 telecentric: place in focus [m]" : "T23 thin lens: place in focus [m]", worst, 0, place_bound(0.25));
         assert_true(spread > 0.0025); /* the aperture was used */
         mcv_scene_free(scene);
     }
@@ -125,8 +126,8 @@ static void test_light_field_map(void **state) {
             worst_lens = worse(worst_lens, hypot(sight.origin.x - lens_x, sight.origin.y - lens_y));
         }
     }
-    check("light field: place in focus [m]", worst_focus, 0, place_bound(depth));
-    check("light field: place on the lens [m]", worst_lens, 0, 8 * DBL_EPSILON * 0.01);
+    check("T24 light field: place in focus [m]", worst_focus, 0, place_bound(depth));
+    check("T24 light field: place on the lens [m]", worst_lens, 0, 8 * DBL_EPSILON * 0.01);
     mcv_scene_free(scene);
 
     const mcv_sensor circle = light_field(MCV_APERTURE_CIRCLE);

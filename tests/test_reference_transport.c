@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The reference renderer's light transport: radiance and irradiance that must come out, and that both estimators agree. */
+/* ctest: label truth */
+/* The reference renderer's light transport: radiance and irradiance that must come out, of the device too, and that both estimators
+ * agree. */
 #include "reference_checks.h"
 
 #include <float.h>
@@ -62,6 +64,7 @@ static void test_irradiance_of_areas(void **state) {
         const double truth = reflectance / M_PI * 3 * polygon_irradiance(corners, 4, ref_from(at));
         check_mean("T18 rectangle, sampled", render_mean(scene, 8192, 8, true, &stats), truth, 1e-7 * truth);
         check_mean("T18 rectangle, found by chance", render_mean(scene, 8192, 8, false, &stats), truth, 1e-7 * truth);
+        check_device_mean("T18 rectangle, sampled", scene, 8192, 8, truth, 1e-7 * truth);
         mcv_scene_free(scene);
 
         /* A polygon of N corners in the disk lacks (2π/N)²/6 of its area, and no more of the light than twice that. */
@@ -73,6 +76,7 @@ static void test_irradiance_of_areas(void **state) {
         add_spot_camera(scene, camera, at, 2e-5);
         const double disk = reflectance / 2 * 3 * (1 - (z2 + rho2 - a2) / sqrt(pow(z2 + rho2 + a2, 2) - 4 * a2 * rho2));
         check_mean("T16 disk, sampled", render_mean(scene, 8192, 8, true, &stats), disk, pow(2 * M_PI / CORNERS, 2) / 3 * disk);
+        check_device_mean("T16 disk, sampled", scene, 8192, 8, disk, pow(2 * M_PI / CORNERS, 2) / 3 * disk);
         mcv_scene_free(scene);
     }
 }
@@ -94,6 +98,7 @@ static void test_slab(void **state) {
         snprintf(what, sizeof what, "T14 slab at %d degrees", degrees);
         /* Depth 64 leaves R^62. */
         check_mean(what, render_mean(scene, 8192, 64, true, &stats), truth, 1e-5 * truth + pow(r, 62));
+        check_device_mean(what, scene, 8192, 64, truth, 1e-5 * truth + pow(r, 62));
         mcv_scene_free(scene);
     }
 }
@@ -161,6 +166,9 @@ static void test_diffuse_furnace(void **state) {
                    0);
         check_mean(shape ? "T19 box, with roulette" : "T19 sphere, with roulette", render_mean(scene, 128, 60, true, &stats), 3 / (1 - rho),
                    3 * pow(rho, 60) / (1 - rho));
+        check_device_mean(shape ? "T19 box, depth 7, sampled" : "T19 sphere, depth 7, sampled", scene, 128, 7, truth, 0);
+        check_device_mean(shape ? "T19 box, with roulette" : "T19 sphere, with roulette", scene, 128, 60, 3 / (1 - rho),
+                          3 * pow(rho, 60) / (1 - rho));
         mcv_scene_free(parts);
         mcv_scene_free(scene);
     }

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* ctest: label truth */
 /* Laws of optics that the sensors must keep on the device: magnification, blur, fall-off. */
 #include "elements.h"
 #include "reference_checks.h"
@@ -87,10 +88,10 @@ static void test_telecentric_magnification(void **state) {
     }
     for (int i = 0; i < 3; ++i) {
         char what[64];
-        snprintf(what, sizeof what, "telecentric magnification at %+d mm", 20 * (i - 1));
+        snprintf(what, sizeof what, "T22 telecentric magnification at %+d mm", 20 * (i - 1));
         check(what, magnification[i] / m, 1, 1e-6);
     }
-    check("its change over 40 mm of depth", magnification[2] / magnification[0], 1, 1e-6);
+    check("T22 its change over 40 mm of depth", magnification[2] / magnification[0], 1, 1e-6);
 }
 
 /* A thin lens of 250 x 250 pixels of 10 µm, f = 25 mm at f/2, in focus at s1 = 0.4 m. */
@@ -150,7 +151,7 @@ static void test_blur_by_rays(void **state) {
         }
     }
     assert_true(blur(0.2) > 80 && blur(0.4) == 0);
-    check("thin lens: blur diameter by rays [pixels]", worst, 0, 1e-3);
+    check("T23 thin lens: blur diameter by rays [pixels]", worst, 0, 1e-3);
     mcv_scene_free(scene);
 }
 
@@ -196,7 +197,7 @@ static void test_blur_of_an_edge(void **state) {
         print_message("  blur of an edge at %g m: %.4f pixels, standard error %.2g, formula %.4f\n", depths[i], estimate.mean,
                       sqrt(estimate.variance), blur(depths[i]));
         assert_true(sqrt(estimate.variance) < 0.02);
-        check("thin lens: blur diameter of a rendered edge [pixels]", estimate.mean, blur(depths[i]), 0.1);
+        check("T23 thin lens: blur diameter of a rendered edge [pixels]", estimate.mean, blur(depths[i]), 0.1);
         mcv_film_free(&film);
         mcv_scene_free(scene);
     }
@@ -239,7 +240,7 @@ static void test_cosine_fourth(void **state) {
             truth += axis / pow(1 + x * x + y * y, 2) / (STEPS * STEPS);
         }
         char what[64];
-        snprintf(what, sizeof what, "cos4 of the thin lens, pixel %u, %u [W/m2]", k, k);
+        snprintf(what, sizeof what, "T22 cos4 of the thin lens, pixel %u, %u [W/m2]", k, k);
         /* Midpoint rule: (step/b)²/24 times |cos⁴''| <= 4 in x and y; κ D/2 = 5e-5: its square times as much; 20 u of rounding. */
         const double slack = axis * (2 * 4.0 / 24 * pow(width / b / STEPS, 2) + 8 * 2.5e-9 + 20 * u);
         check_mean(what, film_estimate(&film, (size_t)k * SIZE + k, 1), truth, slack);
@@ -280,14 +281,15 @@ static void test_telecentric_irradiance(void **state) {
     print_message("  telecentric irradiance: pixels within %.2g of %.6g W/m2, %.2f standard errors\n", deviation, truth, worst);
     assert_true(worst <= 7);
     assert_true(deviation < 1e-4); /* constant, not only noisy */
-    check_mean("telecentric irradiance, image [W/m2]", film_estimate(&film, 0, SIZE * SIZE), truth, rounding);
-    check_mean("telecentric irradiance, upper rows", film_estimate(&film, 0, SIZE * (SIZE / 4)), truth, rounding);
-    check_mean("telecentric irradiance, middle rows", film_estimate(&film, SIZE * SIZE / 2, SIZE * (SIZE / 4)), truth, rounding);
+    check_mean("T22 telecentric irradiance, image [W/m2]", film_estimate(&film, 0, SIZE * SIZE), truth, rounding);
+    check_mean("T22 telecentric irradiance, upper rows", film_estimate(&film, 0, SIZE * (SIZE / 4)), truth, rounding);
+    check_mean("T22 telecentric irradiance, middle rows", film_estimate(&film, SIZE * SIZE / 2, SIZE * (SIZE / 4)), truth, rounding);
     mcv_film_free(&film);
     mcv_scene_free(scene);
 }
 
 int main(void) {
+    checked = "device";
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_telecentric_magnification), cmocka_unit_test(test_blur_by_rays),
         cmocka_unit_test(test_blur_of_an_edge),           cmocka_unit_test(test_cosine_fourth),

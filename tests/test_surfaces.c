@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* ctest: label truth */
 /*
  * Exact surfaces: rays through them against closed forms, an independent program's listing and the reference renderer; what goes in comes
  * out; a lens shows what a fine mesh of it shows.
@@ -26,11 +27,11 @@ static void plate(void **state) {
                 assert_int_equal(count, 3);
                 /* Across the ray from where it would be without the plate. */
                 const double x = v[2].position[0] - ray.origin[0], z = v[2].position[2] - ray.origin[2];
-                expect_near("shift", reference, z * s - x * c, t * s * (1 - c / sqrt(n * n - s * s)), reference ? 1e-15 : 2e-6 * t);
+                expect_near("T1 plate: shift [m]", reference, z * s - x * c, t * s * (1 - c / sqrt(n * n - s * s)), reference ? 1e-15 : 2e-6 * t);
                 /* At each interface 4u (1 + η tan θ_t) (accuracy of a refraction), the first of them enlarged by n c_t/c on leaving. */
                 const double inner = s / n, c_t = sqrt(1 - inner * inner), u = 0x1p-24;
                 const double rounding = 4 * u * (1 + inner / (n * c_t)) * n * c_t / c + 4 * u * (1 + n * s / c);
-                expect_near("direction", reference, hypot(v[2].direction[0] - s, v[2].direction[2] - c), 0,
+                expect_near("T1 plate: change of direction", reference, hypot(v[2].direction[0] - s, v[2].direction[2] - c), 0,
                             reference   ? 1e-13
                             : angle < 1 ? 3e-7
                                         : rounding);
@@ -50,7 +51,7 @@ static void single_sphere(void **state) {
         for (int i = 0; i < 3; ++i) {
             mcv_vertex v[DEPTH + 1];
             trace_one(scene, reference, along_z(heights[i], 0, -1), v);
-            expect_near("crossing", reference, crossing(v + 1), known[i], reference ? 1e-9 * known[i] : 2e-5 * known[i]);
+            expect_near("T3 exact sphere: crossing, R = 1", reference, crossing(v + 1), known[i], reference ? 1e-9 * known[i] : 2e-5 * known[i]);
         }
         mcv_scene_free(scene);
     }
@@ -68,7 +69,7 @@ static void ball_lens(void **state) {
         for (int i = 0; i < 2; ++i) {
             mcv_vertex v[DEPTH + 1];
             assert_int_equal(trace_one(scene, reference, along_z(heights[i], 0, -3), v), 3);
-            expect_near("crossing", reference, crossing(v + 2), known[i], reference ? 1e-9 * known[i] : 2e-5 * known[i]);
+            expect_near("T4 exact ball: crossing, R = 1", reference, crossing(v + 2), known[i], reference ? 1e-9 * known[i] : 2e-5 * known[i]);
         }
         mcv_scene_free(scene);
     }
@@ -91,7 +92,7 @@ static void aplanatic(void **state) {
             trace_one(scene, reference, (mcv_trace_ray){{0, 0, -1 / n}, {sin(a), 0, cos(a)}}, v);
             squares += pow(crossing(v + 1) + n, 2);
         }
-        expect_near("spread", reference, sqrt(squares / rays), 0, reference ? 1e-12 : 2e-6);
+        expect_near("T5 aplanatic points: RMS spread, R = 1", reference, sqrt(squares / rays), 0, reference ? 1e-12 : 2e-6);
         mcv_scene_free(scene);
     }
 }
@@ -115,7 +116,7 @@ static void conics_focus(void **state) {
                 const mcv_vertex *last = v + (i ? 1 : 2);
                 /* How far from the axis it crosses the focal plane: 1e-6 of the focal length. */
                 const double at = last->position[0] + (focus[i] - last->position[2]) * last->direction[0] / last->direction[2];
-                expect_near(i ? "ellipsoid" : "hyperboloid", reference, at, 0, reference ? 1e-14 : 1e-6 * focus[i]);
+                expect_near(i ? "T7 ellipsoid: spot, f = 3" : "T6 hyperboloid: spot, f = 2", reference, at, 0, reference ? 1e-14 : 1e-6 * focus[i]);
             }
             mcv_scene_free(scenes[i]);
         }
@@ -134,7 +135,7 @@ static void mirrors(void **state) {
                 mcv_vertex v[DEPTH + 1];
                 trace_one(scene, reference, along_z(h, 0, -3), v);
                 const double focus = conic ? -0.5 : -1 + 1 / (2 * sqrt(1 - h * h));
-                expect_near("focus", reference, crossing(v + 1), focus, reference ? 1e-13 : 2e-6 / h);
+                expect_near(conic ? "T8 paraboloid: focus, R = 1" : "T8 spherical mirror: crossing, R = 1", reference, crossing(v + 1), focus, reference ? 1e-13 : 2e-6 / h);
             }
             mcv_scene_free(scene);
         }
@@ -174,14 +175,14 @@ static void double_gauss(void **state) {
         assert_int_equal(count, N + 1);
         for (int i = 0; i < N; ++i) {
             char what[32];
-            snprintf(what, sizeof what, "height %d [mm]", i + 1);
+            snprintf(what, sizeof what, "T9 double Gauss: height %d [mm]", i + 1);
             expect_near(what, reference, 1e3 * v[i + 1].position[0], heights[i], reference ? 5e-5 : 2e-4);
         }
         /* In its focus, 61.487536 - 0.400269 mm behind the last vertex. */
         const mcv_vertex *last = v + N;
         const double image = z * 1e-3 + 61.087267e-3;
         const double x = last->position[0] + (image - last->position[2]) * last->direction[0] / last->direction[2];
-        expect_near("aberration [mm]", reference, 1e3 * x, 0.014138, reference ? 1e-4 : 3e-4);
+        expect_near("T9 double Gauss: aberration [mm]", reference, 1e3 * x, 0.014138, reference ? 1e-4 : 3e-4);
     }
     mcv_scene_free(scene);
 }

@@ -1,0 +1,346 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* ctest: label truth */
+/* Closed forms that the device and the reference must both meet, beside those of test_surfaces.c and test_reference_*.c. */
+#include "reference_checks.h"
+
+#include "mcvisi/surfaces/solid.h"
+#include "reference/random.h"
+#include "render/render.h"
+
+static const double u = 0x1p-24;
+static const mcv_transform unmoved = {{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}};
+
+/* Vertices of some rays by one of the renderers; the caller frees them. */
+static mcv_vertex *trace_by(bool reference, const mcv_scene *scene, const mcv_trace_ray *rays, size_t n, uint32_t depth, size_t *count) {
+    mcv_render_options options = mcv_render_defaults();
+    mcv_vertex *vertices;
+    options.depth = depth;
+    checked = reference ? "reference" : "device";
+    BUILD((reference ? mcv_reference_trace : mcv_trace)(scene, rays, n, &options, &vertices, count, &builder_error));
+    return vertices;
+}
+
+static mcv_estimate mean_by(bool reference, const mcv_scene *scene, uint32_t samples, uint32_t depth) {
+    mcv_render_stats stats;
+    checked = reference ? "reference" : "device";
+    return reference ? render_mean(scene, samples, depth, true, &stats) : device_mean(scene, samples, depth, &stats);
+}
+
+static void add_solid(mcv_scene *scene, mcv_solid solid, uint32_t material) {
+    solid.to_world = unmoved;
+    BUILD(mcv_scene_add_solid(scene, &solid, "solid", material, material, &builder_error));
+}
+
+/* T2. The faces' normals in float32 are off by 2 u each, each direction by 4 u (1 + η tan θ_t) after each of two interfaces. */
+static void test_prism(void **state) {
+    const double w = 0.5, h = 0.75, n = 1.5, apex = 2 * atan(w / h);
+    float positions[] = {-0.5f, 0, 0, 0.5f, 0, 0, 0, 0.75f, 0, -0.5f, 0, 1, 0.5f, 0, 1, 0, 0.75f, 1};
+    uint32_t indices[] = {3, 4, 5, 0, 2, 1, 0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4, 2, 0, 3, 2, 3, 5};
+    mcv_scene *scene = mcv_scene_new("prism");
+    (void)state;
+    add_instance(scene, &(mcv_mesh){.vertex_count = 6, .triangle_count = 8, .positions = positions, .indices = indices},
+                 add_glass(scene, n, 0, 0), mcv_transform_identity());
+    for (int reference = 0; reference < 2; ++reference)
+        for (int degrees = 56; degrees <= 80; degrees += 4) {
+            const double angle = degrees * M_PI / 180, direction = angle - apex / 2;
+            const mcv_trace_ray ray = {{-0.25 - 2 * cos(direction), 0.375 - 2 * sin(direction), 0.3}, {cos(direction), sin(direction), 0}};
+            size_t count;
+            mcv_vertex *v = trace_by(reference, scene, &ray, 1, 8, &count);
+            assert_int_equal(count, 4);
+            const double deviation = ref_angle(ref_from(ray.direction), ref_from(v[2].direction));
+            const double expected = angle + asin(sin(apex) * sqrt(n * n - sin(angle) * sin(angle)) - cos(apex) * sin(angle)) - apex;
+            check("T2 prism: deviation [rad]", deviation, expected, reference ? 1e-13 : 1e-6);
+            free(v);
+        }
+    mcv_scene_free(scene);
+}
+
+static double axis_crossing(const mcv_vertex *v) {
+    const double *p = v->position, *d = v->direction;
+    return p[2] - d[2] * (p[0] * d[0] + p[1] * d[1]) / (d[0] * d[0] + d[1] * d[1]);
+}
+
+/*
+ * T9. Where a ray at height h crosses the axis behind a thick lens, against the exact rays' recursion: and for h -> 0 the back focal
+ * distance. Heights of 0.1 to 0.3 R; the paraxial limit by h = 1e-3 R, whose aberration is below h²/R² = 1e-6 of f, in double.
+ */
+static void test_thick_lens(void **state) {
+    const double r1 = 0.05, r2 = -0.07, thickness = 0.008, n = 1.5;
+    const double f = 1 / ((n - 1) * (1 / r1 - 1 / r2 + (n - 1) * thickness / (n * r1 * r2)));
+    const double back = f * (1 - (n - 1) * thickness / (n * r1));
+    mcv_scene *scene = mcv_scene_new("thick lens");
+    (void)state;
+    add_solid(
+        scene,
+        (mcv_solid){.side = MCV_SIDE_CYLINDER, .radius = 0.018, .caps = {{.curvature = 1 / r1}, {.z = thickness, .curvature = 1 / r2}}},
+        add_glass(scene, n, 0, 0));
+    for (int reference = 0; reference < 2; ++reference)
+        for (double share = 0.001; share < 0.35; share = share < 0.01 ? 0.1 : share + 0.05) {
+            /* The exact ray in double: refraction angles at both spheres. */
+            const double height = share * r1, i = asin(height / r1), turned = i - asin(height / r1 / n);
+            const double z = r1 - r1 * cos(i), x_axis = z + height / tan(turned);            /* crossing behind the first surface */
+            const double centre = thickness + r2, p = (x_axis - centre) * sin(turned) / -r2; /* sine of the incidence at the second */
+            const double inside = asin(p), outside = asin(n * p), slope = turned + (outside - inside);
+            const double crossing = centre + -r2 * p * n / sin(slope);
+            const mcv_trace_ray ray = {{height, 0, -0.02}, {0, 0, 1}};
+            size_t count;
+            mcv_vertex *v = trace_by(reference, scene, &ray, 1, 8, &count);
+            assert_int_equal(count, 4);
+            /* A direction off by some 8 u moves the crossing by that times f over the slope; 1e-5 are asked for from 0.1 R on. */
+            if (share > 0.01)
+                check("T9 thick exact lens: crossing over f", axis_crossing(&v[2]) / f, crossing / f, reference ? 1e-12 : 1e-5);
+            if (share < 0.01 && reference)
+                check("T9 thick exact lens: back focal distance over f", (axis_crossing(&v[2]) - thickness) / f, back / f, 2e-6);
+            free(v);
+        }
+    mcv_scene_free(scene);
+}
+
+/* T10: 1 where facets are flat, 2 where normals are interpolated, and an exact surface has no error to fall. */
+static void test_mesh_convergence(void **state) {
+    enum { RAYS = 2000, LEVELS = 4 };
+    static mcv_trace_ray rays[RAYS];
+    ref_random random = {7};
+    (void)state;
+    for (int i = 0; i < RAYS; ++i) {
+        const double h = 0.1 + 0.2 * ref_random_unit(&random), around = 2 * M_PI * ref_random_unit(&random);
+        rays[i] = (mcv_trace_ray){{h * cos(around), h * sin(around), -3}, {0, 0, 1}};
+    }
+    for (int reference = 0; reference < 2; ++reference)
+        for (int kind = 0; kind < 3; ++kind) {
+            static const char *const names[] = {"flat", "interpolated", "exact"};
+            double xy = 0, xx = 0, worst = 0;
+            for (int level = 0; level < LEVELS; ++level) {
+                const uint32_t rings = 32u << level;
+                mcv_scene *scene = mcv_scene_new("sphere");
+                const uint32_t glass = add_glass(scene, 1.5, 0, 0);
+                double error = 0;
+                size_t count;
+                char series[64];
+                if (kind == 2) {
+                    add_solid(scene, (mcv_solid){.side = MCV_SIDE_SPHERE, .radius = 1}, glass);
+                } else {
+                    mcv_scene *parts = mcv_scene_new("parts");
+                    add_sphere(parts, 1, rings, add_glass(parts, 1.5, 0, 0), unmoved);
+                    mcv_mesh mesh = parts->meshes[0];
+                    if (kind == 0) mesh.normals = NULL;
+                    /* Its poles lie beside, so that facets are about square where the rays meet them. */
+                    add_instance(scene, &mesh, glass, (mcv_transform){{0, 0, -1, 0, 1, 0, 1, 0, 0, 0, 0, 0}});
+                    mcv_scene_free(parts);
+                }
+                mcv_vertex *v = trace_by(reference, scene, rays, RAYS, 1, &count);
+                assert_int_equal(count, 2 * RAYS);
+                for (int i = 0; i < RAYS; ++i) {
+                    const double h = hypot(rays[i].origin[0], rays[i].origin[1]), crossing = h / 1.5 / sin(asin(h) - asin(h / 1.5));
+                    const double off = fabs(axis_crossing(&v[2 * i + 1]) - crossing);
+                    error += off / RAYS;
+                    worst = worse(worst, off / crossing);
+                }
+                free(v);
+                mcv_scene_free(scene);
+                snprintf(series, sizeof series, "%s, %s", checked, names[kind]);
+                note_point("Error of a sphere's focus over rings of its mesh", series, rings, error);
+                const double x = (level - 0.5 * (LEVELS - 1)) * log(2);
+                xy += x * log(error);
+                xx += x * x;
+            }
+            if (kind == 0) check("T10 slope of the error over mesh fineness, flat", -xy / xx, 1, 0.1);
+            if (kind == 1) check("T10 slope of the error over mesh fineness, interpolated", -xy / xx, 2, 0.2);
+            /* Against the exact ray at the same height, 0.1 to 0.3 R. */
+            if (kind == 2) check("T10 exact sphere: worst crossing", 1 + worst, 1, reference ? 1e-13 : 1e-5);
+        }
+}
+
+/*
+ * T11: the rainbow's angle D = π + 2 I - 4 I', n = 4/3. A ray is reflected by a mirror within the ball, R' = 0.99 R, which meets it at I"
+ * with sin I" = sin I' R/R'; so 2 (I" - I') are missing. The least D is 137.9703°, at cos I = √((n² - 1)/3).
+ */
+static void test_rainbow(void **state) {
+    enum { RAYS = 400 };
+    const double n = 4.0 / 3, mirror = 0.99, most = acos(sqrt((n * n - 1) / 3));
+    mcv_scene *scene = mcv_scene_new("drop");
+    (void)state;
+    add_solid(scene, (mcv_solid){.side = MCV_SIDE_SPHERE, .radius = 1}, add_glass(scene, n, 0, 0));
+    add_solid(scene, (mcv_solid){.side = MCV_SIDE_OPEN, .radius = 0.5, .caps = {{.z = mirror, .curvature = -1 / mirror}}},
+              add_material(scene, MCV_MATERIAL_MIRROR, NULL));
+    for (int reference = 0; reference < 2; ++reference) {
+        static mcv_trace_ray rays[RAYS];
+        double least = INFINITY, worst = 0;
+        size_t count;
+        for (int i = 0; i < RAYS; ++i) rays[i] = (mcv_trace_ray){{sin(most + 0.05 * (i - RAYS / 2) / RAYS), 0, -2}, {0, 0, 1}};
+        mcv_vertex *v = trace_by(reference, scene, rays, RAYS, 8, &count);
+        assert_int_equal(count, 5 * RAYS); /* start, in, mirror, out, miss */
+        for (int i = 0; i < RAYS; ++i) {
+            const double in = asin(rays[i].origin[0]), inner = asin(rays[i].origin[0] / n), at_mirror = asin(sin(inner) / mirror);
+            const double turned = ref_angle(ref_from(rays[i].direction), ref_from(v[5 * i + 3].direction)) + 2 * (at_mirror - inner);
+            worst = worse(worst, fabs(turned - (M_PI + 2 * in - 4 * inner)));
+            least = fmin(least, turned);
+        }
+        check("T11 rainbow: deviation [rad]", worst, 0, reference ? 1e-13 : 2e-6);
+        check("T11 rainbow: least deviation [degrees]", least * 180 / M_PI, 137.9703, 1e-4);
+        free(v);
+    }
+    mcv_scene_free(scene);
+}
+
+/* T12, T13 by single rays that enter a plate and that leave it: R = 1 - transmittance of the interface. */
+static void test_interfaces(void **state) {
+    enum { STEPS = 100000 };
+    static mcv_trace_ray rays[STEPS];
+    mcv_scene *scene = mcv_scene_new("plate");
+    (void)state;
+    add_box(scene, (const double[3]){4000, 4000, 0.5}, add_glass(scene, 1.5, 0, 0), unmoved);
+    for (int reference = 0; reference < 2; ++reference) {
+        const double rounding = reference ? 1e-12 : 8 * u; /* of 1 - R, in float32 */
+        for (int from_inside = 0; from_inside < 2; ++from_inside) {
+            double mean = 0;
+            size_t count;
+            /* Diffuse light by the midpoint rule in sin²θ, whose error falls at least with the step to 3/2. */
+            for (int i = 0; i < STEPS; ++i) {
+                const double sine = sqrt((i + 0.5) / STEPS);
+                rays[i] = (mcv_trace_ray){{0, 0, from_inside ? 0 : -1}, {sine, 0, sqrt(1 - sine * sine)}};
+            }
+            mcv_vertex *v = trace_by(reference, scene, rays, STEPS, 1, &count);
+            for (size_t i = 0; i < count; ++i) {
+                if (v[i].index != 1) continue;
+                if (from_inside && v[i].event == MCV_EVENT_REFLECT)
+                    mean += 1.0 / STEPS; /* total */
+                else
+                    mean += (1 - v[i].transmittance) / STEPS;
+            }
+            free(v);
+            check(from_inside ? "T13 diffuse light from inside" : "T13 diffuse light from outside", mean,
+                  from_inside ? 0.5963457598 : 0.0917779594, 10 * pow(STEPS, -1.5) + rounding);
+        }
+        static const double degrees[] = {0, 60};
+        static const double known[] = {0.04, (0.1765714881 + 0.0018019375) / 2};
+        for (int i = 0; i < 2; ++i) {
+            const double a = degrees[i] * M_PI / 180;
+            const mcv_trace_ray ray = {{0, 0, -1}, {sin(a), 0, cos(a)}};
+            size_t count;
+            mcv_vertex *v = trace_by(reference, scene, &ray, 1, 1, &count);
+            check(i ? "T12 R at 60 degrees, n = 1.5" : "T12 R at normal incidence, n = 1.5", 1 - v[1].transmittance, known[i],
+                  rounding + (i ? 1e-10 : 0) + 2 * u * sin(a));
+            free(v);
+        }
+    }
+    mcv_scene_free(scene);
+}
+
+/*
+ * T17: a sphere of radiance L gives π L (r/d)² cosθ. The mesh's faces lie between `least` and 1 from its centre, so that its outline
+ * does. A receiver of albedo 0.6 seen by one narrow pixel.
+ */
+static void test_sphere_light(void **state) {
+    const double r = 0.3, height = 1, aside = 0.5, d2 = height * height + aside * aside;
+    enum { RINGS = 128 };
+    mcv_scene *scene = mcv_scene_new("sphere light");
+    (void)state;
+    add_rectangle(scene, 8, 8, add_diffuse(scene, 0.6), looking_up_z(0, 0, 0));
+    add_emitter(scene, MCV_EMITTER_AREA, add_sphere(scene, r, RINGS, add_absorber(scene), looking_down_z(aside, 0, height)), 3, 0);
+    add_spot_camera(scene, (const double[3]){0, -2, 0.5}, (const double[3]){0, 0, 0}, 2e-5);
+    const double truth = 0.6 * 3 * r * r / d2 * height / sqrt(d2), least = 1 - pow(M_PI / RINGS, 2) / 4;
+    for (int reference = 0; reference < 2; ++reference)
+        check_mean("T17 sphere light", mean_by(reference, scene, 8192, 8), truth, (1 - least * least) * truth + 1e-6 * truth);
+    mcv_scene_free(scene);
+}
+
+/*
+ * T19, T20 in a closed diffuse sphere of radius 1, of a mesh whose area is known: what is inside, of flux Φ, makes the mean radiance of
+ * all light that has been scattered ρ Φ/(π A (1 - ρ)). A point light in the middle, and a parallel emitter so small that it hides
+ * nothing: of its light the wall beside, which it does not light, sees all but the first bounce.
+ */
+static void test_integrating_sphere(void **state) {
+    enum { RINGS = 96 };
+    const double rho = 0.7, side = 0.004, beta = 0.9;
+    (void)state;
+    for (int parallel = 0; parallel < 2; ++parallel) {
+        mcv_scene *parts = mcv_scene_new("parts"), *scene = mcv_scene_new("integrating sphere");
+        add_sphere(parts, 1, RINGS, add_absorber(parts), unmoved);
+        add_inside_out(scene, &parts->meshes[0], add_diffuse(scene, rho));
+        double flux = 4 * M_PI;
+        if (parallel) {
+            flux = M_PI * pow(sin(beta), 2) * side * side * 1e6;
+            add_emitter(scene, MCV_EMITTER_PARALLEL, add_rectangle(scene, side, side, add_absorber(scene), looking_down_z(0, 0, 0)), 1e6,
+                        beta);
+        } else {
+            mcv_emitter point = {.name = (char *)"point", .type = MCV_EMITTER_POINT, .instance = MCV_NONE, .texture = MCV_NONE};
+            mcv_params_set_defaults(mcv_emitter_table(point.type), &point.as);
+            for (int k = 0; k < 3; ++k) point.as.point.intensity[k] = 1;
+            point.to_world = unmoved;
+            BUILD(mcv_scene_add_emitter(scene, &point, &builder_error));
+        }
+        add_spot_camera(scene, (const double[3]){0, 0.3, 0.1}, (const double[3]){0, 0.4, 0.8}, 0.2);
+        const double truth = (parallel ? rho : 1) * rho * flux / (M_PI * 4 * M_PI * (1 - rho));
+        /*
+         * The mesh is a ball whose faces lie up to (π/96)²/4 nearer: its area, and the distance of the light, are off by twice that; it is
+         * no perfect integrating sphere by as much once more.
+         */
+        const double slack = 6 * pow(M_PI / RINGS, 2) / 4 * truth;
+        for (int reference = 0; reference < 2; ++reference)
+            check_mean(parallel ? "T20 power of a parallel emitter, all caught" : "T19 point light in a diffuse sphere",
+                       mean_by(reference, scene, reference ? 2048 : 65536, 100), truth, slack);
+        mcv_scene_free(parts);
+        mcv_scene_free(scene);
+    }
+}
+
+/* T20: twice the light is twice the image to the bit, and two lights together are the sum of both within their noise. */
+static void test_power_is_linear(void **state) {
+    mcv_film films[2];
+    mcv_estimate parts[3];
+    (void)state;
+    for (int i = 0; i < 5; ++i) {
+        mcv_scene *scene = mcv_scene_new("linear");
+        mcv_render_options options = mcv_render_defaults();
+        mcv_render_stats stats;
+        const double factor = i == 4 ? 0x1p30 : 1;
+        add_rectangle(scene, 2, 2, add_diffuse(scene, 0.6), looking_up_z(0, 0, 0));
+        add_sphere(scene, 0.3, 16, add_glass(scene, 1.5, 1, 0), looking_down_z(0, 0, 0.4));
+        if (i != 1)
+            add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 0.5, 0.5, add_absorber(scene), looking_down_z(0.4, 0, 1)), 2 * factor,
+                        0);
+        if (i != 0)
+            add_emitter(scene, MCV_EMITTER_PARALLEL, add_rectangle(scene, 0.5, 0.5, add_absorber(scene), looking_down_z(-0.4, 0, 1)),
+                        5 * factor, 0.3);
+        /* What does not shine is there all the same. */
+        if (i == 1) add_rectangle(scene, 0.5, 0.5, add_absorber(scene), looking_down_z(0.4, 0, 1));
+        if (i == 0) add_rectangle(scene, 0.5, 0.5, add_absorber(scene), looking_down_z(-0.4, 0, 1));
+        add_pinhole(scene, 16, 1, looking((const double[3]){0, -2, 0.6}, (const double[3]){0, 1, 0}, (const double[3]){0, 0, 1}));
+        options.replicates = REPLICATES;
+        options.last = 64;
+        options.seed = i < 3 ? (uint32_t)i : 9;
+        options.no_light_paths = true;
+        mcv_film film;
+        BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
+        if (i < 3) parts[i] = film_estimate(&film, 0, (size_t)film.width * film.height);
+        if (i >= 3)
+            films[i - 3] = film;
+        else
+            mcv_film_free(&film);
+        mcv_scene_free(scene);
+    }
+    double worst = 0;
+    for (size_t i = 0; i < (size_t)16 * 16 * REPLICATES; ++i) worst = worse(worst, fabs(films[0].sums[i] * 0x1p30 - films[1].sums[i]));
+    checked = "device";
+    check("T20 2^30 times the power: bits", worst, 0, 0);
+    const mcv_estimate sum = {parts[2].mean - parts[0].mean - parts[1].mean, parts[0].variance + parts[1].variance + parts[2].variance, 15};
+    const double bound = student_two_sided_quantile(LEVEL, 15) * sqrt(sum.variance);
+    check("T20 two lights are the sum of both", sum.mean, 0, bound);
+    mcv_film_free(&films[0]);
+    mcv_film_free(&films[1]);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_prism),
+        cmocka_unit_test(test_thick_lens),
+        cmocka_unit_test(test_mesh_convergence),
+        cmocka_unit_test(test_rainbow),
+        cmocka_unit_test(test_interfaces),
+        cmocka_unit_test(test_sphere_light),
+        cmocka_unit_test(test_integrating_sphere),
+        cmocka_unit_test(test_power_is_linear),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
