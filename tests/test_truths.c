@@ -96,6 +96,43 @@ static void test_thick_lens(void **state) {
     mcv_scene_free(scene);
 }
 
+/*
+ * The report's lens, a mesh with interpolated normals: where rays of 0.1 to 0.3 of its semi-diameter and more cross the axis, against
+ * exact spheres of its radii. They come from the side of the panel, along -z.
+ */
+static void test_report_lens(void **state) {
+    const double r = 0.31, thickness = 0.006, n = 1.5168, middle = -0.301022;
+    char path[512];
+    mcv_scene *scenes[2];
+    (void)state;
+    snprintf(path, sizeof path, "%s/scenes/report-clean.glb", MCV_SOURCE_DIR);
+    BUILD(mcv_scene_load(path, (mcv_overrides){NULL, 0}, &scenes[0], &builder_error));
+    scenes[1] = mcv_scene_new("exact");
+    mcv_solid lens = {.side = MCV_SIDE_CYLINDER,
+                      .radius = 0.014,
+                      .caps = {{.z = -thickness / 2, .curvature = 1 / r}, {.z = thickness / 2, .curvature = -1 / r}},
+                      .to_world = {{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, middle}}};
+    const uint32_t glass = add_glass(scenes[1], n, 0, 0);
+    BUILD(mcv_scene_add_solid(scenes[1], &lens, "lens", glass, glass, &builder_error));
+    for (int device = 0; device < 2; ++device)
+        for (int i = 0; i < 12; ++i) {
+            const double h = 0.0014 + 0.0009 * i, around = 0.3 + 2.4 * i;
+            const mcv_trace_ray ray = {{h * cos(around), h * sin(around), middle + 0.01}, {0, 0, -1}};
+            double crossings[2];
+            for (int k = 0; k < 2; ++k) {
+                size_t count;
+                mcv_vertex *v = trace_by(k == 1 || device == 0, scenes[k], &ray, 1, 2, &count);
+                assert_true(count >= 3 && v[2].event == MCV_EVENT_REFRACT);
+                crossings[k] = axis_crossing(&v[2]) - middle;
+                free(v);
+            }
+            checked = device ? "device" : "reference";
+            check("T10 the report's lens, a mesh: crossing over the exact one's", crossings[0] / crossings[1], 1, 1e-3);
+        }
+    mcv_scene_free(scenes[0]);
+    mcv_scene_free(scenes[1]);
+}
+
 /* T10: 1 where facets are flat, 2 where normals are interpolated, and an exact surface has no error to fall. */
 static void test_mesh_convergence(void **state) {
     enum { RAYS = 2000, LEVELS = 4 };
@@ -336,6 +373,7 @@ int main(void) {
         cmocka_unit_test(test_prism),
         cmocka_unit_test(test_thick_lens),
         cmocka_unit_test(test_mesh_convergence),
+        cmocka_unit_test(test_report_lens),
         cmocka_unit_test(test_rainbow),
         cmocka_unit_test(test_interfaces),
         cmocka_unit_test(test_sphere_light),
