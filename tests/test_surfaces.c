@@ -27,7 +27,8 @@ static void plate(void **state) {
                 assert_int_equal(count, 3);
                 /* Across the ray from where it would be without the plate. */
                 const double x = v[2].position[0] - ray.origin[0], z = v[2].position[2] - ray.origin[2];
-                expect_near("T1 plate: shift [m]", reference, z * s - x * c, t * s * (1 - c / sqrt(n * n - s * s)), reference ? 1e-15 : 2e-6 * t);
+                expect_near("T1 plate: shift [m]", reference, z * s - x * c, t * s * (1 - c / sqrt(n * n - s * s)),
+                            reference ? 1e-15 : 2e-6 * t);
                 /* At each interface 4u (1 + η tan θ_t) (accuracy of a refraction), the first of them enlarged by n c_t/c on leaving. */
                 const double inner = s / n, c_t = sqrt(1 - inner * inner), u = 0x1p-24;
                 const double rounding = 4 * u * (1 + inner / (n * c_t)) * n * c_t / c + 4 * u * (1 + n * s / c);
@@ -51,7 +52,8 @@ static void single_sphere(void **state) {
         for (int i = 0; i < 3; ++i) {
             mcv_vertex v[DEPTH + 1];
             trace_one(scene, reference, along_z(heights[i], 0, -1), v);
-            expect_near("T3 exact sphere: crossing, R = 1", reference, crossing(v + 1), known[i], reference ? 1e-9 * known[i] : 2e-5 * known[i]);
+            expect_near("T3 exact sphere: crossing, R = 1", reference, crossing(v + 1), known[i],
+                        reference ? 1e-9 * known[i] : 2e-5 * known[i]);
         }
         mcv_scene_free(scene);
     }
@@ -69,7 +71,8 @@ static void ball_lens(void **state) {
         for (int i = 0; i < 2; ++i) {
             mcv_vertex v[DEPTH + 1];
             assert_int_equal(trace_one(scene, reference, along_z(heights[i], 0, -3), v), 3);
-            expect_near("T4 exact ball: crossing, R = 1", reference, crossing(v + 2), known[i], reference ? 1e-9 * known[i] : 2e-5 * known[i]);
+            expect_near("T4 exact ball: crossing, R = 1", reference, crossing(v + 2), known[i],
+                        reference ? 1e-9 * known[i] : 2e-5 * known[i]);
         }
         mcv_scene_free(scene);
     }
@@ -116,7 +119,8 @@ static void conics_focus(void **state) {
                 const mcv_vertex *last = v + (i ? 1 : 2);
                 /* How far from the axis it crosses the focal plane: 1e-6 of the focal length. */
                 const double at = last->position[0] + (focus[i] - last->position[2]) * last->direction[0] / last->direction[2];
-                expect_near(i ? "T7 ellipsoid: spot, f = 3" : "T6 hyperboloid: spot, f = 2", reference, at, 0, reference ? 1e-14 : 1e-6 * focus[i]);
+                expect_near(i ? "T7 ellipsoid: spot, f = 3" : "T6 hyperboloid: spot, f = 2", reference, at, 0,
+                            reference ? 1e-14 : 1e-6 * focus[i]);
             }
             mcv_scene_free(scenes[i]);
         }
@@ -135,7 +139,8 @@ static void mirrors(void **state) {
                 mcv_vertex v[DEPTH + 1];
                 trace_one(scene, reference, along_z(h, 0, -3), v);
                 const double focus = conic ? -0.5 : -1 + 1 / (2 * sqrt(1 - h * h));
-                expect_near(conic ? "T8 paraboloid: focus, R = 1" : "T8 spherical mirror: crossing, R = 1", reference, crossing(v + 1), focus, reference ? 1e-13 : 2e-6 / h);
+                expect_near(conic ? "T8 paraboloid: focus, R = 1" : "T8 spherical mirror: crossing, R = 1", reference, crossing(v + 1),
+                            focus, reference ? 1e-13 : 2e-6 / h);
             }
             mcv_scene_free(scene);
         }
