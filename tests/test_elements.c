@@ -113,6 +113,10 @@ static void check_whole_or_part(const sensor_case *c) {
     }
     print_message("%s: origin %.2g of %.2g m, direction %.2g of %.2g, weight %.2g of %.2g, %zu of %d at the rim\n", c->name, worst_origin,
                   origin_bound, worst_direction, direction_bound, worst_weight, 10 * u + 4 * direction_bound, at_rim, CASES);
+    if (strncmp(c->name, "light field", 11) == 0) {
+        note_truth("T24 light field: place on the lens [m]", "device", worst_origin, origin_bound);
+        note_truth("T24 light field: direction", "device", worst_direction, direction_bound);
+    }
     assert_true(worst_origin <= origin_bound);
     assert_true(worst_direction <= direction_bound);
     assert_true(worst_weight <= 10 * u + 4 * direction_bound);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* ctest: label truth */
 /*
  * Closed forms of glass, on exact surfaces (of meshes where that is the question), by the device and by the reference renderer; bodies in
  * contact and cameras inside of them.
@@ -72,8 +73,8 @@ static void diffuse_average(void **state) {
             sum += (double)mcv_fresnel(between, c, mcv_refracted_cosine(between, c)) / STEPS;
         }
         /* R falls as a root from grazing incidence or from the critical angle: the rule's error goes with the step to 3/2. */
-        expect_near(inside ? "from inside" : "from outside", false, sum, inside ? 0.5963457598 : 0.0917779594,
-                    10 * pow(STEPS, -1.5) + 40 * u);
+        expect_near(inside ? "T13 diffuse light from inside" : "T13 diffuse light from outside", false, sum,
+                    inside ? 0.5963457598 : 0.0917779594, 10 * pow(STEPS, -1.5) + 40 * u);
     }
 }
 
@@ -90,7 +91,8 @@ static void fresnel_along_rays(void **state) {
         mcv_vertex v[DEPTH + 1];
         for (int i = 0; i < 3; ++i) {
             trace_one(scene, reference, (mcv_trace_ray){{0, 0, -0.1}, {sin(angles[i]), 0, cos(angles[i])}}, v);
-            expect_near("1 - R", reference, v[1].transmittance, 1 - known[i], reference ? 1e-10 : 2 * u);
+            expect_near("T12 1 - R at 0 and 60 degrees, Brewster's angle", reference, v[1].transmittance, 1 - known[i],
+                        reference ? 1e-10 : 2 * u);
         }
         for (int beyond = -1; beyond <= 1; beyond += 2) {
             const double angle = critical + beyond * 1e-5;
@@ -154,10 +156,11 @@ static void prism(void **state) {
                 if (count != 3) fail_msg("%s prism, %s, %g rad: %zu vertices", exact ? "exact" : "mesh", name_of(reference), theta, count);
                 const double *t = v[2].direction;
                 const double deviation = fabs(atan2(d[0] * t[2] - d[1] * t[0], d[0] * t[0] + d[1] * t[2]));
-                expect_near(exact ? "exact prism" : "mesh prism", reference, deviation, expected, exact && reference ? 1e-12 : 1e-6);
+                expect_near(exact ? "T2 exact prism: deviation [rad]" : "T2 mesh prism: deviation [rad]", reference, deviation, expected,
+                            exact && reference ? 1e-12 : 1e-6);
                 least = fmin(least, deviation);
             }
-            expect_near("index from the least deviation", reference, sin((a + least) / 2) / sin(a / 2), n, 1e-6);
+            expect_near("T2 prism: index from the least deviation", reference, sin((a + least) / 2) / sin(a / 2), n, 1e-6);
             mcv_scene_free(scene);
         }
 }
@@ -185,7 +188,7 @@ static void rainbow(void **state) {
             trace_one(scene, reference, (mcv_trace_ray){{from[0], from[1], from[2]}, {d[0], d[1], d[2]}}, v);
             least = fmin(least, acos(v[1].direction[2]) * 180 / M_PI);
         }
-        expect_near("rainbow [degrees]", reference, least, 137.9703, 1e-4);
+        expect_near("T11 rainbow: least deviation [degrees]", reference, least, 137.9703, 1e-4);
     }
     mcv_scene_free(scene);
 }
@@ -242,7 +245,8 @@ static void meshes_converge(void **state) {
             const double slope = log(error[0] / error[1]) / log((double)rings[1] / rings[0]);
             print_message("  %s, %s: %.2g and %.2g rad, order %.2f\n", kind == FLAT ? "flat" : "smooth", name_of(reference), error[0],
                           error[1], slope);
-            expect_near("order", reference, slope, kind == FLAT ? 1 : 2, kind == FLAT ? 0.1 : 0.2);
+            expect_near(kind == FLAT ? "T10 order of flat meshes" : "T10 order of meshes with interpolated normals", reference, slope,
+                        kind == FLAT ? 1 : 2, kind == FLAT ? 0.1 : 0.2);
         }
 }
 
@@ -335,8 +339,8 @@ static void cameras_inside(void **state) {
         for (int renderer = 0; renderer < RENDERERS; ++renderer) {
             mcv_render_stats stats;
             const mcv_estimate estimate = mean_by(renderer, scene, 64, 400, &stats);
-            expect_near(nested ? "in water" : "in glass", renderer == REFERENCE, estimate.mean + n * n * stats.lost_energy, n * n,
-                        1e-4 * n * n);
+            expect_near(nested ? "T15 camera in water: mean + lost" : "T15 camera in glass: mean + lost", renderer == REFERENCE,
+                        estimate.mean + n * n * stats.lost_energy, n * n, 1e-4 * n * n);
             assert_true(stats.lost_energy < 1e-3);
             assert_int_equal(stats.unmatched, 0);
         }
@@ -432,7 +436,8 @@ static void plates_in_furnace(void **state) {
             const mcv_estimate estimate = mean_by(renderer, scene, 16, 2000, &stats);
             print_message("  stack %d, %s: %.7g, lost %.2g, %llu of %llu paths unmatched\n", kind, renderers[renderer], estimate.mean,
                           stats.lost_energy, (unsigned long long)stats.unmatched, (unsigned long long)stats.paths);
-            expect_near("furnace", renderer == REFERENCE, estimate.mean + stats.lost_energy, 1, 1e-4);
+            expect_near("T15 plates in contact, in a furnace: mean + lost", renderer == REFERENCE, estimate.mean + stats.lost_energy, 1,
+                        1e-4);
             /* Some 20 meetings per path; within 10 nm of the seams of 2 mm of plates, what is met first is but rounding: 7 are expected. */
             assert_true(stats.unmatched <= 30);
         }
