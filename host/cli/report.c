@@ -69,17 +69,6 @@ void mcv_report_text(mcv_report *report, const char *key, const char *text) {
     }
 }
 
-void mcv_report_words(mcv_report *report, const char *key, const char *words) {
-    if (!report->json) {
-        mcv_report_text(report, key, words);
-        return;
-    }
-    json_t *list = json_array();
-    for (size_t length; (length = strcspn(words, " ")) > 0; words += length, words += strspn(words, " "))
-        json_array_append_new(list, json_stringn(words, length));
-    put(report, key, list);
-}
-
 void mcv_report_flag(mcv_report *report, const char *key, bool value) {
     if (report->json)
         put(report, key, json_boolean(value));

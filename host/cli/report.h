@@ -34,7 +34,6 @@ void mcv_report_element(mcv_report *report, const char *name, const char *type);
 void mcv_report_close(mcv_report *report);
 
 void mcv_report_text(mcv_report *report, const char *key, const char *text);
-void mcv_report_words(mcv_report *report, const char *key, const char *words); /* separated by spaces: an array in JSON */
 void mcv_report_flag(mcv_report *report, const char *key, bool value);
 
 /* unit: "m" and "rad" get handy units for people, "" is none, others follow the number. */
