@@ -668,7 +668,7 @@ static mcv_result run_set(sweep *s, size_t set, double *row, mcv_error *error) {
 
 static mcv_result run_sets(sweep *s, const bool *done, mcv_error *error) {
     double row[MCV_DESIGN_PARAMETERS + 2 * MAX_METRICS + FIXED_COLUMNS];
-    bool wanted;
+    bool wanted = false;
     for (size_t set = 0; set < s->set_count; ++set) {
         MCV_TRY(complete_set(s, set, row, &wanted, error));
         if (wanted && !done[set]) MCV_TRY(run_set(s, set, row, error));

@@ -61,8 +61,8 @@ static mcv_result fill_buffer(mcv_cl *cl, const plan *p, uint32_t index, mcv_dev
     d->contents[index] = p->data ? digest((mcv_digest){0}, p->data, p->bytes) : (mcv_digest){.bytes = p->bytes};
     if (kept) take_buffer(kept, d, p, index);
     if (!*p->buffer) return mcv_cl_buffer(cl, p->what, p->bytes, p->data, p->buffer, error);
-    return p->data && !same(&kept->contents[index], &d->contents[index]) ? mcv_cl_write(cl, *p->buffer, 0, p->bytes, p->data, error)
-                                                                         : MCV_OK;
+    return kept && p->data && !same(&kept->contents[index], &d->contents[index]) ? mcv_cl_write(cl, *p->buffer, 0, p->bytes, p->data, error)
+                                                                                 : MCV_OK;
 }
 
 /* Without a hierarchy: that of the scene before, already taken. */

@@ -65,7 +65,7 @@ uint32_t mcv_sensor_features(const mcv_packed *packed, const mcv_sensor *sensor)
     for (uint32_t i = 0; i < packed->emitter_count; ++i) {
         const mcv_device_emitter *e = &packed->emitters[i];
         if (e->type != MCV_EMITTER_PARALLEL || !e->parallel.from_receiver) continue;
-        const double beta = 2 * asin(e->parallel.sin_half);
+        const double beta = 2 * asin((double)e->parallel.sin_half);
         /* Of the emitter's axis and the node's z: both point towards where the light goes. */
         const double apart = acos(fmin(fmax(e->parallel.axis[0] * m[2] + e->parallel.axis[1] * m[5] + e->parallel.axis[2] * m[8], -1), 1));
         const bool facing = through_optics || sensor->type != MCV_SENSOR_TELECENTRIC || apart <= alpha + beta;
