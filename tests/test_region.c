@@ -200,6 +200,22 @@ static void test_coverage(void **state) {
     for (size_t i = 0; i < sizeof sceneries / sizeof sceneries[0]; ++i) check_coverage(sceneries + i);
 }
 
+/* One pixel has a mean, and nothing else. */
+static void test_one_pixel(void **state) {
+    mcv_readings r = make();
+    (void)state;
+    for (size_t i = 0; i < PLANE; ++i) {
+        r.values.pixels[i] = 7;
+        r.deviation.pixels[i] = 0.5F;
+    }
+    mcv_roi region = parse(&r, "3,4,1,1");
+    const mcv_roi_figures f = mcv_roi_measure(&r, &region);
+    assert_true(f.mean.value == 7 && f.mean.uncertainty == 0.5);
+    assert_true(isnan(f.deviation.value) && isnan(f.rms_contrast.value) && isnan(f.snr.value) && isnan(f.uniformity.value));
+    mcv_roi_free(&region);
+    release(&r);
+}
+
 /* The median of N = 4500 differences, of which some twelve share noise, has a standard error of about 1.2 √(12/N) = 6 % at most; 8 %
  * allowed. */
 static void test_noise_estimate(void **state) {
@@ -227,10 +243,8 @@ static void test_noise_estimate(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_belongs),
-        cmocka_unit_test(test_bad_regions),
-        cmocka_unit_test(test_coverage),
-        cmocka_unit_test(test_noise_estimate),
+        cmocka_unit_test(test_what_belongs), cmocka_unit_test(test_bad_regions),    cmocka_unit_test(test_coverage),
+        cmocka_unit_test(test_one_pixel),    cmocka_unit_test(test_noise_estimate),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -184,7 +184,8 @@ static moments find_moments(const mcv_readings *r, const mcv_roi *region) {
  * no slope, and the interval reaches up only: s without signal is below `reach` in 95 % of cases.
  */
 static mcv_quantity rms_contrast(const moments *m, double var_noise) {
-    const double signal = fmax(0, m->variance - m->noise), rms = sqrt(signal) / m->mean, mean2 = m->mean * m->mean;
+    const double signal = isnan(m->variance) ? NAN : fmax(0, m->variance - m->noise), rms = sqrt(signal) / m->mean,
+                 mean2 = m->mean * m->mean;
     const double reach = 1.645 * sqrt(m->var_without_signal + var_noise);
     double var_root = 0.75 * reach / 1.645; /* below `reach` whatever is large enough: the interval ends at 0 */
     if (signal > reach) var_root = fmax((m->var_variance + var_noise) / (4 * signal), pow((sqrt(signal) - sqrt(signal - reach)) / 1.96, 2));
