@@ -15,6 +15,9 @@
 #define MCV_TILE 0
 #endif
 
+/* Whether the origins of the rays that go on are worked out for many paths at once, after all else. */
+#define MCV_LEAVES_TOGETHER (MCV_TILE && !MCV_WITH_CONTACT)
+
 /* X(field, words): what a scene does not need has no words. Those before the hit go on with the path to its next surface. */
 #define MCV_PATH_FIELDS(X) \
     X(origin, 3)                         /* of the current ray [m] */ \
@@ -34,9 +37,11 @@
     X(drawn, 6 * MCV_TILE) /* the surface's pairs of random numbers */ \
     X(point, 3 * MCV_TILE) /* of the surface, as in mcv_surface */ \
     X(error, 3 * MCV_TILE) \
+    X(area, MCV_TILE) \
+    X(own_normal, 3 * MCV_TILE * MCV_WITH_NORMALS) /* the surface's; the face's where meshes have no others */ \
+    X(inside, MCV_TILE)                            /* and how the ray sees it, as in mcv_meeting */ \
     X(face, 3 * MCV_TILE) \
     X(normal, 3 * MCV_TILE) \
-    X(area, MCV_TILE) \
     X(bounce, 4 * MCV_TILE)                   /* the direction in which the surface reflects if it is diffuse, and its density */ \
     X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT) /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \

@@ -88,7 +88,9 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
         throughput = mcv_dim(throughput, 1.0f / brightest);
     }
 
+#if !MCV_LEAVES_TOGETHER
     MCV_STORE_3(slot, origin, mcv_onward_origin(meeting, on.direction));
+#endif
     MCV_STORE_3(slot, direction, on.direction);
 #if MCV_WITH_SURFACES
     MCV_WORD(slot, left, 0) = mcv_leave_meeting(world, meeting, on.direction);

@@ -152,16 +152,27 @@ static __attribute__((noinline)) void mcv_choose_bounces(uint *paths, uint count
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i) {
         slot.index = i;
-        mcv_surface surface;
-        surface.face = MCV_LOAD_3(slot, face);
-        surface.normal = MCV_LOAD_3(slot, normal);
-        const mcv_meeting meeting = mcv_meet_at(surface, MCV_LOAD_3(slot, direction));
         const float xi = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
         const float eta = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER + 1);
         float density;
-        const mcv_vec3 bounce = mcv_diffuse_sample(meeting.normal, xi, eta, &density);
+        const mcv_vec3 bounce = mcv_diffuse_sample(MCV_LOAD_3(slot, normal), xi, eta, &density);
         MCV_STORE_3(slot, bounce, bounce);
         MCV_STORE(slot, bounce, 3, density);
+    }
+}
+#endif
+
+#if MCV_LEAVES_TOGETHER
+/* The origins of the rays that go on, in the directions that they have got. */
+static __attribute__((noinline)) void mcv_leave_surfaces(uint *paths, uint count) {
+    mcv_slot slot;
+    slot.base = paths;
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        const mcv_vec3 origin = mcv_offset_origin(MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error), MCV_LOAD_3(slot, face),
+                                                  MCV_LOAD_3(slot, direction));
+        MCV_STORE_3(slot, origin, origin);
     }
 }
 #endif
@@ -271,6 +282,9 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
             else
                 mcv_end_path(world, slot, values, &counts[MCV_COUNTER_nonfinite]);
         }
+#if MCV_LEAVES_TOGETHER
+        mcv_leave_surfaces(paths, alive);
+#endif
         if (next < alive) mcv_move_paths(paths, chosen, next);
         alive = next;
         MCV_CLOCK_STAGE(shade_surfaces)
