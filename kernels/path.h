@@ -32,7 +32,7 @@
     X(footprint, MCV_WITH_LIGHT_TRACING) /* of the pixel at the first diffuse surface [m²] */ \
     X(stream, 1)                         /* of random numbers: pixel, replicate, seed */ \
     X(sample, 1) \
-    X(place, MCV_TILE)     /* of the path in its slice */ \
+    X(value, MCV_TILE)     /* of the path in its slice */ \
     X(hit, 4)              /* t, u, v, triangle */ \
     X(drawn, 6 * MCV_TILE) /* the surface's pairs of random numbers */ \
     X(point, 3 * MCV_TILE) /* of the surface, as in mcv_surface */ \
@@ -43,6 +43,12 @@
     X(face, 3 * MCV_TILE) \
     X(normal, 3 * MCV_TILE) \
     X(bounce, 4 * MCV_TILE)                   /* the direction in which the surface reflects if it is diffuse, and its density */ \
+    X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path looks for, or MCV_NONE, */ \
+    X(place, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT) /* a place on it (triangle, u, v) */ \
+    X(way, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT)   /* and the way there, as in mcv_way */ \
+    X(way_density, MCV_TILE *MCV_WITH_NEXT_EVENT) \
+    X(way_face, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT) \
+    X(way_normal, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT * MCV_WITH_NORMALS) \
     X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT) /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS *MCV_WITH_DIELECTRIC) /* that it leaves the surface in */ \

@@ -166,7 +166,7 @@ MCV_FUNCTION mcv_color mcv_projector_value(mcv_world world, mcv_surface surface,
 
 #if MCV_WITH_EMISSION
 /* Radiance that an emitter's surface sends in a direction (unit, away from the surface), in its medium. */
-MCV_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint emitter, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint emitter, mcv_vec3 direction) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     float share = 0.0f;
     mcv_color radiance;
@@ -212,19 +212,24 @@ MCV_FUNCTION int mcv_samples_cone(__global const mcv_device_emitter *e, mcv_vec3
 }
 #endif
 
-/* The density [1/sr] with which next-event estimation at a receiver chooses the direction to a place on an emitter at the given distance.
- */
+/* The density [1/sr] of directions to a place on an emitter at the given distance, chosen uniform by area. */
+MCV_LOOP_FUNCTION float mcv_area_density(mcv_world world, mcv_surface surface, uint emitter, mcv_vec3 direction, float distance) {
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    __global const uint *cdf = world.emitter_cdf + e->cdf + (surface.triangle - world.instances[e->instance].first_triangle);
+    const float share = (float)(cdf[1] - cdf[0]) * 4.656612873077393e-10f; /* 2^-31 */
+    return e->probability * share * distance * distance / (surface.area * mcv_abs(mcv_dot(direction, surface.face)));
+}
+
+/* That with which next-event estimation at a receiver chooses the direction to such a place. */
 MCV_FUNCTION float mcv_emitter_density(mcv_world world, mcv_vec3 receiver, mcv_surface surface, uint emitter, mcv_vec3 direction,
                                        float distance) {
-    __global const mcv_device_emitter *e = world.emitters + emitter;
 #if MCV_WITH_PARALLEL
+    __global const mcv_device_emitter *e = world.emitters + emitter;
     if (mcv_samples_cone(e, receiver)) return e->probability / e->parallel.solid_angle;
 #else
     (void)receiver;
 #endif
-    __global const uint *cdf = world.emitter_cdf + e->cdf + (surface.triangle - world.instances[e->instance].first_triangle);
-    const float share = (float)(cdf[1] - cdf[0]) * 4.656612873077393e-10f; /* 2^-31 */
-    return e->probability * share * distance * distance / (surface.area * mcv_abs(mcv_dot(direction, surface.face)));
+    return mcv_area_density(world, surface, emitter, direction, distance);
 }
 #endif
 
