@@ -385,8 +385,8 @@ typedef struct mcv_gloss_meeting {
     uint near_media, far_media; /* of light on the ray's side and on the other */
 } mcv_gloss_meeting;
 
-MCV_FUNCTION mcv_vec3 mcv_gloss_local(mcv_gloss_meeting m, mcv_vec3 v) {
-    return mcv_vec(mcv_dot(v, m.x), mcv_dot(v, m.y), mcv_dot(v, m.z));
+MCV_FUNCTION mcv_vec3 mcv_gloss_local(const mcv_gloss_meeting *m, mcv_vec3 v) {
+    return mcv_vec(mcv_dot(v, m->x), mcv_dot(v, m->y), mcv_dot(v, m->z));
 }
 
 /* Whether the material is one of microfacets: a smooth metal is not. */
@@ -449,30 +449,31 @@ static mcv_gloss_meeting mcv_meet_gloss(mcv_world world, mcv_meeting meeting, ui
         if (mcv_dot(x, x) > 0.0f) m.x = mcv_normalize(x);
         m.y = mcv_cross(m.z, m.x);
     }
-    m.o = mcv_gloss_local(m, mcv_scale(meeting.direction, -1.0f));
-    m.lobes = mcv_gloss_lobes(from, m.gloss, world.albedos, m.o);
+    m.o = mcv_gloss_local(&m, mcv_scale(meeting.direction, -1.0f));
+    m.lobes = mcv_gloss_lobes(from, &m.gloss, world.albedos, m.o);
     return m;
 }
 
 /* The direction is unit. Where the interpolated normal and the face disagree on its side nothing comes. */
-static mcv_response mcv_respond_gloss(mcv_world world, mcv_meeting meeting, uint material, mcv_gloss_meeting m, mcv_vec3 direction) {
+static mcv_response mcv_respond_gloss(mcv_world world, const mcv_meeting *meeting, uint material, const mcv_gloss_meeting *m,
+                                      mcv_vec3 direction) {
     const mcv_vec3 i = mcv_gloss_local(m, direction);
     mcv_response response;
     const int far = i.z < 0.0f;
     response.value = mcv_grey(0.0f);
     response.density = 0.0f;
-    if (far ? mcv_dot(direction, meeting.face) < 0.0f : mcv_dot(direction, meeting.face) > 0.0f)
-        response = mcv_gloss_respond(world.gloss + material, m.gloss, world.albedos, m.lobes, m.o, i);
-    response.media = far ? m.far_media : m.near_media;
+    if (far ? mcv_dot(direction, meeting->face) < 0.0f : mcv_dot(direction, meeting->face) > 0.0f)
+        response = mcv_gloss_respond(world.gloss + material, &m->gloss, world.albedos, &m->lobes, m->o, i);
+    response.media = far ? m->far_media : m->near_media;
     return response;
 }
 
 static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_meeting meeting, uint material, uint media, mcv_pair pair, float choice) {
     mcv_scattering scattering;
     const mcv_gloss_meeting m = mcv_meet_gloss(world, meeting, material, media);
-    const mcv_vec3 i = mcv_gloss_sample(world.gloss + material, m.gloss, m.lobes, m.o, pair.x, pair.y, choice);
+    const mcv_vec3 i = mcv_gloss_sample(world.gloss + material, &m.gloss, &m.lobes, m.o, pair.x, pair.y, choice);
     scattering.direction = mcv_normalize(mcv_along(mcv_along(mcv_scale(m.z, i.z), i.y, m.y), i.x, m.x));
-    const mcv_response response = mcv_respond_gloss(world, meeting, material, m, scattering.direction);
+    const mcv_response response = mcv_respond_gloss(world, &meeting, material, &m, scattering.direction);
     scattering.factor = response.density > 0.0f ? mcv_dim(response.value, 1.0f / response.density) : mcv_grey(0.0f);
     scattering.density = response.density;
     scattering.chance = 1.0f;
@@ -570,7 +571,7 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, uint
 #if MCV_WITH_GLOSS
     if (mcv_is_rough(world, meeting, media)) {
         const mcv_gloss_meeting m = mcv_meet_gloss(world, meeting, instance.material, media);
-        return mcv_respond_gloss(world, meeting, instance.material, m, direction);
+        return mcv_respond_gloss(world, &meeting, instance.material, &m, direction);
     }
 #endif
 #if MCV_WITH_RETROREFLECTOR

@@ -81,7 +81,7 @@ MCV_LOOP_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, flo
 
 #if MCV_WITH_TEXTURE
 /* Coordinate 0 or 1 of the place on its texture. */
-MCV_FUNCTION float mcv_texcoord(mcv_world world, mcv_surface surface, uint axis) {
+MCV_LOOP_FUNCTION float mcv_texcoord(mcv_world world, mcv_surface surface, uint axis) {
     const float w = 1.0f - surface.u - surface.v;
     __global const float *a = world.texcoords + 2 * surface.corners.x;
     __global const float *b = world.texcoords + 2 * surface.corners.y;
@@ -89,7 +89,7 @@ MCV_FUNCTION float mcv_texcoord(mcv_world world, mcv_surface surface, uint axis)
     return mcv_fma(surface.v, c[axis], mcv_fma(surface.u, b[axis], w * a[axis]));
 }
 
-MCV_FUNCTION mcv_color mcv_texture_at(mcv_world world, mcv_surface surface, uint texture) {
+MCV_LOOP_FUNCTION mcv_color mcv_texture_at(mcv_world world, mcv_surface surface, uint texture) {
     return mcv_texture_lookup(world, texture, mcv_texcoord(world, surface, 0), mcv_texcoord(world, surface, 1));
 }
 #endif
@@ -111,7 +111,7 @@ MCV_FUNCTION mcv_vec3 mcv_tangent(mcv_world world, mcv_surface surface, __global
 #endif
 
 /* Reflectance or transmittance, texture included. */
-MCV_FUNCTION mcv_color mcv_material_value(mcv_world world, mcv_surface surface, uint material) {
+MCV_LOOP_FUNCTION mcv_color mcv_material_value(mcv_world world, mcv_surface surface, uint material) {
     mcv_color value;
     MCV_EACH_CHANNEL(i) value.c[i] = world.materials[material].value[i];
     (void)surface;
@@ -125,7 +125,7 @@ MCV_FUNCTION mcv_color mcv_material_value(mcv_world world, mcv_surface surface, 
 
 #if MCV_WITH_TRANSLUCENT
 /* The transmittance of a translucent one, texture included. */
-MCV_FUNCTION mcv_color mcv_material_passed(mcv_world world, mcv_surface surface, uint material) {
+MCV_LOOP_FUNCTION mcv_color mcv_material_passed(mcv_world world, mcv_surface surface, uint material) {
     mcv_color passed;
     MCV_EACH_CHANNEL(i) passed.c[i] = world.materials[material].passed[i];
     (void)surface;
