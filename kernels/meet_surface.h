@@ -43,6 +43,9 @@ MCV_LOOP_FUNCTION void mcv_find_surface(mcv_world world, mcv_slot slot) {
     MCV_WORD(slot, inside, 0) = meeting.inside;
     MCV_STORE_3(slot, face, meeting.face);
     MCV_STORE_3(slot, normal, meeting.normal);
+#if MCV_WITH_GLOSS
+    MCV_WORD(slot, gloss_known, 0) = 0u;
+#endif
 }
 #endif
 
@@ -77,6 +80,10 @@ MCV_LOOP_FUNCTION mcv_meeting mcv_meet_surface(mcv_world world, mcv_slot slot) {
     surface->instance = surface->corners.w;
     surface->u = u;
     surface->v = v;
+#if MCV_WITH_GLOSS
+    meeting.gloss = slot.glosses + slot.index;
+    meeting.gloss_known = &MCV_WORD(slot, gloss_known, 0);
+#endif
 #if MCV_WITH_DIFFUSE
     meeting.bounces = 1;
     meeting.bounce = MCV_LOAD_3(slot, bounce);

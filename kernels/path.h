@@ -42,6 +42,7 @@
     X(inside, MCV_TILE)                            /* and how the ray sees it, as in mcv_meeting */ \
     X(face, 3 * MCV_TILE) \
     X(normal, 3 * MCV_TILE) \
+    X(gloss_known, MCV_TILE *MCV_WITH_GLOSS) \
     X(bounce, 4 * MCV_TILE)                   /* the direction in which the surface reflects if it is diffuse, and its density */ \
     X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path looks for, or MCV_NONE, */ \
     X(place, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT) /* a place on it (triangle, u, v) */ \
@@ -83,11 +84,15 @@ enum { MCV_PATH_FIELDS(MCV_PATH_OFFSET) MCV_PATH_WORDS };
 #define MCV_CAPACITY(slot) (slot).capacity
 #endif
 
+struct mcv_gloss_meeting;
+
 /* A path's place: slot `index` of a slice of `capacity` paths. */
 typedef struct mcv_slot {
     MCV_PATH_SPACE uint *base;
 #if !MCV_TILE
     uint capacity;
+#elif MCV_WITH_GLOSS
+    struct mcv_gloss_meeting *glosses; /* of each slot (scatter.h) */
 #endif
     uint index;
 } mcv_slot;

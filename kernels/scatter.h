@@ -37,6 +37,10 @@ typedef struct mcv_meeting {
     mcv_vec3 bounce;
     float bounce_density;
 #endif
+#if MCV_TILE && MCV_WITH_GLOSS
+    struct mcv_gloss_meeting *gloss; /* where to keep what is worked out of a glossy surface, or NULL */
+    uint *gloss_known;               /* 1: it is there */
+#endif
 } mcv_meeting;
 
 MCV_LOOP_FUNCTION mcv_meeting mcv_meet_at(mcv_surface surface, mcv_vec3 direction) {
@@ -49,6 +53,9 @@ MCV_LOOP_FUNCTION mcv_meeting mcv_meet_at(mcv_surface surface, mcv_vec3 directio
     meeting.normal = mcv_choose(mcv_dot(direction, meeting.normal) < 0.0f, meeting.normal, meeting.face);
 #if MCV_TILE && MCV_WITH_DIFFUSE
     meeting.bounces = 0;
+#endif
+#if MCV_TILE && MCV_WITH_GLOSS
+    meeting.gloss = 0;
 #endif
     return meeting;
 }
@@ -454,6 +461,20 @@ static mcv_gloss_meeting mcv_meet_gloss(mcv_world world, const mcv_meeting *meet
     return m;
 }
 
+/* The same, worked out once for a path's surface, or in the given room. */
+MCV_FUNCTION const mcv_gloss_meeting *mcv_known_gloss(mcv_world world, const mcv_meeting *meeting, uint material, uint media,
+                                                      mcv_gloss_meeting *room) {
+#if MCV_TILE
+    if (meeting->gloss) {
+        if (*meeting->gloss_known) return meeting->gloss;
+        *meeting->gloss_known = 1u;
+        room = meeting->gloss;
+    }
+#endif
+    *room = mcv_meet_gloss(world, meeting, material, media);
+    return room;
+}
+
 /* The direction is unit. Where the interpolated normal and the face disagree on its side nothing comes. */
 static mcv_response mcv_respond_gloss(mcv_world world, const mcv_meeting *meeting, uint material, const mcv_gloss_meeting *m,
                                       mcv_vec3 direction) {
@@ -470,10 +491,11 @@ static mcv_response mcv_respond_gloss(mcv_world world, const mcv_meeting *meetin
 
 static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_meeting meeting, uint material, uint media, mcv_pair pair, float choice) {
     mcv_scattering scattering;
-    const mcv_gloss_meeting m = mcv_meet_gloss(world, &meeting, material, media);
-    const mcv_vec3 i = mcv_gloss_sample(world.gloss + material, &m.gloss, &m.lobes, m.o, pair.x, pair.y, choice);
-    scattering.direction = mcv_normalize(mcv_along(mcv_along(mcv_scale(m.z, i.z), i.y, m.y), i.x, m.x));
-    const mcv_response response = mcv_respond_gloss(world, &meeting, material, &m, scattering.direction);
+    mcv_gloss_meeting room;
+    const mcv_gloss_meeting *m = mcv_known_gloss(world, &meeting, material, media, &room);
+    const mcv_vec3 i = mcv_gloss_sample(world.gloss + material, &m->gloss, &m->lobes, m->o, pair.x, pair.y, choice);
+    scattering.direction = mcv_normalize(mcv_along(mcv_along(mcv_scale(m->z, i.z), i.y, m->y), i.x, m->x));
+    const mcv_response response = mcv_respond_gloss(world, &meeting, material, m, scattering.direction);
     scattering.factor = response.density > 0.0f ? mcv_dim(response.value, 1.0f / response.density) : mcv_grey(0.0f);
     scattering.density = response.density;
     scattering.chance = 1.0f;
@@ -570,8 +592,9 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, uint
 #endif
 #if MCV_WITH_GLOSS
     if (mcv_is_rough(world, &meeting, media)) {
-        const mcv_gloss_meeting m = mcv_meet_gloss(world, &meeting, instance.material, media);
-        return mcv_respond_gloss(world, &meeting, instance.material, &m, direction);
+        mcv_gloss_meeting room;
+        const mcv_gloss_meeting *m = mcv_known_gloss(world, &meeting, instance.material, media, &room);
+        return mcv_respond_gloss(world, &meeting, instance.material, m, direction);
     }
 #endif
 #if MCV_WITH_RETROREFLECTOR

@@ -319,6 +319,10 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
     uint counts[MCV_COUNTER_COUNT] = {0};
     mcv_slot slot;
     slot.base = paths;
+#if MCV_WITH_GLOSS
+    mcv_gloss_meeting glosses[MCV_SLICE];
+    slot.glosses = glosses;
+#endif
     MCV_CLOCK_BEGIN
 
     for (uint i = 0; i < MCV_CHANNELS * MCV_SLICE; ++i) values[i] = 0.0f;
