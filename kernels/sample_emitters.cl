@@ -228,6 +228,7 @@ MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth)
     if (triangle == MCV_NONE) return MCV_NONE;
     const uint material = world.instances[mcv_instance_of(world, triangle)].material;
     if (!world.materials[material].spreads) return MCV_NONE;
+    if (world.frame->emitter_count == 1u) return 0u; /* whose number may not have been drawn */
     float unused;
     const mcv_pair choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
     return mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count, choice.x, choice.y, &unused);

@@ -82,7 +82,7 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
     if (!(brightest > 0.0f)) return 0;
 
     /* Russian roulette, on the throughput alone. */
-    if (depth >= 4u && brightest < 1.0f) {
+    if (depth >= MCV_ROULETTE_DEPTH && brightest < 1.0f) {
         const mcv_pair choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
         if (choice.y >= brightest) return 0;
         throughput = mcv_dim(throughput, 1.0f / brightest);

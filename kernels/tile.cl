@@ -334,19 +334,18 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
         mcv_intersect_paths(world, slot, alive, depth);
         MCV_CLOCK_STAGE(intersect_closest)
         mcv_find_surfaces(world, paths, alive);
+        if (mcv_needs_choice(world.frame, depth)) mcv_draw_pairs(paths, alive, depth, MCV_PAIR_CHOICE);
 #if MCV_WITH_NEXT_EVENT
         /* An emitter is a surface too: the last surface a path may meet does not look for one. */
         if (depth + 1 < world.frame->depth) {
-            mcv_draw_pairs(paths, alive, depth, MCV_PAIR_CHOICE);
             mcv_draw_pairs(paths, alive, depth, MCV_PAIR_EMITTER);
             const uint shadow_count = mcv_sample_emitters(world, slot, alive, depth, chosen);
             MCV_CLOCK_STAGE(sample_emitters)
             mcv_intersect_shadows(world, slot, chosen, shadow_count);
             MCV_CLOCK_STAGE(intersect_shadow)
             counts[MCV_COUNTER_shadow_rays] += shadow_count;
-        } else
+        }
 #endif
-            mcv_draw_pairs(paths, alive, depth, MCV_PAIR_CHOICE);
         mcv_draw_pairs(paths, alive, depth, MCV_PAIR_SCATTER);
 #if MCV_WITH_DIFFUSE
         mcv_choose_bounces(paths, alive);
