@@ -72,9 +72,10 @@ static mcv_shadow mcv_sample_environment_of(mcv_world world, mcv_meeting at, __g
     shadow.direction = mcv_environment_sample(&e->environment, column, row, xi, eta);
     shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, shadow.direction);
     shadow.target = MCV_SKY;
-    shadow.density = mcv_environment_density(world, e, shadow.direction);
+    const mcv_sky_pixel pixel = mcv_sky_pixel_at(e, shadow.direction);
+    shadow.density = mcv_environment_density(world, e, pixel);
     shadow.light = mcv_grey(0.0f);
-    if (shadow.density > 0.0f) shadow.light = mcv_dim(mcv_environment_radiance(world, e, shadow.direction), 1.0f / shadow.density);
+    if (shadow.density > 0.0f) shadow.light = mcv_dim(mcv_environment_radiance(world, e, pixel), 1.0f / shadow.density);
     return shadow;
 }
 #endif
