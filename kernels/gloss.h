@@ -238,8 +238,11 @@ static mcv_vec3 mcv_gloss_sample(__global const mcv_device_gloss *m, const mcv_g
     }
     const mcv_vec3 h = mcv_ggx_sample(gloss->alpha, o, xi, eta);
     const float cosine = mcv_dot(o, h);
-    mcv_color passed;
-    const float chance = mcv_gloss_reflects(m, gloss, lobes, cosine, mcv_gloss_fresnel(m, gloss, cosine), &passed);
+    float chance = 1.0f;
+    if (gloss->type == MCV_MATERIAL_DIELECTRIC || mcv_brightest(lobes->passing) > 0.0f) {
+        mcv_color passed;
+        chance = mcv_gloss_reflects(m, gloss, lobes, cosine, mcv_gloss_fresnel(m, gloss, cosine), &passed);
+    }
     const int reflects = choice < lobes->specular * chance;
     if (!reflects && gloss->type == MCV_MATERIAL_DIELECTRIC) {
         const float c1 = cosine < 1.0f ? cosine : 1.0f;

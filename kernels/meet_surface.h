@@ -37,6 +37,7 @@ MCV_LOOP_FUNCTION void mcv_find_surface(mcv_world world, mcv_slot slot) {
     MCV_STORE_3(slot, point, surface.point);
     MCV_STORE_3(slot, error, surface.error);
     MCV_STORE(slot, area, 0, surface.area);
+    MCV_WORD(slot, instance, 0) = surface.instance;
 #if MCV_WITH_NORMALS
     MCV_STORE_3(slot, own_normal, surface.normal);
 #endif
@@ -48,6 +49,16 @@ MCV_LOOP_FUNCTION void mcv_find_surface(mcv_world world, mcv_slot slot) {
 #endif
 }
 #endif
+
+/* The instance that a path has met, which must have met something. */
+MCV_FUNCTION uint mcv_instance_met(mcv_world world, mcv_slot slot) {
+#if MCV_TILE
+    (void)world;
+    return MCV_WORD(slot, instance, 0);
+#else
+    return mcv_instance_of(world, MCV_WORD(slot, hit, 3));
+#endif
+}
 
 MCV_LOOP_FUNCTION mcv_meeting mcv_meet_surface(mcv_world world, mcv_slot slot) {
     const uint triangle = MCV_WORD(slot, hit, 3);
@@ -71,13 +82,12 @@ MCV_LOOP_FUNCTION mcv_meeting mcv_meet_surface(mcv_world world, mcv_slot slot) {
     surface->area = MCV_LOAD(slot, area, 0);
     surface->triangle = triangle;
 #if MCV_WITH_SURFACES
-    if (triangle >= MCV_EXACT) {
+    if (triangle >= MCV_EXACT)
         surface->corners.x = surface->corners.y = surface->corners.z = 0u;
-        surface->corners.w = mcv_instance_of(world, triangle);
-    } else
+    else
 #endif
         surface->corners = mcv_triangle_corners(world, triangle);
-    surface->instance = surface->corners.w;
+    surface->instance = surface->corners.w = MCV_WORD(slot, instance, 0);
     surface->u = u;
     surface->v = v;
 #if MCV_WITH_GLOSS

@@ -38,6 +38,7 @@
     X(point, 3 * MCV_TILE) /* of the surface, as in mcv_surface */ \
     X(error, 3 * MCV_TILE) \
     X(area, MCV_TILE) \
+    X(instance, MCV_TILE) \
     X(own_normal, 3 * MCV_TILE * MCV_WITH_NORMALS) /* the surface's; the face's where meshes have no others */ \
     X(inside, MCV_TILE)                            /* and how the ray sees it, as in mcv_meeting */ \
     X(face, 3 * MCV_TILE) \

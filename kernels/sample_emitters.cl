@@ -225,9 +225,8 @@ MCV_FUNCTION int mcv_samples_area(__global const mcv_device_emitter *e, mcv_vec3
 
 /* The emitter that the path looks for from where it is, or MCV_NONE. */
 MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth) {
-    const uint triangle = MCV_WORD(slot, hit, 3);
-    if (triangle == MCV_NONE) return MCV_NONE;
-    const uint material = world.instances[mcv_instance_of(world, triangle)].material;
+    if (MCV_WORD(slot, hit, 3) == MCV_NONE) return MCV_NONE;
+    const uint material = world.instances[mcv_instance_met(world, slot)].material;
     if (!world.materials[material].spreads) return MCV_NONE;
     if (world.frame->emitter_count == 1u) return 0u; /* whose number may not have been drawn */
     float unused;
