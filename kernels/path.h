@@ -44,8 +44,8 @@
     X(face, 3 * MCV_TILE) \
     X(normal, 3 * MCV_TILE) \
     X(gloss_known, MCV_TILE *MCV_WITH_GLOSS) \
-    X(bounce, 4 * MCV_TILE)                   /* the direction in which the surface reflects if it is diffuse, and its density */ \
-    X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path looks for, or MCV_NONE, */ \
+    X(bounce, 4 * MCV_TILE)                      /* the direction in which the surface reflects if it is diffuse, and its density */ \
+    X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT)    /* that the path looks for, or MCV_NONE, */ \
     X(place, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT) /* a place on it (triangle, u, v) */ \
     X(way, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT)   /* and the way there, as in mcv_way */ \
     X(way_density, MCV_TILE *MCV_WITH_NEXT_EVENT) \

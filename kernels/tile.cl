@@ -170,8 +170,8 @@ static __attribute__((noinline)) void mcv_leave_surfaces(uint *paths, uint count
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i) {
         slot.index = i;
-        const mcv_vec3 origin = mcv_offset_origin(MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error), MCV_LOAD_3(slot, face),
-                                                  MCV_LOAD_3(slot, direction));
+        const mcv_vec3 origin =
+            mcv_offset_origin(MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error), MCV_LOAD_3(slot, face), MCV_LOAD_3(slot, direction));
         MCV_STORE_3(slot, origin, origin);
     }
 }
@@ -201,8 +201,8 @@ static __attribute__((noinline)) void mcv_find_ways(mcv_world world, uint *paths
     for (uint i = 0; i < count; ++i) {
         slot.index = chosen[i];
         const mcv_chosen_place place = {MCV_WORD(slot, place, 0), MCV_LOAD(slot, place, 1), MCV_LOAD(slot, place, 2)};
-        const mcv_way way = mcv_way_to(world, MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error), MCV_LOAD_3(slot, face),
-                                       MCV_WORD(slot, emitter, 0), place);
+        const mcv_way way =
+            mcv_way_to(world, MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error), MCV_LOAD_3(slot, face), MCV_WORD(slot, emitter, 0), place);
         MCV_STORE_3(slot, shadow_origin, way.origin);
         MCV_STORE_3(slot, shadow_direction, way.direction);
         MCV_STORE_3(slot, way, way.towards);
