@@ -123,8 +123,9 @@ __kernel void evaluate_gloss(__global const mcv_gloss_element *element, __global
     __global const float *in = cases + 6 * k;
     __global const float *albedos = (__global const float *)(element + 1);
     const mcv_vec3 o = mcv_vec(in[0], in[1], in[2]);
-    const mcv_lobes lobes = mcv_gloss_lobes(&element->material, element->gloss, albedos, o);
-    const mcv_response response = mcv_gloss_respond(&element->material, element->gloss, albedos, lobes, o, mcv_vec(in[3], in[4], in[5]));
+    const mcv_gloss gloss = element->gloss;
+    const mcv_lobes lobes = mcv_gloss_lobes(&element->material, &gloss, albedos, o);
+    const mcv_response response = mcv_gloss_respond(&element->material, &gloss, albedos, &lobes, o, mcv_vec(in[3], in[4], in[5]));
     results[2 * k] = response.value.c[0];
     results[2 * k + 1] = response.density;
 }
@@ -135,8 +136,9 @@ __kernel void sample_gloss(__global const mcv_gloss_element *element, __global c
     __global const float *in = cases + 6 * k;
     __global const float *albedos = (__global const float *)(element + 1);
     const mcv_vec3 o = mcv_vec(in[0], in[1], in[2]);
-    const mcv_lobes lobes = mcv_gloss_lobes(&element->material, element->gloss, albedos, o);
-    const mcv_vec3 i = mcv_gloss_sample(&element->material, element->gloss, lobes, o, in[3], in[4], in[5]);
+    const mcv_gloss gloss = element->gloss;
+    const mcv_lobes lobes = mcv_gloss_lobes(&element->material, &gloss, albedos, o);
+    const mcv_vec3 i = mcv_gloss_sample(&element->material, &gloss, &lobes, o, in[3], in[4], in[5]);
     directions[3 * k] = i.x;
     directions[3 * k + 1] = i.y;
     directions[3 * k + 2] = i.z;

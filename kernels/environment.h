@@ -6,11 +6,20 @@
 #include "surface.h"
 
 #if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
-/* Radiance of the environment's image from a unit direction. */
-MCV_FUNCTION mcv_color mcv_environment_radiance(mcv_world world, __global const mcv_device_emitter *e, mcv_vec3 direction) {
+/* A pixel of the environment's image. */
+typedef struct mcv_sky_pixel {
     uint column, row;
-    mcv_environment_pixel(&e->environment, direction, &column, &row);
-    mcv_color radiance = mcv_texel(world, world.textures[e->texture], (int)column, (int)row);
+} mcv_sky_pixel;
+
+/* The one that lies in a unit direction. */
+MCV_FUNCTION mcv_sky_pixel mcv_sky_pixel_at(__global const mcv_device_emitter *e, mcv_vec3 direction) {
+    mcv_sky_pixel pixel;
+    mcv_environment_pixel(&e->environment, direction, &pixel.column, &pixel.row);
+    return pixel;
+}
+
+MCV_FUNCTION mcv_color mcv_environment_radiance(mcv_world world, __global const mcv_device_emitter *e, mcv_sky_pixel pixel) {
+    mcv_color radiance = mcv_texel(world, world.textures[e->texture], (int)pixel.column, (int)pixel.row);
     MCV_EACH_CHANNEL(i) radiance.c[i] *= e->radiance[i];
     return radiance;
 }
@@ -25,12 +34,11 @@ MCV_FUNCTION __global const uint *mcv_environment_row(mcv_world world, __global 
     return world.emitter_cdf + e->cdf + e->environment.height + 1u + row * (e->environment.width + 1u);
 }
 
-/* The density [1/sr] with which next-event estimation chooses a direction into the sky. */
-MCV_FUNCTION float mcv_environment_density(mcv_world world, __global const mcv_device_emitter *e, mcv_vec3 direction) {
-    uint column, row;
-    mcv_environment_pixel(&e->environment, direction, &column, &row);
-    const float share = mcv_cdf_share(world.emitter_cdf + e->cdf, row) * mcv_cdf_share(mcv_environment_row(world, e, row), column);
-    return e->probability * share / mcv_environment_solid_angle(&e->environment, row);
+/* The density [1/sr] with which next-event estimation chooses a direction into a pixel of the sky. */
+MCV_FUNCTION float mcv_environment_density(mcv_world world, __global const mcv_device_emitter *e, mcv_sky_pixel pixel) {
+    const float share =
+        mcv_cdf_share(world.emitter_cdf + e->cdf, pixel.row) * mcv_cdf_share(mcv_environment_row(world, e, pixel.row), pixel.column);
+    return e->probability * share / mcv_environment_solid_angle(&e->environment, pixel.row);
 }
 #endif
 
@@ -45,9 +53,10 @@ MCV_FUNCTION mcv_color mcv_environment_met(mcv_world world, mcv_vec3 direction, 
 #endif
 #if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
     __global const mcv_device_emitter *e = world.emitters + world.frame->environment_emitter;
-    light = mcv_environment_radiance(world, e, direction);
+    const mcv_sky_pixel pixel = mcv_sky_pixel_at(e, direction);
+    light = mcv_environment_radiance(world, e, pixel);
 #if MCV_WITH_NEXT_EVENT
-    if (density > 0.0f) light = mcv_dim(light, density / (density + mcv_environment_density(world, e, direction)));
+    if (density > 0.0f) light = mcv_dim(light, density / (density + mcv_environment_density(world, e, pixel)));
 #endif
 #endif
 #if MCV_WITH_DIELECTRIC

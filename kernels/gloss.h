@@ -51,11 +51,12 @@ static mcv_albedo mcv_albedo_row(__global const float *rows, uint azimuths, mcv_
 }
 
 /* The table's entries for a direction, or with `mean` their means over the hemisphere. */
-static mcv_albedo mcv_albedo_at(__global const mcv_device_gloss *m, mcv_gloss gloss, __global const float *albedos, mcv_vec3 w, int mean) {
+static mcv_albedo mcv_albedo_at(__global const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *albedos, mcv_vec3 w,
+                                int mean) {
     const uint size = 2 + 2 * m->azimuths * MCV_ALBEDO_COSINES;
-    const uint layer = m->roughnesses > 1 ? min((uint)gloss.layer, m->roughnesses - 2) : 0;
-    const float f = gloss.layer - (float)layer;
-    __global const float *at = albedos + gloss.table + layer * size;
+    const uint layer = m->roughnesses > 1 ? min((uint)gloss->layer, m->roughnesses - 2) : 0;
+    const float f = gloss->layer - (float)layer;
+    __global const float *at = albedos + gloss->table + layer * size;
     mcv_albedo low, high;
     low.a = at[0];
     low.b = at[1];
@@ -80,33 +81,33 @@ typedef struct mcv_lobes {
 } mcv_lobes;
 
 /* What a(i) and b(i) are: of a metallic-roughness surface what the layer passes, and what its microfacets send on to each other. */
-static mcv_albedo mcv_gloss_weights(__global const mcv_device_gloss *m, mcv_gloss gloss, mcv_albedo albedo) {
+static mcv_albedo mcv_gloss_weights(__global const mcv_device_gloss *m, const mcv_gloss *gloss, mcv_albedo albedo) {
     mcv_albedo weights;
     weights.a = 1.0f - mcv_fma(m->f0, 1.0f - albedo.a - albedo.b, albedo.b);
     weights.b = albedo.a;
-    if (gloss.type == MCV_MATERIAL_DIELECTRIC) return albedo;
+    if (gloss->type == MCV_MATERIAL_DIELECTRIC) return albedo;
     return weights;
 }
 
-static mcv_lobes mcv_gloss_lobes(__global const mcv_device_gloss *m, mcv_gloss gloss, __global const float *albedos, mcv_vec3 o) {
+static mcv_lobes mcv_gloss_lobes(__global const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *albedos, mcv_vec3 o) {
     mcv_lobes lobes;
     const mcv_albedo at = mcv_albedo_at(m, gloss, albedos, o, 0);
     const mcv_albedo mean = mcv_albedo_at(m, gloss, albedos, o, 1);
-    lobes.lambda = mcv_ggx_lambda(gloss.alpha, o);
+    lobes.lambda = mcv_ggx_lambda(gloss->alpha, o);
     lobes.passing = mcv_grey(0.0f);
     lobes.near_a = lobes.near_b = lobes.far_a = lobes.far_b = mcv_grey(0.0f);
     lobes.far_chance = 0.0f;
 #if MCV_WITH_DIELECTRIC
-    if (gloss.type == MCV_MATERIAL_DIELECTRIC) {
+    if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
         /* a: what is missing outside the body, b: inside. Light in the medium s leaves into t with the share n_t² M_t/Σ n² M. */
-        const float missing = gloss.inside ? at.b : at.a;
-        const float near = gloss.between.eta * gloss.between.eta;
-        const float sum = gloss.inside ? mcv_fma(near, mean.b, mean.a) : mcv_fma(near, mean.a, mean.b);
+        const float missing = gloss->inside ? at.b : at.a;
+        const float near = gloss->between.eta * gloss->between.eta;
+        const float sum = gloss->inside ? mcv_fma(near, mean.b, mean.a) : mcv_fma(near, mean.a, mean.b);
         const float share = sum > 0.0f ? missing / sum : 0.0f;
         lobes.specular = sum > 0.0f ? 1.0f - missing : 1.0f;
-        lobes.near_chance = share * near * (gloss.inside ? mean.b : mean.a);
-        lobes.far_chance = share * (gloss.inside ? mean.a : mean.b);
-        if (gloss.inside) {
+        lobes.near_chance = share * near * (gloss->inside ? mean.b : mean.a);
+        lobes.far_chance = share * (gloss->inside ? mean.a : mean.b);
+        if (gloss->inside) {
             lobes.near_b = mcv_grey(share * near);
             lobes.far_a = mcv_grey(share);
         } else {
@@ -117,31 +118,31 @@ static mcv_lobes mcv_gloss_lobes(__global const mcv_device_gloss *m, mcv_gloss g
     }
 #endif
     const float missing = mean.a > 0.0f ? at.a / mean.a : 0.0f;
-    if (gloss.type == MCV_MATERIAL_CONDUCTOR) {
-        lobes.near_b = mcv_dim(gloss.base, missing);
+    if (gloss->type == MCV_MATERIAL_CONDUCTOR) {
+        lobes.near_b = mcv_dim(gloss->base, missing);
         lobes.specular = 1.0f - at.a;
         lobes.near_chance = at.a;
         return lobes;
     }
     const mcv_albedo weights = mcv_gloss_weights(m, gloss, at);
-    const float below = weights.a / mcv_gloss_weights(m, gloss, mean).a * (1.0f - gloss.metallic);
-    const float brightest = mcv_brightest(gloss.base);
+    const float below = weights.a / mcv_gloss_weights(m, gloss, mean).a * (1.0f - gloss->metallic);
+    const float brightest = mcv_brightest(gloss->base);
     MCV_EACH_CHANNEL(i) {
-        const float f = mcv_fma(gloss.base.c[i], 1.0f - 1.0f / 21.0f, 1.0f / 21.0f);
+        const float f = mcv_fma(gloss->base.c[i], 1.0f - 1.0f / 21.0f, 1.0f / 21.0f);
         const float again = f * f * (1.0f - mean.a) / mcv_fma(-f, mean.a, 1.0f);
-        lobes.passing.c[i] = gloss.base.c[i] * m->transmission * (1.0f - gloss.metallic);
-        lobes.near_a.c[i] = gloss.base.c[i] * below * (1.0f - m->transmission) * (1.0f - m->diffuse_transmission);
-        lobes.far_a.c[i] = gloss.base.c[i] * below * (1.0f - m->transmission) * m->diffuse_transmission;
-        lobes.near_b.c[i] = gloss.metallic * again * missing;
+        lobes.passing.c[i] = gloss->base.c[i] * m->transmission * (1.0f - gloss->metallic);
+        lobes.near_a.c[i] = gloss->base.c[i] * below * (1.0f - m->transmission) * (1.0f - m->diffuse_transmission);
+        lobes.far_a.c[i] = gloss->base.c[i] * below * (1.0f - m->transmission) * m->diffuse_transmission;
+        lobes.near_b.c[i] = gloss->metallic * again * missing;
         lobes.far_b.c[i] = lobes.passing.c[i] * missing;
     }
     /* By how much light they bring, of the brightest channel. */
-    const float f0 = mcv_fma(gloss.metallic, brightest - m->f0, m->f0);
+    const float f0 = mcv_fma(gloss->metallic, brightest - m->f0, m->f0);
     const float reflected = mcv_fma(f0, 1.0f - at.a - at.b, at.b);
-    const float passed = brightest * m->transmission * (1.0f - gloss.metallic);
+    const float passed = brightest * m->transmission * (1.0f - gloss->metallic);
     const float specular = mcv_fma(passed, weights.a - at.a, reflected);
-    const float spread = brightest * weights.a * (1.0f - gloss.metallic) * (1.0f - m->transmission);
-    const float near = mcv_fma(spread, 1.0f - m->diffuse_transmission, gloss.metallic * brightest * at.a);
+    const float spread = brightest * weights.a * (1.0f - gloss->metallic) * (1.0f - m->transmission);
+    const float near = mcv_fma(spread, 1.0f - m->diffuse_transmission, gloss->metallic * brightest * at.a);
     const float far = mcv_fma(spread, m->diffuse_transmission, passed * at.a);
     const float sum = specular + near + far;
     lobes.specular = specular / sum;
@@ -151,41 +152,41 @@ static mcv_lobes mcv_gloss_lobes(__global const mcv_device_gloss *m, mcv_gloss g
 }
 
 /* What a microfacet reflects at a cosine of incidence. */
-static mcv_color mcv_gloss_fresnel(__global const mcv_device_gloss *m, mcv_gloss gloss, float cosine) {
+static mcv_color mcv_gloss_fresnel(__global const mcv_device_gloss *m, const mcv_gloss *gloss, float cosine) {
     mcv_color reflected;
     const float c = cosine < 1.0f ? cosine : 1.0f;
 #if MCV_WITH_DIELECTRIC
-    if (gloss.type == MCV_MATERIAL_DIELECTRIC)
-        return mcv_grey(mcv_interface_reflectance(gloss.between, c, mcv_refracted_cosine(gloss.between, c)));
+    if (gloss->type == MCV_MATERIAL_DIELECTRIC)
+        return mcv_grey(mcv_interface_reflectance(gloss->between, c, mcv_refracted_cosine(gloss->between, c)));
 #endif
-    if (gloss.type == MCV_MATERIAL_CONDUCTOR) {
-        MCV_EACH_CHANNEL(i) reflected.c[i] = mcv_conductor_fresnel(m->n[i] * gloss.between.eta, m->k[i] * gloss.between.eta, c);
+    if (gloss->type == MCV_MATERIAL_CONDUCTOR) {
+        MCV_EACH_CHANNEL(i) reflected.c[i] = mcv_conductor_fresnel(m->n[i] * gloss->between.eta, m->k[i] * gloss->between.eta, c);
         return reflected;
     }
     const float rise = mcv_schlick(c);
     MCV_EACH_CHANNEL(i) {
-        const float f0 = mcv_fma(gloss.metallic, gloss.base.c[i] - m->f0, m->f0);
+        const float f0 = mcv_fma(gloss->metallic, gloss->base.c[i] - m->f0, m->f0);
         reflected.c[i] = mcv_fma(1.0f - f0, rise, f0);
     }
     return reflected;
 }
 
 /* With which a microfacet is chosen to reflect rather than to pass; `passed` gets what it passes, per channel. */
-static float mcv_gloss_reflects(__global const mcv_device_gloss *m, mcv_gloss gloss, mcv_lobes lobes, float cosine, mcv_color reflected,
-                                mcv_color *passed) {
-    if (gloss.type == MCV_MATERIAL_DIELECTRIC) {
+static float mcv_gloss_reflects(__global const mcv_device_gloss *m, const mcv_gloss *gloss, const mcv_lobes *lobes, float cosine,
+                                mcv_color reflected, mcv_color *passed) {
+    if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
         *passed = mcv_grey(1.0f - reflected.c[0]);
         return reflected.c[0];
     }
     const float rise = mcv_schlick(cosine);
-    *passed = mcv_dim(lobes.passing, (1.0f - m->f0) * (1.0f - rise));
+    *passed = mcv_dim(lobes->passing, (1.0f - m->f0) * (1.0f - rise));
     const float far = mcv_brightest(*passed);
     const float near = mcv_brightest(reflected);
     return far > 0.0f ? near / (near + far) : 1.0f;
 }
 
-static mcv_response mcv_gloss_respond(__global const mcv_device_gloss *m, mcv_gloss gloss, __global const float *albedos, mcv_lobes lobes,
-                                      mcv_vec3 o, mcv_vec3 i) {
+static mcv_response mcv_gloss_respond(__global const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *albedos,
+                                      const mcv_lobes *lobes, mcv_vec3 o, mcv_vec3 i) {
     mcv_response response;
     const int far = i.z < 0.0f;
     response.value = mcv_grey(0.0f);
@@ -197,11 +198,11 @@ static mcv_response mcv_gloss_respond(__global const mcv_device_gloss *m, mcv_gl
     mcv_vec3 h;
     float jacobian;
     const mcv_vec3 mirrored = mcv_vec(i.x, i.y, mcv_abs(i.z));
-    if (far && gloss.type == MCV_MATERIAL_DIELECTRIC) {
-        h = mcv_normalize(mcv_along(i, gloss.between.eta, o));
+    if (far && gloss->type == MCV_MATERIAL_DIELECTRIC) {
+        h = mcv_normalize(mcv_along(i, gloss->between.eta, o));
         if (h.z < 0.0f) h = mcv_scale(h, -1.0f);
         const float behind = -mcv_dot(i, h);
-        const float sum = mcv_fma(gloss.between.eta, mcv_dot(o, h), -behind);
+        const float sum = mcv_fma(gloss->between.eta, mcv_dot(o, h), -behind);
         jacobian = behind > 0.0f ? behind / (sum * sum) : 0.0f;
     } else {
         h = mcv_normalize(mcv_add(o, mirrored));
@@ -212,38 +213,41 @@ static mcv_response mcv_gloss_respond(__global const mcv_device_gloss *m, mcv_gl
         mcv_color passed;
         const mcv_color reflected = mcv_gloss_fresnel(m, gloss, cosine);
         const float chance = mcv_gloss_reflects(m, gloss, lobes, cosine, reflected, &passed);
-        const float facets = mcv_ggx_density(gloss.alpha, h) * cosine * jacobian / o.z;
-        response.value = mcv_dim(far ? passed : reflected, facets / (1.0f + lobes.lambda + mcv_ggx_lambda(gloss.alpha, i)));
-        response.density = lobes.specular * (far ? 1.0f - chance : chance) * facets / (1.0f + lobes.lambda);
+        const float facets = mcv_ggx_density(gloss->alpha, h) * cosine * jacobian / o.z;
+        response.value = mcv_dim(far ? passed : reflected, facets / (1.0f + lobes->lambda + mcv_ggx_lambda(gloss->alpha, i)));
+        response.density = lobes->specular * (far ? 1.0f - chance : chance) * facets / (1.0f + lobes->lambda);
     }
 
     const mcv_albedo weights = mcv_gloss_weights(m, gloss, mcv_albedo_at(m, gloss, albedos, i, 0));
     const float diffuse = mirrored.z * (1.0f / MCV_PI);
     MCV_EACH_CHANNEL(k) {
-        const float a = far ? lobes.far_a.c[k] : lobes.near_a.c[k];
-        const float b = far ? lobes.far_b.c[k] : lobes.near_b.c[k];
+        const float a = far ? lobes->far_a.c[k] : lobes->near_a.c[k];
+        const float b = far ? lobes->far_b.c[k] : lobes->near_b.c[k];
         response.value.c[k] = mcv_fma(diffuse, mcv_fma(a, weights.a, b * weights.b), response.value.c[k]);
     }
-    response.density = mcv_fma(far ? lobes.far_chance : lobes.near_chance, diffuse, response.density);
+    response.density = mcv_fma(far ? lobes->far_chance : lobes->near_chance, diffuse, response.density);
     return response;
 }
 
 /* A direction with the density that mcv_gloss_respond gives; the zero vector where the path ends. */
-static mcv_vec3 mcv_gloss_sample(__global const mcv_device_gloss *m, mcv_gloss gloss, mcv_lobes lobes, mcv_vec3 o, float xi, float eta,
-                                 float choice) {
-    if (choice >= lobes.specular) {
+static mcv_vec3 mcv_gloss_sample(__global const mcv_device_gloss *m, const mcv_gloss *gloss, const mcv_lobes *lobes, mcv_vec3 o, float xi,
+                                 float eta, float choice) {
+    if (choice >= lobes->specular) {
         const mcv_vec3 spread = mcv_sample_cosine(xi, eta);
-        return choice - lobes.specular < lobes.near_chance ? spread : mcv_vec(spread.x, spread.y, -spread.z);
+        return choice - lobes->specular < lobes->near_chance ? spread : mcv_vec(spread.x, spread.y, -spread.z);
     }
-    const mcv_vec3 h = mcv_ggx_sample(gloss.alpha, o, xi, eta);
+    const mcv_vec3 h = mcv_ggx_sample(gloss->alpha, o, xi, eta);
     const float cosine = mcv_dot(o, h);
-    mcv_color passed;
-    const float chance = mcv_gloss_reflects(m, gloss, lobes, cosine, mcv_gloss_fresnel(m, gloss, cosine), &passed);
-    const int reflects = choice < lobes.specular * chance;
-    if (!reflects && gloss.type == MCV_MATERIAL_DIELECTRIC) {
+    float chance = 1.0f;
+    if (gloss->type == MCV_MATERIAL_DIELECTRIC || mcv_brightest(lobes->passing) > 0.0f) {
+        mcv_color passed;
+        chance = mcv_gloss_reflects(m, gloss, lobes, cosine, mcv_gloss_fresnel(m, gloss, cosine), &passed);
+    }
+    const int reflects = choice < lobes->specular * chance;
+    if (!reflects && gloss->type == MCV_MATERIAL_DIELECTRIC) {
         const float c1 = cosine < 1.0f ? cosine : 1.0f;
-        const float c2 = mcv_refracted_cosine(gloss.between, c1);
-        const mcv_vec3 i = mcv_refract(gloss.between, mcv_scale(o, -1.0f), h, c1, c2);
+        const float c2 = mcv_refracted_cosine(gloss->between, c1);
+        const mcv_vec3 i = mcv_refract(gloss->between, mcv_scale(o, -1.0f), h, c1, c2);
         return c2 > 0.0f && i.z < 0.0f ? i : mcv_vec(0.0f, 0.0f, 0.0f);
     }
     const mcv_vec3 i = mcv_normalize(mcv_along(mcv_scale(o, -1.0f), 2.0f * cosine, h));

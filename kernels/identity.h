@@ -7,6 +7,9 @@
 #include "sampler.h"
 #include "world.h"
 
+/* Surfaces that a path meets before roulette may end it. */
+#define MCV_ROULETTE_DEPTH 4u
+
 /* Which sample of which pixel a path is. */
 typedef struct mcv_identity {
     uint column, row;
@@ -25,6 +28,11 @@ MCV_FUNCTION mcv_identity mcv_identify(__constant const mcv_frame *frame, uint p
     id.stream = mcv_hash_2(mcv_hash_2(frame->seed, frame->first_pixel + id.row * frame->row_pitch + id.column), set % frame->replicates);
     id.sample = frame->first_sample + (path & ((1u << frame->log2_samples) - 1u));
     return id;
+}
+
+/* Is the pair that chooses among emitters, lobes and going on needed? */
+MCV_FUNCTION int mcv_needs_choice(__constant const mcv_frame *frame, uint depth) {
+    return MCV_WITH_GLOSS || MCV_WITH_RETROREFLECTOR || MCV_WITH_TRANSLUCENT || depth >= MCV_ROULETTE_DEPTH || frame->emitter_count > 1u;
 }
 
 /* A pair of random numbers of the surface that a path has met. */

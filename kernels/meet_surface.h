@@ -33,37 +33,67 @@ MCV_LOOP_FUNCTION void mcv_find_surface(mcv_world world, mcv_slot slot) {
 #endif
     const mcv_hit hit = {MCV_LOAD(slot, hit, 0), MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2), met == MCV_NONE ? 0u : met};
     const mcv_surface surface = mcv_surface_met(world, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), hit);
+    const mcv_meeting meeting = mcv_meet_at(surface, MCV_LOAD_3(slot, direction));
     MCV_STORE_3(slot, point, surface.point);
     MCV_STORE_3(slot, error, surface.error);
-    MCV_STORE_3(slot, face, surface.face);
-    MCV_STORE_3(slot, normal, surface.normal);
     MCV_STORE(slot, area, 0, surface.area);
+    MCV_WORD(slot, instance, 0) = surface.instance;
+#if MCV_WITH_NORMALS
+    MCV_STORE_3(slot, own_normal, surface.normal);
+#endif
+    MCV_WORD(slot, inside, 0) = meeting.inside;
+    MCV_STORE_3(slot, face, meeting.face);
+    MCV_STORE_3(slot, normal, meeting.normal);
+#if MCV_WITH_GLOSS
+    MCV_WORD(slot, gloss_known, 0) = 0u;
+#endif
 }
 #endif
+
+/* The instance that a path has met, which must have met something. */
+MCV_FUNCTION uint mcv_instance_met(mcv_world world, mcv_slot slot) {
+#if MCV_TILE
+    (void)world;
+    return MCV_WORD(slot, instance, 0);
+#else
+    return mcv_instance_of(world, MCV_WORD(slot, hit, 3));
+#endif
+}
 
 MCV_LOOP_FUNCTION mcv_meeting mcv_meet_surface(mcv_world world, mcv_slot slot) {
     const uint triangle = MCV_WORD(slot, hit, 3);
     const float u = MCV_LOAD(slot, hit, 1);
     const float v = MCV_LOAD(slot, hit, 2);
 #if MCV_TILE
-    mcv_surface surface;
-    surface.point = MCV_LOAD_3(slot, point);
-    surface.error = MCV_LOAD_3(slot, error);
-    surface.face = MCV_LOAD_3(slot, face);
-    surface.normal = MCV_LOAD_3(slot, normal);
-    surface.area = MCV_LOAD(slot, area, 0);
-    surface.triangle = triangle;
-#if MCV_WITH_SURFACES
-    if (triangle >= MCV_EXACT) {
-        surface.corners.x = surface.corners.y = surface.corners.z = 0u;
-        surface.corners.w = mcv_instance_of(world, triangle);
-    } else
+    mcv_meeting meeting;
+    mcv_surface *surface = &meeting.surface;
+    meeting.direction = MCV_LOAD_3(slot, direction);
+    meeting.inside = MCV_WORD(slot, inside, 0);
+    meeting.face = MCV_LOAD_3(slot, face);
+    meeting.normal = MCV_LOAD_3(slot, normal);
+    surface->point = MCV_LOAD_3(slot, point);
+    surface->error = MCV_LOAD_3(slot, error);
+    surface->face = mcv_scale(meeting.face, meeting.inside ? -1.0f : 1.0f);
+#if MCV_WITH_NORMALS
+    surface->normal = MCV_LOAD_3(slot, own_normal);
+#else
+    surface->normal = surface->face;
 #endif
-        surface.corners = mcv_triangle_corners(world, triangle);
-    surface.instance = surface.corners.w;
-    surface.u = u;
-    surface.v = v;
-    mcv_meeting meeting = mcv_meet_at(surface, MCV_LOAD_3(slot, direction));
+    surface->area = MCV_LOAD(slot, area, 0);
+    surface->triangle = triangle;
+#if MCV_WITH_SURFACES
+    if (triangle >= MCV_EXACT)
+        surface->corners.x = surface->corners.y = surface->corners.z = 0u;
+    else
+#endif
+        surface->corners = mcv_triangle_corners(world, triangle);
+    surface->instance = surface->corners.w = MCV_WORD(slot, instance, 0);
+    surface->u = u;
+    surface->v = v;
+#if MCV_WITH_GLOSS
+    meeting.gloss = slot.glosses + slot.index;
+    meeting.gloss_known = &MCV_WORD(slot, gloss_known, 0);
+#endif
 #if MCV_WITH_DIFFUSE
     meeting.bounces = 1;
     meeting.bounce = MCV_LOAD_3(slot, bounce);

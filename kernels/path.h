@@ -15,6 +15,9 @@
 #define MCV_TILE 0
 #endif
 
+/* Whether the origins of the rays that go on are worked out for many paths at once, after all else. */
+#define MCV_LEAVES_TOGETHER (MCV_TILE && !MCV_WITH_CONTACT)
+
 /* X(field, words): what a scene does not need has no words. Those before the hit go on with the path to its next surface. */
 #define MCV_PATH_FIELDS(X) \
     X(origin, 3)                         /* of the current ray [m] */ \
@@ -29,15 +32,25 @@
     X(footprint, MCV_WITH_LIGHT_TRACING) /* of the pixel at the first diffuse surface [m²] */ \
     X(stream, 1)                         /* of random numbers: pixel, replicate, seed */ \
     X(sample, 1) \
-    X(place, MCV_TILE)     /* of the path in its slice */ \
+    X(value, MCV_TILE)     /* of the path in its slice */ \
     X(hit, 4)              /* t, u, v, triangle */ \
     X(drawn, 6 * MCV_TILE) /* the surface's pairs of random numbers */ \
     X(point, 3 * MCV_TILE) /* of the surface, as in mcv_surface */ \
     X(error, 3 * MCV_TILE) \
+    X(area, MCV_TILE) \
+    X(instance, MCV_TILE) \
+    X(own_normal, 3 * MCV_TILE * MCV_WITH_NORMALS) /* the surface's; the face's where meshes have no others */ \
+    X(inside, MCV_TILE)                            /* and how the ray sees it, as in mcv_meeting */ \
     X(face, 3 * MCV_TILE) \
     X(normal, 3 * MCV_TILE) \
-    X(area, MCV_TILE) \
-    X(bounce, 4 * MCV_TILE)                   /* the direction in which the surface reflects if it is diffuse, and its density */ \
+    X(gloss_known, MCV_TILE *MCV_WITH_GLOSS) \
+    X(bounce, 4 * MCV_TILE)                      /* the direction in which the surface reflects if it is diffuse, and its density */ \
+    X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT)    /* that the path looks for, or MCV_NONE, */ \
+    X(place, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT) /* a place on it (triangle, u, v) */ \
+    X(way, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT)   /* and the way there, as in mcv_way */ \
+    X(way_density, MCV_TILE *MCV_WITH_NEXT_EVENT) \
+    X(way_face, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT) \
+    X(way_normal, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT * MCV_WITH_NORMALS) \
     X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT) /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS *MCV_WITH_DIELECTRIC) /* that it leaves the surface in */ \
@@ -72,11 +85,15 @@ enum { MCV_PATH_FIELDS(MCV_PATH_OFFSET) MCV_PATH_WORDS };
 #define MCV_CAPACITY(slot) (slot).capacity
 #endif
 
+struct mcv_gloss_meeting;
+
 /* A path's place: slot `index` of a slice of `capacity` paths. */
 typedef struct mcv_slot {
     MCV_PATH_SPACE uint *base;
 #if !MCV_TILE
     uint capacity;
+#elif MCV_WITH_GLOSS
+    struct mcv_gloss_meeting *glosses; /* of each slot (scatter.h) */
 #endif
     uint index;
 } mcv_slot;

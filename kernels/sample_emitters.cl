@@ -72,9 +72,10 @@ static mcv_shadow mcv_sample_environment_of(mcv_world world, mcv_meeting at, __g
     shadow.direction = mcv_environment_sample(&e->environment, column, row, xi, eta);
     shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, shadow.direction);
     shadow.target = MCV_SKY;
-    shadow.density = mcv_environment_density(world, e, shadow.direction);
+    const mcv_sky_pixel pixel = mcv_sky_pixel_at(e, shadow.direction);
+    shadow.density = mcv_environment_density(world, e, pixel);
     shadow.light = mcv_grey(0.0f);
-    if (shadow.density > 0.0f) shadow.light = mcv_dim(mcv_environment_radiance(world, e, shadow.direction), 1.0f / shadow.density);
+    if (shadow.density > 0.0f) shadow.light = mcv_dim(mcv_environment_radiance(world, e, pixel), 1.0f / shadow.density);
     return shadow;
 }
 #endif
@@ -98,40 +99,84 @@ static mcv_shadow mcv_sample_cone_of(mcv_meeting at, __global const mcv_device_e
  * relative to the ray's origin, of which R is the largest coordinate: shearing them rounds by γ(6) R, the depth by 12 u R
  * (mcv_intersect_leaf), the ray's end and t itself by 4 u R. Close to the world's origin this is more than the error of the point.
  */
-MCV_FUNCTION mcv_vec3 mcv_meeting_error(mcv_world world, mcv_vec3 receiver, mcv_surface there) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_meeting_error(mcv_world world, mcv_vec3 receiver, mcv_surface there) {
     float largest = 0.0f;
     const uint vertices[3] = {there.corners.x, there.corners.y, there.corners.z};
+#pragma unroll
     for (int i = 0; i < 3; ++i) {
         const mcv_vec3 way = mcv_sub(mcv_vertex_vector(world.positions, vertices[i]), receiver);
-        largest = fmax(largest, fmax(mcv_abs(way.x), fmax(mcv_abs(way.y), mcv_abs(way.z))));
+        const float flat = mcv_abs(way.x) > mcv_abs(way.y) ? mcv_abs(way.x) : mcv_abs(way.y);
+        const float far = mcv_abs(way.z) > flat ? mcv_abs(way.z) : flat;
+        largest = far > largest ? far : largest;
     }
     const float more = MCV_GAMMA(16) * largest;
     return mcv_vec(there.error.x + more, there.error.y + more, there.error.z + more);
 }
 
-static mcv_shadow mcv_sample_area_of(mcv_world world, mcv_meeting at, uint emitter, mcv_pair pair) {
-    mcv_shadow shadow;
+/* A place on an emitter, uniform by area: the triangle, and where on it (the unit square to a triangle by area). */
+typedef struct mcv_chosen_place {
+    uint triangle;
+    float u, v;
+} mcv_chosen_place;
+
+MCV_FUNCTION mcv_chosen_place mcv_choose_place(mcv_world world, uint emitter, mcv_pair pair) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
+    mcv_chosen_place place;
     float xi;
-    const uint triangle =
+    place.triangle =
         world.instances[e->instance].first_triangle + mcv_search_cdf(world.emitter_cdf + e->cdf, e->triangle_count, pair.x, pair.y, &xi);
-    /* The unit square to a triangle by area. */
     const float root = mcv_sqrt(xi);
-    const mcv_surface there = mcv_surface_at(world, triangle, root * (1.0f - pair.y), root * pair.y);
-    const mcv_vec3 towards = mcv_sub(there.point, at.surface.point);
+    place.u = root * (1.0f - pair.y);
+    place.v = root * pair.y;
+    return place;
+}
+
+/* The way from a receiver to a place on an emitter. */
+typedef struct mcv_way {
+    mcv_vec3 origin, direction; /* of the shadow ray */
+    mcv_vec3 towards;           /* the same, unit and from the receiver itself */
+    float density;
+    mcv_vec3 face, normal; /* there */
+} mcv_way;
+
+MCV_LOOP_FUNCTION mcv_way mcv_way_to(mcv_world world, mcv_vec3 point, mcv_vec3 error, mcv_vec3 face, uint emitter, mcv_chosen_place place) {
+    mcv_way way;
+    const mcv_surface there = mcv_surface_at(world, place.triangle, place.u, place.v);
+    const mcv_vec3 towards = mcv_sub(there.point, point);
     const float distance = mcv_sqrt(mcv_dot(towards, towards));
-    const mcv_vec3 direction = mcv_normalize(towards);
-    shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, direction);
-    const mcv_vec3 error = mcv_meeting_error(world, at.surface.point, there);
-    shadow.direction = mcv_sub(mcv_offset_origin(there.point, error, there.face, mcv_scale(direction, -1.0f)), shadow.origin);
+    way.towards = mcv_normalize(towards);
+    way.origin = mcv_offset_origin(point, error, face, way.towards);
+    const mcv_vec3 reach = mcv_meeting_error(world, point, there);
+    way.direction = mcv_sub(mcv_offset_origin(there.point, reach, there.face, mcv_scale(way.towards, -1.0f)), way.origin);
+    way.density = mcv_area_density(world, there, emitter, way.towards, distance);
+    way.face = there.face;
+    way.normal = there.normal;
+    return way;
+}
+
+/* What comes that way. */
+MCV_LOOP_FUNCTION mcv_shadow mcv_shadow_along(mcv_world world, mcv_way way, uint emitter, mcv_chosen_place place) {
+    mcv_shadow shadow;
+    shadow.origin = way.origin;
+    shadow.direction = way.direction;
     shadow.target = MCV_NONE;
-    shadow.density = mcv_emitter_density(world, at.surface.point, there, emitter, direction, distance);
+    shadow.density = way.density;
     shadow.light = mcv_grey(0.0f);
     /* Only a face seen exactly edge-on has no finite density. */
-    if (shadow.density > 0.0f && shadow.density < INFINITY) {
-        shadow.light = mcv_dim(mcv_emitted(world, there, emitter, mcv_scale(direction, -1.0f)), 1.0f / shadow.density);
-    }
+    if (!(way.density > 0.0f && way.density < INFINITY)) return shadow;
+    mcv_surface there;
+    there.face = way.face;
+    there.normal = way.normal;
+    there.u = place.u;
+    there.v = place.v;
+    there.corners = mcv_triangle_corners(world, place.triangle);
+    shadow.light = mcv_dim(mcv_emitted(world, there, emitter, mcv_scale(way.towards, -1.0f)), 1.0f / way.density);
     return shadow;
+}
+
+MCV_FUNCTION mcv_shadow mcv_sample_area_of(mcv_world world, mcv_meeting at, uint emitter, mcv_pair pair) {
+    const mcv_chosen_place place = mcv_choose_place(world, emitter, pair);
+    return mcv_shadow_along(world, mcv_way_to(world, at.surface.point, at.surface.error, at.face, emitter, place), emitter, place);
 }
 #endif
 
@@ -162,26 +207,38 @@ static mcv_shadow mcv_sample_towards(mcv_world world, mcv_meeting at, uint emitt
 #endif
 }
 
-/* 1 if there is a shadow ray to follow. */
-MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) {
-    const uint triangle = MCV_WORD(slot, hit, 3);
-    if (triangle == MCV_NONE) return 0;
-    const uint material = world.instances[mcv_instance_of(world, triangle)].material;
-    if (!world.materials[material].spreads) return 0;
+/* Whether next-event estimation at a receiver chooses a place on the emitter, uniform by area. */
+MCV_FUNCTION int mcv_samples_area(__global const mcv_device_emitter *e, mcv_vec3 receiver) {
+    (void)e, (void)receiver;
+#if MCV_WITH_EMISSION
+#if MCV_WITH_BEAM
+    if (e->type == MCV_EMITTER_COLLIMATED_BEAM) return 0;
+#endif
+#if MCV_WITH_PARALLEL
+    if (mcv_samples_cone(e, receiver)) return 0;
+#endif
+    return e->instance != MCV_NONE;
+#else
+    return 0;
+#endif
+}
+
+/* The emitter that the path looks for from where it is, or MCV_NONE. */
+MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth) {
+    if (MCV_WORD(slot, hit, 3) == MCV_NONE) return MCV_NONE;
+    const uint material = world.instances[mcv_instance_met(world, slot)].material;
+    if (!world.materials[material].spreads) return MCV_NONE;
+    if (world.frame->emitter_count == 1u) return 0u; /* whose number may not have been drawn */
+    float unused;
+    const mcv_pair choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
+    return mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count, choice.x, choice.y, &unused);
+}
+
+/* What the surface makes of it, and the balance heuristic against its own choice: 1 if there is a shadow ray to follow. */
+MCV_LOOP_FUNCTION int mcv_cast_shadow(mcv_world world, mcv_slot slot, mcv_meeting meeting, mcv_shadow shadow) {
 #if MCV_WITH_DISPERSION
     world = mcv_disperse(world, slot);
 #endif
-
-    const mcv_meeting meeting = mcv_meet_surface(world, slot);
-
-    /* Choose an emitter and a direction. */
-    const mcv_pair choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
-    const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_EMITTER);
-    float unused;
-    const uint emitter = mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count, choice.x, choice.y, &unused);
-    const mcv_shadow shadow = mcv_sample_towards(world, meeting, emitter, pair);
-
-    /* What the surface makes of it, and the balance heuristic against its own choice. */
     if (!(mcv_brightest(shadow.light) > 0.0f)) return 0;
     uint media = 0;
 #if MCV_WITH_DIELECTRIC
@@ -207,4 +264,12 @@ MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) 
     MCV_WORD(slot, shadow_target, 0) = shadow.target;
     MCV_STORE_COLOR(slot, shadow_light, light);
     return 1;
+}
+
+/* 1 if there is a shadow ray to follow. */
+MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) {
+    const uint emitter = mcv_choose_emitter(world, slot, depth);
+    if (emitter == MCV_NONE) return 0;
+    const mcv_meeting meeting = mcv_meet_surface(world, slot);
+    return mcv_cast_shadow(world, slot, meeting, mcv_sample_towards(world, meeting, emitter, mcv_draw(slot, depth, MCV_PAIR_EMITTER)));
 }

@@ -37,6 +37,10 @@ typedef struct mcv_meeting {
     mcv_vec3 bounce;
     float bounce_density;
 #endif
+#if MCV_TILE && MCV_WITH_GLOSS
+    struct mcv_gloss_meeting *gloss; /* where to keep what is worked out of a glossy surface, or NULL */
+    uint *gloss_known;               /* 1: it is there */
+#endif
 } mcv_meeting;
 
 MCV_LOOP_FUNCTION mcv_meeting mcv_meet_at(mcv_surface surface, mcv_vec3 direction) {
@@ -49,6 +53,9 @@ MCV_LOOP_FUNCTION mcv_meeting mcv_meet_at(mcv_surface surface, mcv_vec3 directio
     meeting.normal = mcv_choose(mcv_dot(direction, meeting.normal) < 0.0f, meeting.normal, meeting.face);
 #if MCV_TILE && MCV_WITH_DIFFUSE
     meeting.bounces = 0;
+#endif
+#if MCV_TILE && MCV_WITH_GLOSS
+    meeting.gloss = 0;
 #endif
     return meeting;
 }
@@ -227,20 +234,20 @@ typedef struct mcv_crossing {
 #endif
 } mcv_crossing;
 
-static mcv_crossing mcv_cross_surface(mcv_world world, mcv_meeting meeting, uint media) {
+static mcv_crossing mcv_cross_surface(mcv_world world, const mcv_meeting *meeting, uint media) {
     mcv_crossing crossing;
-    const uint bit = 1u << (world.instances[meeting.surface.instance].medium - 1u);
-    uint left = meeting.inside ? bit : 0u, entered = meeting.inside ? 0u : bit; /* media of the bodies that the surface bounds */
+    const uint bit = 1u << (world.instances[meeting->surface.instance].medium - 1u);
+    uint left = meeting->inside ? bit : 0u, entered = meeting->inside ? 0u : bit; /* media of the bodies that the surface bounds */
 #if MCV_WITH_CONTACT
-    left |= meeting.left;
-    entered |= meeting.entered;
+    left |= meeting->left;
+    entered |= meeting->entered;
 #endif
 #if MCV_WITH_SURFACES
     /* The body in contact, on the other side. */
-    if (meeting.surface.triangle >= MCV_EXACT && meeting.surface.u > 0.0f) {
-        const uint other = 1u << (world.instances[world.solids[(uint)meeting.surface.u - 1u].instance[0]].medium - 1u);
-        left |= meeting.inside ? 0u : other;
-        entered |= meeting.inside ? other : 0u;
+    if (meeting->surface.triangle >= MCV_EXACT && meeting->surface.u > 0.0f) {
+        const uint other = 1u << (world.instances[world.solids[(uint)meeting->surface.u - 1u].instance[0]].medium - 1u);
+        left |= meeting->inside ? 0u : other;
+        entered |= meeting->inside ? other : 0u;
     }
 #endif
     crossing.before = (media | left) & ~entered;
@@ -256,7 +263,7 @@ static mcv_crossing mcv_cross_surface(mcv_world world, mcv_meeting meeting, uint
 /* xi in [0, 1) chooses reflection with probability R; 1 always refracts where that is possible. */
 static mcv_scattering mcv_scatter_dielectric(mcv_world world, mcv_meeting meeting, uint media, float xi, uint *unmatched) {
     mcv_scattering scattering;
-    const mcv_crossing crossing = mcv_cross_surface(world, meeting, media);
+    const mcv_crossing crossing = mcv_cross_surface(world, &meeting, media);
     const mcv_device_interface between = crossing.between;
     if (crossing.before != media) *unmatched += 1u;
     scattering.factor = mcv_grey(1.0f);
@@ -385,13 +392,13 @@ typedef struct mcv_gloss_meeting {
     uint near_media, far_media; /* of light on the ray's side and on the other */
 } mcv_gloss_meeting;
 
-MCV_FUNCTION mcv_vec3 mcv_gloss_local(mcv_gloss_meeting m, mcv_vec3 v) {
-    return mcv_vec(mcv_dot(v, m.x), mcv_dot(v, m.y), mcv_dot(v, m.z));
+MCV_FUNCTION mcv_vec3 mcv_gloss_local(const mcv_gloss_meeting *m, mcv_vec3 v) {
+    return mcv_vec(mcv_dot(v, m->x), mcv_dot(v, m->y), mcv_dot(v, m->z));
 }
 
 /* Whether the material is one of microfacets: a smooth metal is not. */
-static int mcv_is_rough(mcv_world world, mcv_meeting meeting, uint media) {
-    const mcv_device_instance instance = world.instances[meeting.surface.instance];
+static int mcv_is_rough(mcv_world world, const mcv_meeting *meeting, uint media) {
+    const mcv_device_instance instance = world.instances[meeting->surface.instance];
     const uint type = world.materials[instance.material].type;
     if (!world.materials[instance.material].spreads) return 0;
 #if MCV_WITH_DIELECTRIC
@@ -402,10 +409,10 @@ static int mcv_is_rough(mcv_world world, mcv_meeting meeting, uint media) {
     return type == MCV_MATERIAL_METALLIC_ROUGHNESS || type == MCV_MATERIAL_CONDUCTOR;
 }
 
-static mcv_gloss_meeting mcv_meet_gloss(mcv_world world, mcv_meeting meeting, uint material, uint media) {
+static mcv_gloss_meeting mcv_meet_gloss(mcv_world world, const mcv_meeting *meeting, uint material, uint media) {
     mcv_gloss_meeting m;
     __global const mcv_device_gloss *from = world.gloss + material;
-    const mcv_surface surface = meeting.surface;
+    const mcv_surface surface = meeting->surface;
     float roughness = from->roughness;
     m.near_media = m.far_media = media;
     m.gloss.type = world.materials[material].type;
@@ -413,7 +420,7 @@ static mcv_gloss_meeting mcv_meet_gloss(mcv_world world, mcv_meeting meeting, ui
     m.gloss.metallic = from->metallic;
     m.gloss.layer = 0.0f;
     m.gloss.table = from->table;
-    m.gloss.inside = meeting.inside;
+    m.gloss.inside = meeting->inside;
     m.gloss.between.eta = 1.0f;
     m.gloss.between.delta = 0.0f;
 #if MCV_WITH_TEXTURE
@@ -441,7 +448,7 @@ static mcv_gloss_meeting mcv_meet_gloss(mcv_world world, mcv_meeting meeting, ui
     }
 #endif
 
-    m.z = meeting.normal;
+    m.z = meeting->normal;
     mcv_basis(m.z, &m.x, &m.y);
     if (from->anisotropy > 0.0f) {
         const mcv_vec3 tangent = mcv_tangent(world, surface, from->direction);
@@ -449,30 +456,46 @@ static mcv_gloss_meeting mcv_meet_gloss(mcv_world world, mcv_meeting meeting, ui
         if (mcv_dot(x, x) > 0.0f) m.x = mcv_normalize(x);
         m.y = mcv_cross(m.z, m.x);
     }
-    m.o = mcv_gloss_local(m, mcv_scale(meeting.direction, -1.0f));
-    m.lobes = mcv_gloss_lobes(from, m.gloss, world.albedos, m.o);
+    m.o = mcv_gloss_local(&m, mcv_scale(meeting->direction, -1.0f));
+    m.lobes = mcv_gloss_lobes(from, &m.gloss, world.albedos, m.o);
     return m;
 }
 
+/* The same, worked out once for a path's surface, or in the given room. */
+MCV_FUNCTION const mcv_gloss_meeting *mcv_known_gloss(mcv_world world, const mcv_meeting *meeting, uint material, uint media,
+                                                      mcv_gloss_meeting *room) {
+#if MCV_TILE
+    if (meeting->gloss) {
+        if (*meeting->gloss_known) return meeting->gloss;
+        *meeting->gloss_known = 1u;
+        room = meeting->gloss;
+    }
+#endif
+    *room = mcv_meet_gloss(world, meeting, material, media);
+    return room;
+}
+
 /* The direction is unit. Where the interpolated normal and the face disagree on its side nothing comes. */
-static mcv_response mcv_respond_gloss(mcv_world world, mcv_meeting meeting, uint material, mcv_gloss_meeting m, mcv_vec3 direction) {
+static mcv_response mcv_respond_gloss(mcv_world world, const mcv_meeting *meeting, uint material, const mcv_gloss_meeting *m,
+                                      mcv_vec3 direction) {
     const mcv_vec3 i = mcv_gloss_local(m, direction);
     mcv_response response;
     const int far = i.z < 0.0f;
     response.value = mcv_grey(0.0f);
     response.density = 0.0f;
-    if (far ? mcv_dot(direction, meeting.face) < 0.0f : mcv_dot(direction, meeting.face) > 0.0f)
-        response = mcv_gloss_respond(world.gloss + material, m.gloss, world.albedos, m.lobes, m.o, i);
-    response.media = far ? m.far_media : m.near_media;
+    if (far ? mcv_dot(direction, meeting->face) < 0.0f : mcv_dot(direction, meeting->face) > 0.0f)
+        response = mcv_gloss_respond(world.gloss + material, &m->gloss, world.albedos, &m->lobes, m->o, i);
+    response.media = far ? m->far_media : m->near_media;
     return response;
 }
 
 static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_meeting meeting, uint material, uint media, mcv_pair pair, float choice) {
     mcv_scattering scattering;
-    const mcv_gloss_meeting m = mcv_meet_gloss(world, meeting, material, media);
-    const mcv_vec3 i = mcv_gloss_sample(world.gloss + material, m.gloss, m.lobes, m.o, pair.x, pair.y, choice);
-    scattering.direction = mcv_normalize(mcv_along(mcv_along(mcv_scale(m.z, i.z), i.y, m.y), i.x, m.x));
-    const mcv_response response = mcv_respond_gloss(world, meeting, material, m, scattering.direction);
+    mcv_gloss_meeting room;
+    const mcv_gloss_meeting *m = mcv_known_gloss(world, &meeting, material, media, &room);
+    const mcv_vec3 i = mcv_gloss_sample(world.gloss + material, &m->gloss, &m->lobes, m->o, pair.x, pair.y, choice);
+    scattering.direction = mcv_normalize(mcv_along(mcv_along(mcv_scale(m->z, i.z), i.y, m->y), i.x, m->x));
+    const mcv_response response = mcv_respond_gloss(world, &meeting, material, m, scattering.direction);
     scattering.factor = response.density > 0.0f ? mcv_dim(response.value, 1.0f / response.density) : mcv_grey(0.0f);
     scattering.density = response.density;
     scattering.chance = 1.0f;
@@ -568,9 +591,10 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, uint
     }
 #endif
 #if MCV_WITH_GLOSS
-    if (mcv_is_rough(world, meeting, media)) {
-        const mcv_gloss_meeting m = mcv_meet_gloss(world, meeting, instance.material, media);
-        return mcv_respond_gloss(world, meeting, instance.material, m, direction);
+    if (mcv_is_rough(world, &meeting, media)) {
+        mcv_gloss_meeting room;
+        const mcv_gloss_meeting *m = mcv_known_gloss(world, &meeting, instance.material, media, &room);
+        return mcv_respond_gloss(world, &meeting, instance.material, m, direction);
     }
 #endif
 #if MCV_WITH_RETROREFLECTOR
@@ -631,9 +655,9 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, ui
     scattering.media = media;
     scattering.event = MCV_EVENT_END;
 #if MCV_WITH_GLOSS
-    if (mcv_is_rough(world, meeting, media)) {
+    if (mcv_is_rough(world, &meeting, media)) {
 #if MCV_WITH_DIELECTRIC
-        if (instance.medium != 0 && mcv_cross_surface(world, meeting, media).before != media) *unmatched += 1u;
+        if (instance.medium != 0 && mcv_cross_surface(world, &meeting, media).before != media) *unmatched += 1u;
 #endif
         return mcv_scatter_gloss(world, meeting, instance.material, media, pair, choice);
     }

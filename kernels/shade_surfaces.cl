@@ -82,13 +82,15 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
     if (!(brightest > 0.0f)) return 0;
 
     /* Russian roulette, on the throughput alone. */
-    if (depth >= 4u && brightest < 1.0f) {
+    if (depth >= MCV_ROULETTE_DEPTH && brightest < 1.0f) {
         const mcv_pair choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
         if (choice.y >= brightest) return 0;
         throughput = mcv_dim(throughput, 1.0f / brightest);
     }
 
+#if !MCV_LEAVES_TOGETHER
     MCV_STORE_3(slot, origin, mcv_onward_origin(meeting, on.direction));
+#endif
     MCV_STORE_3(slot, direction, on.direction);
 #if MCV_WITH_SURFACES
     MCV_WORD(slot, left, 0) = mcv_leave_meeting(world, meeting, on.direction);

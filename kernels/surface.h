@@ -81,7 +81,7 @@ MCV_LOOP_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, flo
 
 #if MCV_WITH_TEXTURE
 /* Coordinate 0 or 1 of the place on its texture. */
-MCV_FUNCTION float mcv_texcoord(mcv_world world, mcv_surface surface, uint axis) {
+MCV_LOOP_FUNCTION float mcv_texcoord(mcv_world world, mcv_surface surface, uint axis) {
     const float w = 1.0f - surface.u - surface.v;
     __global const float *a = world.texcoords + 2 * surface.corners.x;
     __global const float *b = world.texcoords + 2 * surface.corners.y;
@@ -89,7 +89,7 @@ MCV_FUNCTION float mcv_texcoord(mcv_world world, mcv_surface surface, uint axis)
     return mcv_fma(surface.v, c[axis], mcv_fma(surface.u, b[axis], w * a[axis]));
 }
 
-MCV_FUNCTION mcv_color mcv_texture_at(mcv_world world, mcv_surface surface, uint texture) {
+MCV_LOOP_FUNCTION mcv_color mcv_texture_at(mcv_world world, mcv_surface surface, uint texture) {
     return mcv_texture_lookup(world, texture, mcv_texcoord(world, surface, 0), mcv_texcoord(world, surface, 1));
 }
 #endif
@@ -111,7 +111,7 @@ MCV_FUNCTION mcv_vec3 mcv_tangent(mcv_world world, mcv_surface surface, __global
 #endif
 
 /* Reflectance or transmittance, texture included. */
-MCV_FUNCTION mcv_color mcv_material_value(mcv_world world, mcv_surface surface, uint material) {
+MCV_LOOP_FUNCTION mcv_color mcv_material_value(mcv_world world, mcv_surface surface, uint material) {
     mcv_color value;
     MCV_EACH_CHANNEL(i) value.c[i] = world.materials[material].value[i];
     (void)surface;
@@ -125,7 +125,7 @@ MCV_FUNCTION mcv_color mcv_material_value(mcv_world world, mcv_surface surface, 
 
 #if MCV_WITH_TRANSLUCENT
 /* The transmittance of a translucent one, texture included. */
-MCV_FUNCTION mcv_color mcv_material_passed(mcv_world world, mcv_surface surface, uint material) {
+MCV_LOOP_FUNCTION mcv_color mcv_material_passed(mcv_world world, mcv_surface surface, uint material) {
     mcv_color passed;
     MCV_EACH_CHANNEL(i) passed.c[i] = world.materials[material].passed[i];
     (void)surface;
@@ -166,7 +166,7 @@ MCV_FUNCTION mcv_color mcv_projector_value(mcv_world world, mcv_surface surface,
 
 #if MCV_WITH_EMISSION
 /* Radiance that an emitter's surface sends in a direction (unit, away from the surface), in its medium. */
-MCV_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint emitter, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint emitter, mcv_vec3 direction) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     float share = 0.0f;
     mcv_color radiance;
@@ -212,19 +212,24 @@ MCV_FUNCTION int mcv_samples_cone(__global const mcv_device_emitter *e, mcv_vec3
 }
 #endif
 
-/* The density [1/sr] with which next-event estimation at a receiver chooses the direction to a place on an emitter at the given distance.
- */
+/* The density [1/sr] of directions to a place on an emitter at the given distance, chosen uniform by area. */
+MCV_LOOP_FUNCTION float mcv_area_density(mcv_world world, mcv_surface surface, uint emitter, mcv_vec3 direction, float distance) {
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    __global const uint *cdf = world.emitter_cdf + e->cdf + (surface.triangle - world.instances[e->instance].first_triangle);
+    const float share = (float)(cdf[1] - cdf[0]) * 4.656612873077393e-10f; /* 2^-31 */
+    return e->probability * share * distance * distance / (surface.area * mcv_abs(mcv_dot(direction, surface.face)));
+}
+
+/* That with which next-event estimation at a receiver chooses the direction to such a place. */
 MCV_FUNCTION float mcv_emitter_density(mcv_world world, mcv_vec3 receiver, mcv_surface surface, uint emitter, mcv_vec3 direction,
                                        float distance) {
-    __global const mcv_device_emitter *e = world.emitters + emitter;
 #if MCV_WITH_PARALLEL
+    __global const mcv_device_emitter *e = world.emitters + emitter;
     if (mcv_samples_cone(e, receiver)) return e->probability / e->parallel.solid_angle;
 #else
     (void)receiver;
 #endif
-    __global const uint *cdf = world.emitter_cdf + e->cdf + (surface.triangle - world.instances[e->instance].first_triangle);
-    const float share = (float)(cdf[1] - cdf[0]) * 4.656612873077393e-10f; /* 2^-31 */
-    return e->probability * share * distance * distance / (surface.area * mcv_abs(mcv_dot(direction, surface.face)));
+    return mcv_area_density(world, surface, emitter, direction, distance);
 }
 #endif
 

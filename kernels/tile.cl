@@ -152,16 +152,27 @@ static __attribute__((noinline)) void mcv_choose_bounces(uint *paths, uint count
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i) {
         slot.index = i;
-        mcv_surface surface;
-        surface.face = MCV_LOAD_3(slot, face);
-        surface.normal = MCV_LOAD_3(slot, normal);
-        const mcv_meeting meeting = mcv_meet_at(surface, MCV_LOAD_3(slot, direction));
         const float xi = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
         const float eta = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER + 1);
         float density;
-        const mcv_vec3 bounce = mcv_diffuse_sample(meeting.normal, xi, eta, &density);
+        const mcv_vec3 bounce = mcv_diffuse_sample(MCV_LOAD_3(slot, normal), xi, eta, &density);
         MCV_STORE_3(slot, bounce, bounce);
         MCV_STORE(slot, bounce, 3, density);
+    }
+}
+#endif
+
+#if MCV_LEAVES_TOGETHER
+/* The origins of the rays that go on, in the directions that they have got. */
+static __attribute__((noinline)) void mcv_leave_surfaces(uint *paths, uint count) {
+    mcv_slot slot;
+    slot.base = paths;
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        const mcv_vec3 origin =
+            mcv_offset_origin(MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error), MCV_LOAD_3(slot, face), MCV_LOAD_3(slot, direction));
+        MCV_STORE_3(slot, origin, origin);
     }
 }
 #endif
@@ -179,6 +190,81 @@ static __attribute__((noinline)) void mcv_find_surfaces(mcv_world world, uint *p
         mcv_find_surface(world, slot);
     }
 }
+
+#if MCV_WITH_NEXT_EVENT
+#if MCV_WITH_EMISSION
+/* The ways of some paths to the places that they have chosen on emitters. */
+static __attribute__((noinline)) void mcv_find_ways(mcv_world world, uint *paths, const uint *chosen, uint count) {
+    mcv_slot slot;
+    slot.base = paths;
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = chosen[i];
+        const mcv_chosen_place place = {MCV_WORD(slot, place, 0), MCV_LOAD(slot, place, 1), MCV_LOAD(slot, place, 2)};
+        const mcv_way way =
+            mcv_way_to(world, MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error), MCV_LOAD_3(slot, face), MCV_WORD(slot, emitter, 0), place);
+        MCV_STORE_3(slot, shadow_origin, way.origin);
+        MCV_STORE_3(slot, shadow_direction, way.direction);
+        MCV_STORE_3(slot, way, way.towards);
+        MCV_STORE(slot, way_density, 0, way.density);
+        MCV_STORE_3(slot, way_face, way.face);
+#if MCV_WITH_NORMALS
+        MCV_STORE_3(slot, way_normal, way.normal);
+#endif
+    }
+}
+#endif
+
+/* What comes to a path from its emitter. */
+MCV_FUNCTION mcv_shadow mcv_shadow_of(mcv_world world, mcv_slot slot, mcv_meeting meeting, uint depth) {
+    const uint emitter = MCV_WORD(slot, emitter, 0);
+#if MCV_WITH_EMISSION
+    if (mcv_samples_area(world.emitters + emitter, meeting.surface.point)) {
+        const mcv_chosen_place place = {MCV_WORD(slot, place, 0), MCV_LOAD(slot, place, 1), MCV_LOAD(slot, place, 2)};
+        mcv_way way;
+        way.origin = MCV_LOAD_3(slot, shadow_origin);
+        way.direction = MCV_LOAD_3(slot, shadow_direction);
+        way.towards = MCV_LOAD_3(slot, way);
+        way.density = MCV_LOAD(slot, way_density, 0);
+        way.face = MCV_LOAD_3(slot, way_face);
+#if MCV_WITH_NORMALS
+        way.normal = MCV_LOAD_3(slot, way_normal);
+#else
+        way.normal = way.face;
+#endif
+        return mcv_shadow_along(world, way, emitter, place);
+    }
+#endif
+    return mcv_sample_towards(world, meeting, emitter, mcv_draw(slot, depth, MCV_PAIR_EMITTER));
+}
+
+/* Lists the paths that have a shadow ray to follow; returns how many. */
+static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_slot slot, uint alive, uint depth, uint *shadows) {
+    uint chosen[MCV_SLICE];
+    uint count = 0, shadow_count = 0;
+    for (slot.index = 0; slot.index < alive; ++slot.index) {
+        const uint emitter = mcv_choose_emitter(world, slot, depth);
+        MCV_WORD(slot, emitter, 0) = emitter;
+#if MCV_WITH_EMISSION
+        if (emitter == MCV_NONE || !mcv_samples_area(world.emitters + emitter, MCV_LOAD_3(slot, point))) continue;
+        const mcv_chosen_place place = mcv_choose_place(world, emitter, mcv_draw(slot, depth, MCV_PAIR_EMITTER));
+        MCV_WORD(slot, place, 0) = place.triangle;
+        MCV_STORE(slot, place, 1, place.u);
+        MCV_STORE(slot, place, 2, place.v);
+        chosen[count++] = slot.index;
+#endif
+    }
+#if MCV_WITH_EMISSION
+    mcv_find_ways(world, slot.base, chosen, count);
+#endif
+    for (slot.index = 0; slot.index < alive; ++slot.index) {
+        if (MCV_WORD(slot, emitter, 0) == MCV_NONE) continue;
+        const mcv_meeting meeting = mcv_meet_surface(world, slot);
+        if (mcv_cast_shadow(world, slot, meeting, mcv_shadow_of(world, slot, meeting, depth))) shadows[shadow_count++] = slot.index;
+    }
+    return shadow_count;
+}
+#endif
 
 /* Begins the paths first … first + count - 1 of the launch; returns how many have. */
 static __attribute__((noinline)) uint mcv_begin_paths(mcv_world world, mcv_slot slot, uint first, uint count) {
@@ -206,7 +292,7 @@ static __attribute__((noinline)) uint mcv_begin_paths(mcv_world world, mcv_slot 
         begun_by.stream = MCV_WORD(slot, stream, 0);
         begun_by.sample = MCV_WORD(slot, sample, 0);
         mcv_generate_ray(world, slot, begun_by);
-        MCV_WORD(slot, place, 0) = i;
+        MCV_WORD(slot, value, 0) = i;
     }
     for (slot.index = 0; slot.index < count; ++slot.index) {
         begun[alive] = slot.index;
@@ -219,7 +305,7 @@ static __attribute__((noinline)) uint mcv_begin_paths(mcv_world world, mcv_slot 
 /* A path has ended: its value waits for the others of its pixel. */
 MCV_FUNCTION void mcv_end_path(mcv_world world, mcv_slot slot, float *values, uint *nonfinite) {
     for (uint channel = 0; channel < MCV_CHANNELS; ++channel)
-        values[channel * MCV_SLICE + MCV_WORD(slot, place, 0)] = mcv_path_value(world, slot, channel, nonfinite);
+        values[channel * MCV_SLICE + MCV_WORD(slot, value, 0)] = mcv_path_value(world, slot, channel, nonfinite);
 }
 
 /* Not inlined: PoCL makes three functions of a kernel, of which it calls one. */
@@ -233,6 +319,10 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
     uint counts[MCV_COUNTER_COUNT] = {0};
     mcv_slot slot;
     slot.base = paths;
+#if MCV_WITH_GLOSS
+    mcv_gloss_meeting glosses[MCV_SLICE];
+    slot.glosses = glosses;
+#endif
     MCV_CLOCK_BEGIN
 
     for (uint i = 0; i < MCV_CHANNELS * MCV_SLICE; ++i) values[i] = 0.0f;
@@ -244,22 +334,18 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
         mcv_intersect_paths(world, slot, alive, depth);
         MCV_CLOCK_STAGE(intersect_closest)
         mcv_find_surfaces(world, paths, alive);
+        if (mcv_needs_choice(world.frame, depth)) mcv_draw_pairs(paths, alive, depth, MCV_PAIR_CHOICE);
 #if MCV_WITH_NEXT_EVENT
         /* An emitter is a surface too: the last surface a path may meet does not look for one. */
         if (depth + 1 < world.frame->depth) {
-            uint shadow_count = 0;
-            mcv_draw_pairs(paths, alive, depth, MCV_PAIR_CHOICE);
             mcv_draw_pairs(paths, alive, depth, MCV_PAIR_EMITTER);
-            for (slot.index = 0; slot.index < alive; ++slot.index) {
-                if (mcv_sample_emitter(world, slot, depth)) chosen[shadow_count++] = slot.index;
-            }
+            const uint shadow_count = mcv_sample_emitters(world, slot, alive, depth, chosen);
             MCV_CLOCK_STAGE(sample_emitters)
             mcv_intersect_shadows(world, slot, chosen, shadow_count);
             MCV_CLOCK_STAGE(intersect_shadow)
             counts[MCV_COUNTER_shadow_rays] += shadow_count;
-        } else
+        }
 #endif
-            mcv_draw_pairs(paths, alive, depth, MCV_PAIR_CHOICE);
         mcv_draw_pairs(paths, alive, depth, MCV_PAIR_SCATTER);
 #if MCV_WITH_DIFFUSE
         mcv_choose_bounces(paths, alive);
@@ -271,6 +357,9 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
             else
                 mcv_end_path(world, slot, values, &counts[MCV_COUNTER_nonfinite]);
         }
+#if MCV_LEAVES_TOGETHER
+        mcv_leave_surfaces(paths, alive);
+#endif
         if (next < alive) mcv_move_paths(paths, chosen, next);
         alive = next;
         MCV_CLOCK_STAGE(shade_surfaces)
