@@ -303,10 +303,53 @@ static void channels(void **state) {
     }
 }
 
+/* Light paths: the lines behind a prism are where, and as bright as, those of scenes of one wavelength. */
+static void light_paths(void **state) {
+    (void)state;
+    static const char *const wavelengths[] = {NULL, "spectrum/wavelengths=611.4nm", "spectrum/wavelengths=549.1nm",
+                                              "spectrum/wavelengths=464.2nm"};
+    enum { WIDTH = 56, HEIGHT = 42, COUNT = WIDTH * HEIGHT };
+    mcv_image coloured = {0}, noise = {0};
+    for (int grey = 0; grey < 4; ++grey) {
+        const char *overrides[] = {"sensors/camera/resolution=[56, 42]", "sensors/camera/pixelSize=72um", wavelengths[grey]};
+        mcv_render_options options = mcv_render_defaults();
+        mcv_scene *scene;
+        mcv_image mean, error;
+        BUILD(mcv_scene_load(MCV_SOURCE_DIR "/scenes/prism.gltf", (mcv_overrides){overrides, grey ? 3 : 2}, &scene, &builder_error));
+        options.last = 64;
+        options.replicates = 16;
+        options.seed = (uint32_t)grey;
+        render(scene, 0, options, &mean, &error);
+        mcv_scene_free(scene);
+        if (grey == 0) {
+            coloured = mean;
+            noise = error;
+            continue;
+        }
+        double sums[2] = {0}, rows[2] = {0}, variance = 0;
+        for (int i = 0; i < COUNT; ++i) {
+            const size_t at = (size_t)(grey - 1) * COUNT + (size_t)i;
+            const double v[2] = {coloured.pixels[at], mean.pixels[i]};
+            for (int k = 0; k < 2; ++k) sums[k] += v[k], rows[k] += v[k] * (i / WIDTH);
+            variance += pow(noise.pixels[at], 2) + pow(error.pixels[i], 2);
+        }
+        print_message("channel %d: %.5g and %.5g, row %.3f and %.3f\n", grey - 1, sums[0], sums[1], rows[0] / sums[0], rows[1] / sums[1]);
+        /* Splats of one replicate are correlated by its points: the pixels' errors overestimate the sum's, if anything. */
+        expect_near("light of a line", false, sums[0], sums[1], 5 * sqrt(variance));
+        /* A line is 10 pixels long and 1 high, tilted over 3 rows: its centre is known to its standard deviation by its light's error. */
+        expect_near("row of a line", false, rows[0] / sums[0], rows[1] / sums[1], 5 * 3 * sqrt(variance) / sums[1]);
+        assert_true(sums[1] > 0);
+        mcv_image_free(&mean);
+        mcv_image_free(&error);
+    }
+    mcv_image_free(&coloured);
+    mcv_image_free(&noise);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(catalogue),      cmocka_unit_test(wavelengths), cmocka_unit_test(bad),      cmocka_unit_test(bad_files),
-        cmocka_unit_test(khr_dispersion), cmocka_unit_test(furnace),     cmocka_unit_test(channels),
+        cmocka_unit_test(khr_dispersion), cmocka_unit_test(furnace),     cmocka_unit_test(channels), cmocka_unit_test(light_paths),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
