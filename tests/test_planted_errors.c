@@ -162,8 +162,8 @@ static void test_wrong_kernels_are_rejected(void **state) {
          "mcv_dim(mcv_material_value(world, meeting.surface, instance.material), 0.31830989f)"},
         {"no n^2 of the sensor's medium", "kernels/accumulate_film.cl", " * world.frame->sensor_index_squared[channel]", ""},
         {"half a pixel aside", "kernels/generate_rays.cl", "film.x = inside.x;", "film.x = inside.x + 0.5f;"},
-        {"random numbers used twice", "kernels/sample_emitters.cl", "mcv_draw(slot, depth, MCV_PAIR_EMITTER)",
-         "mcv_draw(slot, depth, MCV_PAIR_CHOICE)"},
+        {"random numbers used twice", "kernels/sampler.h", "MCV_PAIR_CHOICE, MCV_PAIR_STRIDE",
+         "MCV_PAIR_CHOICE = MCV_PAIR_EMITTER, MCV_PAIR_STRIDE"},
         {"origins moved to the wrong side", "include/mcvisi/offset.h", "< 0.0f ? -reach : reach", "< 0.0f ? reach : -reach"},
     };
     char folder[] = "planted.XXXXXX", command[1024];
