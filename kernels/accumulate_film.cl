@@ -21,11 +21,11 @@ MCV_FUNCTION mcv_float_pair mcv_add_pairs(mcv_float_pair a, mcv_float_pair b) {
     return sum;
 }
 
-/* The path's value on the film, 0 (and counted) where it is not finite. */
+/* The path's value on the film, 0 (and counted) where it is not finite, or too large to be added. */
 MCV_FUNCTION float mcv_path_value(mcv_world world, mcv_slot slot, uint channel, uint *nonfinite) {
     const float weight = MCV_LOAD(slot, weight, 0);
     const float value = MCV_LOAD(slot, radiance, channel) * weight * world.frame->sensor_index_squared[channel];
-    if (mcv_abs(value) < INFINITY) return value;
+    if (mcv_abs(value) <= MCV_LARGEST_VALUE) return value;
     *nonfinite += 1u;
     return 0.0f;
 }

@@ -302,6 +302,9 @@ uint32_t ref_hits_together(const ref_geometry *geometry, ref_vec origin, ref_vec
         passed.numbers[passed.count++] = last->triangle->number;
         if (!ref_next_hit(geometry, origin, direction, &passed, &next) || !is_dielectric(geometry->scene, &next)) break;
         if ((next.distance - last->distance) * slant > geometry->touch) break;
+        /* A body that is left again at once is a small one, not one in contact. */
+        for (uint32_t i = 0; i < count; ++i)
+            if (hits[i].triangle->instance == next.triangle->instance) return count;
         hits[count++] = next;
     }
     return count;

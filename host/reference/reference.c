@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "reference/reference.h"
 
+#include <float.h>
+#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -37,7 +39,8 @@ static void sum_samples(const pass *r, uint32_t column, uint32_t row, uint32_t r
     for (int i = 0; i < 4; ++i) place[i] = ref_random_unit(&random);
     const ref_sight sight = ref_sight_sample(r->sensor, column, row, place[0], place[1], place[2], place[3]);
     ref_path_value(r->world, &sight, &random, tally, sum);
-    if (!isfinite(sum[0] + sum[1] + sum[2])) {
+    /* What an image of floats cannot hold is not finite there. */
+    if (!(fmax(fabs(sum[0]), fmax(fabs(sum[1]), fabs(sum[2]))) <= FLT_MAX) || !isfinite(sum[0] + sum[1] + sum[2])) {
         ++tally->nonfinite;
         sum[0] = sum[1] = sum[2] = 0;
     }
@@ -205,5 +208,8 @@ mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_
 
 mcv_result mcv_reference_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, mcv_film *film,
                                 mcv_render_stats *stats, mcv_error *error) {
-    return ref_render(scene, sensor, options, true, film, stats, error);
+    MCV_TRY(ref_render(scene, sensor, options, true, film, stats, error));
+    const mcv_result result = mcv_render_check_finite(scene, sensor, stats, error);
+    if (result != MCV_OK) mcv_film_free(film);
+    return result;
 }

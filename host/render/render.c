@@ -310,6 +310,15 @@ static mcv_result render_rounds(renderer *r) {
     }
 }
 
+mcv_result mcv_render_check_finite(const mcv_scene *scene, uint32_t sensor, const mcv_render_stats *stats, mcv_error *error) {
+    if ((double)stats->nonfinite <= 1e-6 * (double)stats->paths) return MCV_OK;
+    return mcv_fail(
+        error, MCV_FAILED,
+        "%s: sensors/%s: %llu values of %llu samples were not finite, more than one in a million: some light is brighter than a "
+        "float of 32 bits can hold; none may bring more than 10^36 to a pixel",
+        scene->path, scene->sensors[sensor].name, (unsigned long long)stats->nonfinite, (unsigned long long)stats->paths);
+}
+
 static mcv_result render(renderer *r, const mcv_scene *scene, uint32_t sensor) {
     const mcv_render_options *options = r->options;
     mcv_film *film = r->film;
@@ -327,7 +336,7 @@ static mcv_result render(renderer *r, const mcv_scene *scene, uint32_t sensor) {
     const mcv_result result = render_rounds(r);
     r->stats->seconds_render = mcv_seconds() - begun;
     r->stats->lost_energy = r->stats->paths > 0 ? r->stats->lost_energy / (double)r->stats->paths : 0;
-    return result;
+    return result == MCV_OK ? mcv_render_check_finite(scene, sensor, r->stats, error) : result;
 }
 
 mcv_renderer *mcv_renderer_new(void) { return calloc(1, sizeof(mcv_renderer)); }

@@ -68,6 +68,9 @@ typedef struct mcv_render_stats {
 mcv_result mcv_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, mcv_film *film, mcv_render_stats *stats,
                       mcv_error *error);
 
+/* MCV_FAILED where more than one sample in a million was not finite: too much of the image would be missing. */
+mcv_result mcv_render_check_finite(const mcv_scene *scene, uint32_t sensor, const mcv_render_stats *stats, mcv_error *error);
+
 /*
  * The same again and again: the device, its programs and what of the scene has not changed since the render before (acceleration structure,
  * vertices, textures) are kept. The bits are those of mcv_render. NULL without memory.

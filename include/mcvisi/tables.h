@@ -225,4 +225,7 @@ MCV_ASSERT_SIZE(mcv_device_vertex, 64);
 /* Samples that the device sums before the host goes on with the same binary tree. */
 #define MCV_BLOCK 64
 
+/* What a block of samples may each have at most, so that their sum is a float: 2^128 / MCV_BLOCK / 2. More counts as not finite. */
+#define MCV_LARGEST_VALUE 0x1p121f
+
 #endif
