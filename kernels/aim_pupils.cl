@@ -127,7 +127,7 @@ static int mcv_aim_from(mcv_world world, mcv_film_sample film, float p_x, float 
                         (mcv_abs(aim->spread[0]) + mcv_abs(aim->spread[1]) + mcv_abs(aim->spread[2]) + mcv_abs(aim->spread[3]) +
                          mcv_abs(aim->shift[0]) + mcv_abs(aim->shift[1]) + mcv_abs(aim->shift[2]) + mcv_abs(aim->shift[3]));
     /* An ellipse that fills the pupil, or misses it, is of no use. */
-    aim->advantage = area > 0.0f && area < 0.25f && reach < 1.0f ? 1.0f / area : 0.0f;
+    aim->advantage = area > 0.0f && area < 0.25f * (MCV_PUPIL_AREA / MCV_PI) && reach < MCV_PUPIL_REACH ? 1.0f / area : 0.0f;
     return 1;
 }
 

@@ -50,6 +50,23 @@ MCV_LOOP_FUNCTION mcv_ray mcv_place_sight(__constant const mcv_frame *frame, mcv
 }
 
 #if MCV_WITH_AIM
+/* What each pixel sees through: the disk of the lens or stop, or of a light field camera its own square of the lens. */
+#if MCV_SENSOR_light_field
+#define MCV_PUPIL_AREA 4.0f
+#define MCV_PUPIL_REACH 1.41421356f
+#else
+#define MCV_PUPIL_AREA MCV_PI
+#define MCV_PUPIL_REACH 1.0f
+#endif
+
+MCV_LOOP_FUNCTION int mcv_in_pupil(float p_x, float p_y) {
+#if MCV_SENSOR_light_field
+    return mcv_abs(p_x) <= 1.0f && mcv_abs(p_y) <= 1.0f;
+#else
+    return mcv_fma(p_x, p_x, p_y * p_y) <= 1.0f;
+#endif
+}
+
 /*
  * A ray of sight of a pixel: half of the samples take the whole pupil, half the ellipse of the pixel's aim; weighed by the balance
  * heuristic, density of the pupil over that of the mixture.
@@ -59,8 +76,14 @@ MCV_LOOP_FUNCTION mcv_sight mcv_aimed_sight(mcv_world world, mcv_film_sample fil
     mcv_sight sight;
     float cosine, sine;
     if (!(aim->advantage > 0.0f)) return mcv_sensor_sample(world.sensor, film, pair.x, pair.y);
+#if MCV_SENSOR_light_field
+    /* The place in the pixel is that on the lens. */
+    pair.x = film.x;
+    pair.y = film.y;
+#endif
     const int aims = pair.x >= 0.5f;
-    const float r = mcv_disk(mcv_fma(2.0f, pair.x, aims ? -1.0f : 0.0f), pair.y, &cosine, &sine);
+    const float xi = mcv_fma(2.0f, pair.x, aims ? -1.0f : 0.0f);
+    const float r = mcv_disk(xi, pair.y, &cosine, &sine);
     const float x = film.x - 0.5f;
     const float y = film.y - 0.5f;
     const float centre_x = mcv_fma(aim->shift[0], x, mcv_fma(aim->shift[1], y, aim->centre[0]));
@@ -73,6 +96,10 @@ MCV_LOOP_FUNCTION mcv_sight mcv_aimed_sight(mcv_world world, mcv_film_sample fil
         p_x = mcv_fma(aim->spread[0], e_x, mcv_fma(aim->spread[1], p_y, centre_x));
         p_y = mcv_fma(aim->spread[2], e_x, mcv_fma(aim->spread[3], p_y, centre_y));
     } else {
+#if MCV_SENSOR_light_field
+        p_x = mcv_fma(2.0f, xi, -1.0f);
+        p_y = mcv_fma(2.0f, pair.y, -1.0f);
+#endif
         /* |spread⁻¹ (p - centre)| */
         const float d_x = p_x - centre_x;
         const float d_y = p_y - centre_y;
@@ -81,7 +108,8 @@ MCV_LOOP_FUNCTION mcv_sight mcv_aimed_sight(mcv_world world, mcv_film_sample fil
         inside = mcv_fma(e_x, e_x, e_y * e_y) <= 1.0f ? 1.0f : 0.0f;
     }
     sight = mcv_sensor_through(world.sensor, film, p_x, p_y);
-    sight.weight = mcv_fma(p_x, p_x, p_y * p_y) <= 1.0f || !aims ? sight.weight * 2.0f / mcv_fma(inside, aim->advantage, 1.0f) : 0.0f;
+    const float advantage = aim->advantage * (MCV_PUPIL_AREA / MCV_PI);
+    sight.weight = !aims || mcv_in_pupil(p_x, p_y) ? sight.weight * 2.0f / mcv_fma(inside, advantage, 1.0f) : 0.0f;
     return sight;
 }
 #endif

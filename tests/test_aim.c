@@ -109,6 +109,37 @@ static void test_irradiance(void **state) {
     }
 }
 
+/* A light field camera with a field of 1 mm; its 3 x 3 squares of the lens have half the width tan alpha, seen from the plane in focus. */
+static void add_light_field_camera(mcv_scene *scene, mcv_transform to_world) {
+    mcv_sensor sensor = sensor_defaults(MCV_SENSOR_LIGHT_FIELD);
+    mcv_light_field_params *p = &sensor.as.light_field;
+    p->focalLength = 0.05;
+    p->imageDistance = 0.1;
+    p->lensDiameter = 3 * 2 * 0.1 * tan(alpha);
+    for (int k = 0; k < 2; ++k) {
+        p->angularResolution[k] = 3;
+        p->spatialResolution[k] = 4;
+        p->pixelSize[k] = 1e-3 / (3 * 4);
+    }
+    add_sensor(scene, MCV_SENSOR_LIGHT_FIELD, &sensor, to_world);
+}
+
+/* Seen from each of its places in focus the lens fills the square of 3 tan α about a chief ray; of these directions it is the cone's share.
+ */
+static void test_light_field_camera(void **state) {
+    (void)state;
+    for (size_t i = 2; i < RATIOS; ++i) {
+        const double beta = alpha / ratios[i];
+        char what[64];
+        snprintf(what, sizeof what, "light field, pupil/cone %g", ratios[i]);
+        mcv_scene *scene = mcv_scene_new("backlight");
+        add_emitter(scene, MCV_EMITTER_PARALLEL, add_panel(scene, 0.1, 0.1, true, looking_up_z(0, 0, 0)), 3, beta);
+        add_light_field_camera(scene, looking_down_z(0, 0, 0.2));
+        expect(what, render_mean(scene, SAMPLES, true), 3 * M_PI * pow(tan(beta) / (6 * tan(alpha)), 2), 1e-4 * fmax(1, ratios[i] / 10));
+        mcv_scene_free(scene);
+    }
+}
+
 /* A ball lens between the panel and the plane in focus. */
 static mcv_scene *ball_scene(double pupil, double beta, bool even) {
     mcv_scene *scene = mcv_scene_new("ball");
@@ -172,8 +203,9 @@ static void test_schedules(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_direct),     cmocka_unit_test(test_tilted),
-                                       cmocka_unit_test(test_irradiance), cmocka_unit_test(test_through_a_lens),
-                                       cmocka_unit_test(test_wide_cones), cmocka_unit_test(test_schedules)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_direct),         cmocka_unit_test(test_tilted),
+                                       cmocka_unit_test(test_irradiance),     cmocka_unit_test(test_light_field_camera),
+                                       cmocka_unit_test(test_through_a_lens), cmocka_unit_test(test_wide_cones),
+                                       cmocka_unit_test(test_schedules)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

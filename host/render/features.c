@@ -45,21 +45,31 @@ void mcv_feature_options(uint32_t features, uint32_t channels, uint32_t sensor_t
     );
 }
 
-/* The largest angle between the rays of sight of a pixel and the chief one, at the sensor; 0 where no disk is the pupil. */
+/*
+ * The largest angle between the rays of sight of a pixel and the chief one, and where they go through optics what these may make of it;
+ * 0 of a pinhole.
+ */
 static double pupil_half_angle(const mcv_sensor *sensor, bool through_optics) {
     const mcv_telecentric_params *t = &sensor->as.telecentric;
     const mcv_thin_lens_params *l = &sensor->as.thin_lens;
-    if (sensor->type == MCV_SENSOR_TELECENTRIC) return atan(t->stopDiameter / 2 / t->focalLength);
+    const mcv_light_field_params *f = &sensor->as.light_field;
+    /* The same optics may spread what the pupil collects over some larger angle. */
+    const double spread = through_optics ? 4 : 1;
+    if (sensor->type == MCV_SENSOR_TELECENTRIC) return spread * atan(t->stopDiameter / 2 / t->focalLength);
+    /* To aim costs a dozen rays for each of the many pixels, which all see little of the lens: only for certain. */
+    if (sensor->type == MCV_SENSOR_LIGHT_FIELD && (f->binning[0] > 1 || f->binning[1] > 1)) return 0; /* several chief rays */
+    if (sensor->type == MCV_SENSOR_LIGHT_FIELD)
+        return atan(f->lensDiameter / 2 / fmin(f->angularResolution[0], f->angularResolution[1]) *
+                    fabs(mcv_kappa(f->focalLength, f->imageDistance)));
     if (sensor->type != MCV_SENSOR_THIN_LENS) return 0;
     /* Optics in between may part rays that are parallel here: assume about as strong ones as the camera's. */
     const double power = through_optics ? 1 / l->focalLength : fabs(mcv_kappa(l->focalLength, l->imageDistance));
-    return atan(l->lensDiameter / 2 * power);
+    return spread * atan(l->lensDiameter / 2 * power);
 }
 
 uint32_t mcv_sensor_features(const mcv_packed *packed, const mcv_sensor *sensor) {
     const bool through_optics = packed->features & (1u << MCV_FEATURE_DIELECTRIC | 1u << MCV_FEATURE_MIRROR);
-    /* The same optics may spread what the pupil collects over some larger angle. */
-    const double alpha = (through_optics ? 4 : 1) * pupil_half_angle(sensor, through_optics);
+    const double alpha = pupil_half_angle(sensor, through_optics);
     const double *m = sensor->to_world.m;
     uint32_t features = packed->features | (mcv_traces_light(packed, sensor) ? 1u << MCV_FEATURE_LIGHT_TRACING : 0);
     for (uint32_t i = 0; i < packed->emitter_count; ++i) {

@@ -46,21 +46,34 @@ MCV_FUNCTION uint mcv_pick(float xi, uint count) {
     return i < count ? i : count - 1u;
 }
 
-MCV_LOOP_FUNCTION mcv_sight mcv_light_field_sample(MCV_CONSTANT const mcv_light_field *sensor, mcv_film_sample film, float xi, float eta) {
+/*
+ * The ray of sight through a place of the square of the lens that belongs to the pixel, -1 … 1 along columns and rows; (film.x, film.y) is
+ * the macro pixel's place among those that are binned.
+ */
+MCV_LOOP_FUNCTION mcv_sight mcv_light_field_through(MCV_CONSTANT const mcv_light_field *sensor, mcv_film_sample film, float p_x,
+                                                    float p_y) {
     mcv_sight sight;
     const uint column = film.column / sensor->angular_width;
     const uint row = film.row / sensor->angular_height;
-    const float u = ((float)(film.column - column * sensor->angular_width) + film.x) / (float)sensor->angular_width;
-    const float v = ((float)(film.row - row * sensor->angular_height) + film.y) / (float)sensor->angular_height;
-    const uint m = column * sensor->binning_x + mcv_pick(xi, sensor->binning_x);
-    const uint n = row * sensor->binning_y + mcv_pick(eta, sensor->binning_y);
-    const float p_x = mcv_fma(2.0f, u, -1.0f);
-    const float p_y = -mcv_fma(2.0f, v, -1.0f);
-    sight.origin = mcv_vec(p_x * sensor->radius, p_y * sensor->radius, 0.0f);
+    const float u = ((float)(film.column - column * sensor->angular_width) + mcv_fma(0.5f, p_x, 0.5f)) / (float)sensor->angular_width;
+    const float v = ((float)(film.row - row * sensor->angular_height) + mcv_fma(0.5f, p_y, 0.5f)) / (float)sensor->angular_height;
+    const uint m = column * sensor->binning_x + mcv_pick(film.x, sensor->binning_x);
+    const uint n = row * sensor->binning_y + mcv_pick(film.y, sensor->binning_y);
+    const float lens_x = mcv_fma(2.0f, u, -1.0f);
+    const float lens_y = -mcv_fma(2.0f, v, -1.0f);
+    sight.origin = mcv_vec(lens_x * sensor->radius, lens_y * sensor->radius, 0.0f);
     sight.direction = mcv_vec(-mcv_fma(mcv_from_centre(sensor->centre_x, m, 0.5f), sensor->slope_x, sensor->kappa * sight.origin.x),
                               mcv_fma(mcv_from_centre(sensor->centre_y, n, 0.5f), sensor->slope_y, -sensor->kappa * sight.origin.y), 1.0f);
-    sight.weight = sensor->circle && mcv_fma(p_x, p_x, p_y * p_y) > 1.0f ? 0.0f : mcv_sight_weight(sensor->etendue, sight.direction);
+    sight.weight =
+        sensor->circle && mcv_fma(lens_x, lens_x, lens_y * lens_y) > 1.0f ? 0.0f : mcv_sight_weight(sensor->etendue, sight.direction);
     return sight;
+}
+
+MCV_LOOP_FUNCTION mcv_sight mcv_light_field_sample(MCV_CONSTANT const mcv_light_field *sensor, mcv_film_sample film, float xi, float eta) {
+    mcv_film_sample binned = film;
+    binned.x = xi;
+    binned.y = eta;
+    return mcv_light_field_through(sensor, binned, mcv_fma(2.0f, film.x, -1.0f), mcv_fma(2.0f, film.y, -1.0f));
 }
 
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
