@@ -25,14 +25,7 @@ MCV_FUNCTION mcv_world mcv_disperse(mcv_world world, mcv_slot slot) {
 #endif
 
 #if MCV_TILE
-/* Works out the surface; where nothing was met, some other one. */
-MCV_LOOP_FUNCTION void mcv_find_surface(mcv_world world, mcv_slot slot) {
-    const uint met = MCV_WORD(slot, hit, 3);
-#if MCV_WITH_SURFACES
-    if (met == MCV_NONE) return; /* there may be no triangle */
-#endif
-    const mcv_hit hit = {MCV_LOAD(slot, hit, 0), MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2), met == MCV_NONE ? 0u : met};
-    const mcv_surface surface = mcv_surface_met(world, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), hit);
+MCV_LOOP_FUNCTION void mcv_put_surface(mcv_slot slot, mcv_surface surface) {
     const mcv_meeting meeting = mcv_meet_at(surface, MCV_LOAD_3(slot, direction));
     MCV_STORE_3(slot, point, surface.point);
     MCV_STORE_3(slot, error, surface.error);
@@ -48,6 +41,19 @@ MCV_LOOP_FUNCTION void mcv_find_surface(mcv_world world, mcv_slot slot) {
     MCV_WORD(slot, gloss_known, 0) = 0u;
 #endif
 }
+
+/* Works out the surface of a triangle; where nothing was met, of some other one. */
+MCV_LOOP_FUNCTION void mcv_find_triangle(mcv_world world, mcv_slot slot) {
+    const uint met = MCV_WORD(slot, hit, 3);
+    mcv_put_surface(slot, mcv_surface_at(world, met == MCV_NONE ? 0u : met, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2)));
+}
+
+#if MCV_WITH_SURFACES
+MCV_LOOP_FUNCTION void mcv_find_exact(mcv_world world, mcv_slot slot, int quadric) {
+    mcv_put_surface(slot, mcv_exact_surface_on(world, MCV_WORD(slot, hit, 3), MCV_LOAD(slot, hit, 1), MCV_LOAD_3(slot, origin),
+                                               MCV_LOAD_3(slot, direction), MCV_LOAD(slot, hit, 0), quadric));
+}
+#endif
 #endif
 
 /* The instance that a path has met, which must have met something. */

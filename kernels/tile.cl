@@ -39,26 +39,133 @@
 #define MCV_ROWS(slot, field) \
     { (slot).base + MCV_PATH_##field *MCV_SLICE, 1u, MCV_SLICE }
 
+#if MCV_WITH_SURFACES
+/* The chosen rays with one solid, of a shape that is known to the compiler. */
+MCV_LOOP_FUNCTION void mcv_meet_together(mcv_world world, uint *paths, uint number, uint shape, const uint *chosen, uint count, float *t,
+                                         uint *pieces) {
+    __global const mcv_device_solid *solid = world.solids + number;
+    mcv_slot slot;
+    slot.base = paths;
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = chosen[i];
+        const mcv_approach ray =
+            mcv_approach_solid(world, number, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), MCV_WORD(slot, left, 0));
+        const mcv_piece_met met = mcv_meet_shape(solid, shape, ray);
+        t[i] = met.t;
+        pieces[i] = met.piece;
+    }
+}
+
+/* The rays that may meet a solid; returns how many. */
+static __attribute__((noinline)) uint mcv_list_approaching(mcv_world world, uint *paths, uint count, uint number, const mcv_hit *hits,
+                                                           uint *chosen) {
+    __global const mcv_device_solid *solid = world.solids + number;
+    uint reaches[MCV_SLICE];
+    uint listed = 0;
+    mcv_slot slot;
+    slot.base = paths;
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        reaches[i] = (uint)mcv_reaches_solid(solid, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), hits[i].t);
+    }
+    for (uint i = 0; i < count; ++i) {
+        chosen[listed] = i;
+        listed += reaches[i];
+    }
+    return listed;
+}
+
+/* What the paths meet of the exact surfaces. */
+static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, uint *paths, uint count, mcv_hit *hits) {
+    uint chosen[MCV_SLICE], pieces[MCV_SLICE];
+    float t[MCV_SLICE];
+    mcv_slot slot;
+    slot.base = paths;
+    for (uint i = 0; i < count; ++i) hits[i] = mcv_miss(INFINITY);
+    for (uint number = 0; number < world.frame->solid_count; ++number) {
+        const uint shape = mcv_shape(world.solids + number);
+        const uint listed = mcv_list_approaching(world, paths, count, number, hits, chosen);
+        if (shape == MCV_SHAPE_OTHER) {
+            for (uint i = 0; i < listed; ++i) {
+                slot.index = chosen[i];
+                mcv_intersect_solid(world, number, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), MCV_WORD(slot, left, 0),
+                                    hits + chosen[i]);
+            }
+            continue;
+        }
+        switch (shape) {
+        case MCV_SHAPE_DISC:
+            mcv_meet_together(world, paths, number, MCV_SHAPE_DISC, chosen, listed, t, pieces);
+            break;
+        case MCV_SHAPE_BALL:
+            mcv_meet_together(world, paths, number, MCV_SHAPE_BALL, chosen, listed, t, pieces);
+            break;
+        case MCV_SHAPE_BOX:
+            mcv_meet_together(world, paths, number, MCV_SHAPE_BOX, chosen, listed, t, pieces);
+            break;
+        default:
+            mcv_meet_together(world, paths, number, MCV_SHAPE_CONICS, chosen, listed, t, pieces);
+        }
+        for (uint i = 0; i < listed; ++i) mcv_take_exact_hit(world, t[i], number, pieces[i], hits + chosen[i]);
+    }
+}
+
+/* The rays that meet the box of all triangles before they end; returns how many. Margins as in kernels/traverse.h. */
+static __attribute__((noinline)) uint mcv_list_near_triangles(mcv_world world, uint *paths, uint count, const mcv_hit *ends, uint *chosen) {
+    uint meets[MCV_SLICE];
+    float low[3], high[3];
+    uint listed = 0;
+    mcv_slot slot;
+    const float extent = world.nodes->extent;
+    slot.base = paths;
+    for (uint axis = 0; axis < 3; ++axis) {
+        low[axis] = mcv_least_lane(*(__global const float8 *)world.nodes->bounds[axis][0]);
+        high[axis] = mcv_most_lane(*(__global const float8 *)world.nodes->bounds[axis][1]);
+    }
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        const mcv_vec3 o = MCV_LOAD_3(slot, origin), d = MCV_LOAD_3(slot, direction);
+        meets[i] = (uint)mcv_meets_box(low, high, extent, o, d, ends[i].t);
+    }
+    for (uint i = 0; i < count; ++i) {
+        chosen[listed] = i;
+        listed += meets[i];
+    }
+    return listed;
+}
+#endif
+
 /* The stages that intersect, over the paths of a slice. */
 static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count, uint depth) {
     const mcv_rows origins = MCV_ROWS(slot, origin), directions = MCV_ROWS(slot, direction);
-    uint all[MCV_SLICE];
+    uint chosen[MCV_SLICE];
     mcv_hit hits[MCV_SLICE];
+    uint listed = count;
+#if MCV_WITH_SURFACES
+    mcv_hit exact[MCV_SLICE];
+    mcv_meet_solids_together(world, slot.base, count, exact);
+    listed = mcv_list_near_triangles(world, slot.base, count, exact, chosen);
+    for (uint i = 0; i < listed; ++i) hits[i] = mcv_miss(mcv_just_beyond(exact[chosen[i]]));
+#else
     for (uint i = 0; i < count; ++i) {
-        all[i] = i;
+        chosen[i] = i;
         hits[i] = mcv_miss(INFINITY);
     }
-    if (depth > 0)
-        MCV_CLOSEST_LATER(world.nodes, world.leaves, origins, directions, all, count, hits);
-    else
-        MCV_CLOSEST_FIRST(world.nodes, world.leaves, origins, directions, all, count, hits);
-    for (slot.index = 0; slot.index < count; ++slot.index) {
-#if MCV_WITH_SURFACES
-        hits[slot.index] =
-            mcv_meet_solids(world, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), MCV_WORD(slot, left, 0), hits[slot.index]);
 #endif
-        mcv_arrive(world, slot, hits[slot.index]);
-    }
+    if (depth > 0)
+        MCV_CLOSEST_LATER(world.nodes, world.leaves, origins, directions, chosen, listed, hits);
+    else
+        MCV_CLOSEST_FIRST(world.nodes, world.leaves, origins, directions, chosen, listed, hits);
+#if MCV_WITH_SURFACES
+    for (uint i = 0; i < listed; ++i)
+        if (hits[i].triangle != MCV_NONE) exact[chosen[i]] = hits[i];
+    for (slot.index = 0; slot.index < count; ++slot.index) mcv_arrive(world, slot, exact[slot.index]);
+#else
+    for (slot.index = 0; slot.index < count; ++slot.index) mcv_arrive(world, slot, hits[slot.index]);
+#endif
 }
 
 #if MCV_WITH_NEXT_EVENT
@@ -180,15 +287,44 @@ static __attribute__((noinline)) void mcv_leave_surfaces(uint *paths, uint count
 /* Works out the surfaces that the paths have met. */
 static __attribute__((noinline)) void mcv_find_surfaces(mcv_world world, uint *paths, uint count) {
     mcv_slot slot;
-    uint met = 0;
     slot.base = paths;
+#if MCV_WITH_SURFACES
+    uint triangles[MCV_SLICE], quadrics[MCV_SLICE], others[MCV_SLICE];
+    uint triangle_count = 0, quadric_count = 0, other_count = 0;
+    for (uint i = 0; i < count; ++i) {
+        const uint met = paths[(MCV_PATH_hit + 3) * MCV_SLICE + i];
+        if (met == MCV_NONE) continue;
+        if (met < MCV_EXACT)
+            triangles[triangle_count++] = i;
+        else if (mcv_is_quadric(world.solids + ((met & ~MCV_EXACT) >> 2), met & 3u))
+            quadrics[quadric_count++] = i;
+        else
+            others[other_count++] = i;
+    }
+    MCV_PARALLEL
+    for (uint i = 0; i < triangle_count; ++i) {
+        slot.index = triangles[i];
+        mcv_find_triangle(world, slot);
+    }
+    MCV_PARALLEL
+    for (uint i = 0; i < quadric_count; ++i) {
+        slot.index = quadrics[i];
+        mcv_find_exact(world, slot, 1);
+    }
+    for (uint i = 0; i < other_count; ++i) {
+        slot.index = others[i];
+        mcv_find_exact(world, slot, 0);
+    }
+#else
+    uint met = 0;
     for (uint i = 0; i < count; ++i) met |= paths[(MCV_PATH_hit + 3) * MCV_SLICE + i] != MCV_NONE;
     if (!met) return; /* a scene may have no triangle at all */
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i) {
         slot.index = i;
-        mcv_find_surface(world, slot);
+        mcv_find_triangle(world, slot);
     }
+#endif
 }
 
 #if MCV_WITH_NEXT_EVENT
