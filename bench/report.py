@@ -181,7 +181,26 @@ def plots_of_build(rows):
     return dots(by_unit, "Embree over ours, or ours over Embree: right of 1 ours is better")
 
 
-PLOTS = {"error": plots_of_error, "scale": plots_of_scale, "stages": plots_of_stages, "build": plots_of_build}
+def plots_of_render(rows):
+    """Error against time, a line a renderer: from the samples that were timed on along each one's own power law."""
+    plots = dots(
+        [dict(r, case=f'{r["case"].split(", ")[0]}, {r["case"].split(", ")[1]}', ratio=r["time_to_rmse"]) for r in rows if "time_to_rmse" in r],
+        "Mitsuba's time to an equal error over ours",
+    )
+    for scene in dict.fromkeys(r["case"].split(", ")[0] for r in rows if "time_to_rmse" in r):
+        series = {}
+        for row in (r for r in rows if "time_to_rmse" in r and r["case"].startswith(scene + ", ")):
+            times = [4.0**i for i in range(4)]
+            for name, seconds, rmse, exponent in (
+                ("MC ViSi", row["seconds"], row["rmse"], row["exponent"]),
+                (row["case"].split(", ")[1], row["peer_seconds"], row["peer_rmse"], row["peer_exponent"]),
+            ):
+                series[name] = [(seconds * t, rmse * t**-exponent) for t in times]
+        plots += lines(series, f"{scene}: RMSE / mean", "seconds")
+    return plots
+
+
+PLOTS = {"render": plots_of_render, "error": plots_of_error, "scale": plots_of_scale, "stages": plots_of_stages, "build": plots_of_build}
 
 
 def section(name, report):

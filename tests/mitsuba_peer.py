@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""mitsuba_peer.py CASE PIXELS REPLICATES SAMPLES: renders one of the scenes of test_mitsuba_peer.c with Mitsuba 3 and writes the replicates'
-images to standard output as doubles, row by row."""
+"""mitsuba_peer.py CASE PIXELS REPLICATES SAMPLES: renders one of the scenes of peer_scenes.h with Mitsuba 3 and writes the replicates'
+images to standard output as doubles, row by row. bench/render_peer.py takes the scenes from here as well."""
 
 import sys
 
 import mitsuba as mi
 import numpy
 
-mi.set_variant("scalar_rgb")
+if mi.variant() is None:
+    mi.set_variant("scalar_rgb")
 T = mi.ScalarTransform4f
 
 
@@ -24,69 +25,106 @@ def down(x, y, z):
     return T().translate([x, y, z]) @ T().rotate([1, 0, 0], 180)
 
 
-def diffuse(share):
-    return {"type": "diffuse", "reflectance": {"type": "rgb", "value": share}}
+def rgb(value):
+    return {"type": "rgb", "value": value}
 
 
 def light(radiance):
-    return {"type": "area", "radiance": {"type": "rgb", "value": radiance}}
+    return {"type": "area", "radiance": rgb(radiance)}
 
 
 def sky(radiance):
-    return {"type": "constant", "radiance": {"type": "rgb", "value": radiance}}
+    return {"type": "constant", "radiance": rgb(radiance)}
 
 
 GLASS = {"type": "dielectric", "int_ior": 1.5, "ext_ior": 1.0}
-BLACK = diffuse(0.0)
-FLOOR = rectangle(4, 4, up(0, 0, 0), bsdf=diffuse(0.6))
+METAL = {"eta": 0.27, "k": 3.61}
+BLACK = {"type": "diffuse", "reflectance": rgb(0.0)}
 LAMP = rectangle(1, 1, down(0.8, 0.3, 2), bsdf=BLACK, emitter=light(3.0))
+TINT = (1.0, 5 / 6, 2 / 3)
 
 
 def ball(radius, z, bsdf, **more):
     return {"type": "sphere", "radius": radius, "center": [0, 0, z], "bsdf": bsdf, **more}
 
 
-CASES = {
-    "furnace": {"sky": sky(1.0), "ball": ball(0.5, 1, GLASS)},
-    "sky": {"sky": sky(1.0), "ball": ball(0.5, 1, diffuse(0.5)), "floor": FLOOR},
-    "area": {"lamp": LAMP, "floor": FLOOR, "ball": ball(0.3, 0.3, diffuse(0.8))},
-    "lens": {"lamp": LAMP, "floor": FLOOR, "sky": sky(0.2), "ball": ball(0.3, 1.5, GLASS)},
-    "conductor": {"lamp": LAMP, "floor": FLOOR, "sky": sky(0.2), "ball": ball(0.4, 0.4, {"type": "conductor", "eta": 0.27, "k": 3.61})},
-    "rough conductor": {
-        "lamp": LAMP,
-        "floor": FLOOR,
-        "sky": sky(0.2),
-        "ball": ball(0.4, 0.4, {"type": "roughconductor", "distribution": "ggx", "alpha": 0.05, "eta": 0.27, "k": 3.61}),
-    },
-    "telecentric": {"lamp": LAMP, "floor": FLOOR, "ball": ball(0.3, 0.5, diffuse(0.8))},
-    "absorbing": {
-        "sky": sky(1.0),
-        "floor": FLOOR,
-        "ball": ball(0.4, 1, GLASS, interior={"type": "homogeneous", "albedo": 0.0, "sigma_t": 2.0}),
-    },
-    "cube": {
-        "sky": sky(0.5),
-        "floor": FLOOR,
-        "cube": {"type": "cube", "to_world": T().translate([0.1, 0, 0.8]) @ T().rotate([0, 0, 1], 30) @ T().scale([0.3, 0.4, 0.2]), "bsdf": GLASS},
-    },
-}
+def block(bsdf):
+    return {"type": "cube", "to_world": T().translate([0.1, 0, 0.8]) @ T().rotate([0, 0, 1], 30) @ T().scale([0.3, 0.4, 0.2]), "bsdf": bsdf}
 
 
-def sensor(case, pixels, samples):
-    film = {"type": "hdrfilm", "width": pixels, "height": pixels, "pixel_format": "luminance", "component_format": "float32"}
+def beam():
+    """Parallel light of half a degree about its axis: an opening in a black wall, and far behind it a disc."""
+    far, half_angle = 1e4, numpy.radians(0.5)
+    wall = T().look_at(origin=[8 / 5**0.5, 0, 4 / 5**0.5], target=[0, 0, 0], up=[0, 1, 0])
+    sides = [(-3.25, 0, 6, 12.5), (3.25, 0, 6, 12.5), (0, -3.25, 0.5, 6), (0, 3.25, 0.5, 6)]  # round 0.5 x 0.5
+    parts = {f"wall {i}": rectangle(w, h, wall @ up(x, y, 0), bsdf=BLACK) for i, (x, y, w, h) in enumerate(sides)}
+    disc = {"type": "disk", "to_world": wall @ up(0, 0, -far) @ T().scale([far * numpy.tan(half_angle)] * 3), "bsdf": BLACK, "emitter": light(1e4)}
+    return {**parts, "disc": disc}
+
+
+def cases(coloured=False, mesh=None):
+    def diffuse(share):
+        return {"type": "diffuse", "reflectance": rgb([share * t for t in TINT] if coloured else share)}
+
+    floor = rectangle(4, 4, up(0, 0, 0), bsdf=diffuse(0.6))
+    lit = {"lamp": LAMP, "floor": floor}
+    made = {
+        "furnace": {"sky": sky(1.0), "ball": ball(0.5, 1, GLASS)},
+        "sky": {"sky": sky(1.0), "ball": ball(0.5, 1, diffuse(0.5)), "floor": floor},
+        "area": {**lit, "ball": ball(0.3, 0.3, diffuse(0.8))},
+        "lens": {**lit, "sky": sky(0.2), "ball": ball(0.3, 1.5, GLASS)},
+        "conductor": {**lit, "sky": sky(0.2), "ball": ball(0.4, 0.4, {"type": "conductor", **METAL})},
+        "rough conductor": {
+            **lit,
+            "sky": sky(0.2),
+            "ball": ball(0.4, 0.4, {"type": "roughconductor", "distribution": "ggx", "alpha": 0.05, **METAL}),
+        },
+        "satin conductor": {
+            **lit,
+            "sky": sky(0.2),
+            "ball": ball(0.4, 0.4, {"type": "roughconductor", "distribution": "ggx", "alpha": 0.02, **METAL}),
+        },
+        "rough glass": {
+            **lit,
+            "sky": sky(0.2),
+            "ball": ball(0.4, 0.6, {"type": "roughdielectric", "distribution": "ggx", "alpha": 0.02, "int_ior": 1.5, "ext_ior": 1.0}),
+        },
+        "telecentric": {**lit, "ball": ball(0.3, 0.5, diffuse(0.8))},
+        "telecentric backlight": {
+            "lamp": LAMP,
+            "backlight": rectangle(3, 3, up(0, 0, 0), bsdf=BLACK, emitter=light(1.0)),
+            "block": block(diffuse(0.5)),
+        },
+        "absorbing": {
+            "sky": sky(1.0),
+            "floor": floor,
+            "ball": ball(0.4, 1, GLASS, interior={"type": "homogeneous", "albedo": 0.0, "sigma_t": 2.0}),
+        },
+        "cube": {"sky": sky(0.5), "floor": floor, "cube": block(GLASS)},
+        "narrow cone": {**beam(), "floor": floor, "ball": ball(0.2, 0.2, diffuse(0.8))},
+    }
+    if mesh:
+        place = T().translate([0, 0, 0.8]) @ T().scale([0.7] * 3)
+        twosided = {"type": "twosided", "bsdf": diffuse(0.5)}
+        made["assembly"] = {**lit, "mesh": {"type": "ply", "filename": mesh, "face_normals": True, "to_world": place, "bsdf": twosided}}
+    return made
+
+
+def sensor(case, pixels, samples, sampler="independent", pixel_format="luminance"):
+    film = {"type": "hdrfilm", "width": pixels, "height": pixels, "pixel_format": pixel_format, "component_format": "float32"}
     film["rfilter"] = {"type": "box"}
-    common = {"film": film, "sampler": {"type": "independent", "sample_count": samples}}
+    common = {"film": film, "sampler": {"type": sampler, "sample_count": samples}}
     look = T().look_at(origin=[0, 0, 4], target=[0, 0, 0], up=[0, 1, 0])
     fov = 2 * numpy.degrees(numpy.arctan(0.25))  # half a metre per metre of distance
     if case == "lens":
         return {"type": "thinlens", "to_world": look, "fov": fov, "aperture_radius": 0.05, "focus_distance": 4.0, **common}
-    if case == "telecentric":
+    if case.startswith("telecentric"):
         return {"type": "orthographic", "to_world": look @ T().scale([0.5, 0.5, 1]), **common}
     return {"type": "perspective", "to_world": look, "fov": fov, **common}
 
 
 def main(case, pixels, replicates, samples):
-    scene = dict(CASES[case], type="scene", sensor=sensor(case, pixels, samples))
+    scene = dict(cases()[case], type="scene", sensor=sensor(case, pixels, samples))
     kind = "volpath" if case == "absorbing" else "path"
     scene["integrator"] = {"type": kind, "max_depth": 64, "rr_depth": 1000}
     loaded = mi.load_dict(scene)

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""render_peer.py VARIANT [MESH.ply]: Mitsuba 3 for bench_render, which writes lines `PIXELS INTEGRATOR SAMPLER SAMPLES SEED SCENE` to its
+standard input and reads each image as doubles, [channel][row][column]. A scene is loaded once for each size, integrator and sampler."""
+
+import functools
+import glob
+import os
+import pathlib
+import sys
+
+# Dr.Jit wants a young LLVM; Debian's libllvm19 is in no place where it looks.
+found = sorted(glob.glob("/usr/lib/*/libLLVM.so.19*"))
+if found:
+    os.environ.setdefault("DRJIT_LIBLLVM_PATH", found[0])
+
+import mitsuba as mi
+
+mi.set_variant(sys.argv[1])
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "tests"))
+
+import mitsuba_peer
+import numpy
+
+SCENES = mitsuba_peer.cases(coloured=True, mesh=sys.argv[2] if len(sys.argv) > 2 else None)
+
+
+@functools.cache
+def load(name, pixels, integrator, sampler):
+    scene = dict(SCENES[name], type="scene", sensor=mitsuba_peer.sensor(name, pixels, 16, sampler, "rgb"))
+    # As many surfaces as bench_render allows, and Russian roulette as Mitsuba does it unless told otherwise.
+    scene["integrator"] = {"type": integrator, "max_depth": 32}
+    return mi.load_dict(scene)
+
+
+def main():
+    out = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # what Mitsuba says is no image
+    mi.set_log_level(mi.LogLevel.Error)
+    for line in sys.stdin:
+        pixels, integrator, sampler, samples, seed, name = line.strip().split(" ", 5)
+        image = mi.render(load(name, int(pixels), integrator, sampler), seed=int(seed), spp=int(samples))
+        out.write(numpy.ascontiguousarray(numpy.array(image, dtype=numpy.float64).transpose(2, 0, 1)).tobytes())
+        out.flush()
+
+
+if __name__ == "__main__":
+    main()
