@@ -21,7 +21,7 @@ TRUTHS = {
     "T5": ("aplanatic points", "from R/n to n R for every angle"),
     "T6": ("plano-hyperbolic lens, k = -n^2", "all heights cross at R/(n - 1)"),
     "T7": ("ellipsoid, k = -1/n^2", "all heights cross at n R/(n - 1)"),
-    "T8": ("conic mirrors", "paraboloid R/2; sphere R/(2 cos a) from its centre, sin a = h/R"),
+    "T8": ("conic mirrors", "paraboloid R/2; sphere R/(2 cos a) from its centre, sin a = h/R; ellipsoid from R/(1 + e) to R/(1 - e)"),
     "T9": ("thick lens; CODE V's double Gauss", "exact rays; 1/f = (n-1)(1/R1 - 1/R2 + (n-1) d/(n R1 R2)), BFD = f (1 - (n-1) d/(n R1))"),
     "T10": ("convergence", "error ~ mesh^-1 flat, mesh^-2 interpolated, 0 exact; RMSE ~ samples^-1/2 random"),
     "T11": ("rainbow", "D = pi + 2 I - 4 I', least 137.9703 degrees for n = 4/3"),
