@@ -35,18 +35,6 @@ static void run(const char *kernel_name, uint32_t sensor_type, const void *first
 
 /* Sensors */
 
-/* The unit square to the unit disk as mcvisi/sampling.h documents it (Shirley and Chiu), in double: radius and angle. */
-static void concentric(double xi, double eta, double *radius, double *angle) {
-    const double a = 2 * xi - 1;
-    const double b = 2 * eta - 1;
-    if (a == 0 && b == 0)
-        *radius = *angle = 0;
-    else if (fabs(a) > fabs(b))
-        *radius = a, *angle = M_PI / 4 * b / a;
-    else
-        *radius = b, *angle = M_PI / 2 - M_PI / 4 * a / b;
-}
-
 /* What the sensor's numbers allow, for the bounds. */
 typedef struct sensor_case {
     const char *name;
@@ -93,14 +81,7 @@ static void check_whole_or_part(const sensor_case *c) {
     for (size_t i = 0; i < CASES; ++i) {
         const uint32_t *in = cases + 6 * i;
         const float *out = sights + 7 * i;
-        double radius;
-        double angle;
-        concentric(as_float(in[4]), as_float(in[5]), &radius, &angle);
-        double turn = radius < 0 ? angle / (2 * M_PI) + 0.5 : angle / (2 * M_PI);
-        turn -= floor(turn);
-        const bool disk = sensor->type != MCV_SENSOR_LIGHT_FIELD; /* which takes the aperture sample as it is */
-        const ref_sight sight = ref_sight_sample(sensor, in[0], in[1], as_float(in[2]), as_float(in[3]),
-                                                 disk ? radius * radius : (double)as_float(in[4]), disk ? turn : (double)as_float(in[5]));
+        const ref_sight sight = reference_sight(sensor, in);
         /* The node looks along -z: the optical frame's z turns. */
         const ref_vec d = {sight.direction.x / -sight.direction.z, sight.direction.y / -sight.direction.z, 1};
         worst_origin = fmax(worst_origin, fmax(fabs(out[0] - sight.origin.x), fabs(out[1] - sight.origin.y)));

@@ -147,6 +147,39 @@ static void mirrors(void **state) {
 }
 
 /*
+ * T8: an ellipsoid (k = -e², R = 3/2, e = 1/2) sends light from one focus, R/(1 + e) before the vertex, into the other, R/(1 - e) before
+ * it, both ways and at all angles: how far from it rays pass. float32: 1e-6 of the path of 2 R/(1 - e²), 16 u, as the hit, the normal and
+ * the reflected direction are off by some 4 u each, the normal's twice.
+ */
+static void ellipsoid_mirror(void **state) {
+    (void)state;
+    const double r = 1.5, e = 0.5, foci[2] = {-r / (1 + e), -r / (1 - e)}, path = 2 * r / (1 - e * e);
+    for (int reference = 0; reference < 2; ++reference) {
+        mcv_scene *scene = new_scene();
+        mcv_solid mirror = {.side = MCV_SIDE_OPEN, .radius = 1.4, .caps = {{.curvature = -1 / r, .conic = -e * e}}, .to_world = unmoved};
+        add_solid(scene, &mirror, add_material(scene, MCV_MATERIAL_MIRROR, NULL), 0);
+        for (int back = 0; back < 2; ++back)
+            for (double height = 0.05; height < 1.4; height += 0.09) {
+                /* Towards the mirror at this height. */
+                const double sag = height * height / r / (1 + sqrt(1 - (1 - e * e) * height * height / (r * r)));
+                const double x = height * cos(height), y = height * sin(height), z = -sag - foci[back];
+                const double distance = sqrt(height * height + z * z);
+                mcv_vertex v[DEPTH + 1];
+                const mcv_trace_ray ray = {{0, 0, foci[back]}, {x / distance, y / distance, z / distance}};
+                assert_true(trace_one(scene, reference, ray, v) >= 2);
+                const double *p = v[1].position, *d = v[1].direction, to[3] = {-p[0], -p[1], foci[!back] - p[2]};
+                const double along = to[0] * d[0] + to[1] * d[1] + to[2] * d[2];
+                assert_true(along > 0);
+                double miss = 0;
+                for (int k = 0; k < 3; ++k) miss += pow(to[k] - along * d[k], 2);
+                expect_near("T8 ellipsoid mirror: rays past the other focus, 2a = 4", reference, sqrt(miss), 0,
+                            reference ? 1e-14 * path : 1e-6 * path);
+            }
+        mcv_scene_free(scene);
+    }
+}
+
+/*
  * T9: CODE V's listing of a double Gauss: the axial marginal ray's heights at its eleven surfaces, with its indices of six digits [mm].
  * Within 5e-5 mm (its own digits) and, in float32, 2e-4 mm.
  */
@@ -573,13 +606,21 @@ static void definitions(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(plate),        cmocka_unit_test(single_sphere),
-        cmocka_unit_test(ball_lens),    cmocka_unit_test(aplanatic),
-        cmocka_unit_test(conics_focus), cmocka_unit_test(mirrors),
-        cmocka_unit_test(double_gauss), cmocka_unit_test(against_reference),
-        cmocka_unit_test(radii),        cmocka_unit_test(reflections),
-        cmocka_unit_test(furnace),      cmocka_unit_test(meshes_in_contact),
-        cmocka_unit_test(cemented),     cmocka_unit_test(nested),
+        cmocka_unit_test(plate),
+        cmocka_unit_test(single_sphere),
+        cmocka_unit_test(ball_lens),
+        cmocka_unit_test(aplanatic),
+        cmocka_unit_test(conics_focus),
+        cmocka_unit_test(mirrors),
+        cmocka_unit_test(ellipsoid_mirror),
+        cmocka_unit_test(double_gauss),
+        cmocka_unit_test(against_reference),
+        cmocka_unit_test(radii),
+        cmocka_unit_test(reflections),
+        cmocka_unit_test(furnace),
+        cmocka_unit_test(meshes_in_contact),
+        cmocka_unit_test(cemented),
+        cmocka_unit_test(nested),
         cmocka_unit_test(definitions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -21,7 +21,7 @@ TRUTHS = {
     "T5": ("aplanatic points", "from R/n to n R for every angle"),
     "T6": ("plano-hyperbolic lens, k = -n^2", "all heights cross at R/(n - 1)"),
     "T7": ("ellipsoid, k = -1/n^2", "all heights cross at n R/(n - 1)"),
-    "T8": ("conic mirrors", "paraboloid R/2; sphere R/(2 cos a) from its centre, sin a = h/R"),
+    "T8": ("conic mirrors", "paraboloid R/2; sphere R/(2 cos a) from its centre, sin a = h/R; ellipsoid from R/(1 + e) to R/(1 - e)"),
     "T9": ("thick lens; CODE V's double Gauss", "exact rays; 1/f = (n-1)(1/R1 - 1/R2 + (n-1) d/(n R1 R2)), BFD = f (1 - (n-1) d/(n R1))"),
     "T10": ("convergence", "error ~ mesh^-1 flat, mesh^-2 interpolated, 0 exact; RMSE ~ samples^-1/2 random"),
     "T11": ("rainbow", "D = pi + 2 I - 4 I', least 137.9703 degrees for n = 4/3"),
@@ -37,14 +37,13 @@ TRUTHS = {
     "T21": ("narrow cones", "uniform in solid angle, 1e-7 to pi/2; edge at the half-angle"),
     "T22": ("fall-off and magnification", "E0 cos^4 a; telecentric E constant, scale independent of depth"),
     "T23": ("depth of field", "c = A f |s2 - s1|/(s2 (s1 - f))"),
-    "T24": ("light field", "4.2.2: macro pixel to place in focus, pixel to place on the lens"),
+    "T24": ("light field", "4.2.2: macro pixel to place in focus, pixel to place on the lens; 4f system: shift f tan a"),
     "T25": ("MTF of a slanted edge", "sinc of the pixel times 2 J1(x)/x of the disc, below Nyquist"),
     "T31": ("Earth Mover's Distance", "deltas, translation, line, mass term, metric, assignments, certificate"),
 }
 
 NOT_HERE = {
     "T14": "per polarisation: light is unpolarised at each interface; the formula holds with the mean R",
-    "T24": "of a 4f system: a chain of two lenses is no sensor here; its parts are T22, T23 and the macro pixels' map",
     "T25": "diffraction: a camera's (`mcvisi camera`), tested in test_edge.c; rays know none",
     "T26": "noise of cameras: test_camera.c and, against the standard's program, test_emva1288_peer.c",
     "T27": "to T30, lasers: coherent light is not simulated",
