@@ -212,7 +212,7 @@ static void double_gauss(void **state) {
         const size_t count = trace_one(scene, reference, along_z(25e-3, 0, -20e-3), v);
         assert_int_equal(count, N + 1);
         for (int i = 0; i < N; ++i) {
-            char what[32];
+            char what[48];
             snprintf(what, sizeof what, "T9 double Gauss: height %d [mm]", i + 1);
             expect_near(what, reference, 1e3 * v[i + 1].position[0], heights[i], reference ? 5e-5 : 2e-4);
         }
@@ -223,6 +223,32 @@ static void double_gauss(void **state) {
         expect_near("T9 double Gauss: aberration [mm]", reference, 1e3 * x, 0.014138, reference ? 1e-4 : 3e-4);
     }
     mcv_scene_free(scene);
+}
+
+/* Cemented surfaces, plane, conic and aspheric, are met once, by both bodies together, from both sides and at all heights. */
+static void cemented_once(void **state) {
+    (void)state;
+    static const mcv_cap shared[] = {
+        {0}, {.curvature = 26, .conic = -1.4}, {.asphere = {2e3, -3e6}}, {.curvature = 26, .conic = -1.4, .asphere = {-52}}};
+    for (size_t kind = 0; kind < sizeof shared / sizeof shared[0]; ++kind) {
+        mcv_scene *scene = new_scene();
+        mcv_solid first = element(8e-3, (mcv_cap){.z = -4e-3, .curvature = -17}, shared[kind]);
+        mcv_solid second = element(8e-3, shared[kind], (mcv_cap){.z = 6e-3, .curvature = -20});
+        second.cemented = true;
+        add_solid(scene, &first, add_glass(scene, 1.8, 0, 0), add_absorber(scene));
+        add_solid(scene, &second, add_glass(scene, 1.5, 0, 0), add_absorber(scene));
+        for (int reference = 0; reference < 2; ++reference)
+            for (int i = 0; i < 40; ++i) {
+                mcv_vertex v[DEPTH + 1];
+                mcv_trace_ray ray = along_z(i / 20 * 1e-3, i % 20 * 0.3e-3, -20e-3);
+                if (i >= 20) ray.origin[2] = 20e-3, ray.direction[2] = -1;
+                const size_t count = trace_one(scene, reference, ray, v);
+                if (count != 4 || v[2].event != MCV_EVENT_REFRACT || v[3].event != MCV_EVENT_REFRACT)
+                    fail_msg("kind %zu, %s, ray %d: %zu vertices, not 4", kind, reference ? "reference" : "device", i, count);
+                assert_true(fabs(v[2].ior - (i < 20 ? 1.5 : 1.8)) < 1e-6);
+            }
+        mcv_scene_free(scene);
+    }
 }
 
 /* --- many rays -------------------------------------------------------------------------------------------------- */
@@ -549,7 +575,8 @@ static mcv_result load_definition(const char *definition, mcv_scene **scene) {
         file,
         "{\"asset\": {\"version\": \"2.0\"}, \"scene\": 0, \"scenes\": [{\"nodes\": [0]}], \"extensionsUsed\": [\"MCVISI_surfaces\", "
         "\"MCVISI_materials\"], \"materials\": [{\"name\": \"glass\", \"extensions\": {\"MCVISI_materials\": {\"type\": \"dielectric\", "
-        "\"glass\": \"N-BK7\"}}}], \"extensions\": {\"MCVISI_surfaces\": {\"surfaces\": [%s]}}, \"nodes\": [{\"extensions\": "
+        "\"glass\": \"N-BK7\"}}}, {\"name\": \"pane\", \"extensions\": {\"MCVISI_materials\": {\"type\": \"sheet\"}}}], \"extensions\": "
+        "{\"MCVISI_surfaces\": {\"surfaces\": [%s]}}, \"nodes\": [{\"extensions\": "
         "{\"MCVISI_surfaces\": {\"surface\": 0}}}]}",
         definition);
     assert_int_equal(fclose(file), 0);
@@ -596,6 +623,9 @@ static void definitions(void **state) {
          "must not be 0"},
         {"{\"type\": \"lens\", \"surfaces\": [{\"asphere\": [1, 2, 3, 4, 5, 6, 7, 8, 9], \"semiDiameter\": 1}, {\"semiDiameter\": 1}]}",
          "at most 8"},
+        {"{\"type\": \"lens\", \"surfaces\": [{\"semiDiameter\": 1, \"thickness\": 1, \"material\": 0}, {\"semiDiameter\": 1}], \"rim\": "
+         "\"pane\"}",
+         "the rim \"pane\" lets light through, but is not the body's material: choose an opaque one or \"glass\""},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
         const mcv_result result = load_definition(bad[i].definition, &scene);
@@ -614,6 +644,7 @@ int main(void) {
         cmocka_unit_test(mirrors),
         cmocka_unit_test(ellipsoid_mirror),
         cmocka_unit_test(double_gauss),
+        cmocka_unit_test(cemented_once),
         cmocka_unit_test(against_reference),
         cmocka_unit_test(radii),
         cmocka_unit_test(reflections),
