@@ -71,6 +71,69 @@ static void test_codev(void **state) {
     mcv_scene_free(scene);
 }
 
+/* A stop 20 mm before the singlet, or 10 mm behind it, is a disc in that place. */
+static void test_stops(void **state) {
+    (void)state;
+    static const char singlet[] = "SO 0 1e10\n%sS 50 5 NBK7\nCIR 10\nS -50 10\nCIR 10\n%sSI 0 0\nGO\n";
+    static const struct {
+        const char *before, *behind;
+        double z;
+    } cases[] = {{"S 0 15\nSTO\nCIR 2\nS 0 5\n", "", -20e-3}, {"", "S 0 10\nSTO\nCIR 2\n", 15e-3}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char text[2048];
+        snprintf(text, sizeof text, singlet, cases[i].before, cases[i].behind);
+        mcv_scene *scene = import("test_lens_file.seq", text, false);
+        assert_int_equal(scene->solid_count, 2);
+        near(scene->solids[0].caps[1].z, 5e-3);
+        near(scene->solids[1].hole, 2e-3);
+        near(scene->solids[1].to_world.m[11], cases[i].z);
+        mcv_scene_free(scene);
+    }
+}
+
+/* Glasses by their index: n - 1 as three digits or six. */
+static void test_digits(void **state) {
+    (void)state;
+    static const struct {
+        const char *glass;
+        double index;
+    } cases[] = {{"1.5168", 1.5168}, {"517642", 1.517}, {"517.642", 1.517}, {"516800.641673", 1.5168}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char text[2048];
+        snprintf(text, sizeof text, "SO 0 1e10\nS 50 5 %s\nCIR 10\nS -50 10\nCIR 10\nSI 0 0\nGO\n", cases[i].glass);
+        mcv_scene *scene = import("test_lens_file.seq", text, false);
+        near(scene->materials[0].as.dielectric.ior[0], cases[i].index);
+        mcv_scene_free(scene);
+    }
+}
+
+static void refuse(const char *path, const char *text, size_t length, const char *word) {
+    char cut[2048];
+    json_t *document;
+    snprintf(cut, sizeof cut, "%.*s", (int)length, text);
+    write_file(path, cut, false);
+    const mcv_result result = mcv_lens_file_read(path, NULL, 0, &document, &builder_error);
+    if (result != MCV_BAD_INPUT || !strstr(builder_error.text, word) || !strstr(builder_error.text, path))
+        fail_msg("\"%s\" should say \"%s\"", builder_error.text, word);
+    remove(path);
+}
+
+/* What would change the lens is refused if it is not known. */
+static void test_unknown_statements(void **state) {
+    (void)state;
+    static const char *const cases[][2] = {{"RDY 50", "S radius thickness glass, not by RDY"},
+                                           {"GLA NBK7", "not by GLA"},
+                                           {"ASP\nJ 1e-20", "A to H, not J"},
+                                           {"CIR OBS 2", "not CIR OBS"},
+                                           {"STO S2", "surface 1: STO must stand below its surface, not name S2"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char text[2048];
+        const int n = snprintf(text, sizeof text, "SO 0 1e10\nS 50 5 NBK7\nCIR 10\n%s\nS -50 10\nCIR 10\nSI 0 0\nGO\n", cases[i][0]);
+        refuse("test_lens_file.seq", text, (size_t)n, cases[i][1]);
+    }
+    refuse("test_lens_file.seq", "EPD x\nGO\n", 9, "before the first surface: ");
+}
+
 static void test_index(void **state) {
     (void)state;
     const char *const indices[] = {"b270=1.5229"};
@@ -91,17 +154,6 @@ static void test_index(void **state) {
     remove("test_lens_file.zmx");
 }
 
-static void refuse(const char *path, const char *text, size_t length, const char *word) {
-    char cut[2048];
-    json_t *document;
-    snprintf(cut, sizeof cut, "%.*s", (int)length, text);
-    write_file(path, cut, false);
-    const mcv_result result = mcv_lens_file_read(path, NULL, 0, &document, &builder_error);
-    if (result != MCV_BAD_INPUT || !strstr(builder_error.text, word) || !strstr(builder_error.text, path))
-        fail_msg("\"%s\" should say \"%s\"", builder_error.text, word);
-    remove(path);
-}
-
 /* Any prefix of a file is refused or read, without a crash; all but the longest are refused. */
 static void test_bad(void **state) {
     (void)state;
@@ -117,13 +169,16 @@ static void test_bad(void **state) {
     refuse("test_lens_file.zmx", text, strlen(text), "surface 1: only the types STANDARD and EVENASPH");
     strcpy(text, zemax);
     memcpy(strstr(text, "2.0E-2"), "2.0X-2", 6);
-    refuse("test_lens_file.zmx", text, strlen(text), "must be a number");
+    refuse("test_lens_file.zmx", text, strlen(text), "must be a number in place of 2.0X-2");
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_zemax),
         cmocka_unit_test(test_codev),
+        cmocka_unit_test(test_stops),
+        cmocka_unit_test(test_digits),
+        cmocka_unit_test(test_unknown_statements),
         cmocka_unit_test(test_index),
         cmocka_unit_test(test_bad),
     };

@@ -34,6 +34,7 @@ typedef struct lens {
 } lens;
 
 static mcv_result fail_surface(const lens *l, int number, mcv_error *error, const char *what, const char *word) {
+    if (number < 0) return mcv_fail(error, MCV_BAD_INPUT, "%s: before the first surface: %s%s", l->path, what, word);
     return mcv_fail(error, MCV_BAD_INPUT, "%s: surface %d: %s%s", l->path, number, what, word);
 }
 
@@ -82,7 +83,7 @@ static mcv_result read_number(const lens *l, const char *word, double *value, mc
     char *end;
     *value = strtod(word, &end);
     if (end != word && *end == '\0' && !isnan(*value)) return MCV_OK;
-    return mcv_fail(error, MCV_BAD_INPUT, "%s: surface %d: \"%s\" must be a number", l->path, l->count - 1, word);
+    return fail_surface(l, l->count - 1, error, "there must be a number in place of ", word);
 }
 
 static mcv_result new_surface(lens *l, mcv_error *error) {
@@ -176,10 +177,14 @@ static mcv_result codev_surface(lens *l, char **words, int n, mcv_error *error) 
 
 static mcv_result codev_statement(lens *l, char **words, int n, bool *ended, mcv_error *error) {
     static const char *const unknown[] = {"SPS", "XTO", "YTO", "CYL", "AAS", "GRT", "DAR", "XDE", "YDE", "ADE", "BDE", "SPL", "ZRN"};
+    static const char *const unordered[] = {"RDY", "CUY", "THI", "GLA"};
     const char *key = words[0];
     double value = 0;
     for (size_t i = 0; i < sizeof unknown / sizeof unknown[0]; ++i)
         if (is(key, unknown[i])) return fail_surface(l, l->count - 1, error, "only spheres, conics and even aspheres are known, not ", key);
+    for (size_t i = 0; i < sizeof unordered / sizeof unordered[0]; ++i)
+        if (is(key, unordered[i]))
+            return fail_surface(l, l->count - 1, error, "surfaces must be given as S radius thickness glass, not by ", key);
     if (is(key, "DIM") && n > 1) return set_unit(l, words[1], error);
     if (is(key, "RDM")) l->radii = n < 2 || !is(words[1], "N");
     if (is(key, "TITLE") && n > 1) snprintf(l->name, sizeof l->name, "%s", words[1]);
@@ -197,10 +202,17 @@ static mcv_result codev_statement(lens *l, char **words, int n, bool *ended, mcv
     surface *s = l->surfaces + l->count - 1;
     if (is(key, "STO")) s->stop = true;
     if (n < 2) return MCV_OK;
+    if (is(key, "STO")) return fail_surface(l, l->count - 1, error, "STO must stand below its surface, not name ", words[1]);
+    if (is(key, "CIR") && n > 2 && !is(words[1], "EDG"))
+        return fail_surface(l, l->count - 1, error, "only the radius of a round aperture is known, not CIR ", words[1]);
     if (is(key, "K")) return read_number(l, words[1], &s->conic, error);
     if (is(key, "CIR")) return read_number(l, words[n - 1], &s->semi_diameter, error);
     if (strlen(key) == 1 && toupper((unsigned char)*key) >= 'A' && toupper((unsigned char)*key) < 'A' + MCV_ASPHERE_TERMS)
         return read_number(l, words[1], &s->asphere[toupper((unsigned char)*key) - 'A'], error);
+    if (is(key, "J")) {
+        MCV_TRY(read_number(l, words[1], &value, error));
+        if (value != 0) return fail_surface(l, l->count - 1, error, "aspheres have terms from r^4 to r^18, A to H, not ", key);
+    }
     return MCV_OK;
 }
 
@@ -247,11 +259,12 @@ static mcv_result find_glass(const lens *l, int number, const char *const *indic
             *material = json_pack("{s:s, s:s}", "type", "dielectric", "glass", names[i]);
             return MCV_OK;
         }
-    if (index == 0 &&
-        (isdigit((unsigned char)s->glass[0]) || s->glass[0] == '.')) { /* 1.5168, or 517642 and 517.642: n - 1, and Abbe's number */
+    if (index == 0 && (isdigit((unsigned char)s->glass[0]) ||
+                       s->glass[0] == '.')) { /* 1.5168, or 517642, 517.642 and 516800.641673: n - 1, and Abbe's number */
         index = strtod(s->glass, &end);
-        if (index >= 1e5) index = 1 + floor(index / 1e3) / 1e3;
-        if (index >= 100) index = 1 + floor(index) / 1e3;
+        const size_t digits = strspn(s->glass, "0123456789");
+        if (digits >= 3)
+            index = 1 + floor(s->glass[digits] ? index : index / 1e3) / pow(10, s->glass[digits] ? (double)digits : (double)digits - 3);
     }
     if (index >= 1 && index <= 10) {
         *material = json_pack("{s:s, s:f}", "type", "dielectric", "ior", index);
@@ -290,7 +303,8 @@ static mcv_result find_semi_diameters(lens *l, json_t *const *materials, int fir
     bool missing = false;
     for (int i = first; i < end; ++i) {
         if (l->surfaces[i].stop) stop = i;
-        if (!(l->surfaces[i].semi_diameter > 0)) missing = true;
+        const bool dummy = !l->surfaces[i].stop && !materials[i] && !(i > first && materials[i - 1]);
+        if (!dummy && !(l->surfaces[i].semi_diameter > 0)) missing = true;
     }
     if (!missing) return MCV_OK;
     if (!(l->aperture > 0))
@@ -354,10 +368,11 @@ static json_t *write_surface(const lens *l, const surface *s, int material) {
     return out;
 }
 
-/* The surfaces first … end - 1, and stops that are none of a body. */
+/* The surfaces first … end - 1, and stops that are none of a body; places count from the first glass. */
 static json_t *write_scene(const lens *l, json_t *const *materials, int first, int end) {
     json_t *list = json_array(), *surfaces = json_array(), *bodies = json_array(), *nodes = json_array(), *children = json_array();
     double z = 0;
+    for (int i = first; !materials[i]; ++i) z -= l->surfaces[i].thickness;
     for (int i = first; i < end; ++i) {
         const surface *s = l->surfaces + i;
         const bool of_body = materials[i] || (i > first && materials[i - 1]);
@@ -420,9 +435,14 @@ static mcv_result convert(lens *l, const char *const *indices, size_t count, jso
             result = fail_surface(l, i, error, "the thickness of its glass must be 0 or more", "");
     }
     if (result == MCV_OK && first < 0) result = mcv_fail(error, MCV_BAD_INPUT, "%s: holds no surface with a glass: it is no lens", l->path);
-    /* A stop before the first glass belongs to the lens. */
-    for (int i = 1; first > 1 && i < first; ++i)
-        if (l->surfaces[i].stop) first = i;
+    /* A stop before the first glass or behind the last belongs to the lens. */
+    for (int i = 1; i < l->count && result == MCV_OK; ++i) {
+        if (!l->surfaces[i].stop) continue;
+        first = i < first ? i : first;
+        end = i < end ? end : i + 1;
+    }
+    for (int i = first; i < end - 1 && result == MCV_OK; ++i)
+        if (!isfinite(l->surfaces[i].thickness)) result = fail_surface(l, i, error, "the way to the next surface must be finite", "");
     if (result == MCV_OK) result = find_semi_diameters(l, materials, first, end, error);
     if (result == MCV_OK) {
         fit_semi_diameters(l, materials, first, end, given);
