@@ -212,7 +212,7 @@ static void double_gauss(void **state) {
         const size_t count = trace_one(scene, reference, along_z(25e-3, 0, -20e-3), v);
         assert_int_equal(count, N + 1);
         for (int i = 0; i < N; ++i) {
-            char what[32];
+            char what[48];
             snprintf(what, sizeof what, "T9 double Gauss: height %d [mm]", i + 1);
             expect_near(what, reference, 1e3 * v[i + 1].position[0], heights[i], reference ? 5e-5 : 2e-4);
         }

@@ -356,11 +356,13 @@ static mcv_result load_scene(const sweep *s, const double *numbers, char (*texts
 }
 
 static mcv_result try_set(sweep *s, size_t set, double *row, mcv_error *error) {
-    char texts[MCV_DESIGN_PARAMETERS][512], joined[MCV_DESIGN_PARAMETERS * 512] = "";
+    char texts[MCV_DESIGN_PARAMETERS][512], joined[MCV_DESIGN_PARAMETERS * 512] = "", *end = joined;
     mcv_scene *scene;
     MCV_TRY(load_scene(s, row, texts, &scene, error));
-    for (size_t i = 0; i < s->count; ++i)
-        snprintf(joined + strlen(joined), sizeof joined - strlen(joined), "%s%s", i ? "\n" : "", texts[i]);
+    for (size_t i = 0; i < s->count; ++i) {
+        if (i) *end++ = '\n';
+        end = stpcpy(end, texts[i]);
+    }
     const mcv_result result = render_scene(s, scene, set, joined, row, error);
     s->scene = NULL;
     mcv_scene_free(scene);
