@@ -225,6 +225,32 @@ static void double_gauss(void **state) {
     mcv_scene_free(scene);
 }
 
+/* Cemented surfaces, plane, conic and aspheric, are met once, by both bodies together, from both sides and at all heights. */
+static void cemented_once(void **state) {
+    (void)state;
+    static const mcv_cap shared[] = {
+        {0}, {.curvature = 26, .conic = -1.4}, {.asphere = {2e3, -3e6}}, {.curvature = 26, .conic = -1.4, .asphere = {-52}}};
+    for (size_t kind = 0; kind < sizeof shared / sizeof shared[0]; ++kind) {
+        mcv_scene *scene = new_scene();
+        mcv_solid first = element(8e-3, (mcv_cap){.z = -4e-3, .curvature = -17}, shared[kind]);
+        mcv_solid second = element(8e-3, shared[kind], (mcv_cap){.z = 6e-3, .curvature = -20});
+        second.cemented = true;
+        add_solid(scene, &first, add_glass(scene, 1.8, 0, 0), add_absorber(scene));
+        add_solid(scene, &second, add_glass(scene, 1.5, 0, 0), add_absorber(scene));
+        for (int reference = 0; reference < 2; ++reference)
+            for (int i = 0; i < 40; ++i) {
+                mcv_vertex v[DEPTH + 1];
+                mcv_trace_ray ray = along_z(i / 20 * 1e-3, i % 20 * 0.3e-3, -20e-3);
+                if (i >= 20) ray.origin[2] = 20e-3, ray.direction[2] = -1;
+                const size_t count = trace_one(scene, reference, ray, v);
+                if (count != 4 || v[2].event != MCV_EVENT_REFRACT || v[3].event != MCV_EVENT_REFRACT)
+                    fail_msg("kind %zu, %s, ray %d: %zu vertices, not 4", kind, reference ? "reference" : "device", i, count);
+                assert_true(fabs(v[2].ior - (i < 20 ? 1.5 : 1.8)) < 1e-6);
+            }
+        mcv_scene_free(scene);
+    }
+}
+
 /* --- many rays -------------------------------------------------------------------------------------------------- */
 
 /* Lenses of all kinds; each frame turned and moved. */
@@ -614,6 +640,7 @@ int main(void) {
         cmocka_unit_test(mirrors),
         cmocka_unit_test(ellipsoid_mirror),
         cmocka_unit_test(double_gauss),
+        cmocka_unit_test(cemented_once),
         cmocka_unit_test(against_reference),
         cmocka_unit_test(radii),
         cmocka_unit_test(reflections),

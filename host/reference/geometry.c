@@ -221,13 +221,13 @@ static bool meets_triangle(const ray *r, const ref_triangle *triangle, ref_hit *
     return hit->distance > 0;
 }
 
-/* With windings: counts every hit instead of keeping the closest. */
-static bool is_skipped(const ref_skip *skip, uint32_t number) {
-    for (uint32_t i = 0; i < skip->count; ++i)
-        if (skip->numbers[i] == number) return true;
+static bool is_among(const uint32_t *numbers, uint32_t count, uint32_t number) {
+    for (uint32_t i = 0; i < count; ++i)
+        if (numbers[i] == number) return true;
     return false;
 }
 
+/* With windings: counts every hit instead of keeping the closest. */
 static bool traverse(const ref_geometry *geometry, const ray *r, const ref_skip *skip, ref_hit *closest, int *windings) {
     closest->distance = INFINITY;
     closest->triangle = NULL;
@@ -252,7 +252,7 @@ static bool traverse(const ref_geometry *geometry, const ray *r, const ref_skip 
             const ref_triangle *triangle = &geometry->triangles[i];
             ref_hit hit;
             bool front;
-            if (is_skipped(skip, triangle->number) || !meets_triangle(r, triangle, &hit, &front)) continue;
+            if (is_among(skip->numbers, skip->count, triangle->number) || !meets_triangle(r, triangle, &hit, &front)) continue;
             if (windings) {
                 windings[triangle->instance] += front ? -1 : 1;
             } else if (hit.distance < closest->distance ||
@@ -264,21 +264,27 @@ static bool traverse(const ref_geometry *geometry, const ray *r, const ref_skip 
     return closest->triangle != NULL;
 }
 
-bool ref_next_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction, const ref_skip *skip, ref_hit *hit) {
+/* The ray starts on the first `begun` of the skipped ones, which the exact ones of which it may meet again; it has passed the others. */
+static bool next_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction, const ref_skip *skip, uint32_t begun, ref_hit *hit) {
     const mcv_scene *scene = geometry->scene;
     const ray r = ray_new(origin, direction);
     traverse(geometry, &r, skip, hit, NULL);
     for (uint32_t i = 0; i < REF_PIECES * scene->solid_count; ++i) {
         const ref_triangle *piece = geometry->pieces + i;
         double distances[REF_MEETINGS];
+        if (is_among(skip->numbers + begun, skip->count - begun, piece->number)) continue;
         const int n = ref_meet_piece(scene->solids + i / REF_PIECES, (int)(i % REF_PIECES), origin, direction,
-                                     is_skipped(skip, piece->number), distances);
+                                     is_among(skip->numbers, begun, piece->number), distances);
         for (int k = 0; k < n; ++k)
             if (distances[k] < hit->distance)
                 *hit =
                     (ref_hit){.distance = distances[k], .triangle = piece, .position = ref_add(origin, ref_scale(distances[k], direction))};
     }
     return hit->triangle != NULL;
+}
+
+bool ref_next_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction, const ref_skip *skip, ref_hit *hit) {
+    return next_hit(geometry, origin, direction, skip, skip->count, hit);
 }
 
 bool ref_closest_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction, uint32_t skip, ref_hit *hit) {
@@ -300,7 +306,7 @@ uint32_t ref_hits_together(const ref_geometry *geometry, ref_vec origin, ref_vec
         const double slant = fabs(ref_dot(direction, ref_surface_at(geometry, last).geometric));
         ref_hit next;
         passed.numbers[passed.count++] = last->triangle->number;
-        if (!ref_next_hit(geometry, origin, direction, &passed, &next) || !is_dielectric(geometry->scene, &next)) break;
+        if (!next_hit(geometry, origin, direction, &passed, skip->count, &next) || !is_dielectric(geometry->scene, &next)) break;
         if ((next.distance - last->distance) * slant > geometry->touch) break;
         /* A body that is left again at once is a small one, not one in contact. */
         for (uint32_t i = 0; i < count; ++i)
