@@ -575,7 +575,8 @@ static mcv_result load_definition(const char *definition, mcv_scene **scene) {
         file,
         "{\"asset\": {\"version\": \"2.0\"}, \"scene\": 0, \"scenes\": [{\"nodes\": [0]}], \"extensionsUsed\": [\"MCVISI_surfaces\", "
         "\"MCVISI_materials\"], \"materials\": [{\"name\": \"glass\", \"extensions\": {\"MCVISI_materials\": {\"type\": \"dielectric\", "
-        "\"glass\": \"N-BK7\"}}}], \"extensions\": {\"MCVISI_surfaces\": {\"surfaces\": [%s]}}, \"nodes\": [{\"extensions\": "
+        "\"glass\": \"N-BK7\"}}}, {\"name\": \"pane\", \"extensions\": {\"MCVISI_materials\": {\"type\": \"sheet\"}}}], \"extensions\": "
+        "{\"MCVISI_surfaces\": {\"surfaces\": [%s]}}, \"nodes\": [{\"extensions\": "
         "{\"MCVISI_surfaces\": {\"surface\": 0}}}]}",
         definition);
     assert_int_equal(fclose(file), 0);
@@ -622,6 +623,9 @@ static void definitions(void **state) {
          "must not be 0"},
         {"{\"type\": \"lens\", \"surfaces\": [{\"asphere\": [1, 2, 3, 4, 5, 6, 7, 8, 9], \"semiDiameter\": 1}, {\"semiDiameter\": 1}]}",
          "at most 8"},
+        {"{\"type\": \"lens\", \"surfaces\": [{\"semiDiameter\": 1, \"thickness\": 1, \"material\": 0}, {\"semiDiameter\": 1}], \"rim\": "
+         "\"pane\"}",
+         "the rim \"pane\" lets light through, but is not the body's material: choose an opaque one or \"glass\""},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
         const mcv_result result = load_definition(bad[i].definition, &scene);

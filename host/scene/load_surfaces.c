@@ -274,6 +274,25 @@ static mcv_result check_body_material(const mcv_scene *scene, uint32_t material,
     return MCV_OK;
 }
 
+static bool passes_light(const mcv_material *m) {
+    const double *share = m->type == MCV_MATERIAL_DIFFUSE         ? m->as.diffuse.transmittance
+                          : m->type == MCV_MATERIAL_BEAM_SPLITTER ? m->as.beam_splitter.transmittance
+                          : m->type == MCV_MATERIAL_SHEET         ? m->as.sheet.transmittance
+                                                                  : NULL;
+    if (m->type == MCV_MATERIAL_METALLIC_ROUGHNESS)
+        return m->as.metallic_roughness.transmission > 0 || m->as.metallic_roughness.diffuseTransmission > 0;
+    return m->type == MCV_MATERIAL_DIELECTRIC || (share && share[0] + share[1] + share[2] > 0);
+}
+
+/* Light that came out of glass by an edge of something else would not know that it has. */
+static mcv_result check_rim(const mcv_scene *scene, uint32_t material, uint32_t rim, const mcv_place *place, mcv_error *error) {
+    const mcv_material *body = scene->materials + material, *edge = scene->materials + rim;
+    if (rim == material || !passes_light(edge) || (body->type != MCV_MATERIAL_DIELECTRIC && edge->type != MCV_MATERIAL_DIELECTRIC))
+        return MCV_OK;
+    return mcv_fail_at(place, error, "the rim \"%s\" lets light through, but is not the body's material: choose an opaque one or \"%s\"",
+                       edge->name, body->name);
+}
+
 mcv_result mcv_load_body(mcv_loader *loader, const json_t *node, const mcv_transform *to_world, const mcv_place *place, mcv_error *error) {
     uint32_t index;
     mcv_transform frame;
@@ -288,6 +307,7 @@ mcv_result mcv_load_body(mcv_loader *loader, const json_t *node, const mcv_trans
         if (rim == MCV_NONE) rim = material;
         MCV_TRY(check_body_material(loader->scene, material, &solid, place, error));
         MCV_TRY(check_body_material(loader->scene, rim, &solid, place, error));
+        MCV_TRY(check_rim(loader->scene, material, rim, place, error));
         solid.to_world = frame;
         MCV_TRY(mcv_scene_add_solid(loader->scene, &solid, mcv_json_name(node), material, rim, error));
     }

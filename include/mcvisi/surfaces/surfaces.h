@@ -11,10 +11,11 @@
  *
  * A surface's sag is z(r) = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ A_i r^i with r² = x² + y², or y² where it is cylindrical; c = 1/radius, 0
  * where no radius is given, positive if the centre lies towards +z; k is the conic constant (0 sphere, -1 paraboloid), `asphere` holds
- * A_4, A_6 … A_18 [m^(1-i)]. `thickness` leads to the next vertex; `material` (or `glass`) fills the space up to the next surface, without
+ * A_4, A_6 … A_18 [m^(1-i)]. `thickness` leads to the next vertex; `material` fills the space up to the next surface, without
  * it is a gap. Surfaces that two materials share are in contact: light goes from the one into the other, as in a cemented doublet.
  * Each body's edge is a cylinder whose radius is the larger semi-diameter of its two surfaces; the other surface goes on to it. The edge
- * absorbs, as if blackened; `rim` names another material (a diffuse one for ground glass, the glass's own for a polished edge).
+ * absorbs, as if blackened; `rim` names another material (a diffuse one for ground glass, the glass's own for a polished edge, none else
+ * that lets light through).
  *
  * "surface": one such surface by itself, with a hole of radius `holeRadius`: mirrors, stops, screens. "disc": a plane one. Their front
  * faces -z. "box", "cylinder" (along z) and "sphere" are centred in the node's origin.
