@@ -33,7 +33,7 @@ TRUTHS = {
     "T17": ("sphere light", "E = pi L (r/d)^2 cos a"),
     "T18": ("polygon light", "E = L/2 sum gamma_i n.Gamma_i"),
     "T19": ("diffuse furnace, integrating sphere", "Le (1 - r^(k+1))/(1 - r); r I/(pi R^2 (1 - r))"),
-    "T20": ("power", "all of it is caught; linear to the bit in powers of two; lights add up"),
+    "T20": ("power", "all of it is caught; forward and backward agree; linear to the bit in powers of two; lights add up"),
     "T21": ("narrow cones", "uniform in solid angle, 1e-7 to pi/2; edge at the half-angle"),
     "T22": ("fall-off and magnification", "E0 cos^4 a; telecentric E constant, scale independent of depth"),
     "T23": ("depth of field", "c = A f |s2 - s1|/(s2 (s1 - f))"),
