@@ -267,10 +267,49 @@ static void test_power_is_linear(void **state) {
     mcv_film_free(&films[1]);
 }
 
+/*
+ * T20: light of a cone through a plate of glass onto a diffuse floor, where none is sampled from camera paths: traced forward, from the
+ * light, by the device, and backward, found by chance, by both renderers. Both means have noise; their difference has none beyond it.
+ */
+static void test_forward_and_backward(void **state) {
+    mcv_scene *scene = mcv_scene_new("forward and backward");
+    mcv_estimate means[3]; /* forward, backward on the device, backward by the reference */
+    (void)state;
+    add_rectangle(scene, 2, 2, add_diffuse(scene, 0.6), looking_up_z(0, 0, 0));
+    add_box(scene, (const double[3]){0.8, 0.8, 0.02}, add_glass(scene, 1.5, 0, 0), looking_up_z(0, 0, 0.2));
+    add_emitter(scene, MCV_EMITTER_PARALLEL, add_rectangle(scene, 0.4, 0.4, add_absorber(scene), looking_down_z(0, 0, 0.3)), 5, 0.4);
+    add_pinhole(scene, 8, 0.5,
+                looking((const double[3]){0, -0.4, 0.1}, (const double[3]){0, 0.96, -0.28}, (const double[3]){0, 0.28, 0.96}));
+    for (int i = 0; i < 3; ++i) {
+        mcv_render_options options = mcv_render_defaults();
+        mcv_render_stats stats;
+        mcv_film film;
+        options.replicates = REPLICATES;
+        options.last = 2048;
+        options.depth = 16;
+        options.seed = (uint32_t)i + 1;
+        options.no_light_paths = i > 0;
+        BUILD((i == 2 ? mcv_reference_render : mcv_render)(scene, 0, &options, &film, &stats, &builder_error));
+        if (i == 0) assert_non_null(strstr(stats.features, "light-tracing"));
+        means[i] = image_estimate(&film);
+        print_message("  %d: %.7g, standard error %.2g of it\n", i, means[i].mean, sqrt(means[i].variance) / means[i].mean);
+        mcv_film_free(&film);
+    }
+    for (int i = 1; i < 3; ++i) {
+        const double mean = means[0].mean, error = sqrt(means[0].variance + means[i].variance) / mean;
+        checked = i == 2 ? "reference" : "device";
+        assert_true(error < 0.005);
+        check("T20 forward light paths over backward camera paths", means[i].mean / mean, 1,
+              student_two_sided_quantile(LEVEL, REPLICATES - 1) * error);
+    }
+    mcv_scene_free(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_thick_lens),   cmocka_unit_test(test_mesh_convergence),   cmocka_unit_test(test_report_lens),
-        cmocka_unit_test(test_sphere_light), cmocka_unit_test(test_integrating_sphere), cmocka_unit_test(test_power_is_linear),
+        cmocka_unit_test(test_thick_lens),           cmocka_unit_test(test_mesh_convergence),   cmocka_unit_test(test_report_lens),
+        cmocka_unit_test(test_sphere_light),         cmocka_unit_test(test_integrating_sphere), cmocka_unit_test(test_power_is_linear),
+        cmocka_unit_test(test_forward_and_backward),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,13 +2,14 @@
 /*
  * What tests find beside closed forms, for `./run accuracy`: where MCVISI_ACCURACY names a file, each test adds a line of JSON to it when
  * it ends: the worst case of every truth, as error over bound, and points of plots. A truth is called by its number, as in "T3 sphere:
- * crossing".
+ * crossing", or it is "bias: …".
  */
 #ifndef MCVISI_TESTS_TRUTHS_H
 #define MCVISI_TESTS_TRUTHS_H
 
 #include <ctype.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,7 +41,8 @@ static inline void write_truths(void) {
 /* renderer: "device", "reference", or "program" for what only measures. Names that are no truth's are passed over. */
 static inline void note_truth(const char *what, const char *renderer, double error, double bound) {
     int i = 0;
-    if (what[0] != 'T' || !isdigit((unsigned char)what[1]) || !getenv("MCVISI_ACCURACY")) return;
+    const bool truth = (what[0] == 'T' && isdigit((unsigned char)what[1])) || strncmp(what, "bias:", 5) == 0;
+    if (!truth || !getenv("MCVISI_ACCURACY")) return;
     while (i < noted_count && (strcmp(noted_truths[i].what, what) != 0 || strcmp(noted_truths[i].renderer, renderer) != 0)) ++i;
     if (i == noted_count) {
         if (i == (int)(sizeof noted_truths / sizeof noted_truths[0])) abort();
