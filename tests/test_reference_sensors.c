@@ -130,7 +130,7 @@ static void test_focus(void **state) {
 static void test_light_field_map(void **state) {
     const mcv_sensor sensor = light_field(MCV_APERTURE_SQUARE);
     mcv_scene *scene = scene_with(MCV_SENSOR_LIGHT_FIELD, &sensor);
-    const double depth = 0.3, scale = 5;      /* 1/(1/0.05 - 1/0.06) m; w_z/b */
+    const double depth = 0.3, scale = 5;     /* 1/(1/0.05 - 1/0.06) m; w_z/b */
     const double x = 0.125, y = 1 - 0x1p-24; /* the last sample that is still in the pixel */
     (void)state;
     for (uint32_t i = 0; i < CASES; ++i) set_case(i, i * 7 % 80, i * 5 % 36, (float)x, (float)y, 0.3F, 0.3F);
