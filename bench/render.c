@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Time to an image of a given error against Mitsuba 3: bench_render [--quick] [--only TEXT] [OUTPUT.json]. Where Mitsuba is not
- * (`./run deps peers`), it says so and ends.
+ * (`./run deps peers`), it says so, and only `sampling_gain` is measured.
  *
  * Scenes that both describe (tests/peer_scenes.h, tests/mitsuba_peer.py), three channels, 32 surfaces a path, all cores, wall clock; scene
  * loaded and kernels compiled before. Mitsuba takes part with each variant, sampler and integrator that fits, of which the best
@@ -10,6 +10,8 @@
  * Each renderer's truth is its own, of 64 times the samples and another seed, after mcv_compare_films has found no difference between
  * both; the truth's own variance is taken off the mean squared error. The error that both are to reach is the geometric mean of
  * both errors at the same number of samples, and the time is that of the samples that the renderer's own power law asks for.
+ *
+ * `sampling_gain` has no peer: RMSE x √seconds of report-clean with random numbers and without light paths, over that of a usual render.
  */
 #include <fcntl.h>
 #include <math.h>
@@ -92,6 +94,7 @@ typedef struct image_maker {
     const char *scene_name, *integrator, *sampler;
     mcv_renderer *renderer;
     const mcv_scene *scene;
+    bool is_plain;         /* random numbers, no light paths */
     const mcv_film *truth; /* of its own renderer */
     double truth_variance; /* of a value, on average */
     uint32_t pixels, samples, seed;
@@ -114,6 +117,8 @@ static mcv_result our_image(const image_maker *m, uint32_t replicates, mcv_film 
     options.last = m->samples;
     options.seed = m->seed;
     options.depth = SURFACES;
+    if (m->is_plain) options.sampler = MCV_SAMPLER_RANDOM;
+    options.no_light_paths = m->is_plain;
     return mcv_renderer_render(m->renderer, m->scene, 0, &options, film, &stats, error);
 }
 
@@ -259,7 +264,7 @@ static mcv_result race_scene(bench *b, race *r, int scene, const image_maker *ba
 
 static mcv_result open_scene(bench *b, race *r, int i, mcv_error *error) {
     const bool is_assembly = strcmp(scenes[i].name, "assembly") == 0;
-    image_maker base = {.scene_name = scenes[i].name, .pixels = b->quick ? 64 : 128, .samples = b->quick ? 16 : 64};
+    image_maker base = {.scene_name = scenes[i].name, .pixels = b->quick ? 64 : 96, .samples = b->quick ? 16 : 64};
     mcv_scene *scene = make_peer_scene(scenes[i].name, base.pixels, true, is_assembly ? &r->assembly : NULL);
     mcv_film truths[2] = {{0}, {0}};
     base.scene = scene;
@@ -267,6 +272,44 @@ static mcv_result open_scene(bench *b, race *r, int i, mcv_error *error) {
     mcv_result result = base.renderer ? race_scene(b, r, i, &base, truths, error) : mcv_fail(error, MCV_FAILED, "no memory for a renderer");
     for (int k = 0; k < 2; ++k) mcv_film_free(truths + k);
     mcv_renderer_free(base.renderer);
+    mcv_scene_free(scene);
+    return result;
+}
+
+/* --- sampling alone --------------------------------------------------------------------------------------------- */
+
+static mcv_result measure_gain(bench *b, image_maker *usual, mcv_film *truth, mcv_error *error) {
+    image_maker plain;
+    MCV_TRY(make_truth(*usual, truth, error));
+    usual->truth = truth;
+    usual->truth_variance = variance_of(truth);
+    plain = *usual;
+    plain.is_plain = true;
+    plain.renderer = mcv_renderer_new();
+    if (!plain.renderer) return mcv_fail(error, MCV_FAILED, "no memory for a renderer");
+    bench_side sides[2] = {{.run = make_image, .user = usual}, {.run = make_image, .user = &plain}};
+    const mcv_result result = bench_time(b, sides, 2, error);
+    mcv_renderer_free(plain.renderer);
+    if (result != MCV_OK) return result;
+    bench_row(b, BENCH_WALL, sides, sides + 1, 0, "s", "%s, random points without light paths", usual->scene_name);
+    const double gain = bench_number(b, rmse_of(usual) * sqrt(bench_side_median(b, sides, BENCH_WALL)),
+                                     rmse_of(&plain) * sqrt(bench_side_median(b, sides + 1, BENCH_WALL)), "RMSE √s", "%s, sampling alone",
+                                     usual->scene_name);
+    bench_summary(b, "sampling_gain", gain);
+    return MCV_OK;
+}
+
+static mcv_result gain(bench *b, mcv_error *error) {
+    image_maker usual = {.scene_name = "report-clean", .samples = b->quick ? 256 : 1024};
+    mcv_scene *scene;
+    mcv_film truth = {0};
+    MCV_TRY(load_small("report-clean.glb", &scene, error));
+    usual.scene = scene;
+    usual.renderer = mcv_renderer_new();
+    const mcv_result result =
+        usual.renderer ? measure_gain(b, &usual, &truth, error) : mcv_fail(error, MCV_FAILED, "no memory for a renderer");
+    mcv_film_free(&truth);
+    mcv_renderer_free(usual.renderer);
     mcv_scene_free(scene);
     return result;
 }
@@ -310,12 +353,13 @@ static mcv_result race_all(bench *b, race *r, const mesh *assembly, mcv_error *e
 static mcv_result run(bench *b, mcv_error *error) {
     workload_mesh assembly;
     race r = {0};
+    bench_title("Against Mitsuba 3, and sampling alone");
+    if (!b->only || strstr("report-clean", b->only)) MCV_TRY(gain(b, error));
     if (access(PYTHON, X_OK) != 0 || system(PYTHON " -c 'import mitsuba' 2>/dev/null") != 0) {
         puts("Mitsuba is not there: `./run deps peers` installs it");
         return MCV_OK;
     }
     signal(SIGPIPE, SIG_IGN); /* a peer that has died is seen where its image is missing */
-    bench_title("Against Mitsuba 3");
     MCV_TRY(workload_load(MESH_ASSEMBLY, &assembly, error));
     mcv_result result = race_all(b, &r, &assembly.mesh, error);
     for (int v = 0; v < VARIANTS; ++v) peer_close(r.peers + v);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Choosing from a table of cumulative shares, 2^31 = 1. */
+/* Choosing from a table of cumulative shares, 2^31 = 1, and weighing what is chosen in two ways. */
 #ifndef MCVISI_KERNELS_CHOOSE_H
 #define MCVISI_KERNELS_CHOOSE_H
 
@@ -23,6 +23,16 @@ MCV_FUNCTION uint mcv_search_cdf(MCV_GLOBAL const uint *cdf, uint count, float x
     const float share = (float)(bits - cdf[low]) / (float)(cdf[low + 1] - cdf[low]);
     *rest = share < 0.99999994f ? share : 0.99999994f;
     return low;
+}
+
+/*
+ * The weight of what was found by a choice of density `own` > 0 and could have been found by another: the power heuristic of exponent 2
+ * (Veach 1997, 9.2.4). The balance heuristic leaves a share of small lights to the few paths that meet them by chance, and their noise
+ * with it.
+ */
+MCV_FUNCTION float mcv_choice_weight(float own, float other) {
+    const float ratio = other / own; /* whose square may be infinite: no weight */
+    return 1.0f / mcv_fma(ratio, ratio, 1.0f);
 }
 
 #endif

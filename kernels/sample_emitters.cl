@@ -3,7 +3,7 @@
  * Stage: next-event estimation. A surface that spreads light chooses an emitter by power, then a direction to it: uniform in the cone
  * of a parallel emitter that is smaller than the emitter seen from there (which must then be the closest hit), else towards a
  * point uniform by area; of an environment's image a pixel by what it brings. Weighed against the surface's own choice of directions by the
- * balance heuristic. Beams and lights without extent, which a direction of the surface's own cannot meet, come in full.
+ * power heuristic. Beams and lights without extent, which a direction of the surface's own cannot meet, come in full.
  *
  * reads ray, hit -> writes shadow ray
  */
@@ -234,7 +234,7 @@ MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth)
     return mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count, choice.x, choice.y, &unused);
 }
 
-/* What the surface makes of it, and the balance heuristic against its own choice: 1 if there is a shadow ray to follow. */
+/* What the surface makes of it, and the power heuristic against its own choice: 1 if there is a shadow ray to follow. */
 MCV_LOOP_FUNCTION int mcv_cast_shadow(mcv_world world, mcv_slot slot, mcv_meeting meeting, mcv_shadow shadow) {
 #if MCV_WITH_DISPERSION
     world = mcv_disperse(world, slot);
@@ -249,7 +249,7 @@ MCV_LOOP_FUNCTION int mcv_cast_shadow(mcv_world world, mcv_slot slot, mcv_meetin
     mcv_color light;
     MCV_LOAD_COLOR(slot, throughput, light);
     light = mcv_tint(mcv_tint(light, response.value), shadow.light);
-    if (shadow.density > 0.0f) light = mcv_dim(light, shadow.density / (shadow.density + response.density));
+    if (shadow.density > 0.0f) light = mcv_dim(light, mcv_choice_weight(shadow.density, response.density));
 #if MCV_WITH_DIELECTRIC
     light = mcv_dim(light, world.media[mcv_filling_medium(response.media)].inverse_index_squared);
 #if MCV_WITH_GLOSS

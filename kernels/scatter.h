@@ -8,6 +8,7 @@
 #ifndef MCVISI_KERNELS_SCATTER_H
 #define MCVISI_KERNELS_SCATTER_H
 
+#include "choose.h"
 #include "sampler.h"
 #include "surface.h"
 #if MCV_WITH_GLOSS
@@ -617,7 +618,7 @@ MCV_FUNCTION int mcv_is_plate(mcv_world world, mcv_meeting meeting) {
 }
 #endif
 
-/* What the surface emits towards the ray, L/n², weighed against next-event estimation by the balance heuristic. */
+/* What the surface emits towards the ray, L/n², weighed against next-event estimation by the power heuristic. */
 MCV_FUNCTION mcv_color mcv_emission_met(mcv_world world, mcv_meeting meeting, uint emitter, uint media, float density, float distance) {
 #if MCV_WITH_EMISSION
     mcv_color radiance = mcv_emitted(world, meeting.surface, emitter, mcv_scale(meeting.direction, -1.0f));
@@ -630,7 +631,7 @@ MCV_FUNCTION mcv_color mcv_emission_met(mcv_world world, mcv_meeting meeting, ui
     if (density > 0.0f && mcv_brightest(radiance) > 0.0f) {
         const mcv_vec3 receiver = mcv_along(meeting.surface.point, -distance, meeting.direction);
         const float other = mcv_emitter_density(world, receiver, meeting.surface, emitter, meeting.direction, distance);
-        radiance = mcv_dim(radiance, density / (density + other));
+        radiance = mcv_dim(radiance, mcv_choice_weight(density, other));
     }
 #else
     (void)density;

@@ -120,7 +120,7 @@ static void test_the_cone_ends(void **state) {
 
 /*
  * Next-event estimation samples the wide cone by area, the narrow one as a cone: it is the smaller solid angle below
- * β = √(A/π)/d = 0.014. Chance finds that one seldom, with a share of at most sin²β = 2.5e-5 of the light by the balance heuristic.
+ * β = √(A/π)/d = 0.014. Chance finds that one seldom, with a share of at most sin²β = 2.5e-5 of the light by any heuristic.
  */
 static void test_power_arrives(void **state) {
     (void)state;

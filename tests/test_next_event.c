@@ -25,7 +25,7 @@ static mcv_estimate render(const mcv_scene *scene) {
 
 /*
  * Some 15 roundings to float32 make 1e-6. In the narrowest cone chance finds the lamp too seldom to show in the error, and its share of
- * the light, at most sin²β = 1e-6 by the balance heuristic, is missing.
+ * the light, at most sin²β = 1e-6 by any heuristic, is missing.
  */
 static void expect(const char *what, const mcv_scene *scene, double expected) {
     expect_estimate(what, render(scene), expected, 0.01, 2e-6);

@@ -57,6 +57,12 @@ static void keep_channel(path *p, const mcv_dielectric_params *near, const mcv_d
     for (int channel = 0; channel < 3; ++channel) p->throughput[channel] = channel == kept ? all : 0;
 }
 
+/* Of what was chosen with one density and could have been with another: the power heuristic of exponent 2. */
+static double weight_against(double own, double other) {
+    const double ratio = other / own;
+    return 1 / (1 + ratio * ratio);
+}
+
 /* Adds the emission of a surface that the path has met. */
 static void add_emission(const ref_world *world, const path *p, const ref_surface *surface, const mcv_dielectric_params *filling,
                          double radiance[3]) {
@@ -65,7 +71,7 @@ static void add_emission(const ref_world *world, const path *p, const ref_surfac
     if (largest(emitted) == 0) return;
     if (p->density > 0)
         weight =
-            p->density / (p->density + ref_emitter_density(sampled_emitter(world, surface->instance), p->origin, p->direction, surface));
+            weight_against(p->density, ref_emitter_density(sampled_emitter(world, surface->instance), p->origin, p->direction, surface));
     for (int channel = 0; channel < 3; ++channel)
         radiance[channel] += weight * p->throughput[channel] * emitted[channel] / pow(ref_media_ior(filling, channel), 2);
 }
@@ -140,7 +146,7 @@ static void add_direct(const ref_world *world, const path *p, const ref_emitter 
     const bool beyond = ref_dot(direction, s->meeting.face) < 0;
     const mcv_dielectric_params *filling = ref_media_filling(beyond ? &s->far : s->near, world->scene);
     const double ior = ref_media_ior(filling, kept_channel(p));
-    const double scale = 1 / (density + own) / (ior * ior); /* balance heuristic / density */
+    const double scale = weight_against(density, own) / density / (ior * ior);
     for (int channel = 0; channel < 3; ++channel) {
         const double absorption = filling ? exp(-filling->absorption[channel] * hit.distance) : 1;
         radiance[channel] += p->throughput[channel] * value[channel] * emitted[channel] * absorption * scale;

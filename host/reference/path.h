@@ -2,7 +2,7 @@
 /*
  * Path tracing from the sensor. A path carries L/n², so that smooth interfaces multiply by their transmittances only; its
  * value is n_sensor² Σ throughput · L_e/n_emitter². At an interface the branch is chosen with Fresnel's probability. From
- * surfaces that spread light area and parallel emitters are also sampled, both estimates weighed by the balance heuristic (Veach 1997).
+ * surfaces that spread light area and parallel emitters are also sampled, both estimates weighed by the power heuristic (Veach 1997).
  */
 #ifndef MCVISI_HOST_REFERENCE_PATH_H
 #define MCVISI_HOST_REFERENCE_PATH_H
