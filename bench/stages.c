@@ -444,6 +444,8 @@ static mcv_result bench_loaded(scene_bench *s, const mcv_scene *scene) {
     MCV_TRY(drive_open(&s->b->cl, scene, tile, &s->tile.drive, s->error));
     MCV_TRY(drive_open(&s->b->cl, scene, stream, &s->stream.drive, s->error));
     MCV_TRY(bench_schedules(s));
+    /* Exact surfaces end rays, too: no bare traversal of triangles follows the same ones. */
+    if (s->tile.drive.device.packed.features >> MCV_FEATURE_SURFACES & 1) return MCV_OK;
     MCV_TRY(record_rays(&s->stream.drive, s->tile.drive.schedule.slice, s->lists, s->error));
     MCV_TRY(replay_open(&s->stream.drive, s->lists, &s->replay, s->error));
     return bench_share(s);
