@@ -376,8 +376,11 @@ MCV_FUNCTION mcv_shadow mcv_shadow_of(mcv_world world, mcv_slot slot, mcv_meetin
 
 /* Lists the paths that have a shadow ray to follow; returns how many. */
 static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_slot slot, uint alive, uint depth, uint *shadows) {
+    uint shadow_count = 0;
+#if MCV_WITH_EMISSION
     uint chosen[MCV_SLICE];
-    uint count = 0, shadow_count = 0;
+    uint count = 0;
+#endif
     for (slot.index = 0; slot.index < alive; ++slot.index) {
         const uint emitter = mcv_choose_emitter(world, slot, depth);
         MCV_WORD(slot, emitter, 0) = emitter;
