@@ -18,7 +18,7 @@ static void test_bias(void **state) {
     BUILD(load_small("part-backlight.gltf", &scene, &builder_error));
     for (int reference = 0; reference < 2; ++reference) {
         mcv_render_options options = mcv_render_defaults();
-        mcv_render_stats stats;
+        mcv_render_stats stats = {0};
         options.replicates = REPLICATES;
         options.last = reference ? 4096 : 2048; /* the reference's points are random, the device's Sobol's */
         options.seed = (uint32_t)reference + 1;

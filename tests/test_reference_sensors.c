@@ -195,8 +195,8 @@ static void test_images_are_upright(void **state) {
 
 static mcv_film film_by(bool reference, const mcv_scene *scene, uint32_t samples) {
     mcv_render_options options = mcv_render_defaults();
-    mcv_render_stats stats;
-    mcv_film film;
+    mcv_render_stats stats = {0};
+    mcv_film film = {0};
     checked = reference ? "reference" : "device";
     options.replicates = REPLICATES;
     options.last = samples;

@@ -67,8 +67,8 @@ static void check_telecentric_magnification(bool reference) {
             rays[i] = (mcv_trace_ray){{o.x, o.y, o.z}, {d.x, d.y, d.z}};
         }
         mcv_render_options options = mcv_render_defaults();
-        mcv_vertex *vertices;
-        size_t count;
+        mcv_vertex *vertices = NULL;
+        size_t count = 0;
         BUILD((reference ? mcv_reference_trace : mcv_trace)(scene, rays, RAYS, &options, &vertices, &count, &builder_error));
         assert_int_equal(count, 2 * RAYS);
         double image[RAYS], object[RAYS];

@@ -10,7 +10,7 @@
 
 static mcv_film render_by(bool reference, const mcv_scene *scene, uint32_t samples, uint32_t depth, mcv_render_stats *stats) {
     mcv_render_options options = mcv_render_defaults();
-    mcv_film film;
+    mcv_film film = {0};
     options.last = samples;
     options.depth = depth;
     options.replicates = 4;
@@ -334,7 +334,7 @@ static void test_many_equal_samples(void **state) {
     mcv_scene_free(scene);
     /* 2^30 values 1 ± u, as blocks' sums of 64 arrive: each addition rounds by 2^-53 of the sum at most, over a tree of 24 levels. */
     enum { LEVELS = 24 };
-    double tree[LEVELS + 1], block[64];
+    double tree[LEVELS + 1] = {0}, block[64];
     int filled[LEVELS + 1] = {0};
     for (int i = 0; i < 64; ++i) block[i] = i % 2 ? 1 + 0x1p-24 : 1 - 0x1p-24;
     for (uint32_t b = 0; b < 1u << LEVELS; ++b) {

@@ -12,7 +12,7 @@ static const mcv_transform unmoved = {{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}};
 /* Vertices of some rays by one of the renderers; the caller frees them. */
 static mcv_vertex *trace_by(bool reference, const mcv_scene *scene, const mcv_trace_ray *rays, size_t n, uint32_t depth, size_t *count) {
     mcv_render_options options = mcv_render_defaults();
-    mcv_vertex *vertices;
+    mcv_vertex *vertices = NULL;
     options.depth = depth;
     checked = reference ? "reference" : "device";
     BUILD((reference ? mcv_reference_trace : mcv_trace)(scene, rays, n, &options, &vertices, count, &builder_error));
@@ -282,8 +282,8 @@ static void test_forward_and_backward(void **state) {
                 looking((const double[3]){0, -0.4, 0.1}, (const double[3]){0, 0.96, -0.28}, (const double[3]){0, 0.28, 0.96}));
     for (int i = 0; i < 3; ++i) {
         mcv_render_options options = mcv_render_defaults();
-        mcv_render_stats stats;
-        mcv_film film;
+        mcv_render_stats stats = {0};
+        mcv_film film = {0};
         options.replicates = REPLICATES;
         options.last = 2048;
         options.depth = 16;
