@@ -86,7 +86,8 @@ static mcv_result decode(const char *path, const uint8_t *bytes, size_t size, mc
     unsigned long shape[MAX_DIMENSIONS] = {0, 0, 1};
     const int dimensions = read_shape(header, shape);
     const char *type = value_of(header, "descr"); /* '<u2' */
-    const char kind = strlen(type) > 4 ? type[2] : '\0';
+    char kind = '\0';
+    if (strlen(type) > 4) kind = type[2];
     const size_t item = kind ? (size_t)(type[3] - '0') : 0;
     const bool known = kind && (type[1] == '<' || type[1] == '|') &&
                        ((kind == 'u' && (item == 1 || item == 2)) || (kind == 'f' && (item == 4 || item == 8)));
