@@ -183,7 +183,7 @@ static double greatest_depth(const mcv_packed *packed, const mcv_sensor *sensor)
     return depth;
 }
 
-double mcv_light_density(uint32_t width, uint32_t height) { return pi * 64 * ((width + 7) / 8) * ((height + 7) / 8); }
+double mcv_light_density(uint32_t width, uint32_t height) { return pi * (double)mcv_tiled_pixels(width, height); }
 
 bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor) {
     const bool smooth = smooth_ball(packed).radius > 0;

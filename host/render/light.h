@@ -15,7 +15,7 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
  */
 double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values);
 
-/* π times the light paths per sample: as many as there are pixels in whole tiles. */
+/* π times the light paths per sample (mcv_tiled_pixels). */
 double mcv_light_density(uint32_t width, uint32_t height);
 
 /* Is there light that light paths bring to this sensor and camera paths do not, or with more noise? */

@@ -53,6 +53,11 @@ void mcv_packed_free(mcv_packed *packed);
 /* pack_solids.c: the exact surfaces, about packed->centre. */
 void mcv_pack_solids(const mcv_scene *scene, mcv_packed *packed);
 
+/* Pixels of the image filled up to whole tiles of 8 x 8, by which paths are numbered; as many light paths make a sample. */
+static inline uint64_t mcv_tiled_pixels(uint32_t width, uint32_t height) {
+    return (((uint64_t)width + 7) & ~(uint64_t)7) * (((uint64_t)height + 7) & ~(uint64_t)7);
+}
+
 /* The set of media (bit i: medium i + 1) whose closed surfaces surround a world point. */
 uint32_t mcv_media_around(const mcv_scene *scene, const mcv_packed *packed, const double point[3]);
 

@@ -133,7 +133,7 @@ static mcv_result open_scene(renderer *r, const mcv_scene *scene, uint32_t senso
                            .depth = r->options->depth};
     MCV_TRY(mcv_device_scene_place(&r->cl, scene, sensor, &r->scene, &r->frame, r->error));
     if (r->scene.splats) {
-        const double paths = 64.0 * ((r->film->width + 7) / 8) * ((r->film->height + 7) / 8); /* as in mcv_light_density */
+        const double paths = (double)mcv_tiled_pixels(r->film->width, r->film->height);
         MCV_TRY(mcv_film_take_splats(r->film, 1 / ((double)r->frame.splat_scale * paths), r->error));
     }
     return mcv_schedule_aim(&r->schedule, &r->frame, r->stats, r->error);
@@ -230,7 +230,7 @@ static mcv_result launch(renderer *r, uint32_t sets, uint32_t first_block, harve
 static mcv_result render_round(renderer *r, uint64_t first, uint64_t count, double done_before, bool *stop) {
     const mcv_film *film = r->film;
     const uint32_t channels = film->channels;
-    const uint64_t set_count = (uint64_t)((film->width + 7) / 8) * ((film->height + 7) / 8) * 64 * film->replicates;
+    const uint64_t set_count = mcv_tiled_pixels(film->width, film->height) * film->replicates;
     const uint32_t capacity = r->schedule.capacity;
     uint32_t log2_samples = floor_log2(count);
     if (log2_samples > MAX_LOG2_SAMPLES) log2_samples = MAX_LOG2_SAMPLES;

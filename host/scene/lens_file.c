@@ -54,7 +54,7 @@ static mcv_result read_text(const char *path, char **text, mcv_error *error) {
     }
     for (size_t i = little || big ? 2 : 0; i + (little || big) < size; i += little || big ? 2 : 1) {
         const unsigned code = little ? bytes[i] | (unsigned)bytes[i + 1] << 8 : big ? bytes[i + 1] | (unsigned)bytes[i] << 8 : bytes[i];
-        out[n++] = code > 0 && code < 128 ? (char)code : '?';
+        out[n++] = (char)(code > 0 && code < 128 ? code : '?');
     }
     out[n] = '\0';
     free(bytes);
@@ -68,9 +68,11 @@ static int split(char *statement, char *words[WORDS]) {
     while (n < WORDS) {
         while (isspace((unsigned char)*statement)) ++statement;
         if (!*statement) break;
-        const char quote = *statement == '\'' || *statement == '"' ? *statement++ : 0;
+        const bool quoted = *statement == '\'' || *statement == '"';
+        const char quote = *statement;
+        if (quoted) ++statement;
         words[n++] = statement;
-        while (*statement && (quote ? *statement != quote : !isspace((unsigned char)*statement))) ++statement;
+        while (*statement && (quoted ? *statement != quote : !isspace((unsigned char)*statement))) ++statement;
         if (!*statement) break;
         *statement++ = '\0';
     }
