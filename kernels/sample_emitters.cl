@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stage: next-event estimation. A surface that spreads light chooses an emitter by power, then a direction to it: uniform in the cone
- * of a parallel emitter that is smaller than the emitter seen from there (which must then be the closest hit), else towards a
- * point uniform by area; of an environment's image a pixel by what it brings. Weighed against the surface's own choice of directions by the
- * power heuristic. Beams and lights without extent, which a direction of the surface's own cannot meet, come in full.
+ * Stage: next-event estimation. A surface that spreads light chooses an emitter by power and reach, then a direction to it: uniform in the
+ * cone of a parallel emitter that is smaller than the emitter seen from there (which must then be the closest hit), else towards a point
+ * uniform by area; of an environment's image a pixel by what it brings. Weighed against the surface's own choice of directions by the power
+ * heuristic. Beams and lights without extent, which a direction of the surface's own cannot meet, come in full.
  *
  * reads ray, hit -> writes shadow ray
  */
@@ -11,6 +11,7 @@
 #include "environment.h"
 #include "identity.h"
 #include "meet_surface.h"
+#include "reach.h"
 
 typedef struct mcv_shadow {
     mcv_vec3 origin, direction;
@@ -229,10 +230,35 @@ MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth)
     const uint material = world.instances[mcv_instance_met(world, slot)].material;
     if (!world.materials[material].spreads) return MCV_NONE;
     if (world.frame->emitter_count == 1u) return 0u; /* whose number may not have been drawn */
-    float unused;
     const mcv_pair choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
+#if MCV_WITH_REACH
+#if MCV_TILE
+    const mcv_vec3 point = MCV_LOAD_3(slot, point), face = MCV_LOAD_3(slot, face), normal = MCV_LOAD_3(slot, normal);
+#else
+    const mcv_meeting meeting = mcv_meet_surface(world, slot);
+    const mcv_vec3 point = meeting.surface.point, face = meeting.face, normal = meeting.normal;
+#endif
+    float total;
+    const uint emitter = mcv_choose_by_reach(world, point, face, normal, world.materials[material].spreads, choice.x, &total);
+    MCV_STORE(slot, reach, 0, total);
+    return emitter;
+#else
+    float unused;
     return mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count, choice.x, choice.y, &unused);
+#endif
 }
+
+#if MCV_WITH_REACH
+/* The shadow, of an emitter that is chosen by its share of the power, as that of one chosen by what reaches the path's surface. */
+MCV_LOOP_FUNCTION mcv_shadow mcv_prefer(mcv_world world, mcv_slot slot, mcv_meeting meeting, uint emitter, mcv_shadow shadow) {
+    const float preference = mcv_preference(world, emitter, meeting.surface.point, MCV_LOAD(slot, reach, 0));
+    shadow.density *= preference;
+    shadow.light = mcv_dim(shadow.light, 1.0f / preference);
+    return shadow;
+}
+#else
+#define mcv_prefer(world, slot, meeting, emitter, shadow) (shadow)
+#endif
 
 /* What the surface makes of it, and the power heuristic against its own choice: 1 if there is a shadow ray to follow. */
 MCV_LOOP_FUNCTION int mcv_cast_shadow(mcv_world world, mcv_slot slot, mcv_meeting meeting, mcv_shadow shadow) {
@@ -271,5 +297,6 @@ MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) 
     const uint emitter = mcv_choose_emitter(world, slot, depth);
     if (emitter == MCV_NONE) return 0;
     const mcv_meeting meeting = mcv_meet_surface(world, slot);
-    return mcv_cast_shadow(world, slot, meeting, mcv_sample_towards(world, meeting, emitter, mcv_draw(slot, depth, MCV_PAIR_EMITTER)));
+    const mcv_shadow shadow = mcv_sample_towards(world, meeting, emitter, mcv_draw(slot, depth, MCV_PAIR_EMITTER));
+    return mcv_cast_shadow(world, slot, meeting, mcv_prefer(world, slot, meeting, emitter, shadow));
 }

@@ -6,6 +6,7 @@
 #include "environment.h"
 #include "identity.h"
 #include "meet_surface.h"
+#include "reach.h"
 
 #if MCV_WITH_LIGHT_TRACING
 /* What light paths leave of what the emitter sends along this path. */
@@ -30,6 +31,19 @@ MCV_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, mcv_meeting me
 }
 #endif
 
+/*
+ * The density of a ray's choice, as it is to be weighed against that of next-event estimation which takes emitters by power alone: it has
+ * taken this one so much more often.
+ */
+MCV_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint emitter, float density) {
+#if MCV_WITH_NEXT_EVENT && MCV_WITH_REACH
+    if (density > 0.0f) density /= mcv_preference(world, emitter, MCV_LOAD_3(slot, origin), MCV_LOAD(slot, reach, 0));
+#else
+    (void)world, (void)slot, (void)emitter;
+#endif
+    return density;
+}
+
 /* 1 if the path goes on. */
 static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *unmatched) {
     const uint triangle = MCV_WORD(slot, hit, 3);
@@ -52,6 +66,9 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
     /* A ray that leaves the scene sees the environment. */
     if (triangle == MCV_NONE) {
 #if MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE
+#if MCV_WITH_ENVIRONMENT_IMAGE
+        density = mcv_density_against(world, slot, world.frame->environment_emitter, density);
+#endif
         const mcv_color met = mcv_environment_met(world, MCV_LOAD_3(slot, direction), media, density);
         MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], met.c[i], radiance.c[i]);
         MCV_STORE_COLOR(slot, radiance, radiance);
@@ -62,7 +79,8 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
     const mcv_meeting meeting = mcv_meet_surface(world, slot);
     const uint emitter = world.instances[meeting.surface.instance].emitter;
     if (emitter != MCV_NONE) {
-        mcv_color met = mcv_emission_met(world, meeting, emitter, media, density, MCV_LOAD(slot, hit, 0));
+        const float own = mcv_density_against(world, slot, emitter, density);
+        mcv_color met = mcv_emission_met(world, meeting, emitter, media, own, MCV_LOAD(slot, hit, 0));
 #if MCV_WITH_LIGHT_TRACING
         met = mcv_dim(met, mcv_camera_share(world, slot, emitter));
 #endif

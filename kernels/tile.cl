@@ -399,7 +399,8 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
     for (slot.index = 0; slot.index < alive; ++slot.index) {
         if (MCV_WORD(slot, emitter, 0) == MCV_NONE) continue;
         const mcv_meeting meeting = mcv_meet_surface(world, slot);
-        if (mcv_cast_shadow(world, slot, meeting, mcv_shadow_of(world, slot, meeting, depth))) shadows[shadow_count++] = slot.index;
+        const mcv_shadow shadow = mcv_prefer(world, slot, meeting, MCV_WORD(slot, emitter, 0), mcv_shadow_of(world, slot, meeting, depth));
+        if (mcv_cast_shadow(world, slot, meeting, shadow)) shadows[shadow_count++] = slot.index;
     }
     return shadow_count;
 }

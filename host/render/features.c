@@ -89,6 +89,7 @@ uint32_t mcv_path_words(uint32_t features, uint32_t channels) {
 #define MCV_WITH_DIELECTRIC (features >> MCV_FEATURE_DIELECTRIC & 1)
 #define MCV_WITH_GLOSS (features >> MCV_FEATURE_GLOSS & 1)
 #define MCV_WITH_NEXT_EVENT (features >> MCV_FEATURE_NEXT_EVENT & 1)
+#define MCV_WITH_REACH (features >> MCV_FEATURE_REACH & 1)
 #define MCV_WITH_LIGHT_TRACING (features >> MCV_FEATURE_LIGHT_TRACING & 1)
 #define MCV_WITH_SURFACES (features >> MCV_FEATURE_SURFACES & 1)
 #define MCV_WITH_NORMALS (features >> MCV_FEATURE_NORMALS & 1)

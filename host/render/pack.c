@@ -263,7 +263,7 @@ static mcv_device_material pack_material(const mcv_material *material) {
     case MCV_MATERIAL_DIFFUSE:
         value = material->as.diffuse.reflectance;
         share_out(value, material->as.diffuse.transmittance, &out);
-        out.spreads = 1;
+        out.spreads = largest(material->as.diffuse.transmittance) > 0 ? 2 : 1;
         break;
     case MCV_MATERIAL_MIRROR:
         value = material->as.mirror.reflectance;
@@ -297,7 +297,7 @@ static mcv_device_material pack_material(const mcv_material *material) {
         break;
     }
     for (int k = 0; value && k < 3; ++k) out.value[k] = (float)value[k];
-    if (mcv_material_is_rough(material)) out.spreads = 1;
+    if (mcv_material_is_rough(material)) out.spreads = material->type == MCV_MATERIAL_CONDUCTOR ? 1 : 2;
     /* From a roughness of 1/2 on, α = 1/4, highlights are tens of degrees wide. */
     const bool matt = material->type == MCV_MATERIAL_METALLIC_ROUGHNESS && material->as.metallic_roughness.roughness >= 0.5;
     out.wide = material->type == MCV_MATERIAL_DIFFUSE || matt;
@@ -407,6 +407,55 @@ static void prepare_emitter(const mcv_scene *scene, const mcv_packed *packed, ui
     }
 }
 
+static double length(const double v[3]) { return hypot(hypot(v[0], v[1]), v[2]); }
+
+/* From the middle, which is re-centred, to a triangle's corners. */
+static void ways_to(const mcv_scene *scene, const mcv_packed *packed, uint32_t instance, uint32_t triangle, const float middle[3],
+                    double ways[3][3]) {
+    mcv_scene_corners(scene, instance, triangle, ways);
+    for (int c = 0; c < 3; ++c)
+        for (int k = 0; k < 3; ++k) ways[c][k] -= packed->centre[k] + (double)middle[k];
+}
+
+/*
+ * Where a receiver may look for the emitter, and how its light thins out (kernels/reach.h). What comes from infinitely far away has the
+ * power that falls on the scene's ball.
+ */
+static void find_reach(const mcv_scene *scene, const mcv_packed *packed, const mcv_emitter *from, mcv_device_emitter *to) {
+    const double size = mcv_packed_size(packed) / 2;
+    to->radius = -1;
+    to->narrowest = (float)(size * size * (from->type == MCV_EMITTER_ENVIRONMENT ? 4 : 1));
+    if (from->type == MCV_EMITTER_ENVIRONMENT || from->type == MCV_EMITTER_DIRECTIONAL) return;
+    const bool has_surface = mcv_emitter_has_surface(from->type);
+    const double area = has_surface ? from->area : 0, beam = from->type == MCV_EMITTER_COLLIMATED_BEAM;
+    to->narrowest = (float)(area / pi);
+    to->widening = beam ? 0 : (float)(mcv_emitter_unit_power(scene, from) / (pi * (has_surface ? area : 1)));
+    to->radius = 0;
+    if (!has_surface) {
+        memcpy(to->middle, to->spot.position, sizeof to->middle);
+        return;
+    }
+    double radius = 0, facing[3] = {0, 0, 0}, ways[3][3];
+    for (uint32_t t = 0; t < to->triangle_count; ++t) {
+        double face[3];
+        mcv_scene_face_normal(scene, from->instance, t, face);
+        ways_to(scene, packed, from->instance, t, to->middle, ways);
+        for (int c = 0; c < 3; ++c) radius = fmax(radius, length(ways[c]));
+        for (int k = 0; k < 3 && length(face) > 0; ++k) facing[k] += face[k] / length(face) / to->triangle_count;
+    }
+    to->radius = nextafterf((float)radius, INFINITY);
+    /* Flat as far as float coordinates can be: where normals differ, their mean is shorter than 1 by the square of the angle. */
+    bool is_flat = length(facing) > 1 - 1e-12;
+    for (uint32_t t = 0; is_flat && t < to->triangle_count; ++t) {
+        ways_to(scene, packed, from->instance, t, to->middle, ways);
+        for (int c = 0; c < 3; ++c) {
+            const double height = ways[c][0] * facing[0] + ways[c][1] * facing[1] + ways[c][2] * facing[2];
+            is_flat = is_flat && fabs(height) <= 0x1p-20 * (radius + length(packed->centre));
+        }
+    }
+    for (int k = 0; is_flat && k < 3; ++k) to->facing[k] = (float)facing[k];
+}
+
 /* The triangles' shares of the area, from entry `next` of the table on. */
 static void pack_surface(const mcv_scene *scene, mcv_packed *packed, const mcv_emitter *from, uint32_t number, size_t next, double *areas) {
     mcv_device_emitter *to = &packed->emitters[number];
@@ -472,6 +521,7 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
             next += environment_entries(scene->textures + from->texture);
         }
         prepare_emitter(scene, packed, i, to);
+        find_reach(scene, packed, from, to);
         powers[count++] = emitter_power(scene, packed, from);
     }
     if (!failed) {
@@ -479,6 +529,8 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
         const double total = mcv_write_cdf(cdf, count, powers);
         for (uint32_t i = 0; i < count; ++i) packed->emitters[i].probability = (float)((cdf[i + 1] - cdf[i]) * 0x1p-31);
         if (!(total > 0)) packed->features &= ~(1u << MCV_FEATURE_NEXT_EVENT);
+        const bool looks = packed->features >> MCV_FEATURE_NEXT_EVENT & 1;
+        packed->features |= feature(MCV_FEATURE_REACH, looks && count > 1 && count <= MCV_MOST_REACHING);
     }
     free(powers);
     free(areas);

@@ -32,6 +32,7 @@
     X(BEAM, "collimated-beam", "a collimated beam shines") \
     X(PUNCTUAL, "punctual", "a point, spot or directional light shines") \
     X(NEXT_EVENT, "next-event", "surfaces that spread light look for emitters") \
+    X(REACH, "reach", "surfaces that spread light choose among a few emitters by what these may bring") \
     X(AIM, "aim", "a sensor sees a parallel emitter whose cone is narrower than its pupil") \
     X(LIGHT_TRACING, "light-tracing", "light of narrow emitters reaches surfaces that spread it, or a beam the lens, through smooth ones") \
     X(INTERLEAVE, "interleave", "surfaces that spread light among so many triangles that rays take turns while others wait for memory")

@@ -74,12 +74,13 @@ typedef struct mcv_device_instance {
 MCV_ASSERT_SIZE(mcv_device_instance, 16);
 
 typedef struct mcv_device_material {
-    uint type;       /* MCV_MATERIAL_… */
-    uint texture;    /* or MCV_NONE */
-    float value[3];  /* reflectance, transmittance, base colour; of a rough conductor what reflection from facet to facet leaves */
-    float eta;       /* sheet: 1/n */
-    float delta;     /* sheet: (n - 1)(n + 1)/n² */
-    uint spreads;    /* 1: light from one direction leaves in many, so that emitters are sampled from here; 0: smooth or black */
+    uint type;      /* MCV_MATERIAL_… */
+    uint texture;   /* or MCV_NONE */
+    float value[3]; /* reflectance, transmittance, base colour; of a rough conductor what reflection from facet to facet leaves */
+    float eta;      /* sheet: 1/n */
+    float delta;    /* sheet: (n - 1)(n + 1)/n² */
+    uint
+        spreads; /* on how many sides light from one direction leaves in many, so that emitters are sampled from here; 0: smooth or black */
     float passed[3]; /* beam splitter, diffuse: transmittance; retroreflector: diffuse reflectance */
     float chance;    /* beam splitter, diffuse: with which it reflects */
     float spread;    /* retroreflector: tangent of its divergence, 0: light returns exactly */
@@ -136,7 +137,11 @@ typedef struct mcv_device_emitter {
     float light_flux;  /* of a light path, over the radiance (irradiance, intensity) [m² sr, m², sr]; 0: none starts here */
     float light_sine;  /* spot: of half the half-angle of the cone in which they start; directional: radius of their disk [m] */
     uint media;        /* set of the media that surround it */
-    uint padding[8];
+    float radius;      /* about the middle [m]; negative: the emitter is nowhere in particular */
+    float facing[3];   /* normal of a flat one, else 0 */
+    float narrowest;   /* of its light, and how it widens with the distance: kernels/reach.h [m²] */
+    float widening;
+    uint padding[2];
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
     mcv_parallel parallel;
 #else
@@ -221,6 +226,9 @@ typedef struct mcv_device_vertex {
     uint padding;
 } mcv_device_vertex;
 MCV_ASSERT_SIZE(mcv_device_vertex, 64);
+
+/* So many emitters may be weighed against each other anew at each surface; of more, power alone decides. */
+#define MCV_MOST_REACHING 16
 
 /* Samples that the device sums before the host goes on with the same binary tree. */
 #define MCV_BLOCK 64

@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Choosing an emitter by what it may bring to a receiver: its share of the power, thinned out by its distance, and nothing from behind the
+ * receiver, of what shines the other way, and out of narrow cones and beams. What is left out by rounding, a receiver in the plane of an
+ * emitter or on the rim of a cone, would have brought as good as nothing.
+ *
+ * The falloff is the irradiance that a power gives, up to a factor: 1/(area/π) close by, 1/(projected solid angle/π d²) from afar.
+ */
+#ifndef MCVISI_KERNELS_REACH_H
+#define MCVISI_KERNELS_REACH_H
+
+#include "world.h"
+
+#if MCV_WITH_REACH
+
+MCV_FUNCTION float mcv_falloff(__global const mcv_device_emitter *e, mcv_vec3 receiver) {
+    const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
+    return 1.0f / mcv_fma(e->widening, mcv_dot(way, way), e->narrowest);
+}
+
+/* How far a flat emitter stretches along a direction, r times the sine of the angle to its normal; without a normal, r. */
+MCV_FUNCTION float mcv_stretch(__global const mcv_device_emitter *e, mcv_vec3 direction) {
+    const float cosine = mcv_dot(mcv_vec(e->facing[0], e->facing[1], e->facing[2]), direction);
+    const float squared = 1.0f - cosine * cosine;
+    return squared > 0.0f ? e->radius * mcv_sqrt(squared) : 0.0f;
+}
+
+/* `sides` of the receiver that spread light: one, which all of the normals show, or both. */
+MCV_FUNCTION int mcv_reaches(__global const mcv_device_emitter *e, mcv_vec3 receiver, mcv_vec3 face, mcv_vec3 normal, uint sides) {
+    const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
+    const mcv_vec3 axis = mcv_vec(e->facing[0], e->facing[1], e->facing[2]);
+    const float depth = -mcv_dot(axis, way);
+    if (e->radius < 0.0f) return 1; /* it is nowhere */
+    if (depth < 0.0f) return 0;
+    if (sides == 1u && mcv_dot(face, way) < -mcv_stretch(e, face) && mcv_dot(normal, way) < -mcv_stretch(e, normal)) return 0;
+#if MCV_WITH_PARALLEL
+    if (e->type == MCV_EMITTER_PARALLEL && e->parallel.from_receiver) {
+        const float ahead = -mcv_dot(mcv_vec(e->parallel.axis[0], e->parallel.axis[1], e->parallel.axis[2]), way);
+        const float reach = e->radius + (ahead + e->radius) * mcv_sqrt(e->parallel.tangent_squared);
+        return ahead + e->radius > 0.0f && mcv_dot(way, way) - ahead * ahead <= reach * reach;
+    }
+#endif
+#if MCV_WITH_BEAM
+    if (e->type == MCV_EMITTER_COLLIMATED_BEAM) return mcv_collimated_beam_covers(&e->beam, mcv_scale(way, -1.0f));
+#endif
+#if MCV_WITH_PUNCTUAL
+    if (e->type == MCV_EMITTER_SPOT) return mcv_spot_evaluate(&e->spot, mcv_normalize(mcv_scale(way, -1.0f))) > 0.0f;
+#endif
+    return 1;
+}
+
+/* The emitter of the share xi of all that reaches the receiver, MCV_NONE where nothing does; *total is what chances are shares of. */
+static uint mcv_choose_by_reach(mcv_world world, mcv_vec3 receiver, mcv_vec3 face, mcv_vec3 normal, uint sides, float xi, float *total) {
+    float weights[MCV_MOST_REACHING];
+    float sum = 0.0f;
+    for (uint i = 0; i < world.frame->emitter_count; ++i) {
+        __global const mcv_device_emitter *e = world.emitters + i;
+        weights[i] = 0.0f;
+        if (mcv_reaches(e, receiver, face, normal, sides)) weights[i] = e->probability * mcv_falloff(e, receiver);
+        sum += weights[i];
+    }
+    *total = sum;
+    uint chosen = MCV_NONE;
+    float before = 0.0f;
+    for (uint i = 0; i < world.frame->emitter_count && (chosen == MCV_NONE || before <= xi * sum); ++i) {
+        before += weights[i];
+        if (weights[i] > 0.0f) chosen = i;
+    }
+    return chosen;
+}
+
+/* How much more often than at large, where its chance is e->probability, a receiver of that total chooses an emitter. */
+MCV_FUNCTION float mcv_preference(mcv_world world, uint emitter, mcv_vec3 receiver, float total) {
+    return mcv_falloff(world.emitters + emitter, receiver) / total;
+}
+
+#endif
+
+#endif
