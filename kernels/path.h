@@ -20,18 +20,18 @@
 
 /* X(field, words): what a scene does not need has no words. Those before the hit go on with the path to its next surface. */
 #define MCV_PATH_FIELDS(X) \
-    X(origin, 3)                                  /* of the current ray [m] */ \
-    X(direction, 3)                               /* unit */ \
-    X(weight, 1)                                  /* of the sensor's ray; 0: the path is not begun */ \
-    X(throughput, MCV_CHANNELS)                   /* product of reflectances, transmittances … since the sensor */ \
-    X(radiance, MCV_CHANNELS)                     /* found so far, L/n² */ \
-    X(media, MCV_WITH_DIELECTRIC)                 /* set of the media the ray is in */ \
-    X(density, MCV_WITH_NEXT_EVENT)               /* with which the last surface chose the direction [1/sr]; 0: it is smooth */ \
-    X(reach, MCV_WITH_NEXT_EVENT *MCV_WITH_REACH) /* total of what reached the last surface that spread light (kernels/reach.h) */ \
-    X(left, MCV_WITH_SURFACES)                    /* the exact surface that the ray starts on (mcvisi/surfaces/solid.h), or MCV_NONE */ \
-    X(trail, MCV_WITH_LIGHT_TRACING)              /* MCV_TRAIL_… */ \
-    X(footprint, MCV_WITH_LIGHT_TRACING)          /* of the pixel at the first diffuse surface [m²] */ \
-    X(stream, 1)                                  /* of random numbers: pixel, replicate, seed */ \
+    X(origin, 3)                                       /* of the current ray [m] */ \
+    X(direction, 3)                                    /* unit */ \
+    X(weight, 1)                                       /* of the sensor's ray; 0: the path is not begun */ \
+    X(throughput, MCV_CHANNELS)                        /* product of reflectances, transmittances … since the sensor */ \
+    X(radiance, MCV_CHANNELS)                          /* found so far, L/n² */ \
+    X(media, MCV_WITH_DIELECTRIC)                      /* set of the media the ray is in */ \
+    X(density, MCV_WITH_NEXT_EVENT)                    /* with which the last surface chose the direction [1/sr]; 0: it is smooth */ \
+    X(reach, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* emitters' chances at the last surface that spread light (kernels/reach.h) */ \
+    X(left, MCV_WITH_SURFACES)           /* the exact surface that the ray starts on (mcvisi/surfaces/solid.h), or MCV_NONE */ \
+    X(trail, MCV_WITH_LIGHT_TRACING)     /* MCV_TRAIL_… */ \
+    X(footprint, MCV_WITH_LIGHT_TRACING) /* of the pixel at the first diffuse surface [m²] */ \
+    X(stream, 1)                         /* of random numbers: pixel, replicate, seed */ \
     X(sample, 1) \
     X(value, MCV_TILE)     /* of the path in its slice */ \
     X(hit, 4)              /* t, u, v, triangle */ \

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Choosing an emitter by what it may bring to a receiver: its share of the power, thinned out by its distance, and nothing from behind the
+ * Choosing an emitter by what it may bring to a receiver: its power, thinned out by its distance, and nothing from behind the
  * receiver, of what shines the other way, and out of narrow cones and beams. What is left out by rounding, a receiver in the plane of an
  * emitter or on the rim of a cone, would have brought as good as nothing.
  *
@@ -12,11 +12,6 @@
 #include "world.h"
 
 #if MCV_WITH_REACH
-
-MCV_FUNCTION float mcv_falloff(__global const mcv_device_emitter *e, mcv_vec3 receiver) {
-    const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
-    return 1.0f / mcv_fma(e->widening, mcv_dot(way, way), e->narrowest);
-}
 
 /* How far a flat emitter stretches along a direction, r times the sine of the angle to its normal; without a normal, r. */
 MCV_FUNCTION float mcv_stretch(__global const mcv_device_emitter *e, mcv_vec3 direction) {
@@ -30,6 +25,7 @@ MCV_FUNCTION int mcv_reaches(__global const mcv_device_emitter *e, mcv_vec3 rece
     const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
     const mcv_vec3 axis = mcv_vec(e->facing[0], e->facing[1], e->facing[2]);
     const float depth = -mcv_dot(axis, way);
+    if (!(e->probability > 0.0f)) return 0;
     if (e->radius < 0.0f) return 1; /* it is nowhere */
     if (depth < 0.0f) return 0;
     if (sides == 1u && mcv_dot(face, way) < -mcv_stretch(e, face) && mcv_dot(normal, way) < -mcv_stretch(e, normal)) return 0;
@@ -49,29 +45,47 @@ MCV_FUNCTION int mcv_reaches(__global const mcv_device_emitter *e, mcv_vec3 rece
     return 1;
 }
 
-/* The emitter of the share xi of all that reaches the receiver, MCV_NONE where nothing does; *total is what chances are shares of. */
-static uint mcv_choose_by_reach(mcv_world world, mcv_vec3 receiver, mcv_vec3 face, mcv_vec3 normal, uint sides, float xi, float *total) {
-    float weights[MCV_MOST_REACHING];
-    float sum = 0.0f;
+/* The share of an emitter's power that the receiver may get, up to a factor. */
+MCV_FUNCTION float mcv_promise(__global const mcv_device_emitter *e, mcv_vec3 receiver) {
+    const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
+    return e->power / mcv_fma(e->widening, mcv_dot(way, way), e->narrowest);
+}
+
+/* The chances at one receiver: scale * promise + least of each emitter that reaches it. */
+typedef struct mcv_reach {
+    float scale, least;
+} mcv_reach;
+
+/*
+ * The emitter at xi of all that reach the receiver, MCV_NONE where nothing does. A sixteenth of all choices goes to them in equal parts:
+ * what promises most may be hidden.
+ */
+static uint mcv_choose_by_reach(mcv_world world, mcv_vec3 receiver, mcv_vec3 face, mcv_vec3 normal, uint sides, float xi,
+                                mcv_reach *reach) {
+    float promises[MCV_MOST_REACHING];
+    float sum = 0.0f, reaching = 0.0f;
     for (uint i = 0; i < world.frame->emitter_count; ++i) {
         __global const mcv_device_emitter *e = world.emitters + i;
-        weights[i] = 0.0f;
-        if (mcv_reaches(e, receiver, face, normal, sides)) weights[i] = e->probability * mcv_falloff(e, receiver);
-        sum += weights[i];
+        promises[i] = mcv_reaches(e, receiver, face, normal, sides) ? mcv_promise(e, receiver) : -1.0f;
+        if (promises[i] < 0.0f) continue;
+        sum += promises[i];
+        reaching += 1.0f;
     }
-    *total = sum;
+    reach->scale = sum > 0.0f ? 0.9375f / sum : 0.0f;
+    reach->least = (sum > 0.0f ? 0.0625f : 1.0f) / reaching;
     uint chosen = MCV_NONE;
     float before = 0.0f;
-    for (uint i = 0; i < world.frame->emitter_count && (chosen == MCV_NONE || before <= xi * sum); ++i) {
-        before += weights[i];
-        if (weights[i] > 0.0f) chosen = i;
+    for (uint i = 0; i < world.frame->emitter_count && (chosen == MCV_NONE || before <= xi); ++i) {
+        if (promises[i] < 0.0f) continue;
+        before += mcv_fma(promises[i], reach->scale, reach->least);
+        chosen = i;
     }
     return chosen;
 }
 
-/* How much more often than at large, where its chance is e->probability, a receiver of that total chooses an emitter. */
-MCV_FUNCTION float mcv_preference(mcv_world world, uint emitter, mcv_vec3 receiver, float total) {
-    return mcv_falloff(world.emitters + emitter, receiver) / total;
+/* How much more often than at large, where its chance is e->probability, such a receiver chooses an emitter. */
+MCV_FUNCTION float mcv_preference(__global const mcv_device_emitter *e, mcv_vec3 receiver, mcv_reach reach) {
+    return mcv_fma(mcv_promise(e, receiver), reach.scale, reach.least) / e->probability;
 }
 
 #endif

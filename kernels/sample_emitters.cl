@@ -238,9 +238,10 @@ MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth)
     const mcv_meeting meeting = mcv_meet_surface(world, slot);
     const mcv_vec3 point = meeting.surface.point, face = meeting.face, normal = meeting.normal;
 #endif
-    float total;
-    const uint emitter = mcv_choose_by_reach(world, point, face, normal, world.materials[material].spreads, choice.x, &total);
-    MCV_STORE(slot, reach, 0, total);
+    mcv_reach reach;
+    const uint emitter = mcv_choose_by_reach(world, point, face, normal, world.materials[material].spreads, choice.x, &reach);
+    MCV_STORE(slot, reach, 0, reach.scale);
+    MCV_STORE(slot, reach, 1, reach.least);
     return emitter;
 #else
     float unused;
@@ -251,7 +252,8 @@ MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth)
 #if MCV_WITH_REACH
 /* The shadow, of an emitter that is chosen by its share of the power, as that of one chosen by what reaches the path's surface. */
 MCV_LOOP_FUNCTION mcv_shadow mcv_prefer(mcv_world world, mcv_slot slot, mcv_meeting meeting, uint emitter, mcv_shadow shadow) {
-    const float preference = mcv_preference(world, emitter, meeting.surface.point, MCV_LOAD(slot, reach, 0));
+    const mcv_reach reach = {MCV_LOAD(slot, reach, 0), MCV_LOAD(slot, reach, 1)};
+    const float preference = mcv_preference(world.emitters + emitter, meeting.surface.point, reach);
     shadow.density *= preference;
     shadow.light = mcv_dim(shadow.light, 1.0f / preference);
     return shadow;

@@ -37,7 +37,8 @@ MCV_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, mcv_meeting me
  */
 MCV_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint emitter, float density) {
 #if MCV_WITH_NEXT_EVENT && MCV_WITH_REACH
-    if (density > 0.0f) density /= mcv_preference(world, emitter, MCV_LOAD_3(slot, origin), MCV_LOAD(slot, reach, 0));
+    const mcv_reach reach = {MCV_LOAD(slot, reach, 0), MCV_LOAD(slot, reach, 1)};
+    if (density > 0.0f) density /= mcv_preference(world.emitters + emitter, MCV_LOAD_3(slot, origin), reach);
 #else
     (void)world, (void)slot, (void)emitter;
 #endif

@@ -525,6 +525,9 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
         powers[count++] = emitter_power(scene, packed, from);
     }
     if (!failed) {
+        double all = 0;
+        for (uint32_t i = 0; i < count; ++i) all += powers[i];
+        for (uint32_t i = 0; i < count && all > 0; ++i) packed->emitters[i].power = (float)(powers[i] / all);
         share_choices(powers, count);
         const double total = mcv_write_cdf(cdf, count, powers);
         for (uint32_t i = 0; i < count; ++i) packed->emitters[i].probability = (float)((cdf[i + 1] - cdf[i]) * 0x1p-31);

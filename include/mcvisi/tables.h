@@ -141,7 +141,8 @@ typedef struct mcv_device_emitter {
     float facing[3];   /* normal of a flat one, else 0 */
     float narrowest;   /* of its light, and how it widens with the distance: kernels/reach.h [m²] */
     float widening;
-    uint padding[2];
+    float power; /* its share of all emitters' */
+    uint padding;
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
     mcv_parallel parallel;
 #else
