@@ -52,7 +52,8 @@
     X(way_density, MCV_TILE *MCV_WITH_NEXT_EVENT) \
     X(way_face, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT) \
     X(way_normal, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT * MCV_WITH_NORMALS) \
-    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT) /* ray to the emitter */ \
+    X(reach_here, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* at this surface */ \
+    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)               /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS *MCV_WITH_DIELECTRIC) /* that it leaves the surface in */ \
     X(shadow_left, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \

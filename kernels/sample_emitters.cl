@@ -240,8 +240,8 @@ MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth)
 #endif
     mcv_reach reach;
     const uint emitter = mcv_choose_by_reach(world, point, face, normal, world.materials[material].spreads, choice.x, &reach);
-    MCV_STORE(slot, reach, 0, reach.scale);
-    MCV_STORE(slot, reach, 1, reach.least);
+    MCV_STORE(slot, reach_here, 0, reach.scale);
+    MCV_STORE(slot, reach_here, 1, reach.least);
     return emitter;
 #else
     float unused;
@@ -252,7 +252,7 @@ MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth)
 #if MCV_WITH_REACH
 /* The shadow, of an emitter that is chosen by its share of the power, as that of one chosen by what reaches the path's surface. */
 MCV_LOOP_FUNCTION mcv_shadow mcv_prefer(mcv_world world, mcv_slot slot, mcv_meeting meeting, uint emitter, mcv_shadow shadow) {
-    const mcv_reach reach = {MCV_LOAD(slot, reach, 0), MCV_LOAD(slot, reach, 1)};
+    const mcv_reach reach = {MCV_LOAD(slot, reach_here, 0), MCV_LOAD(slot, reach_here, 1)};
     const float preference = mcv_preference(world.emitters + emitter, meeting.surface.point, reach);
     shadow.density *= preference;
     shadow.light = mcv_dim(shadow.light, 1.0f / preference);

@@ -120,6 +120,9 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
 #endif
 #if MCV_WITH_NEXT_EVENT
     MCV_STORE(slot, density, 0, on.density);
+#if MCV_WITH_REACH
+    for (uint i = 0; i < 2; ++i) MCV_WORD(slot, reach, i) = MCV_WORD(slot, reach_here, i);
+#endif
 #endif
 #if MCV_WITH_LIGHT_TRACING
     mcv_leave_trail(world, slot, meeting, on);
