@@ -280,7 +280,7 @@ static bool is_enough(void *user, const mcv_film *film) {
     const sweep *s = user;
     double numbers[2 * MAX_METRICS];
     mcv_error ignored;
-    if (s->command->until.count == 0 || measure(s, film, numbers, &ignored) != MCV_OK) return false;
+    if (measure(s, film, numbers, &ignored) != MCV_OK) return false;
     for (size_t i = 0; i < s->metric_count; ++i)
         if (s->metrics[i].until > 0 && !(numbers[2 * i + 1] <= s->metrics[i].until)) return false;
     return true;
@@ -740,7 +740,7 @@ static mcv_result plan(sweep *s, mcv_error *error) {
     MCV_TRY(mcv_render_options_read(c, &s->options, error));
     if (mcv_camera_wanted(c)) MCV_TRY(mcv_camera_check_options(c, error));
     s->options.progress = go_on;
-    s->options.enough = is_enough;
+    if (c->until.count > 0) s->options.enough = is_enough;
     s->options.user = s;
     if (c->until.count && c->replicates < 2) return mcv_fail(error, MCV_USAGE, "--until needs uncertainties: give --replicates 2 or more");
     if (c->vary.count == 0)

@@ -251,8 +251,9 @@ static mcv_result render_round(renderer *r, uint64_t first, uint64_t count, doub
     r->frame.log2_samples = log2_samples;
     uint32_t sets = 0;
     for (uint64_t set = 0; result == MCV_OK && !*stop && set < set_count; set += sets) {
-        /* A short first launch: the user sees soon that something comes. */
-        const uint32_t most = r->stats->seconds_first_sample > 0 ? sets_per_launch : (sets_per_launch + 15) / 16;
+        /* A short first launch: the user sees soon that something comes. Not where pictures have come before. */
+        const bool at_once = r->stats->kept_program || r->stats->seconds_first_sample > 0;
+        const uint32_t most = at_once ? sets_per_launch : (sets_per_launch + 15) / 16;
         sets = (uint32_t)(set_count - set < most ? set_count - set : most);
         r->frame.first_set = (uint32_t)set;
         for (uint64_t s = 0; result == MCV_OK && s < count; s += launch_samples) {
@@ -281,6 +282,20 @@ static mcv_result render_round(renderer *r, uint64_t first, uint64_t count, doub
     return result;
 }
 
+/*
+ * A render whose samples alone end it, and which one launch holds, is a single round. Otherwise the first one brings what the first look at
+ * the error wants, or less where a launch does not hold that: a stopped render has an image soon.
+ */
+static uint64_t first_round(const renderer *r) {
+    const mcv_render_options *o = r->options;
+    const uint64_t all = o->last > 0 ? o->last - o->first : MIN_SAMPLES;
+    const uint64_t fitting = r->schedule.capacity / (mcv_tiled_pixels(r->film->width, r->film->height) * r->film->replicates);
+    if (o->last > 0 && all <= fitting && !(o->error > 0) && !(o->seconds > 0) && !o->enough) return all;
+    uint64_t count = all < MIN_SAMPLES ? all : MIN_SAMPLES;
+    while (count > 1 && count > fitting) count /= 2;
+    return count;
+}
+
 /* Rounds of doubling length until the samples, the error or the time is reached. */
 static mcv_result render_rounds(renderer *r) {
     const mcv_render_options *o = r->options;
@@ -289,8 +304,8 @@ static mcv_result render_rounds(renderer *r) {
     bool stop = false;
     uint64_t next = o->first;
     for (;;) {
-        /* [0, 1), [1, 2), [2, 4) … counted from the range's first sample, a multiple of its length: the same tree. */
-        const uint64_t count = next > o->first ? next - o->first : 1;
+        /* [0, n), [n, 2n), [2n, 4n) … counted from the range's first sample, a multiple of its length: the same tree for every n. */
+        const uint64_t count = next > o->first ? next - o->first : first_round(r);
         const double round_begun = mcv_seconds();
         MCV_TRY(render_round(r, next, count, error, &stop));
         if (stop) return MCV_OK;
