@@ -149,7 +149,7 @@ static void check_coverage(const scenery *s) {
             /* Shot-like; without knowledge the noise is taken as even. */
             clean.deviation.pixels[i] = s->known ? sqrtf(2 + 0.1F * clean.values.pixels[i]) : 3;
         }
-    const mcv_roi region = parse(&clean, s->region), background = parse(&clean, s->background);
+    mcv_roi region = parse(&clean, s->region), background = parse(&clean, s->background);
     double b = 0, m = 0, ss, bs;
     for (size_t i = 0; i < PLANE; ++i) {
         if (region.inside[i]) m += clean.values.pixels[i] / (double)region.count;
@@ -177,9 +177,8 @@ static void check_coverage(const scenery *s) {
     for (int k = 0; k < FIGURES; ++k)
         if (covered[k] < 930 || covered[k] > 970)
             fail_msg("%s: %s: %d of %d intervals hold the truth", s->name, names[k], covered[k], REPLICATES);
-    mcv_roi region_copy = region, background_copy = background;
-    mcv_roi_free(&region_copy);
-    mcv_roi_free(&background_copy);
+    mcv_roi_free(&region);
+    mcv_roi_free(&background);
     release(&clean);
     release(&noisy);
     release(&silent);
@@ -195,6 +194,13 @@ static void test_coverage(void **state) {
         {"even, noise estimated", "2,5,36,50", "42,10,36,40", 0, 0, false},
         {"faint texture", "2,5,36,50", "42,10,36,40", 0, 1, true},
         {"few pixels", "4,4,16,12", "50,20,16,12", 0, 0, true},
+        {"36 pixels, noise estimated", "4,4,6,6", "50,20,6,6", 0, 0, false},
+        {"64 pixels, noise estimated", "4,4,8,8", "50,20,8,8", 0, 0, false},
+        {"64 shaded pixels, noise estimated", "4,4,8,8", "50,20,8,8", 1, 0, false},
+        {"64 pixels of a slope, noise estimated", "4,4,8,8", "50,20,8,8", 4, 0, false},
+        {"64 textured pixels, noise estimated", "4,4,8,8", "50,20,8,8", 1, 2, false},
+        {"100 pixels, noise estimated", "4,4,10,10", "50,20,10,10", 0, 0, false},
+        {"256 pixels, noise estimated", "4,4,16,16", "50,20,16,16", 0, 0, false},
     };
     (void)state;
     for (size_t i = 0; i < sizeof sceneries / sizeof sceneries[0]; ++i) check_coverage(sceneries + i);
@@ -220,8 +226,7 @@ static void test_one_pixel(void **state) {
  * allowed. */
 static void test_noise_estimate(void **state) {
     mcv_readings r = make();
-    const mcv_roi region = parse(&r, "0,0,80,60");
-    mcv_roi copy = region;
+    mcv_roi region = parse(&r, "0,0,80,60");
     (void)state;
     for (uint32_t i = 0; i < PLANE; ++i) {
         mcv_noise noise = mcv_noise_begin(5, 0, i);
@@ -233,11 +238,10 @@ static void test_noise_estimate(void **state) {
     assert_true(r.deviation.pixels[100] == (float)found);
     for (uint32_t i = 0; i < PLANE; ++i) r.values.pixels[i] = 7;
     assert_true(mcv_roi_estimate_noise(&r, &region, 0.25) == 0.25);
-    mcv_roi_free(&copy);
-    const mcv_roi narrow = parse(&r, "0,0,80,2");
-    copy = narrow;
+    mcv_roi_free(&region);
+    mcv_roi narrow = parse(&r, "0,0,80,2");
     assert_true(isnan(mcv_roi_estimate_noise(&r, &narrow, 0)));
-    mcv_roi_free(&copy);
+    mcv_roi_free(&narrow);
     release(&r);
 }
 

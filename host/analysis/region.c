@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "analysis/region.h"
 
+#include "analysis/statistics.h"
 #include "output/values.h"
 
 #include <math.h>
@@ -112,7 +113,15 @@ static bool has_neighbours(const mcv_roi *r, uint32_t x, uint32_t y) {
     return true;
 }
 
-double mcv_roi_estimate_noise(mcv_readings *readings, const mcv_roi *region, double least) {
+/*
+ * Of N second differences, which share pixels: by simulation, for squares of 3 x 3 to 32 x 32 pixels, the squared median is 1 + 5/N times
+ * the variance in the mean, and as uncertain as a variance from so many degrees of freedom.
+ */
+static double estimate_bias(double differences) { return 1 + 5 / differences; }
+
+static double estimate_freedom(uint64_t differences) { return differences ? ((double)differences + 4) / 6 : INFINITY; }
+
+double mcv_roi_estimate_noise(mcv_readings *readings, mcv_roi *region, double least) {
     static const float stencil[3][3] = {{1, -2, 1}, {-2, 4, -2}, {1, -2, 1}}; /* noise of 1 makes 6 */
     const double median_of_normal = 0.67448975;                               /* of |Z| */
     const uint32_t width = region->width;
@@ -129,10 +138,11 @@ double mcv_roi_estimate_noise(mcv_readings *readings, const mcv_roi *region, dou
     double noise = NAN;
     if (count) {
         qsort(found, count, sizeof *found, compare_floats);
-        noise = fmax(least, found[count / 2] / (6 * median_of_normal));
+        const double median = 0.5 * ((double)found[(count - 1) / 2] + found[count / 2]);
+        noise = fmax(least, median / (6 * median_of_normal * sqrt(estimate_bias((double)count))));
     }
     free(found);
-    readings->estimated = count;
+    region->estimated = count;
     for (size_t i = 0; i < (size_t)width * region->height; ++i)
         if (region->inside[i]) readings->deviation.pixels[i] = (float)noise;
     return noise;
@@ -142,19 +152,28 @@ double mcv_roi_estimate_noise(mcv_readings *readings, const mcv_roi *region, dou
 
 static mcv_quantity quantity(double value, double variance) { return (mcv_quantity){value, sqrt(fmax(0, variance))}; }
 
+/* A variance that is known from so many degrees of freedom, as wide as one that is known. */
+static double widened(double variance, double freedom) {
+    return isfinite(freedom) ? variance * pow(mcv_student_quantile(0.05, freedom) / 1.959964, 2) : variance;
+}
+
 /*
  * Mean m and sample variance V of n values y whose pixels have the variances u²: Var m = Σu²/n², Cov(m, V) = 2 Σ(y - m)u²/(n (n - 1)) and,
  * the noise being normal, Var V = (4 Σ(y - m)²u² - 2 Σu⁴)/(n - 1)², in which the second term takes out the noise that y brings into the
- * first; 2 Σu⁴/(n - 1)² where all is noise. Half of that is the least: few values may lie closer together than their noise.
+ * first; 2 Σu⁴/(n - 1)² where all is noise. Half of that is the least: few values may lie closer together than their noise. The square of
+ * an estimated u² is too large by its own variance, 2/freedom of it.
+ *
+ * Without any signal V - noise is below `reach` in 95 % of cases. The ratio of V to an estimated noise is skewed, its logarithm hardly.
  */
 typedef struct moments {
     double n, mean, variance, noise;
-    double var_mean, covariance, var_variance, var_without_signal;
+    double freedom; /* of the noise */
+    double var_mean, covariance, var_variance, reach;
 } moments;
 
 static moments find_moments(const mcv_readings *r, const mcv_roi *region) {
     const size_t plane = (size_t)region->width * region->height;
-    moments m = {.n = (double)region->count};
+    moments m = {.n = (double)region->count, .freedom = estimate_freedom(region->estimated)};
     double sum = 0, squares = 0, u2_sum = 0, u4_sum = 0, first = 0, second = 0;
     for (size_t i = 0; i < plane; ++i)
         if (region->inside[i]) sum += r->values.pixels[i];
@@ -173,23 +192,27 @@ static moments find_moments(const mcv_readings *r, const mcv_roi *region) {
     m.noise = u2_sum / m.n;
     m.var_mean = u2_sum / (m.n * m.n);
     m.covariance = 2 * first / (m.n * freedom);
-    m.var_without_signal = 2 * u4_sum / (freedom * freedom);
-    m.var_variance = fmax(0.5 * m.var_without_signal, (4 * second - 2 * u4_sum) / (freedom * freedom));
+    const double var_noise = 2 * m.noise * m.noise / m.freedom, var_least = 2 * u4_sum / (freedom * freedom);
+    const double far = 1.645 * sqrt(var_least + var_noise);
+    m.reach = var_noise > 0 ? m.noise * expm1(far / m.noise) : far;
+    const double squared_noise = u4_sum / (1 + 2 / m.freedom), signal = 4 * (second - squared_noise);
+    const double wide = m.variance > m.noise + m.reach ? widened(signal, m.freedom) : signal;
+    m.var_variance = fmax(0.5 * var_least, (wide + 2 * squared_noise) / (freedom * freedom));
     return m;
 }
 
 /*
- * The deviation that is not noise, over the mean: √s/m with s = V - noise; var_noise is what an estimate of the noise adds to the variance
- * of s: from N differences, by simulation, 12/N of its square, less 2/N for its covariance with V of the same pixels. Near 0 the root has
- * no slope, and the interval reaches up only: s without signal is below `reach` in 95 % of cases.
+ * The deviation that is not noise, over the mean: √s/m with s = V - noise. An estimate of the noise adds its own variance to that of s,
+ * `share` of it: it has to do with V, if it comes from the same values. Near 0 the root has no slope, and the interval reaches up only.
  */
-static mcv_quantity rms_contrast(const moments *m, double var_noise) {
+static mcv_quantity rms_contrast(const moments *m, double share) {
     const double signal = isnan(m->variance) ? NAN : fmax(0, m->variance - m->noise), rms = sqrt(signal) / m->mean,
                  mean2 = m->mean * m->mean;
-    const double reach = 1.645 * sqrt(m->var_without_signal + var_noise);
+    const double reach = m->reach, var_noise = widened(share * 2 * m->noise * m->noise / m->freedom, m->freedom);
     double var_root = 0.75 * reach / 1.645; /* below `reach` whatever is large enough: the interval ends at 0 */
     if (signal > reach) var_root = fmax((m->var_variance + var_noise) / (4 * signal), pow((sqrt(signal) - sqrt(signal - reach)) / 1.96, 2));
-    return quantity(rms, var_root / mean2 + rms * rms * m->var_mean / mean2 - (signal > 0 ? m->covariance / (mean2 * m->mean) : 0));
+    return quantity(rms, var_root / mean2 + rms * rms * widened(m->var_mean, m->freedom) / mean2 -
+                             (signal > 0 ? m->covariance / (mean2 * m->mean) : 0));
 }
 
 enum { CELLS = 8 };
@@ -226,7 +249,7 @@ static mcv_quantity uniformity(const mcv_readings *r, const mcv_roi *region) {
     uint8_t inside[CELLS * CELLS];
     const mcv_readings cells = {.values = {.width = CELLS, .height = CELLS, .channels = 1, .pixels = means},
                                 .deviation = {.width = CELLS, .height = CELLS, .channels = 1, .pixels = deviations}};
-    mcv_roi all = {.width = CELLS, .height = CELLS, .inside = inside};
+    mcv_roi all = {.width = CELLS, .height = CELLS, .inside = inside, .estimated = region->estimated};
     fill_cells(r, region, sums, variances, counts, &whole);
     for (int k = 0; k < CELLS * CELLS; ++k) {
         inside[k] = counts[k] > 0 && 2 * counts[k] >= whole;
@@ -235,22 +258,22 @@ static mcv_quantity uniformity(const mcv_readings *r, const mcv_roi *region) {
         deviations[k] = (float)(sqrt(variances[k]) / counts[k]);
     }
     const moments m = find_moments(&cells, &all);
-    const mcv_quantity contrast = rms_contrast(&m, r->estimated ? 12 * m.noise * m.noise / (double)r->estimated : 0);
+    const mcv_quantity contrast = rms_contrast(&m, 1);
     return (mcv_quantity){1 - contrast.value, contrast.uncertainty};
 }
 
 mcv_roi_figures mcv_roi_measure(const mcv_readings *r, const mcv_roi *region) {
     const moments m = find_moments(r, region);
-    const double deviation = sqrt(m.variance), snr = m.mean / deviation;
+    const double deviation = sqrt(m.variance), snr = m.mean / deviation, var_mean = widened(m.var_mean, m.freedom);
     mcv_roi_figures f = {
         .count = region->count,
         .smallest = INFINITY,
         .largest = -INFINITY,
         .noise = sqrt(m.noise),
-        .mean = quantity(m.mean, m.var_mean),
+        .mean = quantity(m.mean, var_mean),
         .deviation = quantity(deviation, m.var_variance / (4 * m.variance)),
-        .rms_contrast = rms_contrast(&m, r->estimated ? 10 * m.noise * m.noise / (double)r->estimated : 0),
-        .snr = quantity(snr, m.var_mean / m.variance + snr * snr * m.var_variance / (4 * m.variance * m.variance) -
+        .rms_contrast = rms_contrast(&m, 10.0 / 12),
+        .snr = quantity(snr, var_mean / m.variance + snr * snr * m.var_variance / (4 * m.variance * m.variance) -
                                  m.mean * m.covariance / (m.variance * m.variance)),
         .uniformity = uniformity(r, region),
     };
@@ -260,6 +283,11 @@ mcv_roi_figures mcv_roi_measure(const mcv_readings *r, const mcv_roi *region) {
         f.largest = fmax(f.largest, r->values.pixels[i]);
     }
     return f;
+}
+
+/* a + b, each with its degrees of freedom, widened by those that Welch and Satterthwaite give the sum. */
+static double widened_sum(double a, double freedom_a, double b, double freedom_b) {
+    return widened(a + b, (a + b) * (a + b) / (a * a / freedom_a + b * b / freedom_b));
 }
 
 mcv_contrast_figures mcv_roi_contrast(const mcv_readings *r, const mcv_roi *region, const mcv_roi *background) {
@@ -272,11 +300,12 @@ mcv_contrast_figures mcv_roi_contrast(const mcv_readings *r, const mcv_roi *regi
         shared += u2 / (mm.n * bm.n);
         slanted += 2 * (r->values.pixels[i] - b) * u2 / (mm.n * (bm.n - 1));
     }
-    const double vm = mm.var_mean, vb = bm.var_mean, difference = vm + vb - 2 * shared;
+    const double vm = mm.var_mean, vb = bm.var_mean, difference = widened_sum(vm, mm.freedom, vb, bm.freedom) - 2 * shared;
     return (mcv_contrast_figures){
         .difference = quantity(m - b, difference),
-        .weber = quantity((m - b) / b, (vm - 2 * m / b * shared + m * m / (b * b) * vb) / (b * b)),
-        .michelson = quantity((m - b) / both, 4 * (b * b * vm - 2 * m * b * shared + m * m * vb) / pow(both, 4)),
+        .weber = quantity((m - b) / b, (widened_sum(vm, mm.freedom, m * m / (b * b) * vb, bm.freedom) - 2 * m / b * shared) / (b * b)),
+        .michelson =
+            quantity((m - b) / both, 4 * (widened_sum(b * b * vm, mm.freedom, m * m * vb, bm.freedom) - 2 * m * b * shared) / pow(both, 4)),
         .contrast_to_noise =
             quantity(ratio, difference / v + ratio * ratio * bm.var_variance / (4 * v * v) - (m - b) / (v * v) * (slanted - bm.covariance)),
     };

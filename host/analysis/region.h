@@ -16,7 +16,6 @@ typedef struct mcv_quantity {
 /* One channel of values and their standard uncertainties. Values that are NaN belong to no region. */
 typedef struct mcv_readings {
     mcv_image values, deviation;
-    uint64_t estimated; /* from how many of the values' differences the deviations are; 0: they are known */
 } mcv_readings;
 
 /* A set of pixels. */
@@ -25,6 +24,7 @@ typedef struct mcv_roi {
     uint32_t width, height; /* of the image */
     uint8_t *inside;        /* one per pixel */
     uint64_t count;
+    uint64_t estimated; /* from how many of the values' differences the pixels' deviations are; 0: they are known */
 } mcv_roi;
 
 /*
@@ -42,8 +42,11 @@ size_t mcv_roi_numbers(const char *text, size_t number, char name[64], const cha
  * The noise of a region whose pixels' uncertainties are not known: from second differences of neighbours in both directions, which smooth
  * shading leaves at 0, by their median, which edges hardly move (after Immerkær, Fast noise variance estimation, 1996). Sets the
  * deviation of the region's pixels, at least to `least`. NaN where no pixel has all of its neighbours in the region.
+ *
+ * From few differences the estimate is itself uncertain. The uncertainties below are then those that make value ± 1.96 uncertainty hold the
+ * truth in 95 % of cases, by Student's t with the degrees of freedom of the estimate (GUM, annex G).
  */
-double mcv_roi_estimate_noise(mcv_readings *readings, const mcv_roi *region, double least);
+double mcv_roi_estimate_noise(mcv_readings *readings, mcv_roi *region, double least);
 
 /*
  * Of a region: the mean; the deviation of the values from it, noise and all; their noise (the root of the mean of the pixels' variances);

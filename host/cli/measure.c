@@ -144,9 +144,9 @@ static void put(mcv_report *report, const char *key, const char *unit, mcv_quant
     mcv_report_quantity(report, key, unit, q.value, q.uncertainty);
 }
 
-static void know_noise(subject *s, const mcv_roi *region) { mcv_know_noise(&s->readings, s->noise, s->whole, region); }
+static void know_noise(subject *s, mcv_roi *region) { mcv_know_noise(&s->readings, s->noise, s->whole, region); }
 
-static void report_region(subject *s, mcv_report *report, const mcv_roi *region, const mcv_roi *background) {
+static void report_region(subject *s, mcv_report *report, mcv_roi *region, mcv_roi *background) {
     uint64_t saturated = 0;
     for (size_t i = 0; i < (size_t)region->width * region->height; ++i)
         saturated += region->inside[i] && (double)s->readings.values.pixels[i] >= s->largest;

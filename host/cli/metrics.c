@@ -118,11 +118,11 @@ mcv_result mcv_metric_known(void *user, const char *name, mcv_quantity *quantity
 
 /* --- figures ---------------------------------------------------------------------------------------------------- */
 
-void mcv_know_noise(mcv_readings *readings, bool known, bool whole, const mcv_roi *region) {
+void mcv_know_noise(mcv_readings *readings, bool known, bool whole, mcv_roi *region) {
     if (!known) mcv_roi_estimate_noise(readings, region, whole ? sqrt(1.0 / 12) : 0);
 }
 
-static void know_noise(mcv_metrics *m, const mcv_roi *region) { mcv_know_noise(&m->readings, m->known, m->whole, region); }
+static void know_noise(mcv_metrics *m, mcv_roi *region) { mcv_know_noise(&m->readings, m->known, m->whole, region); }
 
 static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quantity *quantity, mcv_error *error) {
     const mcv_command *c = m->command;

@@ -45,7 +45,7 @@ mcv_result mcv_metric_look_up(void *user, const char *name, mcv_quantity *quanti
 mcv_result mcv_metric_known(void *user, const char *name, mcv_quantity *quantity, mcv_error *error);
 
 /* Estimates the noise of a region where the readings' deviations are not known; rounding to whole numbers alone makes 1/√12. */
-void mcv_know_noise(mcv_readings *readings, bool known, bool whole, const mcv_roi *region);
+void mcv_know_noise(mcv_readings *readings, bool known, bool whole, mcv_roi *region);
 
 /* The edge of "[NAME=]X,Y,W,H", with its noise as above. */
 mcv_result mcv_locate_edge(mcv_readings *readings, bool known, bool whole, const char *text, size_t number, mcv_edge *edge,
