@@ -269,6 +269,46 @@ static void test_coverage(void **state) {
     check_coverage(0);
 }
 
+/*
+ * The 10-90 width from a noise of 0.02 % of the step on, where what is left is how the spread function bends between the pixels. That is no
+ * noise: intervals that allow for it hold the truth more often than 97 % of the time, and may, where the noise is a third of a per cent or
+ * less.
+ */
+static void check_width(double tilt, double disc, double share, uint32_t width, uint32_t height) {
+    const picture p = {.tilt = tilt * M_PI / 180, .place = 0.5 * width + 0.4, .row = 0.5 * height, .disc = disc, .dark = 40, .bright = 200};
+    const double truth = width_of(&p);
+    mcv_readings clean = draw(&p, width, height, share * 160), noisy = draw(&p, width, height, share * 160);
+    double sum = 0;
+    int covered = 0;
+    char box[64];
+    snprintf(box, sizeof box, "0,0,%u,%u", width, height);
+    for (uint32_t n = 0; n < REPLICATES; ++n) {
+        for (uint32_t i = 0; i < width * height; ++i) {
+            mcv_noise noise = mcv_noise_begin(n, 0, i);
+            noisy.values.pixels[i] = (float)(clean.values.pixels[i] + noisy.deviation.pixels[i] * mcv_noise_normal(&noise));
+        }
+        const mcv_quantity found = find(&noisy, box).width_10_90;
+        sum += found.value - truth;
+        covered += fabs(found.value - truth) <= 1.959964 * found.uncertainty;
+    }
+    print_message("tilt %g°, blur %g, noise %g: 10-90 width %.4f, %+.5f in the mean, %.1f %% of %d intervals hold it\n", tilt, disc, share,
+                  truth, sum / REPLICATES, 100.0 * covered / REPLICATES, REPLICATES);
+    if (covered < 930 || (covered > 970 && share > 0.003)) fail_msg("%d of %d intervals hold the truth", covered, REPLICATES);
+    release(&clean);
+    release(&noisy);
+}
+
+static void test_width_coverage(void **state) {
+    static const double shares[] = {2e-4, 1e-3, 3e-3, 0.01, 0.03};
+    (void)state;
+    for (int k = 0; k < 5; ++k) {
+        check_width(5, 0.4, shares[k], 56, 50);
+        check_width(7, 0, shares[k], 56, 50);
+        check_width(12.3, 1.2, shares[k], 56, 50);
+        check_width(5, 0, shares[k], 30, 16);
+    }
+}
+
 /* --- bad input -------------------------------------------------------------------------------------------------- */
 
 static void expect_refused(const mcv_readings *r, const char *box, const char *part) {
@@ -304,8 +344,9 @@ static void test_no_edge(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_position), cmocka_unit_test(test_mtf),     cmocka_unit_test(test_diffraction),
-        cmocka_unit_test(test_coverage), cmocka_unit_test(test_no_edge),
+        cmocka_unit_test(test_position),       cmocka_unit_test(test_mtf),
+        cmocka_unit_test(test_diffraction),    cmocka_unit_test(test_coverage),
+        cmocka_unit_test(test_width_coverage), cmocka_unit_test(test_no_edge),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
