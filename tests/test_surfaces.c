@@ -634,6 +634,27 @@ static void definitions(void **state) {
     }
 }
 
+/* Made by hand they fail as from a file: a rim that lets light through, a sensor's frame that is no rotation. */
+static void made_by_hand(void **state) {
+    (void)state;
+    mcv_scene *scene = new_scene();
+    const uint32_t glass = add_glass(scene, 1.5, 0, 0), other = add_glass(scene, 1.7, 0, 0);
+    const mcv_solid lens = element(0.01, (mcv_cap){.curvature = 1 / 0.04}, (mcv_cap){.z = 0.006});
+    mcv_error error = {""};
+    assert_int_equal(mcv_scene_add_solid(scene, &lens, "lens", glass, other, &error), MCV_BAD_INPUT);
+    if (!strstr(error.text, "lens: the rim")) fail_msg("%s", error.text);
+    mcv_sensor sensor = sensor_defaults(MCV_SENSOR_PINHOLE);
+    static const mcv_transform wrong[] = {
+        {{1, 0.1, 0, 0, 1, 0, 0, 0, 1}}, {{2, 0, 0, 0, 2, 0, 0, 0, 2}}, {{1, 0, 0, 0, 1, 0, 0, 0, -1}}, {{0}}};
+    sensor.name = (char *)"cam";
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        sensor.to_world = wrong[i];
+        assert_int_equal(mcv_scene_add_sensor(scene, &sensor, &error), MCV_BAD_INPUT);
+        if (!strstr(error.text, "cam: its frame must be")) fail_msg("%s", error.text);
+    }
+    mcv_scene_free(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(plate),
@@ -653,6 +674,7 @@ int main(void) {
         cmocka_unit_test(cemented),
         cmocka_unit_test(nested),
         cmocka_unit_test(definitions),
+        cmocka_unit_test(made_by_hand),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

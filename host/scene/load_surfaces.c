@@ -260,39 +260,6 @@ void mcv_load_free_bodies(mcv_loader *loader) {
 
 /* --- what a node places ----------------------------------------------------------------------------------------- */
 
-static mcv_result check_body_material(const mcv_scene *scene, uint32_t material, const mcv_solid *solid, const mcv_place *place,
-                                      mcv_error *error) {
-    const mcv_material *m = scene->materials + material;
-    if (m->texture != MCV_NONE || mcv_material_surface_texture(m) != MCV_NONE)
-        return mcv_fail_at(place, error, "material \"%s\" has a texture, but exact surfaces have no texture coordinates: choose another",
-                           m->name);
-    if (mcv_material_roughness(m).anisotropy > 0)
-        return mcv_fail_at(place, error, "material \"%s\" is anisotropic, but exact surfaces have no direction for it: choose another",
-                           m->name);
-    if (solid->side == MCV_SIDE_OPEN && m->type == MCV_MATERIAL_DIELECTRIC)
-        return mcv_fail_at(place, error, "material \"%s\" fills a body, but an open surface has no inside: use a lens", m->name);
-    return MCV_OK;
-}
-
-static bool passes_light(const mcv_material *m) {
-    const double *share = m->type == MCV_MATERIAL_DIFFUSE         ? m->as.diffuse.transmittance
-                          : m->type == MCV_MATERIAL_BEAM_SPLITTER ? m->as.beam_splitter.transmittance
-                          : m->type == MCV_MATERIAL_SHEET         ? m->as.sheet.transmittance
-                                                                  : NULL;
-    if (m->type == MCV_MATERIAL_METALLIC_ROUGHNESS)
-        return m->as.metallic_roughness.transmission > 0 || m->as.metallic_roughness.diffuseTransmission > 0;
-    return m->type == MCV_MATERIAL_DIELECTRIC || (share && share[0] + share[1] + share[2] > 0);
-}
-
-/* Light that came out of glass by an edge of something else would not know that it has. */
-static mcv_result check_rim(const mcv_scene *scene, uint32_t material, uint32_t rim, const mcv_place *place, mcv_error *error) {
-    const mcv_material *body = scene->materials + material, *edge = scene->materials + rim;
-    if (rim == material || !passes_light(edge) || (body->type != MCV_MATERIAL_DIELECTRIC && edge->type != MCV_MATERIAL_DIELECTRIC))
-        return MCV_OK;
-    return mcv_fail_at(place, error, "the rim \"%s\" lets light through, but is not the body's material: choose an opaque one or \"%s\"",
-                       edge->name, body->name);
-}
-
 mcv_result mcv_load_body(mcv_loader *loader, const json_t *node, const mcv_transform *to_world, const mcv_place *place, mcv_error *error) {
     uint32_t index;
     mcv_transform frame;
@@ -305,9 +272,7 @@ mcv_result mcv_load_body(mcv_loader *loader, const json_t *node, const mcv_trans
         mcv_solid solid = body->solids[i];
         if (material == MCV_NONE) MCV_TRY(mcv_load_plain(loader, &material, error));
         if (rim == MCV_NONE) rim = material;
-        MCV_TRY(check_body_material(loader->scene, material, &solid, place, error));
-        MCV_TRY(check_body_material(loader->scene, rim, &solid, place, error));
-        MCV_TRY(check_rim(loader->scene, material, rim, place, error));
+        MCV_TRY(mcv_solid_check_materials(&solid, loader->scene, material, rim, place, error));
         solid.to_world = frame;
         MCV_TRY(mcv_scene_add_solid(loader->scene, &solid, mcv_json_name(node), material, rim, error));
     }

@@ -6,7 +6,9 @@
 #include "scene/params.h"
 #include "scene/sensors.h"
 #include "scene/solid.h"
+#include "scene/transform.h"
 
+#include <float.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -279,10 +281,21 @@ mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, m
     return mcv_fail_memory(here, error);
 }
 
+/* To the rounding of floats, in which others may have kept it. */
+static bool is_rigid(const mcv_transform *t) {
+    const double *m = t->m, rounding = 6 * FLT_EPSILON; /* of three products of two rounded numbers */
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j <= i; ++j)
+            if (!(fabs(m[i] * m[j] + m[3 + i] * m[3 + j] + m[6 + i] * m[6 + j] - (i == j)) <= rounding)) return false;
+    return mcv_transform_determinant(t) > 0;
+}
+
 mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_error *error) {
     element_place place;
     const mcv_place *here = place_element(&place, scene, "sensors", sensor->name, scene->sensor_count);
     if (sensor->type >= MCV_SENSOR_COUNT) return mcv_fail_at(here, error, "%u is no type of sensor", sensor->type);
+    if (!is_rigid(&sensor->to_world))
+        return mcv_fail_at(here, error, "its frame must be turned and moved only, not scaled, sheared or mirrored");
     mcv_sensor own = *sensor;
     MCV_TRY(mcv_sensor_resolve(&own, here, error));
     bool failed = false;
@@ -298,7 +311,7 @@ mcv_result mcv_scene_add_solid(mcv_scene *scene, const mcv_solid *solid, const c
     float positions[24];
     uint32_t no_indices;
     MCV_TRY(mcv_solid_check(solid, here, error));
-    if (body >= scene->material_count || rim >= scene->material_count) return mcv_fail_at(here, error, "its material does not exist");
+    MCV_TRY(mcv_solid_check_materials(solid, scene, body, rim, here, error));
     if (scene->solid_count == MCV_MAX_SOLIDS) return mcv_fail_at(here, error, "more than %d bodies with exact surfaces", MCV_MAX_SOLIDS);
     mcv_solid own = *solid;
     const uint32_t first = scene->instance_count, materials[2] = {body, rim};

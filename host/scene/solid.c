@@ -96,6 +96,47 @@ mcv_result mcv_solid_check(const mcv_solid *solid, const mcv_place *place, mcv_e
     return solid->side == MCV_SIDE_OPEN ? MCV_OK : check_gap(solid, place, error);
 }
 
+static mcv_result check_material(const mcv_solid *solid, const mcv_scene *scene, uint32_t material, const mcv_place *place,
+                                 mcv_error *error) {
+    const mcv_material *m = scene->materials + material;
+    if (m->texture != MCV_NONE || mcv_material_surface_texture(m) != MCV_NONE)
+        return mcv_fail_at(place, error, "material \"%s\" has a texture, but exact surfaces have no texture coordinates: choose another",
+                           m->name);
+    if (mcv_material_roughness(m).anisotropy > 0)
+        return mcv_fail_at(place, error, "material \"%s\" is anisotropic, but exact surfaces have no direction for it: choose another",
+                           m->name);
+    if (solid->side == MCV_SIDE_OPEN && m->type == MCV_MATERIAL_DIELECTRIC)
+        return mcv_fail_at(place, error, "material \"%s\" fills a body, but an open surface has no inside: use a lens", m->name);
+    return MCV_OK;
+}
+
+static bool passes_light(const mcv_material *m) {
+    const double *share = m->type == MCV_MATERIAL_DIFFUSE         ? m->as.diffuse.transmittance
+                          : m->type == MCV_MATERIAL_BEAM_SPLITTER ? m->as.beam_splitter.transmittance
+                          : m->type == MCV_MATERIAL_SHEET         ? m->as.sheet.transmittance
+                                                                  : NULL;
+    if (m->type == MCV_MATERIAL_METALLIC_ROUGHNESS)
+        return m->as.metallic_roughness.transmission > 0 || m->as.metallic_roughness.diffuseTransmission > 0;
+    return m->type == MCV_MATERIAL_DIELECTRIC || (share && share[0] + share[1] + share[2] > 0);
+}
+
+/* Light that came out of glass by an edge of something else would not know that it has. */
+static mcv_result check_rim(const mcv_scene *scene, uint32_t material, uint32_t rim, const mcv_place *place, mcv_error *error) {
+    const mcv_material *body = scene->materials + material, *edge = scene->materials + rim;
+    if (rim == material || !passes_light(edge) || (body->type != MCV_MATERIAL_DIELECTRIC && edge->type != MCV_MATERIAL_DIELECTRIC))
+        return MCV_OK;
+    return mcv_fail_at(place, error, "the rim \"%s\" lets light through, but is not the body's material: choose an opaque one or \"%s\"",
+                       edge->name, body->name);
+}
+
+mcv_result mcv_solid_check_materials(const mcv_solid *solid, const mcv_scene *scene, uint32_t body, uint32_t rim, const mcv_place *place,
+                                     mcv_error *error) {
+    if (body >= scene->material_count || rim >= scene->material_count) return mcv_fail_at(place, error, "its material does not exist");
+    MCV_TRY(check_material(solid, scene, body, place, error));
+    MCV_TRY(check_material(solid, scene, rim, place, error));
+    return check_rim(scene, body, rim, place, error);
+}
+
 void mcv_solid_box(const mcv_solid *solid, float corners[24]) {
     const bool box = solid->side == MCV_SIDE_BOX;
     double lower[3] = {box ? -solid->half[0] : -solid->radius, box ? -solid->half[1] : -solid->radius, -solid->radius};

@@ -19,6 +19,10 @@ mcv_result mcv_cap_check(const mcv_cap *cap, double radius, const mcv_place *pla
 /* Has it an inside: sizes above 0, caps that do not cross within the side? */
 mcv_result mcv_solid_check(const mcv_solid *solid, const mcv_place *place, mcv_error *error);
 
+/* May exact surfaces be of these materials, and the rim of another than the body? */
+mcv_result mcv_solid_check_materials(const mcv_solid *solid, const mcv_scene *scene, uint32_t body, uint32_t rim, const mcv_place *place,
+                                     mcv_error *error);
+
 /* The corners of its box in its frame, rounded outwards. */
 void mcv_solid_box(const mcv_solid *solid, float corners[24]);
 
