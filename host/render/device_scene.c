@@ -45,7 +45,8 @@ static bool same(const mcv_digest *a, const mcv_digest *b) {
 /* A feature's array, or no bytes where the scene lacks it. */
 static size_t present(const void *data, size_t bytes) { return data ? bytes : 0; }
 
-enum { STRUCTURE = 2 }; /* the first plans: nodes and leaves, new or already taken */
+/* The first plans: nodes and leaves, new or already taken; and the one whose digest keep_structure needs before. */
+enum { STRUCTURE = 2, POSITIONS = 3 };
 
 /* The buffer of a plan out of the scene before, if it has one of this size. */
 static void take_buffer(mcv_device_scene *kept, const mcv_device_scene *d, const plan *p, uint32_t index) {
@@ -58,7 +59,7 @@ static void take_buffer(mcv_device_scene *kept, const mcv_device_scene *d, const
 static mcv_result fill_buffer(mcv_cl *cl, const plan *p, uint32_t index, mcv_device_scene *kept, mcv_device_scene *d, mcv_error *error) {
     if (p->bytes == 0) return MCV_OK;
     if (index < STRUCTURE) return mcv_cl_buffer(cl, p->what, p->bytes, p->data, p->buffer, error);
-    d->contents[index] = p->data ? digest((mcv_digest){0}, p->data, p->bytes) : (mcv_digest){.bytes = p->bytes};
+    if (index != POSITIONS) d->contents[index] = p->data ? digest((mcv_digest){0}, p->data, p->bytes) : (mcv_digest){.bytes = p->bytes};
     if (kept) take_buffer(kept, d, p, index);
     if (!*p->buffer) return mcv_cl_buffer(cl, p->what, p->bytes, p->data, p->buffer, error);
     return kept && p->data && !same(&kept->contents[index], &d->contents[index]) ? mcv_cl_write(cl, *p->buffer, 0, p->bytes, p->data, error)
@@ -174,10 +175,10 @@ static void *build_hierarchy(void *user) {
 /* The structure of the scene before, if it can be used; otherwise device->kept_structure stays false. */
 static mcv_result keep_structure(mcv_cl *cl, mcv_device_scene *kept, mcv_device_scene *device, mcv_error *error) {
     const mcv_packed *p = &device->packed;
-    device->positions_digest = digest((mcv_digest){0}, p->positions, 12 * (size_t)p->vertex_count);
+    device->contents[POSITIONS] = digest((mcv_digest){0}, p->positions, 12 * (size_t)p->vertex_count);
     device->indices_digest = digest((mcv_digest){0}, p->indices, 12 * (size_t)p->triangle_count);
     if (!kept || !kept->nodes || !same(&kept->indices_digest, &device->indices_digest)) return MCV_OK;
-    if (!same(&kept->positions_digest, &device->positions_digest)) return move_structure(cl, kept, device, error);
+    if (!same(kept->contents + POSITIONS, device->contents + POSITIONS)) return move_structure(cl, kept, device, error);
     take_structure(kept, device);
     return MCV_OK;
 }

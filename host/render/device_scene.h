@@ -45,9 +45,9 @@ typedef struct mcv_device_scene {
 #define MCV_X(name) cl_mem name;
     MCV_SCENE_BUFFERS(MCV_X)
 #undef MCV_X
-    cl_mem splats;       /* [replicate][channel][row][column], of 64 bits: what light paths have brought so far */
-    bool kept_structure; /* the acceleration structure is that of the scene before, moved where triangles have moved */
-    mcv_digest positions_digest, indices_digest; /* that it stands for */
+    cl_mem splats;             /* [replicate][channel][row][column], of 64 bits: what light paths have brought so far */
+    bool kept_structure;       /* the acceleration structure is that of the scene before, moved where triangles have moved */
+    mcv_digest indices_digest; /* that it stands for, as for contents of the positions */
     uint32_t node_count, leaf_count;
     double structure_cost;                    /* when it was built; 0: not known yet */
     mcv_digest contents[MCV_SCENE_ARGUMENTS]; /* of the buffers, as fill_buffers lists them */

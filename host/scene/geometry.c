@@ -44,8 +44,8 @@ void mcv_scene_box(const mcv_scene *scene, uint32_t instance, double lower[3], d
         double world[3];
         mcv_scene_vertex(scene, instance, v, world);
         for (int k = 0; k < 3; ++k) {
-            lower[k] = fmin(lower[k], world[k]);
-            upper[k] = fmax(upper[k], world[k]);
+            if (world[k] < lower[k]) lower[k] = world[k];
+            if (world[k] > upper[k]) upper[k] = world[k];
         }
     }
 }
