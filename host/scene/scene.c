@@ -294,10 +294,10 @@ mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_
     element_place place;
     const mcv_place *here = place_element(&place, scene, "sensors", sensor->name, scene->sensor_count);
     if (sensor->type >= MCV_SENSOR_COUNT) return mcv_fail_at(here, error, "%u is no type of sensor", sensor->type);
-    if (!is_rigid(&sensor->to_world))
-        return mcv_fail_at(here, error, "its frame must be turned and moved only, not scaled, sheared or mirrored");
     mcv_sensor own = *sensor;
     MCV_TRY(mcv_sensor_resolve(&own, here, error));
+    if (!is_rigid(&sensor->to_world))
+        return mcv_fail_at(here, error, "its frame must be turned and moved only, not scaled, sheared or mirrored");
     bool failed = false;
     own.name = copy_name(sensor->name, &failed);
     if (!failed && append(&scene->sensors, &scene->sensor_count, &own, sizeof own)) return MCV_OK;
