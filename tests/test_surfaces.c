@@ -647,6 +647,9 @@ static void made_by_hand(void **state) {
     static const mcv_transform wrong[] = {
         {{1, 0.1, 0, 0, 1, 0, 0, 0, 1}}, {{2, 0, 0, 0, 2, 0, 0, 0, 2}}, {{1, 0, 0, 0, 1, 0, 0, 0, -1}}, {{0}}};
     sensor.name = (char *)"cam";
+    sensor.as.pinhole.imageDistance = 0.01;
+    sensor.as.pinhole.resolution[0] = sensor.as.pinhole.resolution[1] = 8;
+    sensor.as.pinhole.pixelSize[0] = sensor.as.pinhole.pixelSize[1] = 1e-5;
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         sensor.to_world = wrong[i];
         assert_int_equal(mcv_scene_add_sensor(scene, &sensor, &error), MCV_BAD_INPUT);
