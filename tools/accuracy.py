@@ -40,6 +40,7 @@ TRUTHS = {
     "T24": ("light field", "4.2.2: macro pixel to place in focus, pixel to place on the lens; 4f system: shift f tan a"),
     "T25": ("MTF of a slanted edge", "sinc of the pixel times 2 J1(x)/x of the disc, below Nyquist"),
     "bias": ("device against reference", "image means within what Welch's test would see, that within 0.1 %"),
+    "coverage": ("standard errors", "|mean - truth| <= t SE as often as Student's t of R - 1 degrees of freedom says, R = 4, 8, 16"),
     "T31": ("Earth Mover's Distance", "deltas, translation, line, mass term, metric, assignments, certificate"),
 }
 
