@@ -93,8 +93,8 @@ def dots(rows, title):
     return svg(1000, max(bottom + 20, top + 16 * len(kinds) + 10), parts + legend(kinds, right + 20, top + 10))
 
 
-def lines(series, title, x_label):
-    """series: name to points (x, y), both axes logarithmic."""
+def lines(series, title, x_label, dashed=0):
+    """series: name to points (x, y), both axes logarithmic; so many of the last are dashed, to show what they cover."""
     series = {name: [(x, y) for x, y in points if x and y and x > 0 and y > 0] for name, points in series.items()}
     points = [p for line in series.values() for p in line]
     if not points:
@@ -112,9 +112,10 @@ def lines(series, title, x_label):
         colour = COLOURS[i % len(COLOURS)]
         places = [(across.at(x), up.at(y)) for x, y in line]
         path = "L".join(f"{x:.1f} {y:.1f}" for x, y in places)
-        parts.append(f'<path d="M{path}" fill="none" stroke="{colour}" stroke-width="2"/>')
+        dashes = ' stroke-dasharray="6 6"' if i >= len(series) - dashed else ""
+        parts.append(f'<path d="M{path}" fill="none" stroke="{colour}" stroke-width="2"{dashes}/>')
         parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}"/>' for x, y in places]
-    return svg(800, bottom + 44, parts + legend(series, right + 20, top + 10))
+    return svg(1000, bottom + 44, parts + legend(series, right + 20, top + 10))
 
 
 def bars(rows, title):

@@ -14,12 +14,20 @@
 #include "mcvisi/offset.h"
 #include "mesh.h"
 #include "rays.h"
+#include "truths.h"
 
 #ifndef RAY_FACTOR
 #define RAY_FACTOR 1
 #endif
 
 static tracer device;
+
+/* 0 of so many rays, for the table. */
+static void note_rays(const char *what, uint64_t rays, uint64_t wrong) {
+    char name[96];
+    snprintf(name, sizeof name, "traversal: %s, of %.2g rays", what, (double)rays);
+    note_truth(name, "device", (double)wrong, 0);
+}
 
 static void must(mcv_result result, const mcv_error *error) {
     if (result != MCV_OK) fail_msg("%s", error->text);
@@ -135,6 +143,7 @@ static void test_same_hit_as_all_triangles(void **state) {
         mesh_free(m);
     }
     print_message("%u rays, %lu hits, %lu differ\n", 5 * COUNT * RAY_FACTOR, hits, wrong);
+    note_rays("hits other than all triangles', to the bit", 5ull * COUNT * RAY_FACTOR, wrong);
     assert_int_equal(wrong, 0);
     /* Four of five rays of a mesh aim at it; the other meshes hide nothing. Fewer hits would mean an empty test. */
     assert_true(hits > 3ul * COUNT * RAY_FACTOR);
@@ -198,6 +207,7 @@ static void test_closed_meshes_have_even_crossings(void **state) {
         mesh_free(m);
     }
     print_message("%lu rays, %lu crossed a mesh, %lu of the wrong parity\n", all, crossed, wrong);
+    note_rays("misses and double hits at edges and vertices", all, wrong);
     assert_int_equal(wrong, 0);
     assert_true(crossed > all / 3 * 2);
     free(rays);
@@ -229,6 +239,7 @@ static void test_nothing_leaves_a_closed_mesh(void **state) {
         for (uint32_t i = 0; i < COUNT; ++i) wrong += hits[i].triangle == MCV_NONE || !found[i];
     }
     print_message("%d rays, %lu escaped\n", COUNT * RAY_FACTOR, wrong);
+    note_rays("out of a closed mesh at its edges", (uint64_t)COUNT * RAY_FACTOR, wrong);
     assert_int_equal(wrong, 0);
     mcv_bvh_free(&bvh);
     mesh_free(&m);

@@ -156,8 +156,8 @@ static void test_mesh_convergence(void **state) {
                 xy += x * log(error);
                 xx += x * x;
             }
-            if (kind == 0) check("T10 slope of the error over mesh fineness, flat", -xy / xx, 1, 0.1);
-            if (kind == 1) check("T10 slope of the error over mesh fineness, interpolated", -xy / xx, 2, 0.2);
+            if (kind == 0) check("T10 error over mesh fineness, flat: - slope", -xy / xx, 1, 0.1);
+            if (kind == 1) check("T10 error over mesh fineness, interpolated: - slope", -xy / xx, 2, 0.2);
             /* Against the exact ray at the same height, 0.1 to 0.3 R. */
             if (kind == 2) check("T10 exact sphere: worst crossing", 1 + worst, 1, reference ? 1e-13 : 1e-5);
         }

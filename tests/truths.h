@@ -2,7 +2,7 @@
 /*
  * What tests find beside closed forms, for `./run accuracy`: where MCVISI_ACCURACY names a file, each test adds a line of JSON to it when
  * it ends: the worst case of every truth, as error over bound, and points of plots. A truth is called by its number, as in "T3 sphere:
- * crossing", or it is "bias: …" or "coverage: …".
+ * crossing", or by one of the names below.
  */
 #ifndef MCVISI_TESTS_TRUTHS_H
 #define MCVISI_TESTS_TRUTHS_H
@@ -38,12 +38,17 @@ static inline void write_truths(void) {
     if (file) fclose(file);
 }
 
+static inline bool is_truth(const char *what) {
+    static const char *const names[] = {"bias:", "coverage:", "traversal:"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i)
+        if (strncmp(what, names[i], strlen(names[i])) == 0) return true;
+    return what[0] == 'T' && isdigit((unsigned char)what[1]);
+}
+
 /* renderer: "device", "reference", or "program" for what only measures. Names that are no truth's are passed over. */
 static inline void note_truth(const char *what, const char *renderer, double error, double bound) {
     int i = 0;
-    const bool truth =
-        (what[0] == 'T' && isdigit((unsigned char)what[1])) || strncmp(what, "bias:", 5) == 0 || strncmp(what, "coverage:", 9) == 0;
-    if (!truth || !getenv("MCVISI_ACCURACY")) return;
+    if (!is_truth(what) || !getenv("MCVISI_ACCURACY")) return;
     while (i < noted_count && (strcmp(noted_truths[i].what, what) != 0 || strcmp(noted_truths[i].renderer, renderer) != 0)) ++i;
     if (i == noted_count) {
         if (i == (int)(sizeof noted_truths / sizeof noted_truths[0])) abort();

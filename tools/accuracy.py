@@ -23,7 +23,7 @@ TRUTHS = {
     "T7": ("ellipsoid, k = -1/n^2", "all heights cross at n R/(n - 1)"),
     "T8": ("conic mirrors", "paraboloid R/2; sphere R/(2 cos a) from its centre, sin a = h/R; ellipsoid from R/(1 + e) to R/(1 - e)"),
     "T9": ("thick lens; CODE V's double Gauss", "exact rays; 1/f = (n-1)(1/R1 - 1/R2 + (n-1) d/(n R1 R2)), BFD = f (1 - (n-1) d/(n R1))"),
-    "T10": ("convergence", "error ~ mesh^-1 flat, mesh^-2 interpolated, 0 exact; RMSE ~ samples^-1/2 random"),
+    "T10": ("convergence", "error ~ mesh^-1 flat, mesh^-2 interpolated, 0 exact; RMSE ~ samples^-1/2 random, at most samples^-0.58 Sobol'"),
     "T11": ("rainbow", "D = pi + 2 I - 4 I', least 137.9703 degrees for n = 4/3"),
     "T12": ("Fresnel", "R((n-1)/(n+1))^2, Brewster's angle, critical angle, any step and angle"),
     "T13": ("diffuse light on an interface, n = 1.5", "R = 0.0917779594 from outside, 0.5963457598 from inside"),
@@ -41,6 +41,7 @@ TRUTHS = {
     "T25": ("MTF of a slanted edge", "sinc of the pixel times 2 J1(x)/x of the disc, below Nyquist"),
     "bias": ("device against reference", "image means within what Welch's test would see, that within 0.1 %"),
     "coverage": ("standard errors", "|mean - truth| <= t SE as often as Student's t of R - 1 degrees of freedom says, R = 4, 8, 16"),
+    "traversal": ("rays against triangles", "no crack, no double hit at edges; the hit of a loop over all triangles"),
     "T31": ("Earth Mover's Distance", "deltas, translation, line, mass term, metric, assignments, certificate"),
 }
 
@@ -53,7 +54,7 @@ NOT_HERE = {
 
 
 def order(name):
-    return int(name[1:]) if name[0] == "T" else math.inf
+    return (int(name[1:]) if name[0] == "T" else math.inf, name)
 
 
 def read(path):
@@ -101,6 +102,9 @@ def histogram(series, title):
     """Counts by whole ULP."""
     left, top, height, step = 60, 30, 160, 14
     parts, most = [page.text(left, 16, title)], max(y for points in series.values() for _, y in points)
+    for tick in range(0, int(math.log10(most)) + 1, 2):
+        at = top + height - height * math.log1p(10**tick) / math.log1p(most)
+        parts.append(f'<path d="M{left} {at:.1f}H{left + step * 33}" stroke="#ddd"/>' + page.text(left - 5, at + 4, f"{10**tick:g}", "end"))
     for i, points in enumerate(series.values()):
         for x, y in points:
             tall = height * math.log1p(y) / math.log1p(most)
@@ -112,7 +116,7 @@ def histogram(series, title):
     last = max(x for points in series.values() for x, _ in points)
     for x in range(0, int(last) + 1, 4):
         parts.append(page.text(left + step * x + 6, top + height + 14, f"{x}" if x < last else f"{x}+", "middle"))
-    parts.append(page.text(left, top + height + 32, "ulp; heights as the logarithm of counts"))
+    parts.append(page.text(left, top + height + 32, "ulp, and how many of them"))
     return page.svg(800, top + height + 40, parts + page.legend(series, left + step * 34 + 20, top + 10))
 
 
@@ -131,7 +135,7 @@ def draw(plots):
             drawn += histogram(series, title)
         else:
             named = {f"{name}: slope {slope(points):.2f}": points for name, points in series.items()}
-            drawn += page.lines(named, title, title.partition(" over ")[2])
+            drawn += page.lines(named, title, title.partition(" over ")[2], sum(name.startswith("reference") for name in named))
     return drawn
 
 
