@@ -206,6 +206,7 @@ static void say_peak(const images *seen, char *text) {
 /* One channel of the first image. */
 static mcv_image channel_of(const images *seen, uint32_t channel) {
     mcv_image plane = seen->coloured;
+    if (channel >= plane.channels) channel = 0; /* grey */
     plane.pixels += (size_t)channel * plane.width * plane.height;
     plane.channels = 1;
     return plane;
@@ -223,7 +224,7 @@ static void say_purity(const images *seen, char *text) {
     double strongest = 0, all = 0;
     for (size_t i = 0; i < pixels; ++i) {
         double most = 0;
-        for (size_t c = 0; c < 3; ++c) {
+        for (size_t c = 0; c < seen->coloured.channels; ++c) {
             const double v = (double)seen->coloured.pixels[c * pixels + i];
             most = fmax(most, v);
             all += v;
@@ -442,13 +443,35 @@ static mcv_result read_image(const char *path, mcv_image *image, mcv_image *colo
     return result;
 }
 
+/* The size of the image that a panel's arguments ask for: SCENE and perhaps --sensor NAME, or the first. */
+static mcv_result size_of(const panel *p, uint32_t *width, uint32_t *height, mcv_error *error) {
+    char path[256], name[256] = "";
+    mcv_scene *scene;
+    const char *option = strstr(p->arguments, "--sensor ");
+    sscanf(p->arguments, "%255s", path);
+    if (option) sscanf(option, "--sensor %255s", name);
+    MCV_TRY(mcv_scene_load(path, (mcv_overrides){NULL, 0}, &scene, error));
+    uint32_t sensor = 0;
+    while (name[0] && sensor < scene->sensor_count && strcmp(scene->sensors[sensor].name, name) != 0) ++sensor;
+    const bool there = sensor < scene->sensor_count;
+    if (there) mcv_sensor_film_size(&scene->sensors[sensor], width, height);
+    mcv_scene_free(scene);
+    return there ? MCV_OK : mcv_fail(error, MCV_BAD_INPUT, "%s: has no sensor \"%s\"", path, name);
+}
+
 static mcv_result say_number(const entry *e, int number, const char *renders, char *text, mcv_error *error) {
     images seen = {0};
-    mcv_result result = MCV_OK;
+    uint32_t width, height;
+    mcv_result result = size_of(e->panels + number, &width, &height, error);
     for (int n = 0; n < count_images(e->panels + number) && result == MCV_OK; ++n) {
         char path[4096];
         snprintf(path, sizeof path, "%s/%s-%d-%d.exr", renders, e->name, number, n);
         result = read_image(path, seen.of + n, n == 0 ? &seen.coloured : NULL, n == 0 ? &seen.error : NULL, error);
+        const mcv_image *image = seen.of + n;
+        if (result == MCV_OK &&
+            (image->width != width || image->height != height || seen.error.width != width || seen.error.height != height))
+            result = mcv_fail(error, MCV_BAD_INPUT, "%s: is of %u x %u pixels, not of the %u x %u of `mcvisi render %s`", path,
+                              image->width, image->height, width, height, e->panels[number].arguments);
     }
     if (result == MCV_OK) e->say(&seen, text);
     for (int n = 0; n < MAX_IMAGES; ++n) mcv_image_free(seen.of + n);
