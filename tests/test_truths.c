@@ -305,11 +305,50 @@ static void test_forward_and_backward(void **state) {
     mcv_scene_free(scene);
 }
 
+/*
+ * T15 for every smooth material that can be without loss: a ball of it in a uniform furnace, seen from outside, is as bright as that, the
+ * energy of paths that the depth cuts added back.
+ */
+static void test_lossless_materials(void **state) {
+#define GREY(x) \
+    { (x), (x), (x) }
+    static const struct {
+        const char *what;
+        uint32_t type;
+        mcv_material material;
+    } kinds[] = {
+        {"glass", MCV_MATERIAL_DIELECTRIC, {.as.dielectric = {.ior = GREY(1.5)}}},
+        {"diamond", MCV_MATERIAL_DIELECTRIC, {.as.dielectric = {.ior = GREY(2.4)}}},
+        {"coated glass", MCV_MATERIAL_DIELECTRIC, {.as.dielectric = {.ior = GREY(1.5), .coating = 0.005}}},
+        {"sheet", MCV_MATERIAL_SHEET, {.as.sheet = {.ior = 1.5, .transmittance = GREY(1)}}},
+        {"mirror", MCV_MATERIAL_MIRROR, {.as.mirror = {.reflectance = GREY(1)}}},
+        {"beam splitter", MCV_MATERIAL_BEAM_SPLITTER, {.as.beam_splitter = {.reflectance = GREY(0.3), .transmittance = GREY(0.7)}}},
+        {"metal of no real index", MCV_MATERIAL_CONDUCTOR, {.as.conductor = {.n = GREY(0), .k = GREY(3)}}},
+        {"retroreflector", MCV_MATERIAL_RETROREFLECTOR, {.as.retroreflector = {.reflectance = GREY(1), .entranceAngle = M_PI / 2}}},
+    };
+    (void)state;
+    for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; ++k) {
+        mcv_scene *scene = mcv_scene_new("lossless");
+        add_environment(scene, 1);
+        add_sphere(scene, 1, 24, add_material(scene, kinds[k].type, &kinds[k].material), mcv_transform_identity());
+        add_pinhole(scene, 16, 0.6, looking_down_z(0, 0, 3));
+        for (int reference = 0; reference < 2; ++reference) {
+            char what[64];
+            mcv_render_stats stats;
+            snprintf(what, sizeof what, "T15 furnace: ball of %s, mean + lost", kinds[k].what);
+            checked = reference ? "reference" : "device";
+            const mcv_estimate mean = reference ? render_mean(scene, 64, 100, true, &stats) : device_mean(scene, 64, 100, &stats);
+            check(what, mean.mean + stats.lost_energy, 1, 1e-4);
+        }
+        mcv_scene_free(scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_thick_lens),           cmocka_unit_test(test_mesh_convergence),   cmocka_unit_test(test_report_lens),
         cmocka_unit_test(test_sphere_light),         cmocka_unit_test(test_integrating_sphere), cmocka_unit_test(test_power_is_linear),
-        cmocka_unit_test(test_forward_and_backward),
+        cmocka_unit_test(test_forward_and_backward), cmocka_unit_test(test_lossless_materials),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
