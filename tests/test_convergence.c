@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* ctest: label truth */
 /* ctest: label slow */
+/* ctest: timeout 900 */
 /* How the error of an image falls with its samples: as their inverse root with random points, faster with Sobol' points. */
 #include "scene_builder.h"
 

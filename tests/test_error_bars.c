@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* ctest: label truth */
+/* ctest: timeout 900 */
 /*
  * Error bars that are true: the standard error of a pixel covers the truth as often as Student's t with R - 1 degrees of freedom says, with
  * Sobol' points; its square is the mean square of what the pixel is off; and --error ends where it was told to.
