@@ -294,6 +294,38 @@ static void test_grazing(void **state) {
     mcv_scene_free(scene);
 }
 
+/* 1000 total reflections between the faces of a plate, a mesh or exact: the direction drifts by less than 1e-5, in double 1e-12. */
+static void test_many_reflections(void **state) {
+    enum { REFLECTIONS = 1000 };
+    const double angle = 50 * M_PI / 180, azimuth = 0.2;
+    const mcv_trace_ray ray = {{-60, -12, 0.01}, {sin(angle) * cos(azimuth), sin(angle) * sin(azimuth), cos(angle)}};
+    (void)state;
+    for (int exact = 0; exact < 2; ++exact) {
+        mcv_scene *scene = mcv_scene_new("plate");
+        const uint32_t glass = add_glass(scene, 1.5, 0, 0);
+        const mcv_solid plate = element(100, (mcv_cap){.z = -0.05}, (mcv_cap){.z = 0.05});
+        if (exact)
+            add_solid(scene, &plate, glass, glass);
+        else
+            add_box(scene, (const double[3]){100, 100, 0.05}, glass, unmoved);
+        for (int reference = 0; reference < 2; ++reference) {
+            mcv_render_options options = mcv_render_defaults();
+            mcv_vertex *v;
+            size_t count;
+            options.depth = REFLECTIONS;
+            BUILD((reference ? mcv_reference_trace : mcv_trace)(scene, &ray, 1, &options, &v, &count, &builder_error));
+            assert_int_equal(count, REFLECTIONS + 1);
+            for (size_t i = 1; i < count; ++i) assert_int_equal(v[i].event, MCV_EVENT_REFLECT);
+            const double *d = v[REFLECTIONS].direction; /* an even number of reflections */
+            const double drift = sqrt(pow(d[0] - ray.direction[0], 2) + pow(d[1] - ray.direction[1], 2) + pow(d[2] - ray.direction[2], 2));
+            print_message("  %s plate, %s: %.2g after %d reflections\n", exact ? "exact" : "mesh", name_of(reference), drift, REFLECTIONS);
+            if (!(drift <= (reference ? 1e-12 : 1e-5))) fail_msg("%s: the direction has drifted by %g", name_of(reference), drift);
+            free(v);
+        }
+        mcv_scene_free(scene);
+    }
+}
+
 /* A body of the index around it is not there: not a bit of a direction changes. */
 static void test_no_step(void **state) {
     mcv_scene *scene = mcv_scene_new("no step");
@@ -419,6 +451,7 @@ int main(void) {
         cmocka_unit_test(test_degenerate_and_double_faces),
         cmocka_unit_test(test_cones),
         cmocka_unit_test(test_grazing),
+        cmocka_unit_test(test_many_reflections),
         cmocka_unit_test(test_no_step),
         cmocka_unit_test(test_many_equal_samples),
         cmocka_unit_test(test_firefly),
