@@ -36,9 +36,19 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
     }
 #endif
 
+#if MCV_WITH_MIXED
+    const mcv_precise_ray precise = mcv_place_sight_precisely(world.frame, sight);
+    const mcv_vec3 origin = mcv_narrow(precise.origin);
+    const mcv_vec3 direction = mcv_narrow(precise.direction);
+    MCV_STORE_3(slot, origin, origin);
+    MCV_STORE_3(slot, direction, direction);
+    MCV_STORE_3(slot, origin_rest, mcv_rest(precise.origin, origin));
+    MCV_STORE_3(slot, direction_rest, mcv_rest(precise.direction, direction));
+#else
     const mcv_ray ray = mcv_place_sight(world.frame, sight);
     MCV_STORE_3(slot, origin, ray.origin);
     MCV_STORE_3(slot, direction, ray.direction);
+#endif
 #if MCV_WITH_DIELECTRIC
     MCV_WORD(slot, media, 0) = world.frame->initial_media;
 #endif

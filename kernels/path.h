@@ -16,12 +16,14 @@
 #endif
 
 /* Whether the origins of the rays that go on are worked out for many paths at once, after all else. */
-#define MCV_LEAVES_TOGETHER (MCV_TILE && !MCV_WITH_CONTACT)
+#define MCV_LEAVES_TOGETHER (MCV_TILE && !MCV_WITH_CONTACT && !MCV_WITH_MIXED)
 
 /* X(field, words): what a scene does not need has no words. Those before the hit go on with the path to its next surface. */
 #define MCV_PATH_FIELDS(X) \
-    X(origin, 3)                                       /* of the current ray [m] */ \
-    X(direction, 3)                                    /* unit */ \
+    X(origin, 3)                       /* of the current ray [m] */ \
+    X(direction, 3)                    /* unit */ \
+    X(origin_rest, 3 * MCV_WITH_MIXED) /* what rounding leaves of the ray (precise.h) */ \
+    X(direction_rest, 3 * MCV_WITH_MIXED) \
     X(weight, 1)                                       /* of the sensor's ray; 0: the path is not begun */ \
     X(throughput, MCV_CHANNELS)                        /* product of reflectances, transmittances … since the sensor */ \
     X(radiance, MCV_CHANNELS)                          /* found so far, L/n² */ \

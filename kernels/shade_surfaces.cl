@@ -7,6 +7,9 @@
 #include "identity.h"
 #include "meet_surface.h"
 #include "reach.h"
+#if MCV_WITH_MIXED
+#include "precise.h"
+#endif
 
 #if MCV_WITH_LIGHT_TRACING
 /* What light paths leave of what the emitter sends along this path. */
@@ -44,6 +47,23 @@ MCV_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint emit
 #endif
     return density;
 }
+
+#if MCV_WITH_MIXED
+/* Where the path goes on, and with it how: *on gets the direction. */
+static void mcv_leave_precisely(mcv_world world, mcv_slot slot, const mcv_meeting *meeting, uint media, mcv_scattering *on) {
+    const mcv_vec3 rest = MCV_LOAD_3(slot, origin_rest);
+    const mcv_precise_ray ray =
+        mcv_precise_ray_of(MCV_LOAD_3(slot, origin), rest, MCV_LOAD_3(slot, direction), MCV_LOAD_3(slot, direction_rest));
+    mcv_precise_meeting met;
+    met.found = 0;
+    if (on->event != MCV_EVENT_END) met = mcv_meet_precisely(world, meeting, ray, rest, MCV_LOAD(slot, hit, 0));
+    const mcv_onward onward = mcv_go_on_precisely(world, meeting, &met, ray.direction, media, on);
+    const mcv_vec3 origin = mcv_onward_origin(*meeting, on->direction);
+    MCV_STORE_3(slot, origin, origin);
+    MCV_STORE_3(slot, origin_rest, mcv_onward_rest(&onward, onward.ray.origin, origin));
+    MCV_STORE_3(slot, direction_rest, mcv_onward_rest(&onward, onward.ray.direction, on->direction));
+}
+#endif
 
 /* 1 if the path goes on. */
 static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *unmatched) {
@@ -95,7 +115,7 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
     /* The other number of this pair plays roulette; this one has chosen an emitter, which is another estimate. */
     chosen = mcv_draw(slot, depth, MCV_PAIR_CHOICE).x;
 #endif
-    const mcv_scattering on = mcv_scatter(world, meeting, media, pair, chosen, unmatched);
+    mcv_scattering on = mcv_scatter(world, meeting, media, pair, chosen, unmatched);
     throughput = mcv_tint(throughput, on.factor);
     float brightest = mcv_brightest(throughput);
     if (!(brightest > 0.0f)) return 0;
@@ -107,7 +127,9 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
         throughput = mcv_dim(throughput, 1.0f / brightest);
     }
 
-#if !MCV_LEAVES_TOGETHER
+#if MCV_WITH_MIXED
+    mcv_leave_precisely(world, slot, &meeting, media, &on);
+#elif !MCV_LEAVES_TOGETHER
     MCV_STORE_3(slot, origin, mcv_onward_origin(meeting, on.direction));
 #endif
     MCV_STORE_3(slot, direction, on.direction);

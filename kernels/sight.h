@@ -5,6 +5,9 @@
 
 #include "sampler.h"
 #include "world.h"
+#if MCV_WITH_MIXED
+#include "double.h"
+#endif
 
 typedef struct mcv_ray {
     mcv_vec3 origin, direction; /* unit */
@@ -48,6 +51,23 @@ MCV_LOOP_FUNCTION mcv_ray mcv_place_sight(__constant const mcv_frame *frame, mcv
     ray.direction = mcv_normalize(mcv_to_world(frame, sight.direction));
     return ray;
 }
+
+#if MCV_WITH_MIXED
+/* The same in double. */
+MCV_LOOP_FUNCTION mcv_precise_ray mcv_place_sight_precisely(__constant const mcv_frame *frame, mcv_sight sight) {
+    __constant const float *m = frame->to_world, *rest = frame->to_world_rest;
+    const mcv_dvec o = mcv_widen(sight.origin), d = mcv_widen(sight.direction);
+    mcv_precise_ray ray;
+    double to_world[12];
+    for (int i = 0; i < 12; ++i) to_world[i] = (double)m[i] + (double)rest[i];
+    const mcv_dvec x = mcv_dvec_of(to_world[0], to_world[1], to_world[2]);
+    const mcv_dvec y = mcv_dvec_of(to_world[3], to_world[4], to_world[5]);
+    const mcv_dvec z = mcv_dvec_of(to_world[6], to_world[7], to_world[8]);
+    ray.origin = mcv_dvec_of(mcv_dot_d(x, o) + to_world[9], mcv_dot_d(y, o) + to_world[10], mcv_dot_d(z, o) + to_world[11]);
+    ray.direction = mcv_normalize_d(mcv_dvec_of(mcv_dot_d(x, d), mcv_dot_d(y, d), mcv_dot_d(z, d)));
+    return ray;
+}
+#endif
 
 #if MCV_WITH_AIM
 /* What each pixel sees through: the disk of the lens or stop, or of a light field camera its own square of the lens. */

@@ -7,6 +7,9 @@
 #include "intersect_closest.cl"
 #include "path.h"
 #include "scatter.h"
+#if MCV_WITH_MIXED
+#include "precise.h"
+#endif
 
 MCV_FUNCTION void mcv_write_vector(__global float *to, mcv_vec3 v) {
     to[0] = v.x;
@@ -29,6 +32,16 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
     uint left = MCV_NONE;
 #endif
     uint unmatched = 0;
+    const mcv_vec3 nothing = mcv_vec(0.0f, 0.0f, 0.0f);
+    mcv_vec3 point_rest = nothing, normal_rest = nothing, direction_rest = nothing;
+    float distance_rest = 0.0f;
+#if MCV_WITH_MIXED
+    mcv_precise_ray precise;
+    mcv_vec3 origin_rest = mcv_vec(ray.origin_rest[0], ray.origin_rest[1], ray.origin_rest[2]);
+    point_rest = origin_rest;
+    direction_rest = mcv_vec(ray.direction_rest[0], ray.direction_rest[1], ray.direction_rest[2]);
+    precise = mcv_precise_ray_of(origin, point_rest, on.direction, direction_rest);
+#endif
     float distance = 0.0f;
     float transmittance = 1.0f;
     float radiance = 0.0f;
@@ -47,7 +60,10 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
 #endif
         vertex->transmittance = transmittance;
         vertex->radiance = radiance;
-        vertex->padding = 0;
+        vertex->distance_rest = distance_rest;
+        mcv_write_vector(vertex->position_rest, point_rest);
+        mcv_write_vector(vertex->normal_rest, normal_rest);
+        mcv_write_vector(vertex->direction_rest, direction_rest);
         if (on.event == MCV_EVENT_END || on.event == MCV_EVENT_MISS || count + 1 == stride) return count + 1;
 
         /* Find the next surface. */
@@ -65,8 +81,10 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         triangle = MCV_WORD(slot, hit, 3);
         distance = MCV_LOAD(slot, hit, 0);
         transmittance = MCV_LOAD(slot, throughput, 0);
+        distance_rest = 0.0f;
+        normal_rest = direction_rest = nothing;
         if (triangle == MCV_NONE) {
-            normal = mcv_vec(0.0f, 0.0f, 0.0f);
+            normal = nothing;
             on.direction = normal;
             on.event = MCV_EVENT_MISS;
             distance = INFINITY;
@@ -79,10 +97,26 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         const mcv_meeting meeting = mcv_meet(world, origin, direction, hit);
         const uint emitter = world.instances[meeting.surface.instance].emitter;
         radiance = emitter == MCV_NONE ? 0.0f : mcv_emission_met(world, meeting, emitter, on.media, 0.0f, 0.0f).c[0];
-        on = mcv_scatter(world, meeting, on.media, always_refract, 1.0f, &unmatched);
+        const uint before = on.media;
+        on = mcv_scatter(world, meeting, before, always_refract, 1.0f, &unmatched);
         point = meeting.surface.point;
         normal = meeting.normal;
+        point_rest = nothing;
+#if MCV_WITH_MIXED
+        const mcv_precise_meeting met = mcv_meet_precisely(world, &meeting, precise, origin_rest, distance);
+        const mcv_onward onward = mcv_go_on_precisely(world, &meeting, &met, precise.direction, before, &on);
+        if (met.found) {
+            point_rest = mcv_rest(met.point, point);
+            normal_rest = mcv_rest(met.normal, normal);
+            distance_rest = (float)(met.distance - (double)distance);
+        }
+        direction_rest = mcv_onward_rest(&onward, onward.ray.direction, on.direction);
+#endif
         origin = mcv_onward_origin(meeting, on.direction);
+#if MCV_WITH_MIXED
+        origin_rest = mcv_onward_rest(&onward, onward.ray.origin, origin);
+        precise = mcv_precise_ray_of(origin, origin_rest, on.direction, direction_rest);
+#endif
 #if MCV_WITH_SURFACES
         left = mcv_leave_meeting(world, meeting, on.direction);
 #endif

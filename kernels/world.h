@@ -61,6 +61,16 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
 #define mcv_sensor_through MCV_JOIN(mcv_, MCV_SENSOR, _through)
 #endif
 
+#if MCV_WITH_MIXED
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+#include "mcvisi/precise.h"
+#define MCV_PRECISE_SOLID mcv_precise_solid
+#define MCV_DOUBLE double
+#else
+#define MCV_PRECISE_SOLID uint
+#define MCV_DOUBLE uint
+#endif
+
 #if MCV_WITH_SURFACES
 #define MCV_SOLID mcv_device_solid
 #else
@@ -89,7 +99,11 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
     X(__global const mcv_device_texture, textures) \
     X(__global const uint, texels)         /* RGBA, 8 bits each */ \
     X(__global const mcv_device_aim, aims) /* of the pixels, row by row */ \
-    X(__global const MCV_SOLID, solids)
+    X(__global const MCV_SOLID, solids) \
+    X(__global const MCV_PRECISE_SOLID, precise_solids) \
+    X(__global const float, position_rests) /* what rounding leaves of the positions and the normals */ \
+    X(__global const float, normal_rests) \
+    X(__global const MCV_DOUBLE, refractive_indices) /* of the media */
 
 #define MCV_WORLD_FIELD(type, name) type *name;
 #define MCV_WORLD_PARAMETER(type, name) type *name,
@@ -154,6 +168,9 @@ MCV_FUNCTION uint mcv_kept_channel(mcv_color carried) { return carried.c[1] > 0.
 MCV_FUNCTION mcv_world mcv_in_channel(mcv_world world, uint channel) {
     world.media += channel * (MCV_MAX_MEDIA + 1u);
     world.interfaces += channel * (MCV_MAX_MEDIA + 1u) * (MCV_MAX_MEDIA + 1u);
+#if MCV_WITH_MIXED
+    world.refractive_indices += channel * (MCV_MAX_MEDIA + 1u);
+#endif
     return world;
 }
 #endif

@@ -30,26 +30,34 @@ static inline mcv_solid element(double radius, mcv_cap first, mcv_cap second) {
 
 static inline mcv_solid sphere(double radius) { return (mcv_solid){.side = MCV_SIDE_SPHERE, .radius = radius, .to_world = unmoved}; }
 
+/* The device in single precision, the reference renderer, the device in mixed precision; the first two count as false and true. */
+enum { BY_DEVICE, BY_REFERENCE, BY_MIXED, RAY_TRACERS };
+
 enum { DEPTH = 40 };
 typedef struct traced {
     mcv_vertex *vertices;
     size_t count;
 } traced;
 
-static inline traced follow(const mcv_scene *scene, bool reference, const mcv_trace_ray *rays, size_t n) {
+static inline traced follow_deep(const mcv_scene *scene, int by, uint32_t depth, const mcv_trace_ray *rays, size_t n) {
     mcv_render_options options = mcv_render_defaults();
     traced t;
-    options.depth = DEPTH;
-    if (reference)
+    options.depth = depth;
+    if (by == BY_MIXED) options.precision = MCV_PRECISION_MIXED;
+    if (by == BY_REFERENCE)
         BUILD(mcv_reference_trace(scene, rays, n, &options, &t.vertices, &t.count, &builder_error));
     else
         BUILD(mcv_trace(scene, rays, n, &options, &t.vertices, &t.count, &builder_error));
     return t;
 }
 
+static inline traced follow(const mcv_scene *scene, int by, const mcv_trace_ray *rays, size_t n) {
+    return follow_deep(scene, by, DEPTH, rays, n);
+}
+
 /* Of one ray: its vertices; the last one before it is gone is out[returned - 1]. */
-static inline size_t trace_one(const mcv_scene *scene, bool reference, mcv_trace_ray ray, mcv_vertex out[DEPTH + 1]) {
-    const traced t = follow(scene, reference, &ray, 1);
+static inline size_t trace_one(const mcv_scene *scene, int by, mcv_trace_ray ray, mcv_vertex out[DEPTH + 1]) {
+    const traced t = follow(scene, by, &ray, 1);
     size_t n = 0;
     memset(out, 0, (DEPTH + 1) * sizeof *out);
     for (size_t i = 0; i < t.count; ++i)
@@ -61,13 +69,12 @@ static inline size_t trace_one(const mcv_scene *scene, bool reference, mcv_trace
 /* Where the ray that leaves a vertex in the xz plane crosses the axis. */
 static inline double crossing(const mcv_vertex *v) { return v->position[2] - v->position[0] * v->direction[2] / v->direction[0]; }
 
-static inline const char *name_of(bool reference) { return reference ? "reference" : "device"; }
+static inline const char *name_of(int by) { return by == BY_MIXED ? "mixed" : by == BY_REFERENCE ? "reference" : "device"; }
 
-static inline void expect_near(const char *what, bool reference, double got, double expected, double tolerance) {
-    note_truth(what, name_of(reference), fabs(got - expected), tolerance);
+static inline void expect_near(const char *what, int by, double got, double expected, double tolerance) {
+    note_truth(what, name_of(by), fabs(got - expected), tolerance);
     if (!(fabs(got - expected) <= tolerance))
-        fail_msg("%s, %s: %.12g, not %.12g: off by %.3g, allowed are %.3g", what, name_of(reference), got, expected, got - expected,
-                 tolerance);
+        fail_msg("%s, %s: %.12g, not %.12g: off by %.3g, allowed are %.3g", what, name_of(by), got, expected, got - expected, tolerance);
 }
 
 static inline mcv_trace_ray along_z(double x, double y, double z) { return (mcv_trace_ray){{x, y, z}, {0, 0, 1}}; }

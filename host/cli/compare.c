@@ -111,7 +111,7 @@ static mcv_result choose_sensor(const mcv_command *command, mcv_scene *scene, ui
 }
 
 static mcv_result render_loaded(const mcv_command *command, mcv_scene *scene, render *r, mcv_error *error) {
-    const bool reference = command->device && strcmp(command->device, "reference") == 0;
+    const bool reference = mcv_wants_reference(command);
     mcv_render_options options;
     mcv_render_stats stats;
     uint32_t sensor;

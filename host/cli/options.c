@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/options.h"
 
+#include "render/render.h"
 #include "scene/json.h"
 
 #include <math.h>
@@ -264,6 +265,24 @@ void mcv_command_free(mcv_command *command) {
         free(list->items);
         *list = (mcv_list){NULL, 0};
     }
+}
+
+/* --- precision -------------------------------------------------------------------------------------------------- */
+
+static bool is_reference(const char *device) { return device && strcmp(device, "reference") == 0; }
+
+bool mcv_wants_reference(const mcv_command *command) { return is_reference(command->device) || command->precision == MCV_PRECISION_DOUBLE; }
+
+mcv_result mcv_precision_read(const mcv_command *command, uint32_t *precision, mcv_error *error) {
+    *precision = mcv_wants_reference(command) ? MCV_PRECISION_DOUBLE : (uint32_t)command->precision;
+    if (command->precision == MCV_PRECISION_MIXED && is_reference(command->device))
+        return mcv_fail(error, MCV_USAGE, "--precision mixed is for OpenCL devices: the reference renderer knows double only");
+    if (command->precision == MCV_PRECISION_DOUBLE && command->device && !is_reference(command->device))
+        return mcv_fail(error, MCV_USAGE, "--precision double is the reference renderer's, on the host: leave out --device %s",
+                        command->device);
+    if (command->precision == MCV_PRECISION_DOUBLE && command->schedule)
+        return mcv_fail(error, MCV_USAGE, "--precision double is the reference renderer's, which has no --schedule: leave it out");
+    return MCV_OK;
 }
 
 /* --- as JSON ---------------------------------------------------------------------------------------------------- */

@@ -96,6 +96,10 @@ enum {
       "how the stages are launched: a slice of the image at a time (CPUs), or one launch a stage (GPUs); the same bits") \
     X(text, device, "device", 0, "D", MCV_IN_TAKE | MCV_IN_TRACE | MCV_IN_COMPARE, NULL, 0, 0, \
       "a number from `mcvisi devices`, PLATFORM:TYPE:NAME, or `reference`: the independent renderer in double precision, slow") \
+    X(choice, precision, "precision", 0, "single|mixed|double", MCV_IN_TAKE | MCV_IN_TRACE | MCV_IN_COMPARE, NULL, 0, 0, \
+      "single: float32, the default; mixed: where rays meet smooth surfaces and how they go on is worked out in double; double: all is, " \
+      "by " \
+      "the reference renderer, slow") \
     X(count, threads, "threads", 0, "N", MCV_IN_TAKE | MCV_IN_TRACE | MCV_IN_LIGHTFIELD | MCV_IN_COMPARE, NULL, 1, 1024, \
       "threads of the host (building the scene, the reference renderer, the gradient); by default one per core") \
     X(text, rays, "rays", 0, "rays.csv", MCV_IN_TRACE, NULL, 0, 0, "the rays: rows x,y,z,dx,dy,dz in metres, in the world") \
@@ -250,6 +254,10 @@ typedef struct mcv_arguments {
 mcv_result mcv_arguments_read(const json_t *object, const char *argument, const mcv_command *given, const char *path,
                               mcv_arguments *arguments, mcv_error *error);
 void mcv_arguments_free(mcv_arguments *arguments);
+
+/* Whether the reference renderer is asked for, by --device or by --precision; and MCV_USAGE for options that contradict that. */
+bool mcv_wants_reference(const mcv_command *command);
+mcv_result mcv_precision_read(const mcv_command *command, uint32_t *precision, mcv_error *error);
 
 /* The verb's number, or an error that suggests the nearest one. */
 mcv_result mcv_verb_find(const char *name, unsigned *verb, mcv_error *error);

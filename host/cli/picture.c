@@ -154,6 +154,7 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
     snprintf(hash_text, sizeof hash_text, "%016" PRIx64, hash);
     char *set = join_set(command);
     if (!set) return mcv_fail(error, MCV_FAILED, "%s: no memory for its header", picture->exr);
+    static const char *const precisions[] = {"single", "mixed", "double"};
     const mcv_attribute general[] = {
         text_attribute("mcvisi:version", mcv_version()),
         text_attribute("mcvisi:quantity", picture->quantity),
@@ -170,6 +171,7 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
         number_attribute("mcvisi:samplesPerReplicate", (double)film->samples),
         number_attribute("mcvisi:errorFreedom", film->replicates - 1.0),
         number_attribute("mcvisi:depth", options->depth),
+        text_attribute("mcvisi:precision", precisions[options->precision]),
         text_attribute("mcvisi:device", stats->device),
         text_attribute("mcvisi:driver", stats->driver),
         text_attribute("mcvisi:features", stats->features),

@@ -30,6 +30,7 @@ mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_option
     options->device = command->device;
     options->error = command->error;
     options->seconds = command->time;
+    MCV_TRY(mcv_precision_read(command, &options->precision, error));
     if (command->spp && command->samples[1])
         return mcv_fail(error, MCV_USAGE, "--spp and --samples both say how many samples: give one of them");
     if (command->error > 0 && command->replicates < 2)
@@ -54,7 +55,7 @@ mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_option
 
 static mcv_result render_sensor(const mcv_command *command, const mcv_scene *scene, mcv_render_options options, uint32_t sensor,
                                 const mcv_picture *picture, mcv_film *film, mcv_summary *summary, mcv_error *error) {
-    const bool reference = command->device && strcmp(command->device, "reference") == 0;
+    const bool reference = mcv_wants_reference(command);
     if (reference) options.sampler = MCV_SAMPLER_RANDOM; /* it has no other, and the header says so */
     mcv_progress_line line = mcv_progress_stderr(summary->sensor, &mcv_interrupt);
     options.progress = mcv_progress_report;

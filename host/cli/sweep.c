@@ -323,7 +323,7 @@ static mcv_result render_scene(sweep *s, mcv_scene *scene, size_t set, const cha
     if (scene->sensor_count == 0) return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor", s->rig);
     if (c->sensor) MCV_TRY(mcv_sensor_find(scene, c->sensor, &s->sensor, error));
     if (c->resolution[0]) MCV_TRY(mcv_sensor_resize(scene->sensors + s->sensor, c->resolution[0], c->resolution[1], scene, error));
-    const bool reference = c->device && strcmp(c->device, "reference") == 0;
+    const bool reference = mcv_wants_reference(c);
     mcv_result result = reference ? mcv_reference_render(scene, s->sensor, &s->options, &film, &stats, error)
                                   : mcv_renderer_render(s->renderer, scene, s->sensor, &s->options, &film, &stats, error);
     for (uint32_t i = 0; i < stats.stage_count; ++i) s->stage_seconds += stats.stages[i].seconds;

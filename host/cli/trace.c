@@ -79,11 +79,12 @@ mcv_result mcv_verb_trace(const mcv_command *command, mcv_error *error) {
     options.depth = (uint32_t)command->depth;
     options.threads = (uint32_t)command->threads;
     options.device = command->device;
+    MCV_TRY(mcv_precision_read(command, &options.precision, error));
     if (command->paths) MCV_TRY(mcv_output_check(command->paths, error));
     MCV_TRY(mcv_rays_read(command->rays, &rays, &ray_count, error));
     mcv_result result = mcv_scene_load(command->argument, (mcv_overrides){command->set.items, command->set.count}, &scene, error);
     if (result == MCV_OK) {
-        const bool reference = command->device && strcmp(command->device, "reference") == 0;
+        const bool reference = mcv_wants_reference(command);
         for (uint32_t i = 0; i < scene->warning_count; ++i) fprintf(stderr, "mcvisi: warning: %s\n", scene->warnings[i]);
         result = (reference ? mcv_reference_trace : mcv_trace)(scene, rays, ray_count, &options, &vertices, &vertex_count, error);
         if (result == MCV_OK) result = write_vertices(command->paths, scene, vertices, vertex_count, error);

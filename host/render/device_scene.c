@@ -73,6 +73,7 @@ static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene 
     const size_t triangles = p->triangle_count;
     const bool dielectric = p->features >> MCV_FEATURE_DIELECTRIC & 1;
     const size_t tables = !dielectric ? 0 : p->features >> MCV_FEATURE_DISPERSION & 1 ? 3 : 1; /* of media */
+    const bool mixed = p->features >> MCV_FEATURE_MIXED & 1;
     const bool emitters = p->emitter_count > 0;
     const bool textures = p->features >> MCV_FEATURE_TEXTURE & 1;
     const plan plans[] = {
@@ -95,6 +96,11 @@ static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene 
         {&d->textures, "the list of textures", textures ? p->texture_count * sizeof *p->textures : 0, p->textures},
         {&d->texels, "the textures", textures ? 4 * p->texel_count : 0, p->texels},
         {&d->solids, "the exact surfaces", present(p->solids, p->solid_count * sizeof *p->solids), p->solids},
+        {&d->precise_solids, "the exact surfaces in double", present(p->precise_solids, p->solid_count * sizeof *p->precise_solids),
+         p->precise_solids},
+        {&d->position_rests, "the rests of the vertices", present(p->position_rests, 12 * vertices), p->position_rests},
+        {&d->normal_rests, "the rests of the normals", present(p->normal_rests, 12 * vertices), p->normal_rests},
+        {&d->refractive_indices, "the refractive indices", mixed ? sizeof p->refractive_indices : 0, p->refractive_indices},
         {&d->frame, "the frame", sizeof(mcv_frame), NULL},
         {&d->sensor, "the sensor", sizeof(any_sensor), NULL},
     };
@@ -110,7 +116,8 @@ static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene 
 
 /* The large arrays, which only the device needs. */
 static void free_vertices(mcv_packed *packed) {
-    float **const arrays[] = {&packed->positions, &packed->normals, &packed->texcoords, &packed->tangents};
+    float **const arrays[] = {&packed->positions, &packed->normals,        &packed->texcoords,
+                              &packed->tangents,  &packed->position_rests, &packed->normal_rests};
     uint32_t **const tables[] = {&packed->triangles, &packed->emitter_cdf, &packed->texels};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
         free(*arrays[i]);
@@ -196,6 +203,15 @@ mcv_result mcv_device_scene_begin(mcv_cl *cl, const mcv_scene *scene, uint32_t t
     b->own_thread = pthread_create(&b->thread, NULL, build_hierarchy, b) == 0;
     if (!b->own_thread) build_hierarchy(b);
     return MCV_OK;
+}
+
+mcv_result mcv_device_scene_refine(const mcv_cl *cl, const mcv_scene *scene, mcv_device_scene *device, mcv_error *error) {
+    cl_device_fp_config config = 0;
+    const cl_int code = clGetDeviceInfo(cl->device, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof config, &config, NULL);
+    if (code != CL_SUCCESS || !(config & CL_FP_FMA))
+        return mcv_fail(error, MCV_DEVICE, "%s has no double precision: give --precision single, or double for the reference renderer",
+                        cl->name);
+    return mcv_pack_precise(scene, &device->packed, error);
 }
 
 static void wait_for_hierarchy(mcv_device_scene *device) {
@@ -286,7 +302,7 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
         frame->sensor_index_squared[k] = filling > 0 ? 1.0f / packed->media[k][filling].inverse_index_squared : 1.0f;
     memcpy(frame->environment, packed->environment, sizeof frame->environment);
     frame->environment_emitter = packed->environment_emitter;
-    mcv_pack_placement(packed, &from->to_world, frame->to_world);
+    mcv_pack_placement(packed, &from->to_world, frame->to_world, frame->to_world_rest);
     if (packed->features >> MCV_FEATURE_AIM & 1) {
         const size_t bytes = sizeof(mcv_device_aim) * frame->width * frame->height;
         MCV_TRY(mcv_cl_buffer(cl, "the aims of the pixels", bytes, NULL, &device->aims, error));

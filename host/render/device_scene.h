@@ -29,7 +29,11 @@
     X(textures) \
     X(texels) \
     X(aims) \
-    X(solids)
+    X(solids) \
+    X(precise_solids) \
+    X(position_rests) \
+    X(normal_rests) \
+    X(refractive_indices)
 #define MCV_X(name) +1
 enum { MCV_SCENE_ARGUMENTS = 0 MCV_SCENE_BUFFERS(MCV_X) };
 #undef MCV_X
@@ -61,6 +65,9 @@ typedef struct mcv_device_scene {
  */
 mcv_result mcv_device_scene_begin(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *kept, mcv_device_scene *device,
                                   mcv_error *error);
+
+/* Between the two: adds what `--precision mixed` needs. MCV_DEVICE where the device has no double precision. */
+mcv_result mcv_device_scene_refine(const mcv_cl *cl, const mcv_scene *scene, mcv_device_scene *device, mcv_error *error);
 
 /* Waits for the acceleration structure, plans the buffers against the device's limits and fills them. */
 mcv_result mcv_device_scene_finish(mcv_cl *cl, mcv_device_scene *kept, mcv_device_scene *device, mcv_error *error);

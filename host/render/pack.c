@@ -39,6 +39,9 @@ void mcv_packed_free(mcv_packed *packed) {
     free(packed->textures);
     free(packed->texels);
     free(packed->solids);
+    free(packed->position_rests);
+    free(packed->normal_rests);
+    free(packed->precise_solids);
     memset(packed, 0, sizeof *packed);
 }
 
@@ -81,6 +84,13 @@ static void find_centre(const mcv_box *boxes, uint32_t count, double centre[3]) 
     }
 }
 
+void mcv_pack_normal(const mcv_scene *scene, uint32_t instance, uint32_t vertex, double n[3]) {
+    const mcv_instance *placed = &scene->instances[instance];
+    const float *from = scene->meshes[placed->mesh].normals + 3 * (size_t)vertex;
+    mcv_transform_normal(&placed->to_world, (const double[3]){from[0], from[1], from[2]}, n);
+    if (!mcv_normalize3(n, n)) memset(n, 0, 3 * sizeof *n);
+}
+
 static void pack_instance(const mcv_scene *scene, mcv_packed *packed, uint32_t index, uint32_t first_vertex) {
     const mcv_instance *instance = &scene->instances[index];
     const mcv_mesh *mesh = &scene->meshes[instance->mesh];
@@ -90,10 +100,8 @@ static void pack_instance(const mcv_scene *scene, mcv_packed *packed, uint32_t i
         mcv_scene_vertex(scene, index, v, p);
         for (int k = 0; k < 3; ++k) packed->positions[3 * to + k] = (float)(p[k] - packed->centre[k]);
         if (packed->normals && mesh->normals) {
-            const float *from = mesh->normals + 3 * (size_t)v;
             double n[3];
-            mcv_transform_normal(&instance->to_world, (const double[3]){from[0], from[1], from[2]}, n);
-            if (!mcv_normalize3(n, n)) memset(n, 0, sizeof n); /* the face's stands in for it */
+            mcv_pack_normal(scene, index, v, n);
             for (int k = 0; k < 3; ++k) packed->normals[3 * to + k] = (float)n[k];
         }
         if (packed->tangents && mesh->tangents) {
@@ -703,12 +711,15 @@ mcv_result mcv_pack(const mcv_scene *scene, mcv_packed *packed, mcv_error *error
     return result;
 }
 
-void mcv_pack_placement(const mcv_packed *packed, const mcv_transform *to_world, float placement[12]) {
+void mcv_pack_placement(const mcv_packed *packed, const mcv_transform *to_world, float placement[12], float rest[12]) {
     const double *m = to_world->m;
     for (int r = 0; r < 3; ++r) {
-        placement[3 * r] = (float)m[3 * r];
-        placement[3 * r + 1] = (float)m[3 * r + 1];
-        placement[3 * r + 2] = (float)-m[3 * r + 2]; /* the optical axis is the node's -z */
-        placement[9 + r] = (float)(m[9 + r] - packed->centre[r]);
+        /* The optical axis is the node's -z. */
+        const double row[4] = {m[3 * r], m[3 * r + 1], -m[3 * r + 2], m[9 + r] - packed->centre[r]};
+        for (int k = 0; k < 4; ++k) {
+            const int to = k < 3 ? 3 * r + k : 9 + r;
+            placement[to] = (float)row[k];
+            rest[to] = (float)(row[k] - placement[to]);
+        }
     }
 }

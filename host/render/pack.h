@@ -7,6 +7,7 @@
 #define MCVISI_HOST_RENDER_PACK_H
 
 #include "mcvisi/features.h"
+#include "mcvisi/precise.h"
 #include "mcvisi/tables.h"
 #include "scene/scene.h"
 
@@ -44,14 +45,26 @@ typedef struct mcv_packed {
     uint32_t *texels;             /* first 256 words: the sRGB decoding as floats */
     float environment[3];         /* its radiance, without an image */
     uint32_t environment_emitter; /* with one */
+
+    /* With MIXED alone: */
+    float *position_rests, *normal_rests; /* what rounding leaves of the positions and the normals */
+    mcv_precise_solid *precise_solids;
+    double refractive_indices[3][MCV_MAX_MEDIA + 1]; /* of the media by channel */
 } mcv_packed;
 
 /* Fails without memory, or with more than MCV_MAX_MEDIA bodies that overlap. On failure *packed is empty. */
 mcv_result mcv_pack(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
 void mcv_packed_free(mcv_packed *packed);
 
-/* pack_solids.c: the exact surfaces, about packed->centre. */
+/* pack_solids.c: the exact surfaces, about packed->centre; and in double. */
 void mcv_pack_solids(const mcv_scene *scene, mcv_packed *packed);
+void mcv_pack_precise_solids(const mcv_scene *scene, mcv_packed *packed);
+
+/* pack_precise.c: the feature MIXED and what it needs. To be called before the packed arrays are freed. */
+mcv_result mcv_pack_precise(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
+
+/* A vertex's normal in the world, unit or 0: the face's stands in for it. */
+void mcv_pack_normal(const mcv_scene *scene, uint32_t instance, uint32_t vertex, double n[3]);
 
 /* Pixels of the image filled up to whole tiles of 8 x 8, by which paths are numbered; as many light paths make a sample. */
 static inline uint64_t mcv_tiled_pixels(uint32_t width, uint32_t height) {
@@ -67,8 +80,8 @@ double mcv_packed_size(const mcv_packed *packed);
 /* Is it chosen by next-event estimation? A constant environment is not: all directions are as good. */
 bool mcv_is_looked_for(const mcv_emitter *emitter);
 
-/* Where the sensor is, as the device wants it: the optical frame to the re-centred world. */
-void mcv_pack_placement(const mcv_packed *packed, const mcv_transform *to_world, float placement[12]);
+/* Where the sensor is, as the device wants it: the optical frame to the re-centred world, and what rounding leaves. */
+void mcv_pack_placement(const mcv_packed *packed, const mcv_transform *to_world, float placement[12], float rest[12]);
 
 /*
  * The packed scene's features with those that depend on the sensor, too: AIM where its pupil sees a parallel emitter at larger angles than

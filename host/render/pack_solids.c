@@ -52,13 +52,24 @@ static bool is_convex(const mcv_solid *solid) {
     return solid->side != MCV_SIDE_OPEN;
 }
 
+/* The middle of a lens along its axis, about which its solids are placed, and the radius of its ball. */
+static double middle_of(const mcv_scene *scene, uint32_t first, uint32_t end, double *bound) {
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (uint32_t i = first; i < end; ++i) extend(scene->solids + i, lower, upper);
+    const double middle = (lower[2] + upper[2]) / 2;
+    *bound = hypot(hypot(upper[0], upper[1]), upper[2] - middle) * (1 + 1e-6);
+    return middle;
+}
+
+static double side_radius(const mcv_solid *solid) {
+    return solid->side == MCV_SIDE_BOX ? hypot(solid->half[0], solid->half[1]) : solid->radius;
+}
+
 void mcv_pack_solids(const mcv_scene *scene, mcv_packed *packed) {
     for (uint32_t first = 0, end; first < scene->solid_count; first = end) {
-        double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+        double bound;
         end = end_of_group(scene, first);
-        for (uint32_t i = first; i < end; ++i) extend(scene->solids + i, lower, upper);
-        const double middle = (lower[2] + upper[2]) / 2;
-        const double bound = hypot(hypot(upper[0], upper[1]), upper[2] - middle) * (1 + 1e-6);
+        const double middle = middle_of(scene, first, end, &bound);
         for (uint32_t i = first; i < end; ++i) {
             const mcv_solid *from = scene->solids + i;
             const double *m = from->to_world.m;
@@ -76,9 +87,30 @@ void mcv_pack_solids(const mcv_scene *scene, mcv_packed *packed) {
                 to->instance[k] = from->instances[k];
             }
             for (uint32_t k = 0; k < 2; ++k)
-                to->cap[k] =
-                    pack_cap(from->caps + k, middle, from->side == MCV_SIDE_BOX ? hypot(from->half[0], from->half[1]) : from->radius,
-                             surface_of(scene->solids, i, k));
+                to->cap[k] = pack_cap(from->caps + k, middle, side_radius(from), surface_of(scene->solids, i, k));
+        }
+    }
+}
+
+void mcv_pack_precise_solids(const mcv_scene *scene, mcv_packed *packed) {
+    for (uint32_t first = 0, end; first < scene->solid_count; first = end) {
+        double bound;
+        end = end_of_group(scene, first);
+        const double middle = middle_of(scene, first, end, &bound);
+        for (uint32_t i = first; i < end; ++i) {
+            const mcv_solid *from = scene->solids + i;
+            const double *m = from->to_world.m, radius = side_radius(from);
+            mcv_precise_solid *to = packed->precise_solids + i;
+            *to = (mcv_precise_solid){.radius = from->radius, .extent = {from->half[0], from->half[1]}};
+            for (int k = 0; k < 3; ++k) {
+                to->origin[k] = m[9 + k] - packed->centre[k] + m[3 * k + 2] * middle;
+                for (int axis = 0; axis < 3; ++axis) to->axes[3 * axis + k] = m[3 * k + axis];
+            }
+            for (int k = 0; k < 2; ++k) {
+                const mcv_cap *cap = from->caps + k;
+                to->cap[k] = (mcv_precise_cap){cap->z - middle, cap->curvature, cap->conic, 1 / (radius * radius), {0}};
+                for (uint32_t j = 0; j < MCV_ASPHERE_TERMS; ++j) to->cap[k].term[j] = cap->asphere[j] * pow(radius, 2 * j + 4);
+            }
         }
     }
 }

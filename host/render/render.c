@@ -64,6 +64,8 @@ static mcv_result check_options(const mcv_scene *scene, uint32_t sensor, const m
         return mcv_fail(error, MCV_USAGE, "replicates must be 1 to 64, not %u", options->replicates);
     if (options->depth < 1 || options->depth > 1000000)
         return mcv_fail(error, MCV_USAGE, "depth must be 1 to 1000000, not %u", options->depth);
+    if (options->precision > MCV_PRECISION_MIXED)
+        return mcv_fail(error, MCV_USAGE, "precision must be single or mixed on a device: double is the reference renderer's");
     if (options->slice % MCV_BLOCK != 0 || options->slice > 4096) {
         return mcv_fail(error, MCV_USAGE, "a slice must be a multiple of %d paths of at most 4096, not %u", MCV_BLOCK, options->slice);
     }
@@ -114,6 +116,7 @@ static mcv_result open_scene(renderer *r, const mcv_scene *scene, uint32_t senso
     memcpy(r->stats->device, r->cl.name, sizeof r->stats->device);
     memcpy(r->stats->driver, r->cl.version, sizeof r->stats->driver);
     MCV_TRY(mcv_device_scene_begin(&r->cl, scene, r->options->threads, kept, &r->scene, r->error));
+    if (r->options->precision == MCV_PRECISION_MIXED) MCV_TRY(mcv_device_scene_refine(&r->cl, scene, &r->scene, r->error));
     r->stats->kept_structure = r->scene.kept_structure;
     mcv_packed *packed = &r->scene.packed;
     packed->features = mcv_sensor_features(packed, &scene->sensors[sensor]);

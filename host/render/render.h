@@ -13,6 +13,12 @@
 enum { MCV_SAMPLER_SOBOL, MCV_SAMPLER_RANDOM };
 enum { MCV_SCHEDULE_AUTO, MCV_SCHEDULE_TILE, MCV_SCHEDULE_STREAM };
 
+/*
+ * Single: all in float32. Mixed: smooth surfaces are found so, and where rays meet them and how they go on is worked out in double; the
+ * device must have double precision. Double is the reference renderer's (reference/reference.h).
+ */
+enum { MCV_PRECISION_SINGLE, MCV_PRECISION_MIXED, MCV_PRECISION_DOUBLE };
+
 /* Told after every pass; false stops the render, keeping the rounds that are whole. */
 typedef bool mcv_progress(void *user, double fraction, double seconds, double error);
 
@@ -24,6 +30,7 @@ typedef struct mcv_render_options {
     uint32_t seed;
     uint32_t depth;       /* surfaces a path may meet, default 32 */
     uint32_t schedule;    /* MCV_SCHEDULE_… */
+    uint32_t precision;   /* MCV_PRECISION_SINGLE or MIXED */
     uint64_t first, last; /* sample range per replicate: [0, 2^k) or an aligned power of two; last = 0: until error or time */
     double error;         /* stop at this relative error; 0: never */
     double seconds;       /* stop after this time; 0: never */

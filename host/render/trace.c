@@ -23,7 +23,9 @@ typedef struct tracer {
 static mcv_result open_tracer(tracer *t, const mcv_scene *scene, size_t ray_count, const mcv_render_options *options, mcv_error *error) {
     char defines[1024];
     MCV_TRY(mcv_cl_open(options->device, &t->cl, error));
-    MCV_TRY(mcv_device_scene_open(&t->cl, scene, options->threads, &t->scene, error));
+    MCV_TRY(mcv_device_scene_begin(&t->cl, scene, options->threads, NULL, &t->scene, error));
+    if (options->precision == MCV_PRECISION_MIXED) MCV_TRY(mcv_device_scene_refine(&t->cl, scene, &t->scene, error));
+    MCV_TRY(mcv_device_scene_finish(&t->cl, NULL, &t->scene, error));
     const mcv_packed *packed = &t->scene.packed;
     mcv_feature_options(packed->features, packed->channels, MCV_SENSOR_PINHOLE, MCV_SAMPLER_SOBOL, MCV_BLOCK, defines, sizeof defines);
     MCV_TRY(mcv_cl_build(&t->cl, "trace", defines, &t->program, error));
@@ -74,22 +76,26 @@ static mcv_result device_ray(const tracer *t, const mcv_scene *scene, const mcv_
         return mcv_fail(error, MCV_BAD_INPUT, "ray %zu: origin and direction must be finite and the direction not zero", index);
     }
     for (int k = 0; k < 3; ++k) {
-        out->origin[k] = (float)(ray->origin[k] - packed->centre[k]);
-        out->direction[k] = (float)(d[k] / length);
+        const double origin = ray->origin[k] - packed->centre[k], direction = d[k] / length;
+        out->origin[k] = (float)origin;
+        out->direction[k] = (float)direction;
+        out->origin_rest[k] = (float)(origin - out->origin[k]);
+        out->direction_rest[k] = (float)(direction - out->direction[k]);
     }
     out->media = mcv_media_around(scene, packed, ray->origin);
-    out->padding = 0;
+    memset(out->padding, 0, sizeof out->padding);
     return MCV_OK;
 }
 
 static mcv_vertex host_vertex(const mcv_packed *packed, const mcv_device_vertex *from, uint32_t ray, uint32_t index) {
-    mcv_vertex to = {.ray = ray, .index = index, .distance = from->distance, .triangle = from->triangle, .event = from->event};
+    mcv_vertex to = {.ray = ray, .index = index, .triangle = from->triangle, .event = from->event};
+    to.distance = from->distance + (double)from->distance_rest;
     if (to.triangle != MCV_NONE && to.triangle >= MCV_EXACT) /* 4 per solid there, 3 here, after the triangles */
         to.triangle = packed->triangle_count + 3 * ((to.triangle & ~MCV_EXACT) >> 2) + (to.triangle & 3u);
     for (int k = 0; k < 3; ++k) {
-        to.position[k] = from->position[k] + packed->centre[k];
-        to.normal[k] = from->normal[k];
-        to.direction[k] = from->direction[k];
+        to.position[k] = from->position[k] + (double)from->position_rest[k] + packed->centre[k];
+        to.normal[k] = from->normal[k] + (double)from->normal_rest[k];
+        to.direction[k] = from->direction[k] + (double)from->direction_rest[k];
     }
     to.ior = from->medium > 0 ? sqrt(1 / (double)packed->media[0][from->medium].inverse_index_squared) : 1;
     to.transmittance = from->transmittance;
@@ -135,6 +141,8 @@ mcv_result mcv_trace(const mcv_scene *scene, const mcv_trace_ray *rays, size_t r
     if (ray_count == 0) return MCV_OK;
     if (options->depth < 1 || options->depth > 1000000)
         return mcv_fail(error, MCV_USAGE, "depth must be 1 to 1000000, not %u", options->depth);
+    if (options->precision > MCV_PRECISION_MIXED)
+        return mcv_fail(error, MCV_USAGE, "precision must be single or mixed on a device: double is the reference renderer's");
     if (ray_count > 0xffffffffu) return mcv_fail(error, MCV_USAGE, "at most 2^32 rays can be traced at once");
     mcv_result result = open_tracer(&t, scene, ray_count, options, error);
     for (size_t first = 0; result == MCV_OK && first < ray_count; first += t.batch) {

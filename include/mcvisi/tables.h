@@ -60,8 +60,9 @@ typedef struct mcv_frame {
     uint log2_pixels;  /* the pixels, numbered by tiles, fit into so many bits */
     float splat_scale; /* units of the splats per pixel value: a power of two */
     uint solid_count;
-    float light_density; /* π times the light paths per sample */
-    uint padding[27];
+    float light_density;     /* π times the light paths per sample */
+    float to_world_rest[12]; /* what rounding leaves of to_world */
+    uint padding[15];
 } mcv_frame;
 MCV_ASSERT_SIZE(mcv_frame, 256);
 
@@ -208,13 +209,17 @@ enum {
         MCV_COUNTER_COUNT
 };
 
-/* A traced ray to follow, and a vertex of its path (host/render/render.h says more). */
+/*
+ * A traced ray to follow, and a vertex of its path (host/render/render.h says more). A rest is what rounding to float leaves of the number
+ * before it; only with MIXED it is not 0.
+ */
 typedef struct mcv_device_ray {
     float origin[3], direction[3];
+    float origin_rest[3], direction_rest[3];
     uint media;
-    uint padding;
+    uint padding[3];
 } mcv_device_ray;
-MCV_ASSERT_SIZE(mcv_device_ray, 32);
+MCV_ASSERT_SIZE(mcv_device_ray, 64);
 
 typedef struct mcv_device_vertex {
     float position[3], normal[3], direction[3];
@@ -224,9 +229,11 @@ typedef struct mcv_device_vertex {
     uint medium;
     float transmittance;
     float radiance;
-    uint padding;
+    float distance_rest;
+    float position_rest[3], normal_rest[3], direction_rest[3];
+    uint padding[3];
 } mcv_device_vertex;
-MCV_ASSERT_SIZE(mcv_device_vertex, 64);
+MCV_ASSERT_SIZE(mcv_device_vertex, 112);
 
 /* So many emitters may be weighed against each other anew at each surface; of more, power alone decides. */
 #define MCV_MOST_REACHING 16

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the kernels need in double to meet smooth surfaces precisely (kernels/precise.h); beside it they read the tables of floats. */
+#ifndef MCVISI_PRECISE_H
+#define MCVISI_PRECISE_H
+
+#include "mcvisi/surfaces/surfaces.h"
+
+/* As mcv_device_cap. */
+typedef struct mcv_precise_cap {
+    double z;         /* of the vertex, in the solid's frame [m] */
+    double curvature; /* c [1/m] */
+    double conic;     /* k */
+    double scale;     /* 1/(r of the side)² [1/m²] */
+    double term[MCV_ASPHERE_TERMS];
+} mcv_precise_cap;
+MCV_ASSERT_SIZE(mcv_precise_cap, 96);
+
+/* As mcv_device_solid. */
+typedef struct mcv_precise_solid {
+    double origin[3]; /* of the frame [m] */
+    double axes[9];   /* x, y, z of the frame, unit */
+    double radius;    /* of the side [m] */
+    double extent[2]; /* of a box: half its size along x and y [m] */
+    double padding;
+    mcv_precise_cap cap[2];
+} mcv_precise_solid;
+MCV_ASSERT_SIZE(mcv_precise_solid, 320);
+
+#endif
