@@ -3,8 +3,8 @@
  * Error against time: bench_error [--quick] [OUTPUT.json], by default beside the program; the plot stands beside it as .png. The quick
  * one has 1 to 256 samples and leaves out the reference.
  *
- * Two scenes at few pixels, rendered by the device with random and with Owen-scrambled Sobol' points, and by the reference, which has
- * random points only; 1 to 16384 samples a pixel.
+ * Two scenes at few pixels, rendered by the device with random and with Owen-scrambled Sobol' points, with these in mixed precision, too,
+ * and by the reference, which has random points only; 1 to 16384 samples a pixel.
  * The truth is the device's image of 16 times the most samples with another seed. Seconds are those of rendering alone, kernels
  * compiled; one image a point. The summary holds the slopes of RMSE over samples: -1/2 for random numbers.
  */
@@ -15,18 +15,18 @@
 #include <ctype.h>
 #include <stdio.h>
 
-enum { SCENES = 2, SERIES = 3 };
+enum { SCENES = 2, SERIES = 4 };
 
 static const char *const scene_files[SCENES] = {"report-clean.glb", "part-backlight.gltf"};
 
 static const struct {
     const char *renderer, *sampler;
-    bool reference;
-    uint32_t sampler_id;
+    uint32_t precision, sampler_id;
     double red, green, blue;
-} series[SERIES] = {{"device", "random", false, MCV_SAMPLER_RANDOM, 0.84, 0.37, 0},
-                    {"device", "sobol", false, MCV_SAMPLER_SOBOL, 0, 0.45, 0.7},
-                    {"reference", "random", true, MCV_SAMPLER_RANDOM, 0.9, 0.62, 0}};
+} series[SERIES] = {{"device", "random", MCV_PRECISION_SINGLE, MCV_SAMPLER_RANDOM, 0.84, 0.37, 0},
+                    {"device", "sobol", MCV_PRECISION_SINGLE, MCV_SAMPLER_SOBOL, 0, 0.45, 0.7},
+                    {"mixed", "sobol", MCV_PRECISION_MIXED, MCV_SAMPLER_SOBOL, 0, 0.62, 0.45},
+                    {"reference", "random", MCV_PRECISION_DOUBLE, MCV_SAMPLER_RANDOM, 0.9, 0.62, 0}};
 
 typedef struct results {
     int series, steps; /* shown: the first … */
@@ -145,15 +145,16 @@ static mcv_result measure_scene(bench *b, results *r, int scene, mcv_error *erro
     }
     for (int s = 0; s < r->series && result == MCV_OK; ++s) {
         convergence_point *points = r->points[scene][s];
-        if (!series[s].reference) {
+        if (series[s].precision != MCV_PRECISION_DOUBLE) {
             mcv_render_options warm = mcv_render_defaults();
             mcv_film film;
+            warm.precision = series[s].precision;
             warm.sampler = series[s].sampler_id;
             warm.last = 1;
             result = mcv_render(loaded, 0, &warm, &film, &stats, error);
             mcv_film_free(&film);
         }
-        if (result == MCV_OK) result = converge(loaded, series[s].reference, series[s].sampler_id, &truth, r->steps, points, error);
+        if (result == MCV_OK) result = converge(loaded, series[s].precision, series[s].sampler_id, &truth, r->steps, points, error);
         if (result == MCV_OK) note_series(b, r, scene, s, points);
     }
     mcv_film_free(&truth);

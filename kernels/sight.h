@@ -54,16 +54,16 @@ MCV_LOOP_FUNCTION mcv_ray mcv_place_sight(__constant const mcv_frame *frame, mcv
 
 #if MCV_WITH_MIXED
 /* The same in double. */
+MCV_LOOP_FUNCTION mcv_dvec mcv_frame_row(__constant const mcv_frame *frame, int row) {
+    __constant const float *m = frame->to_world + 3 * row, *rest = frame->to_world_rest + 3 * row;
+    return mcv_whole(mcv_vec(m[0], m[1], m[2]), mcv_vec(rest[0], rest[1], rest[2]));
+}
+
 MCV_LOOP_FUNCTION mcv_precise_ray mcv_place_sight_precisely(__constant const mcv_frame *frame, mcv_sight sight) {
-    __constant const float *m = frame->to_world, *rest = frame->to_world_rest;
+    const mcv_dvec x = mcv_frame_row(frame, 0), y = mcv_frame_row(frame, 1), z = mcv_frame_row(frame, 2);
     const mcv_dvec o = mcv_widen(sight.origin), d = mcv_widen(sight.direction);
     mcv_precise_ray ray;
-    double to_world[12];
-    for (int i = 0; i < 12; ++i) to_world[i] = (double)m[i] + (double)rest[i];
-    const mcv_dvec x = mcv_dvec_of(to_world[0], to_world[1], to_world[2]);
-    const mcv_dvec y = mcv_dvec_of(to_world[3], to_world[4], to_world[5]);
-    const mcv_dvec z = mcv_dvec_of(to_world[6], to_world[7], to_world[8]);
-    ray.origin = mcv_dvec_of(mcv_dot_d(x, o) + to_world[9], mcv_dot_d(y, o) + to_world[10], mcv_dot_d(z, o) + to_world[11]);
+    ray.origin = mcv_add_d(mcv_frame_row(frame, 3), mcv_dvec_of(mcv_dot_d(x, o), mcv_dot_d(y, o), mcv_dot_d(z, o)));
     ray.direction = mcv_normalize_d(mcv_dvec_of(mcv_dot_d(x, d), mcv_dot_d(y, d), mcv_dot_d(z, d)));
     return ray;
 }

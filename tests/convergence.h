@@ -96,17 +96,18 @@ typedef struct convergence_point {
 } convergence_point;
 
 /* One image of one scramble for each number of samples. */
-static inline mcv_result converge(const mcv_scene *scene, bool reference, uint32_t sampler, const mcv_film *truth, int steps,
+static inline mcv_result converge(const mcv_scene *scene, uint32_t precision, uint32_t sampler, const mcv_film *truth, int steps,
                                   convergence_point *points, mcv_error *error) {
     for (int i = 0; i < steps; ++i) {
         mcv_render_options options = mcv_render_defaults();
         mcv_render_stats stats = {0};
         mcv_film film = {0};
         options.replicates = 1;
+        options.precision = precision;
         options.sampler = sampler;
         options.last = (uint64_t)1 << 2 * i;
         options.seed = (uint32_t)i + 1;
-        MCV_TRY((reference ? mcv_reference_render : mcv_render)(scene, 0, &options, &film, &stats, error));
+        MCV_TRY((precision == MCV_PRECISION_DOUBLE ? mcv_reference_render : mcv_render)(scene, 0, &options, &film, &stats, error));
         points[i] = (convergence_point){options.last, stats.seconds_render, errors_against(&film, truth)};
         mcv_film_free(&film);
     }

@@ -354,6 +354,30 @@ static void test_reference_device(void **state) {
     expect_panel("s.exr", 24, 16);
 }
 
+/* The panel is seen alike; the file says what was computed how. Double is the reference renderer, whatever else is asked for. */
+static void test_precision(void **state) {
+    (void)state;
+    write_scene("s.gltf", pinhole, panel);
+    static const char *const words[] = {"single", "mixed", "double"};
+    for (int i = 0; i < 3; ++i) {
+        char line[64];
+        snprintf(line, sizeof line, "render s.gltf --spp 8 --precision %s", words[i]);
+        run_well(line);
+        expect_panel("s.exr", 24, 16);
+        mcv_exr exr = read_exr("s.exr");
+        const mcv_attribute *said = mcv_exr_attribute(&exr, "mcvisi:precision");
+        assert_non_null(said);
+        assert_string_equal(said->text, words[i]);
+        mcv_exr_free(&exr);
+    }
+    EXPECT_FAILURE("render s.gltf --precision half", 2, "--precision half", "single|mixed|double");
+    EXPECT_FAILURE("render s.gltf --precision mixed --device reference", 2, "--precision mixed", "double");
+    EXPECT_FAILURE("render s.gltf --precision double --device 0", 2, "--precision double", "--device 0");
+    EXPECT_FAILURE("render s.gltf --precision double --schedule tile", 2, "--precision double", "--schedule");
+    write_text("rays.csv", "0,0,0,0,0,-2\n");
+    EXPECT_FAILURE("trace s.gltf --rays rays.csv --precision double --device 0", 2, "--precision double", "--device 0");
+}
+
 /* The field of view of a light field camera is M macro pixels wide: with other macro pixels it must see the panel alike. */
 static void test_light_field_resolution(void **state) {
     (void)state;
@@ -504,6 +528,8 @@ static void test_trace(void **state) {
     write_text("rays.csv", "# two rays\nx, y, z, dx, dy, dz\n0,0,0,0,0,-2\n\n 0.1, 0, 0, 0, 0, 1 \r\n");
     expect_trace("trace s.gltf --rays rays.csv -o paths.csv");
     expect_trace("trace s.gltf --rays rays.csv -o paths.csv --device reference");
+    expect_trace("trace s.gltf --rays rays.csv -o paths.csv --precision mixed");
+    expect_trace("trace s.gltf --rays rays.csv -o paths.csv --precision double");
     run_well("trace s.gltf --rays rays.csv --device reference");
     assert_true(strncmp(out, "ray,vertex,", 11) == 0);
 
@@ -1022,6 +1048,7 @@ int main(void) {
         TEST(test_no_device),
         TEST(test_render_writes_pictures),
         TEST(test_reference_device),
+        TEST(test_precision),
         TEST(test_light_field_resolution),
         TEST(test_several_sensors),
         TEST(test_json),

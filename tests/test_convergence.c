@@ -21,8 +21,8 @@ static void test_slopes(void **state) {
     (void)state;
     BUILD(load_small("part-backlight.gltf", &scene, &builder_error));
     BUILD(render_truth(scene, CONVERGENCE_STEPS, &truth, &stats, &builder_error));
-    BUILD(converge(scene, false, MCV_SAMPLER_RANDOM, &truth, CONVERGENCE_STEPS, random, &builder_error));
-    BUILD(converge(scene, false, MCV_SAMPLER_SOBOL, &truth, CONVERGENCE_STEPS, sobol, &builder_error));
+    BUILD(converge(scene, MCV_PRECISION_SINGLE, MCV_SAMPLER_RANDOM, &truth, CONVERGENCE_STEPS, random, &builder_error));
+    BUILD(converge(scene, MCV_PRECISION_SINGLE, MCV_SAMPLER_SOBOL, &truth, CONVERGENCE_STEPS, sobol, &builder_error));
     const double slope = slope_of_rmse(random, CONVERGENCE_STEPS), steeper = slope_of_rmse(sobol, CONVERGENCE_STEPS);
     print_message("slope %.3f random, %.3f Sobol'; RMSE %.3g and %.3g after %llu samples\n", slope, steeper,
                   random[CONVERGENCE_STEPS - 1].errors.rmse, sobol[CONVERGENCE_STEPS - 1].errors.rmse,
@@ -50,7 +50,7 @@ static void test_slope_of_the_report(void **state) {
     (void)state;
     BUILD(load_small("report-clean.glb", &scene, &builder_error));
     BUILD(render_truth(scene, CONVERGENCE_STEPS, &truth, &stats, &builder_error));
-    BUILD(converge(scene, false, MCV_SAMPLER_SOBOL, &truth, CONVERGENCE_STEPS, sobol, &builder_error));
+    BUILD(converge(scene, MCV_PRECISION_SINGLE, MCV_SAMPLER_SOBOL, &truth, CONVERGENCE_STEPS, sobol, &builder_error));
     const double slope = slope_of_rmse(sobol, CONVERGENCE_STEPS);
     print_message("report: slope %.3f Sobol'\n", slope);
     for (int i = 0; i < CONVERGENCE_STEPS; ++i)

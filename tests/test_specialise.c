@@ -139,6 +139,8 @@ static void expect_nothing_unneeded(const char *what, uint32_t features, uint32_
     for (int p = 0; p < PROGRAMS * OF_LIGHT; ++p)
         if (!(features & BIT(LIGHT_TRACING)) && strstr(full[p / OF_LIGHT], light[p % OF_LIGHT]))
             fail_msg("%s: %s.cl holds %s without light-tracing", what, programs[p / OF_LIGHT], light[p % OF_LIGHT]);
+    for (int p = 0; p < PROGRAMS; ++p)
+        if (!(features & BIT(MIXED)) && strstr(full[p], "mcv_dvec")) fail_msg("%s: %s.cl computes in double", what, programs[p]);
     for (size_t i = 0; i < sizeof element_headers / sizeof element_headers[0]; ++i)
         if (!(element_headers[i].features & features)) empty_header(element_headers[i].path);
     for (uint32_t s = 0; s < MCV_SENSOR_COUNT; ++s)
