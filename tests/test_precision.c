@@ -1,12 +1,36 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What each precision buys: long chains of reflections and lenses of meshes; mixed precision's images. */
-#include "exact_builder.h"
+#include "agreement.h"
 
 #include "analysis/compare.h"
-#include "reference/vector.h"
 
 /* What numbers are rounded to: floats, doubles, the 48 bits that a float and its rest keep. */
 static const double units[RAY_TRACERS] = {0x1p-24, 0x1p-53, 0x1p-48};
+
+/* T4: where rays through a ball of glass, n = 1.5, R = 1, cross the axis: h/sin 2(I - I'). */
+static void ball_lens(void **state) {
+    (void)state;
+    const double n = 1.5, start = -3;
+    mcv_scene *scene = new_scene();
+    const uint32_t glass = add_glass(scene, n, 0, 0);
+    const mcv_solid ball = sphere(1);
+    add_solid(scene, &ball, glass, glass);
+    double worst[RAY_TRACERS] = {0};
+    for (int by = 0; by < RAY_TRACERS; ++by)
+        for (double h = 0.05; h < 0.95; h += 0.05) {
+            mcv_vertex v[DEPTH + 1];
+            const double outside = asin(h), inside = asin(h / n), slope = 2 * (outside - inside), truth = h / sin(slope);
+            off_by off = {0, units[by]};
+            off = off_beyond(off, units[by], -start, -start, cos(outside), 1, 1 / n);
+            off = off_beyond(off, units[by], -start, 2 * cos(inside), cos(inside), 1, n);
+            assert_int_equal(trace_one(scene, by, along_z(h, 0, start), v), 3);
+            worst[by] = fmax(worst[by], fabs(crossing(v + 2) - truth));
+            expect_near("T4 ball lens: crossing, by precision", by, crossing(v + 2), truth,
+                        (off.place + (1 + truth) * off.way) / sin(slope));
+        }
+    for (int by = 0; by < RAY_TRACERS; ++by) print_message("  crossing of the axis, %s: within %.2g\n", name_of(by), worst[by]);
+    mcv_scene_free(scene);
+}
 
 /*
  * A ray that goes round in a ball of glass, totally reflected: at each reflection it turns by 2 i about the centre, so that the place
@@ -44,15 +68,13 @@ static void reflections_in_a_ball(void **state) {
 }
 
 /*
- * A mesh's triangles are met precisely, too: a ball and a prism-like box, turned and moved so that no coordinate is a float. Bounds as of
- * single precision (test_trace.c), e = 2^-48 for u = 2^-24 and M = 0.3 m, over the first two surfaces: the place 17 e M + 3 e t and the
- * error of the ray, over cos i; the refracted direction 4 e (1 + η tan θ_t), that of the ray and of the normal, 4 e and the place's error
- * over the radius, times 1 + η (1 + tan θ_t). Rays that graze a triangle or meet another one are few.
+ * A mesh's triangles are met precisely, too: a ball and a box, turned and moved so that no coordinate is a float. Rays that graze a
+ * triangle or meet another one are few.
  */
 static void meshes_against_reference(void **state) {
     (void)state;
     enum { RAYS = 4096 };
-    static const double e = 0x1p-48, largest = 0.3, radius = 0.01;
+    static const double radius = 0.01;
     const double c = 0.8, s = 0.6, half[3] = {0.01, 0.008, 0.006};
     const mcv_transform turned = {{c, 0, s, 0, 1, 0, -s, 0, c, 0.1, -0.05, 0.02}};
     for (int box = 0; box < 2; ++box) {
@@ -69,50 +91,7 @@ static void meshes_against_reference(void **state) {
                 rays[i].origin[k] = turned.m[9 + k] + 0.1 * (uniform(&seed) - 0.5) + (k == 2 ? 0.1 : 0);
                 rays[i].direction[k] = turned.m[9 + k] + 0.009 * (uniform(&seed) - 0.5) - rays[i].origin[k];
             }
-        const traced mixed = follow_deep(scene, BY_MIXED, 2, rays, RAYS), reference = follow_deep(scene, BY_REFERENCE, 2, rays, RAYS);
-        double worst[2] = {0}, farthest = 0, place = 0, way = 0;
-        int met = 0, beyond = 0;
-        size_t r = 0;
-        for (size_t d = 0; d < mixed.count; ++d) {
-            const mcv_vertex *a = mixed.vertices + d, *b;
-            while (r < reference.count &&
-                   (reference.vertices[r].ray < a->ray || (reference.vertices[r].ray == a->ray && reference.vertices[r].index < a->index)))
-                ++r;
-            if (a->index == 0) place = 0, way = 3 * e;
-            b = reference.vertices + r;
-            if (a->index == 0 || a->event == MCV_EVENT_MISS) continue;
-            if (r == reference.count || b->ray != a->ray || b->index != a->index || b->event != a->event || b->triangle != a->triangle) {
-                ++beyond;
-                continue;
-            }
-            double corners[3][3], off[2] = {0};
-            mcv_scene_corners(scene, 0, b->triangle, corners);
-            const ref_vec p = ref_from(corners[0]), q = ref_from(corners[1]), t = ref_from(corners[2]);
-            const ref_vec face = ref_unit(ref_cross(ref_sub(q, p), ref_sub(t, p)));
-            const double cosine = fabs(ref_dot(face, ref_from(b[-1].direction)));
-            place = (17 * e * largest + 3 * e * b->distance + place + b->distance * way) / cosine;
-            const double cosine_t = fabs(ref_dot(ref_from(b->normal), ref_from(b->direction))), eta = b[-1].ior / b->ior;
-            const double tangent = sqrt(fmax(0, 1 - cosine_t * cosine_t)) / cosine_t, normal = 4 * e + place / radius;
-            way = a->event == MCV_EVENT_REFLECT ? way + 2 * normal + 4 * e
-                                                : 4 * e * (1 + eta * tangent) + (way + normal) * (1 + eta * (1 + tangent));
-            for (int k = 0; k < 3; ++k) {
-                off[0] = fmax(off[0], fabs(a->position[k] - b->position[k]));
-                off[1] = fmax(off[1], fabs(a->direction[k] - b->direction[k]));
-            }
-            ++met;
-            if (!(off[0] <= place && off[1] <= way)) {
-                ++beyond;
-                continue;
-            }
-            farthest = fmax(farthest, off[0]);
-            for (int k = 0; k < 2; ++k) worst[k] = fmax(worst[k], off[k] / (k ? way : place));
-        }
-        print_message("  %s: %d meetings within %.2g m, place %.2f of its bound, direction %.2f, %d beyond\n", box ? "box" : "ball", met,
-                      farthest, worst[0], worst[1], beyond);
-        assert_true(met > RAYS);
-        assert_true(beyond <= RAYS / 1000);
-        free(mixed.vertices);
-        free(reference.vertices);
+        expect_agreement(box ? "box" : "ball", scene, rays, RAYS, 0.3, radius);
         free(rays);
         mcv_scene_free(scene);
     }
@@ -186,6 +165,7 @@ static void images(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ball_lens),
         cmocka_unit_test(reflections_in_a_ball),
         cmocka_unit_test(meshes_against_reference),
         cmocka_unit_test(images),
