@@ -71,7 +71,7 @@ static mcv_precise_meeting mcv_meet_triangle_precisely(mcv_world world, const mc
 /* ---- exact surfaces --------------------------------------------------------------------------------------------- */
 
 #if MCV_WITH_SURFACES
-/* How far p is outside of a piece, over the length of the gradient, which leads outwards. */
+/* How far p is outside of a piece, times the length of the gradient, which leads outwards; to first order. */
 static double mcv_precise_gradient(mcv_world world, uint number, uint piece, mcv_dvec p, mcv_dvec *gradient) {
     __global const mcv_device_solid *solid = world.solids + number;
     __global const mcv_precise_solid *precise = world.precise_solids + number;

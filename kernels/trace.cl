@@ -36,11 +36,9 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
     mcv_vec3 point_rest = nothing, normal_rest = nothing, direction_rest = nothing;
     float distance_rest = 0.0f;
 #if MCV_WITH_MIXED
-    mcv_precise_ray precise;
     mcv_vec3 origin_rest = mcv_vec(ray.origin_rest[0], ray.origin_rest[1], ray.origin_rest[2]);
     point_rest = origin_rest;
     direction_rest = mcv_vec(ray.direction_rest[0], ray.direction_rest[1], ray.direction_rest[2]);
-    precise = mcv_precise_ray_of(origin, point_rest, on.direction, direction_rest);
 #endif
     float distance = 0.0f;
     float transmittance = 1.0f;
@@ -81,6 +79,9 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         triangle = MCV_WORD(slot, hit, 3);
         distance = MCV_LOAD(slot, hit, 0);
         transmittance = MCV_LOAD(slot, throughput, 0);
+#if MCV_WITH_MIXED
+        const mcv_precise_ray precise = mcv_precise_ray_of(origin, origin_rest, direction, direction_rest);
+#endif
         distance_rest = 0.0f;
         normal_rest = direction_rest = nothing;
         if (triangle == MCV_NONE) {
@@ -115,7 +116,6 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         origin = mcv_onward_origin(meeting, on.direction);
 #if MCV_WITH_MIXED
         origin_rest = mcv_onward_rest(&onward, onward.ray.origin, origin);
-        precise = mcv_precise_ray_of(origin, origin_rest, on.direction, direction_rest);
 #endif
 #if MCV_WITH_SURFACES
         left = mcv_leave_meeting(world, meeting, on.direction);
