@@ -37,6 +37,7 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 #define MCV_WITH_LIGHT_TRACING (features >> MCV_FEATURE_LIGHT_TRACING & 1)
 #define MCV_WITH_GLOSS (features >> MCV_FEATURE_GLOSS & 1)
 #define MCV_WITH_SURFACES (features >> MCV_FEATURE_SURFACES & 1)
+#define MCV_WITH_MIXED (features >> MCV_FEATURE_MIXED & 1)
 #define MCV_WITH_REACH (features >> MCV_FEATURE_REACH & 1)
 #define MCV_WITH_NORMALS (features >> MCV_FEATURE_NORMALS & 1)
 #define MCV_X(field, count) words[FIELD_##field] = (count);
@@ -48,6 +49,7 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 #undef MCV_WITH_LIGHT_TRACING
 #undef MCV_WITH_GLOSS
 #undef MCV_WITH_SURFACES
+#undef MCV_WITH_MIXED
 #undef MCV_WITH_REACH
 #undef MCV_WITH_NORMALS
 }
