@@ -185,10 +185,97 @@ static inline __attribute__((always_inline)) void mcv_bundle_traverse(__global c
     } while (1);
 }
 
+/* ---- few triangles ---------------------------------------------------------------------------------------------- */
+
+/* Whether the root is all there is: then eight rays go together, whichever way each goes. */
+static inline int mcv_is_flat(__global const mcv_node *root) {
+    uint bits = MCV_CHILD_LEAF;
+    for (uint i = 0; i < MCV_BVH_WIDTH; ++i) bits &= root->child[i]; /* MCV_NONE has it, too */
+    return bits != 0u;
+}
+
+/* Eight rays as the tests of triangles need them (mcv_shear), and what they have hit so far. */
+typedef struct mcv_lanes {
+    float8 origin_x, origin_y, origin_z, shear_x, shear_y, scale_z;
+    int8 main_z, main_y; /* whether that is the main axis; else it is x */
+    float8 t, u, v;
+    uint8 triangle;
+} mcv_lanes;
+
+/* The coordinates of a vertex along the axes x, y, z of the rays. */
+#define MCV_LANES_OF(rays, if_z, if_y, if_x) ((rays)->main_z ? (float8)(if_z) : (rays)->main_y ? (float8)(if_y) : (float8)(if_x))
+
+/* One triangle of a leaf against all rays, as mcv_intersect_leaf does it with all of them and one ray. */
+static inline __attribute__((always_inline)) void mcv_lanes_meet(__global const mcv_leaf *leaf, uint lane, int any, mcv_lanes *rays) {
+    const uint8 triangle = (uint8)(leaf->triangle[lane]);
+    float8 x[3], y[3], z[3], t, b, c, det;
+    int8 met;
+#pragma unroll
+    for (int corner = 0; corner < 3; ++corner) {
+        const float p = leaf->vertex[corner][0][lane], q = leaf->vertex[corner][1][lane], r = leaf->vertex[corner][2][lane];
+        z[corner] = MCV_LANES_OF(rays, r, q, p) - rays->origin_z;
+        x[corner] = fma(-rays->shear_x, z[corner], MCV_LANES_OF(rays, p, r, q) - rays->origin_x);
+        y[corner] = fma(-rays->shear_y, z[corner], MCV_LANES_OF(rays, q, p, r) - rays->origin_y);
+    }
+    if (!mcv_meet_sheared8(x, y, z, rays->shear_x, rays->shear_y, rays->scale_z, rays->t, &met, &t, &b, &c, &det)) return;
+    if (any) {
+        rays->triangle = met ? triangle : rays->triangle;
+        rays->t = met ? (float8)(-1.0f) : rays->t;
+        return;
+    }
+    met &= (t < rays->t) | ((t == rays->t) & (rays->triangle != MCV_NONE) & (triangle < rays->triangle));
+    rays->t = met ? t : rays->t;
+    rays->u = met ? b / det : rays->u;
+    rays->v = met ? c / det : rays->v;
+    rays->triangle = met ? triangle : rays->triangle;
+}
+
+static inline __attribute__((always_inline)) void mcv_flat_traverse(__global const mcv_node *root, __global const mcv_leaf *leaves,
+                                                                    const float8 o[3], const float8 d[3], int any, mcv_lanes *rays) {
+    const float8 dx = fabs(d[0]), dy = fabs(d[1]), dz = fabs(d[2]);
+    const float8 reach = max(fabs(o[0]), max(fabs(o[1]), fabs(o[2]))) + root->extent;
+    const float8 spread = 32.0f * MCV_UNIT_ROUNDOFF * reach;
+    const float8 least = max(dx, max(dy, dz)) * 0x1p-64f;
+    float8 inverse[3], near_offset[3], far_offset[3];
+#pragma unroll
+    for (int axis = 0; axis < 3; ++axis) {
+        inverse[axis] = 1.0f / (fabs(d[axis]) < least ? copysign(least, d[axis]) : d[axis]);
+        near_offset[axis] = -o[axis] * inverse[axis] - spread * fabs(inverse[axis]);
+        far_offset[axis] = -o[axis] * inverse[axis] + spread * fabs(inverse[axis]);
+    }
+    rays->main_z = (dz >= dx) & (dz >= dy);
+    rays->main_y = dy >= dx;
+    const float8 along = MCV_LANES_OF(rays, d[2], d[1], d[0]);
+    rays->origin_x = MCV_LANES_OF(rays, o[0], o[2], o[1]);
+    rays->origin_y = MCV_LANES_OF(rays, o[1], o[0], o[2]);
+    rays->origin_z = MCV_LANES_OF(rays, o[2], o[1], o[0]);
+    rays->shear_x = MCV_LANES_OF(rays, d[0], d[2], d[1]) / along;
+    rays->shear_y = MCV_LANES_OF(rays, d[1], d[0], d[2]) / along;
+    rays->scale_z = 1.0f / along;
+    for (uint child = 0; child < MCV_BVH_WIDTH; ++child) {
+        if (root->child[child] == MCV_NONE) continue;
+        __global const mcv_leaf *leaf = leaves + (root->child[child] & ~MCV_CHILD_LEAF);
+        float8 near = (float8)(0.0f), far = rays->t;
+#pragma unroll
+        for (int axis = 0; axis < 3; ++axis) {
+            const float8 lower = root->bounds[axis][0][child] * inverse[axis];
+            const float8 upper = root->bounds[axis][1][child] * inverse[axis];
+            near = max(near, min(lower, upper) + near_offset[axis]);
+            far = min(far, max(lower, upper) + far_offset[axis]);
+        }
+        if (!mcv_mask8(near <= far)) continue;
+        for (uint lane = 0; lane < MCV_LEAF_TRIANGLES; ++lane)
+            if (leaf->triangle[lane] != MCV_NONE) mcv_lanes_meet(leaf, lane, any, rays);
+    }
+}
+
+/* ---- many rays -------------------------------------------------------------------------------------------------- */
+
 /* The hits of the rays indices[0 … count - 1] as mcv_take_turns has them, eight neighbours at a time. */
 static inline __attribute__((always_inline)) void mcv_take_bundles(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
                                                                    mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
                                                                    int any, mcv_hit *hits) {
+    const int flat = mcv_is_flat(nodes);
     for (uint first = 0; first < count; first += MCV_BUNDLE, hits += MCV_BUNDLE) {
         const uint used = min(count - first, (uint)MCV_BUNDLE);
         mcv_vec3 o[MCV_BUNDLE], d[MCV_BUNDLE];
@@ -203,6 +290,27 @@ static inline __attribute__((always_inline)) void mcv_take_bundles(__global cons
         }
         const float8 origin[3] = {MCV_LANES(o, x), MCV_LANES(o, y), MCV_LANES(o, z)};
         const float8 direction[3] = {MCV_LANES(d, x), MCV_LANES(d, y), MCV_LANES(d, z)};
+        if (flat) {
+            mcv_lanes rays;
+            float u[MCV_BUNDLE], v[MCV_BUNDLE];
+            uint triangle[MCV_BUNDLE];
+            rays.t = vload8(0, t);
+            rays.u = rays.v = (float8)(0.0f);
+            rays.triangle = (uint8)(MCV_NONE);
+            mcv_flat_traverse(nodes, leaves, origin, direction, any, &rays);
+            vstore8(rays.t, 0, t);
+            vstore8(rays.u, 0, u);
+            vstore8(rays.v, 0, v);
+            vstore8(rays.triangle, 0, triangle);
+            for (uint i = 0; i < used; ++i) {
+                hits[i].triangle = triangle[i];
+                if (any) continue;
+                hits[i].t = t[i];
+                hits[i].u = u[i];
+                hits[i].v = v[i];
+            }
+            continue;
+        }
         mcv_bundle b;
         if (mcv_bundle_setup(origin, direction, vload8(0, t), nodes->extent, &b)) {
             mcv_bundle_traverse(nodes, leaves, &b, any, hits);

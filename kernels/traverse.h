@@ -139,17 +139,10 @@ static inline uint mcv_intersect_boxes(__global const mcv_node *node, const mcv_
     return mcv_mask8(near <= far);
 }
 
-static inline float4 mcv_edge_function(float4 px, float4 py, float4 qx, float4 qy) {
-    const float4 product = py * qx;
-    return fma(px, qy, -product) + fma(-py, qx, product);
-}
-
-/* The sign of a zero edge function of P to Q for a ray displaced by (ε, ε²): true is positive. */
-static inline int4 mcv_edge_rises(float4 px, float4 py, float4 qx, float4 qy) { return (py > qy) | ((py == qy) & (px < qx)); }
-
 /*
- * Tests the four triangles of a leaf against a ray. A hit with 0 < t < hit->t replaces *hit; so does one with the same t and a
- * lower number. Returns whether there was one. With `after`, only what comes after that hit in this order counts.
+ * Which lanes of sheared triangles, x, y and z of three corners each, are hit with 0 < t <= t_max (one bit each; 0: the rest is unknown),
+ * where, and the weights b/det and c/det of the corners 1 and 2. RISES is the sign of a zero edge function of P to Q for a ray displaced by
+ * (ε, ε²): true is positive. The lanes are triangles of one ray, or rays of one triangle: the same arithmetic, so the same bits.
  *
  * t > 0 is certain if the triangle lies ahead of the origin as a whole: t is then a mean of positive numbers. Otherwise t
  * must exceed its error bound (the idea of Physically Based Rendering, the bound for this code). X, Y, Z are the largest
@@ -159,6 +152,71 @@ static inline int4 mcv_edge_rises(float4 px, float4 py, float4 qx, float4 qy) { 
  * the computed vertices, whose differences are off by 2 δ: n_x by 4 r δy, and with its rounding by less than 10 r δy. det, three edge
  * functions, is off by 3 (2 (X δy + Y δx) + 4 u X Y); where that exceeds |det|, the triangle is seen edge-on and nothing is known. The rest
  * rounds by 12 u Z: 7 for the mean and 4 for the edge functions as weights.
+ */
+#define MCV_MEET_SHEARED(NAME, EDGE, RISES, FLOAT, INT, MASK) \
+    static inline FLOAT EDGE(FLOAT px, FLOAT py, FLOAT qx, FLOAT qy) { \
+        const FLOAT product = py * qx; \
+        return fma(px, qy, -product) + fma(-py, qx, product); \
+    } \
+    static inline INT RISES(FLOAT px, FLOAT py, FLOAT qx, FLOAT qy) { return (py > qy) | ((py == qy) & (px < qx)); } \
+    static inline __attribute__((always_inline)) uint NAME(const FLOAT *x, const FLOAT *y, const FLOAT *z, FLOAT shear_x, FLOAT shear_y, \
+                                                           FLOAT scale_z, FLOAT t_max, INT *met, FLOAT *t_met, FLOAT *b_met, FLOAT *c_met, \
+                                                           FLOAT *det_met) { \
+        const FLOAT a = EDGE(x[2], y[2], x[1], y[1]); \
+        const FLOAT b = EDGE(x[0], y[0], x[2], y[2]); \
+        const FLOAT c = EDGE(x[1], y[1], x[0], y[0]); \
+        /* min and max may lose a NaN; det and t keep it, and t > 0 is then false. */ \
+        INT inside = (min(a, min(b, c)) >= 0.0f) | (max(a, max(b, c)) <= 0.0f); \
+        if (!MASK(inside)) return 0; \
+        if (MASK(inside & ((a == 0.0f) | (b == 0.0f) | (c == 0.0f)))) { \
+            const INT left = ((a > 0.0f) | ((a == 0.0f) & RISES(x[2], y[2], x[1], y[1]))) & \
+                             ((b > 0.0f) | ((b == 0.0f) & RISES(x[0], y[0], x[2], y[2]))) & \
+                             ((c > 0.0f) | ((c == 0.0f) & RISES(x[1], y[1], x[0], y[0]))); \
+            const INT right = ((a < 0.0f) | ((a == 0.0f) & RISES(x[1], y[1], x[2], y[2]))) & \
+                              ((b < 0.0f) | ((b == 0.0f) & RISES(x[2], y[2], x[0], y[0]))) & \
+                              ((c < 0.0f) | ((c == 0.0f) & RISES(x[0], y[0], x[1], y[1]))); \
+            inside = left | right; \
+        } \
+        const FLOAT det = a + b + c; \
+        const FLOAT depth = fma(a, z[0], fma(b, z[1], c * z[2])) / det; \
+        const FLOAT t = depth * scale_z; \
+        inside &= (det != 0.0f) & (t > 0.0f) & (t <= t_max); \
+        const FLOAT sign = scale_z < 0.0f ? (FLOAT)(-1.0f) : (FLOAT)(1.0f); \
+        const FLOAT front = min(z[0] * sign, min(z[1] * sign, z[2] * sign)); \
+        uint mask = MASK(inside); \
+        if (!mask) return 0; \
+        if (MASK(inside & (front <= 0.0f))) { \
+            const FLOAT back = max(z[0] * sign, max(z[1] * sign, z[2] * sign)); \
+            const FLOAT big_x = max(fabs(x[0]), max(fabs(x[1]), fabs(x[2]))); \
+            const FLOAT big_y = max(fabs(y[0]), max(fabs(y[1]), fabs(y[2]))); \
+            const FLOAT big_z = max(fabs(front), fabs(back)); \
+            const FLOAT error_x = MCV_GAMMA(3) * (big_x + fabs(shear_x) * big_z); \
+            const FLOAT error_y = MCV_GAMMA(3) * (big_y + fabs(shear_y) * big_z); \
+            const FLOAT error_det = 3.0f * (2.0f * (big_x * error_y + big_y * error_x) + 4.0f * MCV_UNIT_ROUNDOFF * big_x * big_y); \
+            const FLOAT sure_det = fabs(det) - error_det; \
+            const FLOAT range = back - front; \
+            const FLOAT x1 = x[1] - x[0], y1 = y[1] - y[0], z1 = z[1] - z[0], x2 = x[2] - x[0], y2 = y[2] - y[0], z2 = z[2] - z[0]; \
+            const FLOAT slope_x = fabs(y1 * z2 - z1 * y2) + 10.0f * range * error_y; \
+            const FLOAT slope_y = fabs(z1 * x2 - x1 * z2) + 10.0f * range * error_x; \
+            const FLOAT error_depth = (slope_x * error_x + slope_y * error_y) / sure_det + 12.0f * MCV_UNIT_ROUNDOFF * big_z; \
+            inside &= (front > 0.0f) | ((sure_det > 0.0f) & (depth * sign > error_depth)); \
+            mask = MASK(inside); \
+            if (!mask) return 0; \
+        } \
+        *met = inside; \
+        *t_met = t; \
+        *b_met = b; \
+        *c_met = c; \
+        *det_met = det; \
+        return mask; \
+    }
+
+MCV_MEET_SHEARED(mcv_meet_sheared4, mcv_edge_function4, mcv_edge_rises4, float4, int4, mcv_mask4)
+MCV_MEET_SHEARED(mcv_meet_sheared8, mcv_edge_function8, mcv_edge_rises8, float8, int8, mcv_mask8)
+
+/*
+ * Tests the four triangles of a leaf against a ray. A hit with 0 < t < hit->t replaces *hit; so does one with the same t and a
+ * lower number. Returns whether there was one. With `after`, only what comes after that hit in this order counts.
  */
 static inline __attribute__((always_inline)) int mcv_intersect_leaf_after(__global const mcv_leaf *leaf, const mcv_shear *ray,
                                                                           const mcv_hit *after, mcv_hit *hit) {
@@ -170,49 +228,11 @@ static inline __attribute__((always_inline)) int mcv_intersect_leaf_after(__glob
         x[corner] = fma((float4)(-ray->shear_x), z[corner], *(__global const float4 *)(rows + ray->row_x) - (float4)(ray->origin_x));
         y[corner] = fma((float4)(-ray->shear_y), z[corner], *(__global const float4 *)(rows + ray->row_y) - (float4)(ray->origin_y));
     }
-    const float4 a = mcv_edge_function(x[2], y[2], x[1], y[1]);
-    const float4 b = mcv_edge_function(x[0], y[0], x[2], y[2]);
-    const float4 c = mcv_edge_function(x[1], y[1], x[0], y[0]);
-    /* min and max may lose a NaN; det and t keep it, and t > 0 is then false. */
-    int4 inside = (min(a, min(b, c)) >= 0.0f) | (max(a, max(b, c)) <= 0.0f);
-    if (!mcv_mask4(inside)) return 0;
-
-    if (mcv_mask4(inside & ((a == 0.0f) | (b == 0.0f) | (c == 0.0f)))) {
-        const int4 left = ((a > 0.0f) | ((a == 0.0f) & mcv_edge_rises(x[2], y[2], x[1], y[1]))) &
-                          ((b > 0.0f) | ((b == 0.0f) & mcv_edge_rises(x[0], y[0], x[2], y[2]))) &
-                          ((c > 0.0f) | ((c == 0.0f) & mcv_edge_rises(x[1], y[1], x[0], y[0])));
-        const int4 right = ((a < 0.0f) | ((a == 0.0f) & mcv_edge_rises(x[1], y[1], x[2], y[2]))) &
-                           ((b < 0.0f) | ((b == 0.0f) & mcv_edge_rises(x[2], y[2], x[0], y[0]))) &
-                           ((c < 0.0f) | ((c == 0.0f) & mcv_edge_rises(x[0], y[0], x[1], y[1])));
-        inside = left | right;
-    }
-
-    const float4 det = a + b + c;
-    const float4 depth = fma(a, z[0], fma(b, z[1], c * z[2])) / det;
-    const float4 t = depth * ray->scale_z;
-    inside &= (det != 0.0f) & (t > 0.0f) & (t <= hit->t);
-    const float4 sign = (float4)(ray->scale_z < 0.0f ? -1.0f : 1.0f);
-    const float4 front = min(z[0] * sign, min(z[1] * sign, z[2] * sign));
-    uint mask = mcv_mask4(inside);
+    float4 t, b, c, det;
+    int4 met;
+    uint mask = mcv_meet_sheared4(x, y, z, (float4)(ray->shear_x), (float4)(ray->shear_y), (float4)(ray->scale_z), (float4)(hit->t), &met,
+                                  &t, &b, &c, &det);
     if (!mask) return 0;
-    if (mcv_mask4(inside & (front <= 0.0f))) {
-        const float4 back = max(z[0] * sign, max(z[1] * sign, z[2] * sign));
-        const float4 big_x = max(fabs(x[0]), max(fabs(x[1]), fabs(x[2])));
-        const float4 big_y = max(fabs(y[0]), max(fabs(y[1]), fabs(y[2])));
-        const float4 big_z = max(fabs(front), fabs(back));
-        const float4 error_x = MCV_GAMMA(3) * (big_x + fabs(ray->shear_x) * big_z);
-        const float4 error_y = MCV_GAMMA(3) * (big_y + fabs(ray->shear_y) * big_z);
-        const float4 error_det = 3.0f * (2.0f * (big_x * error_y + big_y * error_x) + 4.0f * MCV_UNIT_ROUNDOFF * big_x * big_y);
-        const float4 sure_det = fabs(det) - error_det;
-        const float4 range = back - front;
-        const float4 x1 = x[1] - x[0], y1 = y[1] - y[0], z1 = z[1] - z[0], x2 = x[2] - x[0], y2 = y[2] - y[0], z2 = z[2] - z[0];
-        const float4 slope_x = fabs(y1 * z2 - z1 * y2) + 10.0f * range * error_y;
-        const float4 slope_y = fabs(z1 * x2 - x1 * z2) + 10.0f * range * error_x;
-        const float4 error_depth = (slope_x * error_x + slope_y * error_y) / sure_det + 12.0f * MCV_UNIT_ROUNDOFF * big_z;
-        inside &= (front > 0.0f) | ((sure_det > 0.0f) & (depth * sign > error_depth));
-        mask = mcv_mask4(inside);
-        if (!mask) return 0;
-    }
 
     float lane_t[4], lane_b[4], lane_c[4], lane_det[4];
     vstore4(t, 0, lane_t);

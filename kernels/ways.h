@@ -23,6 +23,10 @@
 /* One ray after the other; parameters as of mcv_take_turns. */
 static inline void mcv_intersect_any_alone(__global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_rows origins,
                                            mcv_rows directions, const uint *indices, uint count, mcv_hit *hits) {
+    if (mcv_is_flat(nodes)) {
+        mcv_intersect_any_bundles(nodes, leaves, origins, directions, indices, count, hits);
+        return;
+    }
     for (uint i = 0; i < count; ++i) {
         const mcv_vec3 origin = mcv_row(origins, indices[i]), direction = mcv_row(directions, indices[i]);
         if (mcv_intersect_any_ray(nodes, leaves, origin, direction, hits[i].t)) hits[i].triangle = 0;
