@@ -40,17 +40,23 @@
     { (slot).base + MCV_PATH_##field *MCV_SLICE, 1u, MCV_SLICE }
 
 #if MCV_WITH_SURFACES
+/* Rays side by side: rows of MCV_SLICE words for each component. The directions are unit. */
+typedef struct mcv_side_by_side {
+    const uint *origin, *direction, *left;
+} mcv_side_by_side;
+
+MCV_LOOP_FUNCTION mcv_vec3 mcv_one_of(const uint *rows, uint i) {
+    return mcv_vec(as_float(rows[i]), as_float(rows[MCV_SLICE + i]), as_float(rows[2 * MCV_SLICE + i]));
+}
+
 /* The chosen rays with one solid, of a shape that is known to the compiler. */
-MCV_LOOP_FUNCTION void mcv_meet_together(mcv_world world, uint *paths, uint number, uint shape, const uint *chosen, uint count, float *t,
-                                         uint *pieces) {
+MCV_LOOP_FUNCTION void mcv_meet_together(mcv_world world, mcv_side_by_side rays, uint number, uint shape, const uint *chosen, uint count,
+                                         float *t, uint *pieces) {
     __global const mcv_device_solid *solid = world.solids + number;
-    mcv_slot slot;
-    slot.base = paths;
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i) {
-        slot.index = chosen[i];
-        const mcv_approach ray =
-            mcv_approach_solid(world, number, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), MCV_WORD(slot, left, 0));
+        const uint k = chosen[i];
+        const mcv_approach ray = mcv_approach_solid(world, number, mcv_one_of(rays.origin, k), mcv_one_of(rays.direction, k), rays.left[k]);
         const mcv_piece_met met = mcv_meet_shape(solid, shape, ray);
         t[i] = met.t;
         pieces[i] = met.piece;
@@ -58,18 +64,14 @@ MCV_LOOP_FUNCTION void mcv_meet_together(mcv_world world, uint *paths, uint numb
 }
 
 /* The rays that may meet a solid; returns how many. */
-static __attribute__((noinline)) uint mcv_list_approaching(mcv_world world, uint *paths, uint count, uint number, const mcv_hit *hits,
-                                                           uint *chosen) {
+static __attribute__((noinline)) uint mcv_list_approaching(mcv_world world, mcv_side_by_side rays, uint count, uint number,
+                                                           const mcv_hit *hits, uint *chosen) {
     __global const mcv_device_solid *solid = world.solids + number;
     uint reaches[MCV_SLICE];
     uint listed = 0;
-    mcv_slot slot;
-    slot.base = paths;
     MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) {
-        slot.index = i;
-        reaches[i] = (uint)mcv_reaches_solid(solid, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), hits[i].t);
-    }
+    for (uint i = 0; i < count; ++i)
+        reaches[i] = (uint)mcv_reaches_solid(solid, mcv_one_of(rays.origin, i), mcv_one_of(rays.direction, i), hits[i].t);
     for (uint i = 0; i < count; ++i) {
         chosen[listed] = i;
         listed += reaches[i];
@@ -77,36 +79,32 @@ static __attribute__((noinline)) uint mcv_list_approaching(mcv_world world, uint
     return listed;
 }
 
-/* What the paths meet of the exact surfaces. */
-static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, uint *paths, uint count, mcv_hit *hits) {
+/* What many rays meet of the exact surfaces, if that is closer than the given hits (or misses, with their t_max). */
+static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, mcv_side_by_side rays, uint count, mcv_hit *hits) {
     uint chosen[MCV_SLICE], pieces[MCV_SLICE];
     float t[MCV_SLICE];
-    mcv_slot slot;
-    slot.base = paths;
-    for (uint i = 0; i < count; ++i) hits[i] = mcv_miss(INFINITY);
     for (uint number = 0; number < world.frame->solid_count; ++number) {
         const uint shape = mcv_shape(world.solids + number);
-        const uint listed = mcv_list_approaching(world, paths, count, number, hits, chosen);
+        const uint listed = mcv_list_approaching(world, rays, count, number, hits, chosen);
         if (shape == MCV_SHAPE_OTHER) {
             for (uint i = 0; i < listed; ++i) {
-                slot.index = chosen[i];
-                mcv_intersect_solid(world, number, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), MCV_WORD(slot, left, 0),
-                                    hits + chosen[i]);
+                const uint k = chosen[i];
+                mcv_intersect_solid(world, number, mcv_one_of(rays.origin, k), mcv_one_of(rays.direction, k), rays.left[k], hits + k);
             }
             continue;
         }
         switch (shape) {
         case MCV_SHAPE_DISC:
-            mcv_meet_together(world, paths, number, MCV_SHAPE_DISC, chosen, listed, t, pieces);
+            mcv_meet_together(world, rays, number, MCV_SHAPE_DISC, chosen, listed, t, pieces);
             break;
         case MCV_SHAPE_BALL:
-            mcv_meet_together(world, paths, number, MCV_SHAPE_BALL, chosen, listed, t, pieces);
+            mcv_meet_together(world, rays, number, MCV_SHAPE_BALL, chosen, listed, t, pieces);
             break;
         case MCV_SHAPE_BOX:
-            mcv_meet_together(world, paths, number, MCV_SHAPE_BOX, chosen, listed, t, pieces);
+            mcv_meet_together(world, rays, number, MCV_SHAPE_BOX, chosen, listed, t, pieces);
             break;
         default:
-            mcv_meet_together(world, paths, number, MCV_SHAPE_CONICS, chosen, listed, t, pieces);
+            mcv_meet_together(world, rays, number, MCV_SHAPE_CONICS, chosen, listed, t, pieces);
         }
         for (uint i = 0; i < listed; ++i) mcv_take_exact_hit(world, t[i], number, pieces[i], hits + chosen[i]);
     }
@@ -146,7 +144,10 @@ static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count, uint
     uint listed = count;
 #if MCV_WITH_SURFACES
     mcv_hit exact[MCV_SLICE];
-    mcv_meet_solids_together(world, slot.base, count, exact);
+    const mcv_side_by_side rays = {slot.base + MCV_PATH_origin * MCV_SLICE, slot.base + MCV_PATH_direction * MCV_SLICE,
+                                   slot.base + MCV_PATH_left * MCV_SLICE};
+    for (uint i = 0; i < count; ++i) exact[i] = mcv_miss(INFINITY);
+    mcv_meet_solids_together(world, rays, count, exact);
     listed = mcv_list_near_triangles(world, slot.base, count, exact, chosen);
     for (uint i = 0; i < listed; ++i) hits[i] = mcv_miss(mcv_just_beyond(exact[chosen[i]]));
 #else
@@ -169,6 +170,48 @@ static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count, uint
 }
 
 #if MCV_WITH_NEXT_EVENT
+#if MCV_WITH_SURFACES
+/* What the shadow rays of the chosen paths meet, of triangles (the given hits) and exact surfaces (mcv_shadow_past_solids). */
+static __attribute__((noinline)) void mcv_shadows_past_solids(mcv_world world, const uint *paths, const uint *chosen, uint count, int any,
+                                                              mcv_hit *hits) {
+    uint rows[7 * MCV_SLICE], open[MCV_SLICE];
+    float lengths[MCV_SLICE];
+    mcv_hit exact[MCV_SLICE];
+    uint listed = 0;
+    for (uint i = 0; i < count; ++i) {
+        open[listed] = i;
+        listed += !any || hits[i].triangle == MCV_NONE;
+    }
+    MCV_PARALLEL
+    for (uint i = 0; i < listed; ++i) {
+        const uint k = chosen[open[i]];
+        const mcv_vec3 origin = mcv_one_of(paths + MCV_PATH_shadow_origin * MCV_SLICE, k);
+        const mcv_vec3 way = mcv_one_of(paths + MCV_PATH_shadow_direction * MCV_SLICE, k);
+        const float length = mcv_sqrt(mcv_dot(way, way));
+        const mcv_vec3 unit = mcv_scale(way, 1.0f / length);
+        rows[i] = as_uint(origin.x);
+        rows[MCV_SLICE + i] = as_uint(origin.y);
+        rows[2 * MCV_SLICE + i] = as_uint(origin.z);
+        rows[3 * MCV_SLICE + i] = as_uint(unit.x);
+        rows[4 * MCV_SLICE + i] = as_uint(unit.y);
+        rows[5 * MCV_SLICE + i] = as_uint(unit.z);
+        rows[6 * MCV_SLICE + i] = paths[MCV_PATH_shadow_left * MCV_SLICE + k];
+        lengths[i] = length;
+    }
+    for (uint i = 0; i < listed; ++i) {
+        exact[i] = hits[open[i]];
+        exact[i].t *= lengths[i];
+    }
+    const mcv_side_by_side rays = {rows, rows + 3 * MCV_SLICE, rows + 6 * MCV_SLICE};
+    mcv_meet_solids_together(world, rays, listed, exact);
+    for (uint i = 0; i < listed; ++i) {
+        if (exact[i].triangle == hits[open[i]].triangle) continue;
+        exact[i].t /= lengths[i];
+        hits[open[i]] = exact[i];
+    }
+}
+#endif
+
 static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *paths, uint count) {
     const mcv_rows origins = MCV_ROWS(slot, shadow_origin), directions = MCV_ROWS(slot, shadow_direction);
     for (int any = 0; any < 2; ++any) {
@@ -185,9 +228,11 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
             MCV_ANY_SHADOW(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
         else
             MCV_CLOSEST_SHADOW(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
+#if MCV_WITH_SURFACES
+        mcv_shadows_past_solids(world, slot.base, chosen, chosen_count, any, hits);
+#endif
         for (uint i = 0; i < chosen_count; ++i) {
             slot.index = chosen[i];
-            hits[i] = mcv_shadow_past_solids(world, slot, hits[i]);
             if (any ? hits[i].triangle == MCV_NONE : mcv_meets_target(world, slot, hits[i])) mcv_add_shadow_light(world, slot, hits[i]);
         }
     }
