@@ -6,11 +6,20 @@
 #include "mcvisi/dialect.h"
 
 /*
- * The i with cdf[i] <= bits < cdf[i + 1], and where between them bits lies, in [0, 1). A number xi has 24 bits, too few for the triangles
- * of a large mesh: 7 more are the last ones of another number, whose first ones alone matter where that is used.
+ * A number xi has 24 bits, too few for the triangles of a large mesh: 7 more are the last ones of another number, whose first ones alone
+ * matter where that is used.
  */
+MCV_FUNCTION uint mcv_cdf_bits(float xi, float other) { return (uint)(xi * 2147483648.0f) | ((uint)(other * 16777216.0f) & 127u); }
+
+/* Where between two shares bits lies that is so far above the lower one, in [0, 1). */
+MCV_FUNCTION float mcv_cdf_rest(uint above, float width) {
+    const float share = (float)above / width;
+    return share < 0.99999994f ? share : 0.99999994f;
+}
+
+/* The i with cdf[i] <= bits < cdf[i + 1], and where between them bits lies. */
 MCV_FUNCTION uint mcv_search_cdf(MCV_GLOBAL const uint *cdf, uint count, float xi, float other, float *rest) {
-    const uint bits = (uint)(xi * 2147483648.0f) | ((uint)(other * 16777216.0f) & 127u);
+    const uint bits = mcv_cdf_bits(xi, other);
     uint low = 0;
     uint high = count;
     while (high - low > 1) {
@@ -20,8 +29,7 @@ MCV_FUNCTION uint mcv_search_cdf(MCV_GLOBAL const uint *cdf, uint count, float x
         else
             high = middle;
     }
-    const float share = (float)(bits - cdf[low]) / (float)(cdf[low + 1] - cdf[low]);
-    *rest = share < 0.99999994f ? share : 0.99999994f;
+    *rest = mcv_cdf_rest(bits - cdf[low], (float)(cdf[low + 1] - cdf[low]));
     return low;
 }
 

@@ -65,9 +65,37 @@ static void mcv_leave_precisely(mcv_world world, mcv_slot slot, const mcv_meetin
 }
 #endif
 
-/* 1 if the path goes on. */
+/* A ray that leaves the scene sees the environment. */
+static void mcv_leave_scene(mcv_world world, mcv_slot slot) {
+#if MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE
+    uint media = 0;
+    float density = 0.0f;
+    mcv_color throughput;
+    mcv_color radiance;
+#if MCV_WITH_DISPERSION
+    world = mcv_disperse(world, slot);
+#endif
+    MCV_LOAD_COLOR(slot, throughput, throughput);
+    MCV_LOAD_COLOR(slot, radiance, radiance);
+#if MCV_WITH_DIELECTRIC
+    media = MCV_WORD(slot, media, 0);
+#endif
+#if MCV_WITH_NEXT_EVENT
+    density = MCV_LOAD(slot, density, 0);
+#endif
+#if MCV_WITH_ENVIRONMENT_IMAGE
+    density = mcv_density_against(world, slot, world.frame->environment_emitter, density);
+#endif
+    const mcv_color met = mcv_environment_met(world, MCV_LOAD_3(slot, direction), media, density);
+    MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], met.c[i], radiance.c[i]);
+    MCV_STORE_COLOR(slot, radiance, radiance);
+#else
+    (void)world, (void)slot;
+#endif
+}
+
+/* 1 if the path, which has met a surface, goes on. */
 static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *unmatched) {
-    const uint triangle = MCV_WORD(slot, hit, 3);
 #if MCV_WITH_DISPERSION
     world = mcv_disperse(world, slot);
 #endif
@@ -83,19 +111,6 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
 #if MCV_WITH_NEXT_EVENT
     density = MCV_LOAD(slot, density, 0);
 #endif
-
-    /* A ray that leaves the scene sees the environment. */
-    if (triangle == MCV_NONE) {
-#if MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE
-#if MCV_WITH_ENVIRONMENT_IMAGE
-        density = mcv_density_against(world, slot, world.frame->environment_emitter, density);
-#endif
-        const mcv_color met = mcv_environment_met(world, MCV_LOAD_3(slot, direction), media, density);
-        MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], met.c[i], radiance.c[i]);
-        MCV_STORE_COLOR(slot, radiance, radiance);
-#endif
-        return 0;
-    }
 
     const mcv_meeting meeting = mcv_meet_surface(world, slot);
     const uint emitter = world.instances[meeting.surface.instance].emitter;

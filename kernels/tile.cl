@@ -30,6 +30,7 @@
 #include "intersect_shadow.cl"
 #endif
 #include "shade_surfaces.cl"
+#include "plain_surfaces.h"
 #include "accumulate_film.cl"
 #if MCV_WITH_LIGHT_TRACING
 #include "trace_emitter_paths.cl"
@@ -329,69 +330,63 @@ static __attribute__((noinline)) void mcv_leave_surfaces(uint *paths, uint count
 }
 #endif
 
-/* Works out the surfaces that the paths have met. */
-static __attribute__((noinline)) void mcv_find_surfaces(mcv_world world, uint *paths, uint count) {
-    mcv_slot slot;
-    slot.base = paths;
-#if MCV_WITH_SURFACES
-    uint triangles[MCV_SLICE], quadrics[MCV_SLICE], others[MCV_SLICE];
-    uint triangle_count = 0, quadric_count = 0, other_count = 0;
-    for (uint i = 0; i < count; ++i) {
-        const uint met = paths[(MCV_PATH_hit + 3) * MCV_SLICE + i];
-        if (met == MCV_NONE) continue;
-        if (met < MCV_EXACT)
-            triangles[triangle_count++] = i;
-        else if (mcv_is_quadric(world.solids + ((met & ~MCV_EXACT) >> 2), met & 3u))
-            quadrics[quadric_count++] = i;
-        else
-            others[other_count++] = i;
-    }
+MCV_LOOP_FUNCTION void mcv_find_triangles(mcv_world world, mcv_slot slot, uint first, uint last) {
     MCV_PARALLEL
-    for (uint i = 0; i < triangle_count; ++i) {
-        slot.index = triangles[i];
-        mcv_find_triangle(world, slot);
-    }
-    MCV_PARALLEL
-    for (uint i = 0; i < quadric_count; ++i) {
-        slot.index = quadrics[i];
-        mcv_find_exact(world, slot, 1);
-    }
-    for (uint i = 0; i < other_count; ++i) {
-        slot.index = others[i];
-        mcv_find_exact(world, slot, 0);
-    }
-#else
-    uint met = 0;
-    for (uint i = 0; i < count; ++i) met |= paths[(MCV_PATH_hit + 3) * MCV_SLICE + i] != MCV_NONE;
-    if (!met) return; /* a scene may have no triangle at all */
-    MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) {
+    for (uint i = first; i < last; ++i) {
         slot.index = i;
         mcv_find_triangle(world, slot);
     }
+}
+
+/* Works out the surfaces that the paths have met, which lie in the order of mcv_order_paths. */
+static __attribute__((noinline)) void mcv_find_surfaces(mcv_world world, uint *paths, const uint *ends) {
+    mcv_slot slot;
+    slot.base = paths;
+    mcv_find_triangles(world, slot, 0, ends[MCV_MET_PLAIN_TRIANGLE]);
+#if MCV_WITH_SURFACES
+    MCV_PARALLEL
+    for (uint i = ends[MCV_MET_PLAIN_TRIANGLE]; i < ends[MCV_MET_EXACT]; ++i) {
+        slot.index = i;
+        mcv_find_exact(world, slot, 1);
+    }
+    for (slot.index = ends[MCV_MET_PLAIN_TRIANGLE]; slot.index < ends[MCV_MET_EXACT]; ++slot.index) {
+        const uint met = MCV_WORD(slot, hit, 3);
+        if (!mcv_is_quadric(world.solids + ((met & ~MCV_EXACT) >> 2), met & 3u)) mcv_find_exact(world, slot, 0);
+    }
 #endif
+    mcv_find_triangles(world, slot, ends[MCV_MET_EXACT], ends[MCV_MET_TRIANGLE]);
 }
 
 #if MCV_WITH_NEXT_EVENT
 #if MCV_WITH_EMISSION
-/* The ways of some paths to the places that they have chosen on emitters. */
-static __attribute__((noinline)) void mcv_find_ways(mcv_world world, uint *paths, const uint *chosen, uint count) {
+/* The way of a path to the place that it has chosen on an emitter. */
+MCV_LOOP_FUNCTION void mcv_find_way(mcv_world world, mcv_slot slot) {
+    const mcv_chosen_place place = {MCV_WORD(slot, place, 0), MCV_LOAD(slot, place, 1), MCV_LOAD(slot, place, 2)};
+    const mcv_way way =
+        mcv_way_to(world, MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error), MCV_LOAD_3(slot, face), MCV_WORD(slot, emitter, 0), place);
+    MCV_STORE_3(slot, shadow_origin, way.origin);
+    MCV_STORE_3(slot, shadow_direction, way.direction);
+    MCV_STORE_3(slot, way, way.towards);
+    MCV_STORE(slot, way_density, 0, way.density);
+    MCV_STORE_3(slot, way_face, way.face);
+#if MCV_WITH_NORMALS
+    MCV_STORE_3(slot, way_normal, way.normal);
+#endif
+}
+
+/* Those of the paths in the slots 0 … first - 1 and in the chosen ones. */
+static __attribute__((noinline)) void mcv_find_ways(mcv_world world, uint *paths, uint first, const uint *chosen, uint count) {
     mcv_slot slot;
     slot.base = paths;
     MCV_PARALLEL
+    for (uint i = 0; i < first; ++i) {
+        slot.index = i;
+        mcv_find_way(world, slot);
+    }
+    MCV_PARALLEL
     for (uint i = 0; i < count; ++i) {
         slot.index = chosen[i];
-        const mcv_chosen_place place = {MCV_WORD(slot, place, 0), MCV_LOAD(slot, place, 1), MCV_LOAD(slot, place, 2)};
-        const mcv_way way =
-            mcv_way_to(world, MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error), MCV_LOAD_3(slot, face), MCV_WORD(slot, emitter, 0), place);
-        MCV_STORE_3(slot, shadow_origin, way.origin);
-        MCV_STORE_3(slot, shadow_direction, way.direction);
-        MCV_STORE_3(slot, way, way.towards);
-        MCV_STORE(slot, way_density, 0, way.density);
-        MCV_STORE_3(slot, way_face, way.face);
-#if MCV_WITH_NORMALS
-        MCV_STORE_3(slot, way_normal, way.normal);
-#endif
+        mcv_find_way(world, slot);
     }
 }
 #endif
@@ -420,13 +415,20 @@ MCV_FUNCTION mcv_shadow mcv_shadow_of(mcv_world world, mcv_slot slot, mcv_meetin
 }
 
 /* Lists the paths that have a shadow ray to follow; returns how many. */
-static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_slot slot, uint alive, uint depth, uint *shadows) {
-    uint shadow_count = 0;
+static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_slot slot, const uint *ends, uint depth, uint *shadows) {
+    const uint alive = ends[MCV_MET_TRIANGLE];
+    uint shadow_count = 0, plain = 0;
 #if MCV_WITH_EMISSION
     uint chosen[MCV_SLICE];
     uint count = 0;
 #endif
-    for (slot.index = 0; slot.index < alive; ++slot.index) {
+#if MCV_WITH_PLAIN && MCV_WITH_AREA
+    if (mcv_has_plain_emitter(world)) {
+        plain = ends[MCV_MET_PLAIN_EXACT];
+        mcv_choose_plain_places(world, slot.base, plain);
+    }
+#endif
+    for (slot.index = plain; slot.index < alive; ++slot.index) {
         const uint emitter = mcv_choose_emitter(world, slot, depth);
         MCV_WORD(slot, emitter, 0) = emitter;
 #if MCV_WITH_EMISSION
@@ -439,9 +441,21 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
 #endif
     }
 #if MCV_WITH_EMISSION
-    mcv_find_ways(world, slot.base, chosen, count);
+    mcv_find_ways(world, slot.base, plain, chosen, count);
 #endif
-    for (slot.index = 0; slot.index < alive; ++slot.index) {
+#if MCV_WITH_PLAIN && MCV_WITH_AREA
+    if (plain > 0) {
+        const uint triangles = ends[MCV_MET_PLAIN_TRIANGLE];
+        uint casts[MCV_SLICE];
+        mcv_cast_plain_shadows(world, slot.base, 0, triangles, 0, casts);
+        mcv_cast_plain_shadows(world, slot.base, triangles, plain, 1, casts);
+        for (uint i = 0; i < plain; ++i) {
+            shadows[shadow_count] = i;
+            shadow_count += casts[i];
+        }
+    }
+#endif
+    for (slot.index = plain; slot.index < alive; ++slot.index) {
         if (MCV_WORD(slot, emitter, 0) == MCV_NONE) continue;
         const mcv_meeting meeting = mcv_meet_surface(world, slot);
         const mcv_shadow shadow = mcv_prefer(world, slot, meeting, MCV_WORD(slot, emitter, 0), mcv_shadow_of(world, slot, meeting, depth));
@@ -501,6 +515,7 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
     uint paths[MCV_PATH_WORDS * MCV_SLICE];
     float values[MCV_CHANNELS * MCV_SLICE];
     uint chosen[MCV_SLICE];
+    uint ends[MCV_MET_COUNT];
     uint counts[MCV_COUNTER_COUNT] = {0};
     mcv_slot slot;
     slot.base = paths;
@@ -518,13 +533,19 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
         counts[MCV_COUNTER_rays] += alive;
         mcv_intersect_paths(world, slot, alive, depth);
         MCV_CLOCK_STAGE(intersect_closest)
-        mcv_find_surfaces(world, paths, alive);
+        mcv_order_paths(world, paths, alive, ends);
+        for (slot.index = ends[MCV_MET_TRIANGLE]; slot.index < alive; ++slot.index) {
+            mcv_leave_scene(world, slot);
+            mcv_end_path(world, slot, values, &counts[MCV_COUNTER_nonfinite]);
+        }
+        alive = ends[MCV_MET_TRIANGLE];
+        mcv_find_surfaces(world, paths, ends);
         if (mcv_needs_choice(world.frame, depth)) mcv_draw_pairs(paths, alive, depth, MCV_PAIR_CHOICE);
 #if MCV_WITH_NEXT_EVENT
         /* An emitter is a surface too: the last surface a path may meet does not look for one. */
         if (depth + 1 < world.frame->depth) {
             mcv_draw_pairs(paths, alive, depth, MCV_PAIR_EMITTER);
-            const uint shadow_count = mcv_sample_emitters(world, slot, alive, depth, chosen);
+            const uint shadow_count = mcv_sample_emitters(world, slot, ends, depth, chosen);
             MCV_CLOCK_STAGE(sample_emitters)
             mcv_intersect_shadows(world, slot, chosen, shadow_count);
             MCV_CLOCK_STAGE(intersect_shadow)
@@ -535,8 +556,20 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
 #if MCV_WITH_DIFFUSE
         mcv_choose_bounces(paths, alive);
 #endif
-        uint next = 0;
-        for (slot.index = 0; slot.index < alive; ++slot.index) {
+        uint next = 0, plain = 0;
+#if MCV_WITH_PLAIN
+        uint goes_on[MCV_SLICE];
+        plain = ends[MCV_MET_PLAIN_EXACT];
+        mcv_shade_plain(world, paths, 0, ends[MCV_MET_PLAIN_TRIANGLE], depth, 0, goes_on);
+        mcv_shade_plain(world, paths, ends[MCV_MET_PLAIN_TRIANGLE], plain, depth, 1, goes_on);
+        for (slot.index = 0; slot.index < plain; ++slot.index) {
+            if (goes_on[slot.index])
+                chosen[next++] = slot.index;
+            else
+                mcv_end_path(world, slot, values, &counts[MCV_COUNTER_nonfinite]);
+        }
+#endif
+        for (slot.index = plain; slot.index < alive; ++slot.index) {
             if (mcv_shade_surface(world, slot, depth, &counts[MCV_COUNTER_unmatched]))
                 chosen[next++] = slot.index;
             else
