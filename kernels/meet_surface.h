@@ -49,9 +49,9 @@ MCV_LOOP_FUNCTION void mcv_find_triangle(mcv_world world, mcv_slot slot) {
 }
 
 #if MCV_WITH_SURFACES
-MCV_LOOP_FUNCTION void mcv_find_exact(mcv_world world, mcv_slot slot, int quadric) {
-    mcv_put_surface(slot, mcv_exact_surface_on(world, MCV_WORD(slot, hit, 3), MCV_LOAD(slot, hit, 1), MCV_LOAD_3(slot, origin),
-                                               MCV_LOAD_3(slot, direction), MCV_LOAD(slot, hit, 0), quadric));
+MCV_LOOP_FUNCTION void mcv_find_exact(mcv_world world, mcv_slot slot, uint met, int quadric) {
+    mcv_put_surface(slot, mcv_exact_surface_on(world, met, MCV_LOAD(slot, hit, 1), MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction),
+                                               MCV_LOAD(slot, hit, 0), quadric));
 }
 #endif
 #endif

@@ -35,16 +35,13 @@ MCV_FUNCTION uint mcv_kind_met(mcv_world world, uint met) {
  */
 static __attribute__((noinline)) void mcv_order_paths(mcv_world world, uint *paths, uint count, uint *ends) {
     uint kinds[MCV_SLICE], one[MCV_SLICE], other[MCV_SLICE];
-    uint next[MCV_MET_COUNT] = {0};
+    uint next[MCV_MET_COUNT];
     uint swaps = 0;
-    for (uint i = 0; i < count; ++i) {
-        kinds[i] = mcv_kind_met(world, paths[(MCV_PATH_hit + 3) * MCV_SLICE + i]);
-        ++next[kinds[i]];
-    }
+    for (uint i = 0; i < count; ++i) kinds[i] = mcv_kind_met(world, paths[(MCV_PATH_hit + 3) * MCV_SLICE + i]);
     for (uint kind = 0, end = 0; kind < MCV_MET_COUNT; ++kind) {
-        const uint size = next[kind];
         next[kind] = end;
-        ends[kind] = end += size;
+        for (uint i = 0; i < count; ++i) end += kinds[i] == kind;
+        ends[kind] = end;
     }
     for (uint kind = 0; kind < MCV_MET_COUNT; ++kind) {
         for (uint i = next[kind]; i < ends[kind]; ++i) {

@@ -66,7 +66,7 @@ static void mcv_leave_precisely(mcv_world world, mcv_slot slot, const mcv_meetin
 #endif
 
 /* A ray that leaves the scene sees the environment. */
-static void mcv_leave_scene(mcv_world world, mcv_slot slot) {
+MCV_LOOP_FUNCTION void mcv_leave_scene(mcv_world world, mcv_slot slot) {
 #if MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE
     uint media = 0;
     float density = 0.0f;

@@ -338,21 +338,42 @@ MCV_LOOP_FUNCTION void mcv_find_triangles(mcv_world world, mcv_slot slot, uint f
     }
 }
 
+#if MCV_WITH_SURFACES
+static void mcv_find_exacts(mcv_world world, mcv_slot slot, uint first, uint last) {
+    const uint *met = slot.base + (MCV_PATH_hit + 3) * MCV_SLICE;
+    const uint piece = first < last ? met[first] : 0u;
+    uint quadrics = 0, same = 0;
+    for (uint i = first; i < last; ++i) {
+        same += met[i] == piece;
+        quadrics += mcv_is_quadric(world.solids + ((met[i] & ~MCV_EXACT) >> 2), met[i] & 3u);
+    }
+    if (quadrics > 0 && same == last - first) {
+        MCV_PARALLEL
+        for (uint i = first; i < last; ++i) {
+            slot.index = i;
+            mcv_find_exact(world, slot, piece, 1);
+        }
+    } else if (quadrics > 0) {
+        MCV_PARALLEL
+        for (uint i = first; i < last; ++i) {
+            slot.index = i;
+            mcv_find_exact(world, slot, met[i], 1);
+        }
+    }
+    if (quadrics == last - first) return;
+    for (slot.index = first; slot.index < last; ++slot.index)
+        if (!mcv_is_quadric(world.solids + ((met[slot.index] & ~MCV_EXACT) >> 2), met[slot.index] & 3u))
+            mcv_find_exact(world, slot, met[slot.index], 0);
+}
+#endif
+
 /* Works out the surfaces that the paths have met, which lie in the order of mcv_order_paths. */
 static __attribute__((noinline)) void mcv_find_surfaces(mcv_world world, uint *paths, const uint *ends) {
     mcv_slot slot;
     slot.base = paths;
     mcv_find_triangles(world, slot, 0, ends[MCV_MET_PLAIN_TRIANGLE]);
 #if MCV_WITH_SURFACES
-    MCV_PARALLEL
-    for (uint i = ends[MCV_MET_PLAIN_TRIANGLE]; i < ends[MCV_MET_EXACT]; ++i) {
-        slot.index = i;
-        mcv_find_exact(world, slot, 1);
-    }
-    for (slot.index = ends[MCV_MET_PLAIN_TRIANGLE]; slot.index < ends[MCV_MET_EXACT]; ++slot.index) {
-        const uint met = MCV_WORD(slot, hit, 3);
-        if (!mcv_is_quadric(world.solids + ((met & ~MCV_EXACT) >> 2), met & 3u)) mcv_find_exact(world, slot, 0);
-    }
+    mcv_find_exacts(world, slot, ends[MCV_MET_PLAIN_TRIANGLE], ends[MCV_MET_EXACT]);
 #endif
     mcv_find_triangles(world, slot, ends[MCV_MET_EXACT], ends[MCV_MET_TRIANGLE]);
 }
@@ -507,6 +528,23 @@ MCV_FUNCTION void mcv_end_path(mcv_world world, mcv_slot slot, float *values, ui
         values[channel * MCV_SLICE + MCV_WORD(slot, value, 0)] = mcv_path_value(world, slot, channel, nonfinite);
 }
 
+/* The paths in the slots first … last - 1 have met nothing. */
+static __attribute__((noinline)) void mcv_leave_scenes(mcv_world world, uint *paths, uint first, uint last, float *values,
+                                                       uint *nonfinite) {
+    mcv_slot slot;
+    slot.base = paths;
+#if MCV_WITH_ENVIRONMENT_IMAGE
+    for (slot.index = first; slot.index < last; ++slot.index) mcv_leave_scene(world, slot);
+#else
+    MCV_PARALLEL
+    for (uint i = first; i < last; ++i) {
+        slot.index = i;
+        mcv_leave_scene(world, slot);
+    }
+#endif
+    for (slot.index = first; slot.index < last; ++slot.index) mcv_end_path(world, slot, values, nonfinite);
+}
+
 /* Not inlined: PoCL makes three functions of a kernel, of which it calls one. */
 static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint slice, __global float *sums, __global uint *counters,
                                                        __global uint *clocks) {
@@ -534,10 +572,7 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
         mcv_intersect_paths(world, slot, alive, depth);
         MCV_CLOCK_STAGE(intersect_closest)
         mcv_order_paths(world, paths, alive, ends);
-        for (slot.index = ends[MCV_MET_TRIANGLE]; slot.index < alive; ++slot.index) {
-            mcv_leave_scene(world, slot);
-            mcv_end_path(world, slot, values, &counts[MCV_COUNTER_nonfinite]);
-        }
+        mcv_leave_scenes(world, paths, ends[MCV_MET_TRIANGLE], alive, values, &counts[MCV_COUNTER_nonfinite]);
         alive = ends[MCV_MET_TRIANGLE];
         mcv_find_surfaces(world, paths, ends);
         if (mcv_needs_choice(world.frame, depth)) mcv_draw_pairs(paths, alive, depth, MCV_PAIR_CHOICE);
