@@ -14,9 +14,9 @@
 /* What paths have met. The paths of a kind lie side by side in this order; ends[kind] is where the next kind begins. */
 enum { MCV_MET_PLAIN_TRIANGLE, MCV_MET_PLAIN_EXACT, MCV_MET_EXACT, MCV_MET_TRIANGLE, MCV_MET_NOTHING, MCV_MET_COUNT };
 
-MCV_FUNCTION uint mcv_kind_met(mcv_world world, uint met) {
-    if (met == MCV_NONE) return MCV_MET_NOTHING;
+MCV_LOOP_FUNCTION uint mcv_kind_met(mcv_world world, uint met) {
     uint exact = 0;
+    if (met == MCV_NONE) return MCV_MET_NOTHING;
 #if MCV_WITH_SURFACES
     exact = met >= MCV_EXACT;
 #endif
@@ -37,6 +37,7 @@ static __attribute__((noinline)) void mcv_order_paths(mcv_world world, uint *pat
     uint kinds[MCV_SLICE], one[MCV_SLICE], other[MCV_SLICE];
     uint next[MCV_MET_COUNT];
     uint swaps = 0;
+    MCV_PARALLEL
     for (uint i = 0; i < count; ++i) kinds[i] = mcv_kind_met(world, paths[(MCV_PATH_hit + 3) * MCV_SLICE + i]);
     for (uint kind = 0, end = 0; kind < MCV_MET_COUNT; ++kind) {
         next[kind] = end;
