@@ -124,8 +124,9 @@ __kernel void evaluate_gloss(__global const mcv_gloss_element *element, __global
     __global const float *albedos = (__global const float *)(element + 1);
     const mcv_vec3 o = mcv_vec(in[0], in[1], in[2]);
     const mcv_gloss gloss = element->gloss;
-    const mcv_lobes lobes = mcv_gloss_lobes(&element->material, &gloss, albedos, o);
-    const mcv_response response = mcv_gloss_respond(&element->material, &gloss, albedos, &lobes, o, mcv_vec(in[3], in[4], in[5]));
+    const mcv_device_gloss material = element->material;
+    const mcv_lobes lobes = mcv_gloss_lobes(&material, &gloss, albedos, o);
+    const mcv_response response = mcv_gloss_respond(&material, &gloss, albedos, &lobes, o, mcv_vec(in[3], in[4], in[5]));
     results[2 * k] = response.value.c[0];
     results[2 * k + 1] = response.density;
 }
@@ -137,8 +138,9 @@ __kernel void sample_gloss(__global const mcv_gloss_element *element, __global c
     __global const float *albedos = (__global const float *)(element + 1);
     const mcv_vec3 o = mcv_vec(in[0], in[1], in[2]);
     const mcv_gloss gloss = element->gloss;
-    const mcv_lobes lobes = mcv_gloss_lobes(&element->material, &gloss, albedos, o);
-    const mcv_vec3 i = mcv_gloss_sample(&element->material, &gloss, &lobes, o, in[3], in[4], in[5]);
+    const mcv_device_gloss material = element->material;
+    const mcv_lobes lobes = mcv_gloss_lobes(&material, &gloss, albedos, o);
+    const mcv_vec3 i = mcv_gloss_sample(&material, &gloss, &lobes, o, in[3], in[4], in[5]);
     directions[3 * k] = i.x;
     directions[3 * k + 1] = i.y;
     directions[3 * k + 2] = i.z;

@@ -27,7 +27,7 @@ typedef struct mcv_albedo {
 } mcv_albedo;
 
 /* Rows of azimuth and cosine for one roughness. */
-static mcv_albedo mcv_albedo_row(__global const float *rows, uint azimuths, mcv_vec3 w) {
+MCV_LOOP_FUNCTION mcv_albedo mcv_albedo_row(__global const float *rows, uint azimuths, mcv_vec3 w) {
     const float x = mcv_sqrt(mcv_abs(w.z)) * (float)(MCV_ALBEDO_COSINES - 1);
     const uint column = min((uint)x, (uint)(MCV_ALBEDO_COSINES - 2));
     const float f = x - (float)column;
@@ -40,6 +40,7 @@ static mcv_albedo mcv_albedo_row(__global const float *rows, uint azimuths, mcv_
         g = y - (float)row;
     }
     mcv_albedo albedo = {0.0f, 0.0f};
+#pragma unroll
     for (uint k = 0; k < 4; ++k) {
         if (k > 1 && azimuths == 1) break;
         const float weight = (k & 1 ? f : 1.0f - f) * (k & 2 ? g : 1.0f - g);
@@ -51,12 +52,12 @@ static mcv_albedo mcv_albedo_row(__global const float *rows, uint azimuths, mcv_
 }
 
 /* The table's entries for a direction, or with `mean` their means over the hemisphere. */
-static mcv_albedo mcv_albedo_at(__global const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *albedos, mcv_vec3 w,
-                                int mean) {
+MCV_LOOP_FUNCTION mcv_albedo mcv_albedo_at(const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *albedos, mcv_vec3 w,
+                                           int mean) {
     const uint size = 2 + 2 * m->azimuths * MCV_ALBEDO_COSINES;
     const uint layer = m->roughnesses > 1 ? min((uint)gloss->layer, m->roughnesses - 2) : 0;
     const float f = gloss->layer - (float)layer;
-    __global const float *at = albedos + gloss->table + layer * size;
+    __global const float *at = albedos + (gloss->table == MCV_NONE ? 0u : gloss->table) + layer * size;
     mcv_albedo low, high;
     low.a = at[0];
     low.b = at[1];
@@ -81,7 +82,7 @@ typedef struct mcv_lobes {
 } mcv_lobes;
 
 /* What a(i) and b(i) are: of a metallic-roughness surface what the layer passes, and what its microfacets send on to each other. */
-static mcv_albedo mcv_gloss_weights(__global const mcv_device_gloss *m, const mcv_gloss *gloss, mcv_albedo albedo) {
+MCV_LOOP_FUNCTION mcv_albedo mcv_gloss_weights(const mcv_device_gloss *m, const mcv_gloss *gloss, mcv_albedo albedo) {
     mcv_albedo weights;
     weights.a = 1.0f - mcv_fma(m->f0, 1.0f - albedo.a - albedo.b, albedo.b);
     weights.b = albedo.a;
@@ -89,7 +90,7 @@ static mcv_albedo mcv_gloss_weights(__global const mcv_device_gloss *m, const mc
     return weights;
 }
 
-static mcv_lobes mcv_gloss_lobes(__global const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *albedos, mcv_vec3 o) {
+MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *albedos, mcv_vec3 o) {
     mcv_lobes lobes;
     const mcv_albedo at = mcv_albedo_at(m, gloss, albedos, o, 0);
     const mcv_albedo mean = mcv_albedo_at(m, gloss, albedos, o, 1);
@@ -152,7 +153,7 @@ static mcv_lobes mcv_gloss_lobes(__global const mcv_device_gloss *m, const mcv_g
 }
 
 /* What a microfacet reflects at a cosine of incidence. */
-static mcv_color mcv_gloss_fresnel(__global const mcv_device_gloss *m, const mcv_gloss *gloss, float cosine) {
+MCV_LOOP_FUNCTION mcv_color mcv_gloss_fresnel(const mcv_device_gloss *m, const mcv_gloss *gloss, float cosine) {
     mcv_color reflected;
     const float c = cosine < 1.0f ? cosine : 1.0f;
 #if MCV_WITH_DIELECTRIC
@@ -172,8 +173,8 @@ static mcv_color mcv_gloss_fresnel(__global const mcv_device_gloss *m, const mcv
 }
 
 /* With which a microfacet is chosen to reflect rather than to pass; `passed` gets what it passes, per channel. */
-static float mcv_gloss_reflects(__global const mcv_device_gloss *m, const mcv_gloss *gloss, const mcv_lobes *lobes, float cosine,
-                                mcv_color reflected, mcv_color *passed) {
+MCV_LOOP_FUNCTION float mcv_gloss_reflects(const mcv_device_gloss *m, const mcv_gloss *gloss, const mcv_lobes *lobes, float cosine,
+                                           mcv_color reflected, mcv_color *passed) {
     if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
         *passed = mcv_grey(1.0f - reflected.c[0]);
         return reflected.c[0];
@@ -185,8 +186,8 @@ static float mcv_gloss_reflects(__global const mcv_device_gloss *m, const mcv_gl
     return far > 0.0f ? near / (near + far) : 1.0f;
 }
 
-static mcv_response mcv_gloss_respond(__global const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *albedos,
-                                      const mcv_lobes *lobes, mcv_vec3 o, mcv_vec3 i) {
+MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *albedos,
+                                                 const mcv_lobes *lobes, mcv_vec3 o, mcv_vec3 i) {
     mcv_response response;
     const int far = i.z < 0.0f;
     response.value = mcv_grey(0.0f);
@@ -230,8 +231,8 @@ static mcv_response mcv_gloss_respond(__global const mcv_device_gloss *m, const 
 }
 
 /* A direction with the density that mcv_gloss_respond gives; the zero vector where the path ends. */
-static mcv_vec3 mcv_gloss_sample(__global const mcv_device_gloss *m, const mcv_gloss *gloss, const mcv_lobes *lobes, mcv_vec3 o, float xi,
-                                 float eta, float choice) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_gloss_sample(const mcv_device_gloss *m, const mcv_gloss *gloss, const mcv_lobes *lobes, mcv_vec3 o, float xi,
+                                            float eta, float choice) {
     if (choice >= lobes->specular) {
         const mcv_vec3 spread = mcv_sample_cosine(xi, eta);
         return choice - lobes->specular < lobes->near_chance ? spread : mcv_vec(spread.x, spread.y, -spread.z);

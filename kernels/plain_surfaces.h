@@ -4,7 +4,8 @@
  * the most common ones, and all that happens there is worked out without branches, for many paths at once. Each function does what the
  * stages do for one path (sample_emitters.cl, shade_surfaces.cl), to the last bit.
  *
- * A plain surface reflects diffusely, without texture, and does not emit.
+ * A plain surface reflects diffusely, or is made of microfacets that have no direction; it has no texture and does not emit. Of glossy
+ * materials only one in a slice is plain: its table is read once.
  */
 #ifndef MCVISI_KERNELS_PLAIN_SURFACES_H
 #define MCVISI_KERNELS_PLAIN_SURFACES_H
@@ -12,7 +13,16 @@
 #define MCV_WITH_PLAIN (MCV_WITH_DIFFUSE && MCV_LEAVES_TOGETHER && !MCV_WITH_TRANSLUCENT && !MCV_WITH_DISPERSION && !MCV_WITH_LIGHT_TRACING)
 
 /* What paths have met. The paths of a kind lie side by side in this order; ends[kind] is where the next kind begins. */
-enum { MCV_MET_PLAIN_TRIANGLE, MCV_MET_PLAIN_EXACT, MCV_MET_EXACT, MCV_MET_TRIANGLE, MCV_MET_NOTHING, MCV_MET_COUNT };
+enum {
+    MCV_MET_DIFFUSE_TRIANGLE,
+    MCV_MET_GLOSS_TRIANGLE,
+    MCV_MET_GLOSS_EXACT,
+    MCV_MET_DIFFUSE_EXACT, /* the last plain one */
+    MCV_MET_EXACT,
+    MCV_MET_TRIANGLE,
+    MCV_MET_NOTHING,
+    MCV_MET_COUNT
+};
 
 MCV_LOOP_FUNCTION uint mcv_kind_met(mcv_world world, uint met) {
     uint exact = 0;
@@ -23,8 +33,15 @@ MCV_LOOP_FUNCTION uint mcv_kind_met(mcv_world world, uint met) {
 #if MCV_WITH_PLAIN
     __global const mcv_device_instance *instance = world.instances + mcv_instance_of(world, met);
     __global const mcv_device_material *material = world.materials + instance->material;
-    if (material->type == MCV_MATERIAL_DIFFUSE && material->texture == MCV_NONE && instance->emitter == MCV_NONE)
-        return exact ? MCV_MET_PLAIN_EXACT : MCV_MET_PLAIN_TRIANGLE;
+    if (material->texture == MCV_NONE && instance->emitter == MCV_NONE) {
+        if (material->type == MCV_MATERIAL_DIFFUSE) return exact ? MCV_MET_DIFFUSE_EXACT : MCV_MET_DIFFUSE_TRIANGLE;
+#if MCV_WITH_GLOSS
+        __global const mcv_device_gloss *gloss = world.gloss + instance->material;
+        const int glossy = material->spreads != 0u && material->type != MCV_MATERIAL_RETROREFLECTOR;
+        if (glossy && gloss->azimuths == 1u && gloss->roughnesses == 1u && gloss->texture == MCV_NONE)
+            return exact ? MCV_MET_GLOSS_EXACT : MCV_MET_GLOSS_TRIANGLE;
+#endif
+    }
 #else
     (void)world;
 #endif
@@ -33,12 +50,21 @@ MCV_LOOP_FUNCTION uint mcv_kind_met(mcv_world world, uint met) {
 
 /* Puts the paths in the order of what they have met, in place: whoever is not among its own kind changes places with one who belongs there.
  */
-static __attribute__((noinline)) void mcv_order_paths(mcv_world world, uint *paths, uint count, uint *ends) {
+static __attribute__((noinline)) void mcv_order_paths(mcv_world world, uint *paths, uint count, uint *ends, uint *gloss) {
     uint kinds[MCV_SLICE], one[MCV_SLICE], other[MCV_SLICE];
     uint next[MCV_MET_COUNT];
     uint swaps = 0;
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i) kinds[i] = mcv_kind_met(world, paths[(MCV_PATH_hit + 3) * MCV_SLICE + i]);
+    *gloss = MCV_NONE;
+#if MCV_WITH_PLAIN && MCV_WITH_GLOSS
+    for (uint i = 0; i < count; ++i) {
+        if (kinds[i] != MCV_MET_GLOSS_TRIANGLE && kinds[i] != MCV_MET_GLOSS_EXACT) continue;
+        const uint material = world.instances[mcv_instance_of(world, paths[(MCV_PATH_hit + 3) * MCV_SLICE + i])].material;
+        if (*gloss == MCV_NONE) *gloss = material;
+        if (*gloss != material) kinds[i] = kinds[i] == MCV_MET_GLOSS_EXACT ? MCV_MET_EXACT : MCV_MET_TRIANGLE;
+    }
+#endif
     for (uint kind = 0, end = 0; kind < MCV_MET_COUNT; ++kind) {
         next[kind] = end;
         for (uint i = 0; i < count; ++i) end += kinds[i] == kind;
@@ -70,7 +96,7 @@ static __attribute__((noinline)) void mcv_order_paths(mcv_world world, uint *pat
 /* mcv_leave_meeting */
 MCV_LOOP_FUNCTION uint mcv_leave_plain(mcv_world world, mcv_slot slot, mcv_vec3 direction, int exact) {
 #if MCV_WITH_SURFACES
-    if (exact) {
+    if (exact && MCV_WORD(slot, hit, 3) >= MCV_EXACT) {
         const uint met = MCV_WORD(slot, hit, 3), number = (met & ~MCV_EXACT) >> 2, piece = met & 3u;
         const mcv_vec3 face = mcv_scale(MCV_LOAD_3(slot, face), MCV_WORD(slot, inside, 0) != 0u ? -1.0f : 1.0f);
         const uint outwards = mcv_dot(direction, face) > 0.0f;
@@ -80,6 +106,23 @@ MCV_LOOP_FUNCTION uint mcv_leave_plain(mcv_world world, mcv_slot slot, mcv_vec3 
     (void)world, (void)slot, (void)direction, (void)exact;
     return MCV_NONE;
 }
+
+#if MCV_WITH_GLOSS
+/* What is known of a plain glossy material beforehand. */
+static mcv_device_gloss mcv_plain_gloss(mcv_world world, uint material) {
+    mcv_device_gloss from = world.gloss[material];
+    from.azimuths = from.roughnesses = 1u;
+    from.anisotropy = 0.0f;
+    return from;
+}
+
+MCV_LOOP_FUNCTION mcv_gloss_meeting mcv_meet_plain_gloss(mcv_world world, const mcv_meeting *meeting, const mcv_device_gloss *from,
+                                                         uint material, uint media) {
+    mcv_color base;
+    MCV_EACH_CHANNEL(c) base.c[c] = world.materials[material].value[c];
+    return mcv_meet_gloss_of(world, meeting, from, world.materials[material].type, base, 1.0f, 1.0f, media);
+}
+#endif
 
 #if MCV_WITH_NEXT_EVENT && MCV_WITH_AREA
 /* Whether all paths look for one rectangle or triangle that emits alike in all directions, everywhere. */
@@ -113,39 +156,59 @@ static __attribute__((noinline)) void mcv_choose_plain_places(mcv_world world, u
     }
 }
 
-/* mcv_shadow_along, mcv_cast_shadow: whether there is a shadow ray to follow. */
-static __attribute__((noinline)) void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint first, uint last, int exact, uint *casts) {
+/* mcv_shadow_along, mcv_cast_shadow: whether there is a shadow ray to follow. `gloss`: the glossy material, or MCV_NONE of diffuse ones. */
+MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint first, uint last, int exact, uint gloss, uint *casts) {
     __global const mcv_device_emitter *e = world.emitters;
     mcv_slot slot;
     slot.base = paths;
+#if MCV_WITH_GLOSS
+    mcv_device_gloss from;
+    if (gloss != MCV_NONE) from = mcv_plain_gloss(world, gloss);
+#endif
     MCV_PARALLEL
     for (uint i = first; i < last; ++i) {
         slot.index = i;
         const mcv_vec3 way = MCV_LOAD_3(slot, shadow_direction), back = mcv_scale(MCV_LOAD_3(slot, way), -1.0f);
         const float density = MCV_LOAD(slot, way_density, 0);
+        const mcv_vec3 direction = mcv_normalize(way);
         int lit = (density > 0.0f) & (density < INFINITY) & (mcv_dot(back, MCV_LOAD_3(slot, way_face)) > 0.0f);
 #if MCV_WITH_NORMALS
         lit &= mcv_dot(back, MCV_LOAD_3(slot, way_normal)) > 0.0f;
 #endif
-        const mcv_vec3 direction = mcv_normalize(way);
-        const float cosine = mcv_dot(direction, MCV_LOAD_3(slot, normal));
-        lit &= (cosine > 0.0f) & (mcv_dot(direction, MCV_LOAD_3(slot, face)) > 0.0f);
-        const float response = mcv_diffuse_density(cosine);
-        const float weight = mcv_choice_weight(density, response);
-        __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
+        mcv_response response;
+#if MCV_WITH_DIELECTRIC
+        response.media = MCV_WORD(slot, media, 0);
+#else
+        response.media = 0u;
+#endif
+        if (gloss == MCV_NONE) {
+            const float cosine = mcv_dot(direction, MCV_LOAD_3(slot, normal));
+            __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
+            lit &= (cosine > 0.0f) & (mcv_dot(direction, MCV_LOAD_3(slot, face)) > 0.0f);
+            response.density = mcv_diffuse_density(cosine);
+            MCV_EACH_CHANNEL(c) response.value.c[c] = material->value[c] * response.density;
+        } else {
+#if MCV_WITH_GLOSS
+            const mcv_meeting meeting = mcv_meet_surface(world, slot);
+            const mcv_gloss_meeting m = mcv_meet_plain_gloss(world, &meeting, &from, gloss, response.media);
+            response = mcv_respond_gloss_of(world, &meeting, &from, &m, direction);
+            lit &= m.gloss.table != MCV_NONE;
+#endif
+        }
+        const float weight = mcv_choice_weight(density, response.density);
         float most_sent = 0.0f, most_reflected = 0.0f;
         mcv_color light;
         MCV_LOAD_COLOR(slot, throughput, light);
         MCV_EACH_CHANNEL(c) {
-            const float sent = e->radiance[c] * (1.0f / density), reflected = material->value[c] * response;
+            const float sent = e->radiance[c] * (1.0f / density);
             most_sent = sent > most_sent ? sent : most_sent;
-            most_reflected = reflected > most_reflected ? reflected : most_reflected;
-            light.c[c] = light.c[c] * reflected * sent * weight;
+            most_reflected = response.value.c[c] > most_reflected ? response.value.c[c] : most_reflected;
+            light.c[c] = light.c[c] * response.value.c[c] * sent * weight;
         }
 #if MCV_WITH_DIELECTRIC
-        light = mcv_dim(light, world.media[mcv_filling_medium(MCV_WORD(slot, media, 0))].inverse_index_squared);
+        light = mcv_dim(light, world.media[mcv_filling_medium(response.media)].inverse_index_squared);
 #if MCV_WITH_GLOSS
-        MCV_WORD(slot, shadow_media, 0) = MCV_WORD(slot, media, 0);
+        MCV_WORD(slot, shadow_media, 0) = response.media;
 #endif
 #endif
 #if MCV_WITH_SURFACES
@@ -156,42 +219,116 @@ static __attribute__((noinline)) void mcv_cast_plain_shadows(mcv_world world, ui
         casts[i] = (uint)(lit & (most_sent > 0.0f) & (most_reflected > 0.0f));
     }
 }
+
+/* Lists those of the plain paths that have a shadow ray to follow; returns how many. */
+static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, uint *paths, const uint *ends, uint gloss, uint *shadows) {
+    uint casts[MCV_SLICE];
+    uint listed = 0;
+    mcv_cast_plain_shadows(world, paths, 0, ends[MCV_MET_DIFFUSE_TRIANGLE], 0, MCV_NONE, casts);
+#if MCV_WITH_SURFACES
+    mcv_cast_plain_shadows(world, paths, ends[MCV_MET_GLOSS_EXACT], ends[MCV_MET_DIFFUSE_EXACT], 1, MCV_NONE, casts);
+#endif
+#if MCV_WITH_GLOSS
+    if (gloss != MCV_NONE) {
+        mcv_cast_plain_shadows(world, paths, ends[MCV_MET_DIFFUSE_TRIANGLE], ends[MCV_MET_GLOSS_EXACT], MCV_WITH_SURFACES, gloss, casts);
+    }
+#endif
+    for (uint i = 0; i < ends[MCV_MET_DIFFUSE_EXACT]; ++i) {
+        shadows[listed] = i;
+        listed += casts[i];
+    }
+    return listed;
+}
 #endif
 
-/* mcv_shade_surface: whether the paths go on. */
-static __attribute__((noinline)) void mcv_shade_plain(mcv_world world, uint *paths, uint first, uint last, uint depth, int exact,
-                                                      uint *goes_on) {
+/* Whether a path goes on; it may also be that it is left to mcv_shade_surface. */
+enum { MCV_PLAIN_ENDS, MCV_PLAIN_GOES_ON, MCV_PLAIN_IS_SMOOTH };
+
+/* mcv_shade_surface. `gloss`: the glossy material, or MCV_NONE of diffuse ones. */
+MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first, uint last, uint depth, int exact, uint gloss,
+                                       uint *goes_on, uint *unmatched) {
     const int roulette = depth >= MCV_ROULETTE_DEPTH;
     mcv_slot slot;
     slot.base = paths;
+#if MCV_WITH_GLOSS
+    mcv_device_gloss from;
+    if (gloss != MCV_NONE) from = mcv_plain_gloss(world, gloss);
+#endif
     MCV_PARALLEL
     for (uint i = first; i < last; ++i) {
         slot.index = i;
-        const mcv_vec3 bounce = MCV_LOAD_3(slot, bounce);
-        const int reflects = mcv_dot(bounce, MCV_LOAD_3(slot, face)) > 0.0f;
-        __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
-        mcv_color throughput;
-        MCV_LOAD_COLOR(slot, throughput, throughput);
-        MCV_EACH_CHANNEL(c) throughput.c[c] *= material->value[c];
+        mcv_vec3 direction;
+        mcv_color factor;
+        float density = 0.0f;
+        uint media = 0u;
+        int reflects, smooth = 0;
+#if MCV_WITH_DIELECTRIC
+        media = MCV_WORD(slot, media, 0);
+#endif
+        if (gloss == MCV_NONE) {
+            __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
+            direction = MCV_LOAD_3(slot, bounce);
+            density = MCV_LOAD(slot, bounce, 3);
+            reflects = mcv_dot(direction, MCV_LOAD_3(slot, face)) > 0.0f;
+            MCV_EACH_CHANNEL(c) factor.c[c] = material->value[c];
+        } else {
+#if MCV_WITH_GLOSS
+            const mcv_meeting meeting = mcv_meet_surface(world, slot);
+            const mcv_gloss_meeting m = mcv_meet_plain_gloss(world, &meeting, &from, gloss, media);
+            direction = mcv_choose_gloss_of(&from, &m, mcv_draw(slot, depth, MCV_PAIR_SCATTER), mcv_draw(slot, depth, MCV_PAIR_CHOICE).x);
+            const mcv_response response = mcv_respond_gloss_of(world, &meeting, &from, &m, direction);
+            smooth = m.gloss.table == MCV_NONE;
+            unmatched[i] = (uint)(!smooth & (m.near_media != media));
+            density = response.density;
+            reflects = density > 0.0f;
+            factor = mcv_dim(response.value, 1.0f / density);
+            direction = mcv_choose(smooth, MCV_LOAD_3(slot, direction), direction);
+            media = smooth ? media : response.media;
+#endif
+        }
+        mcv_color before, throughput;
+        MCV_LOAD_COLOR(slot, throughput, before);
+        throughput = mcv_tint(before, factor);
         const float brightest = mcv_brightest(throughput);
         const int plays = roulette & (brightest < 1.0f);
         const float choice = roulette ? MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE + 1) : 0.0f;
         const float more = 1.0f / brightest;
-        MCV_EACH_CHANNEL(c) throughput.c[c] = plays ? throughput.c[c] * more : throughput.c[c];
-        MCV_STORE_3(slot, direction, bounce);
-#if MCV_WITH_SURFACES
-        MCV_WORD(slot, left, 0) = mcv_leave_plain(world, slot, bounce, exact);
-#endif
+        MCV_EACH_CHANNEL(c) {
+            throughput.c[c] = plays ? throughput.c[c] * more : throughput.c[c];
+            throughput.c[c] = smooth ? before.c[c] : throughput.c[c];
+        }
         MCV_STORE_COLOR(slot, throughput, throughput);
+        MCV_STORE_3(slot, direction, direction);
+#if MCV_WITH_SURFACES
+        MCV_WORD(slot, left, 0) = smooth ? MCV_WORD(slot, left, 0) : mcv_leave_plain(world, slot, direction, exact);
+#endif
+#if MCV_WITH_DIELECTRIC
+        MCV_WORD(slot, media, 0) = media;
+#endif
 #if MCV_WITH_NEXT_EVENT
-        MCV_STORE(slot, density, 0, MCV_LOAD(slot, bounce, 3));
-#if MCV_WITH_REACH
-        MCV_WORD(slot, reach, 0) = MCV_WORD(slot, reach_here, 0);
-        MCV_WORD(slot, reach, 1) = MCV_WORD(slot, reach_here, 1);
+        MCV_STORE(slot, density, 0, smooth ? MCV_LOAD(slot, density, 0) : density);
 #endif
-#endif
-        goes_on[i] = (uint)(reflects & (brightest > 0.0f) & !(plays & (choice >= brightest)));
+        const int on = reflects & (brightest > 0.0f) & !(plays & (choice >= brightest));
+        goes_on[i] = smooth ? MCV_PLAIN_IS_SMOOTH : on ? MCV_PLAIN_GOES_ON : MCV_PLAIN_ENDS;
     }
+}
+
+/* All plain surfaces of a slice: whether their paths go on. */
+static __attribute__((noinline)) void mcv_shade_plain_surfaces(mcv_world world, uint *paths, const uint *ends, uint gloss, uint depth,
+                                                               uint *goes_on, uint *unmatched) {
+    const uint triangles = ends[MCV_MET_DIFFUSE_TRIANGLE], glossy = ends[MCV_MET_GLOSS_EXACT];
+    uint differs[MCV_SLICE];
+    mcv_shade_plain(world, paths, 0, triangles, depth, 0, MCV_NONE, goes_on, differs);
+#if MCV_WITH_SURFACES
+    mcv_shade_plain(world, paths, glossy, ends[MCV_MET_DIFFUSE_EXACT], depth, 1, MCV_NONE, goes_on, differs);
+#endif
+#if MCV_WITH_GLOSS
+    if (gloss != MCV_NONE) {
+        mcv_shade_plain(world, paths, triangles, glossy, depth, MCV_WITH_SURFACES, gloss, goes_on, differs);
+        for (uint i = triangles; i < glossy; ++i) *unmatched += differs[i];
+    }
+#endif
+    (void)gloss, (void)glossy, (void)unmatched;
 }
 #endif
 

@@ -235,7 +235,7 @@ typedef struct mcv_crossing {
 #endif
 } mcv_crossing;
 
-static mcv_crossing mcv_cross_surface(mcv_world world, const mcv_meeting *meeting, uint media) {
+MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world, const mcv_meeting *meeting, uint media) {
     mcv_crossing crossing;
     const uint bit = 1u << (world.instances[meeting->surface.instance].medium - 1u);
     uint left = meeting->inside ? bit : 0u, entered = meeting->inside ? 0u : bit; /* media of the bodies that the surface bounds */
@@ -410,31 +410,21 @@ static int mcv_is_rough(mcv_world world, const mcv_meeting *meeting, uint media)
     return type == MCV_MATERIAL_METALLIC_ROUGHNESS || type == MCV_MATERIAL_CONDUCTOR;
 }
 
-static mcv_gloss_meeting mcv_meet_gloss(mcv_world world, const mcv_meeting *meeting, uint material, uint media) {
+/* The surface's values are those of its table, `from`, but the roughness, the metallic share and the colour where textures give them. */
+MCV_LOOP_FUNCTION mcv_gloss_meeting mcv_meet_gloss_of(mcv_world world, const mcv_meeting *meeting, const mcv_device_gloss *from, uint type,
+                                                      mcv_color base, float scale, float metallic, uint media) {
     mcv_gloss_meeting m;
-    __global const mcv_device_gloss *from = world.gloss + material;
-    const mcv_surface surface = meeting->surface;
-    float roughness = from->roughness;
+    const float roughness = from->roughness * scale;
+    const float alpha = roughness * roughness > MCV_LEAST_ALPHA ? roughness * roughness : MCV_LEAST_ALPHA;
     m.near_media = m.far_media = media;
-    m.gloss.type = world.materials[material].type;
-    m.gloss.base = mcv_material_value(world, surface, material);
-    m.gloss.metallic = from->metallic;
-    m.gloss.layer = 0.0f;
+    m.gloss.type = type;
+    m.gloss.base = base;
+    m.gloss.metallic = from->metallic * metallic;
+    m.gloss.layer = from->roughnesses > 1u ? scale * (float)(from->roughnesses - 1) : 0.0f;
     m.gloss.table = from->table;
     m.gloss.inside = meeting->inside;
     m.gloss.between.eta = 1.0f;
     m.gloss.between.delta = 0.0f;
-#if MCV_WITH_TEXTURE
-    if (from->texture != MCV_NONE) {
-        const float s = mcv_texcoord(world, surface, 0);
-        const float t = mcv_texcoord(world, surface, 1);
-        const float scale = mcv_texture_value(world, from->texture, s, t, 1);
-        roughness *= scale;
-        m.gloss.layer = scale * (float)(from->roughnesses - 1);
-        m.gloss.metallic *= mcv_texture_value(world, from->texture, s, t, 2);
-    }
-#endif
-    const float alpha = roughness * roughness > MCV_LEAST_ALPHA ? roughness * roughness : MCV_LEAST_ALPHA;
     m.gloss.alpha.x = mcv_fma(1.0f - alpha, from->anisotropy, alpha);
     m.gloss.alpha.y = alpha;
 #if MCV_WITH_DIELECTRIC
@@ -452,7 +442,7 @@ static mcv_gloss_meeting mcv_meet_gloss(mcv_world world, const mcv_meeting *meet
     m.z = meeting->normal;
     mcv_basis(m.z, &m.x, &m.y);
     if (from->anisotropy > 0.0f) {
-        const mcv_vec3 tangent = mcv_tangent(world, surface, from->direction);
+        const mcv_vec3 tangent = mcv_tangent(world, meeting->surface, from->direction);
         const mcv_vec3 x = mcv_along(tangent, -mcv_dot(tangent, m.z), m.z);
         if (mcv_dot(x, x) > 0.0f) m.x = mcv_normalize(x);
         m.y = mcv_cross(m.z, m.x);
@@ -460,6 +450,21 @@ static mcv_gloss_meeting mcv_meet_gloss(mcv_world world, const mcv_meeting *meet
     m.o = mcv_gloss_local(&m, mcv_scale(meeting->direction, -1.0f));
     m.lobes = mcv_gloss_lobes(from, &m.gloss, world.albedos, m.o);
     return m;
+}
+
+static mcv_gloss_meeting mcv_meet_gloss(mcv_world world, const mcv_meeting *meeting, uint material, uint media) {
+    const mcv_device_gloss from = world.gloss[material];
+    float scale = 1.0f, metallic = 1.0f;
+#if MCV_WITH_TEXTURE
+    if (from.texture != MCV_NONE) {
+        const float s = mcv_texcoord(world, meeting->surface, 0);
+        const float t = mcv_texcoord(world, meeting->surface, 1);
+        scale = mcv_texture_value(world, from.texture, s, t, 1);
+        metallic = mcv_texture_value(world, from.texture, s, t, 2);
+    }
+#endif
+    return mcv_meet_gloss_of(world, meeting, &from, world.materials[material].type, mcv_material_value(world, meeting->surface, material),
+                             scale, metallic, media);
 }
 
 /* The same, worked out once for a path's surface, or in the given room. */
@@ -477,25 +482,36 @@ MCV_FUNCTION const mcv_gloss_meeting *mcv_known_gloss(mcv_world world, const mcv
 }
 
 /* The direction is unit. Where the interpolated normal and the face disagree on its side nothing comes. */
-static mcv_response mcv_respond_gloss(mcv_world world, const mcv_meeting *meeting, uint material, const mcv_gloss_meeting *m,
-                                      mcv_vec3 direction) {
+MCV_LOOP_FUNCTION mcv_response mcv_respond_gloss_of(mcv_world world, const mcv_meeting *meeting, const mcv_device_gloss *from,
+                                                    const mcv_gloss_meeting *m, mcv_vec3 direction) {
     const mcv_vec3 i = mcv_gloss_local(m, direction);
     mcv_response response;
     const int far = i.z < 0.0f;
     response.value = mcv_grey(0.0f);
     response.density = 0.0f;
     if (far ? mcv_dot(direction, meeting->face) < 0.0f : mcv_dot(direction, meeting->face) > 0.0f)
-        response = mcv_gloss_respond(world.gloss + material, &m->gloss, world.albedos, &m->lobes, m->o, i);
+        response = mcv_gloss_respond(from, &m->gloss, world.albedos, &m->lobes, m->o, i);
     response.media = far ? m->far_media : m->near_media;
     return response;
+}
+
+static __attribute__((noinline)) mcv_response mcv_respond_gloss(mcv_world world, const mcv_meeting *meeting, uint material,
+                                                                const mcv_gloss_meeting *m, mcv_vec3 direction) {
+    const mcv_device_gloss from = world.gloss[material];
+    return mcv_respond_gloss_of(world, meeting, &from, m, direction);
+}
+
+MCV_LOOP_FUNCTION mcv_vec3 mcv_choose_gloss_of(const mcv_device_gloss *from, const mcv_gloss_meeting *m, mcv_pair pair, float choice) {
+    const mcv_vec3 i = mcv_gloss_sample(from, &m->gloss, &m->lobes, m->o, pair.x, pair.y, choice);
+    return mcv_normalize(mcv_along(mcv_along(mcv_scale(m->z, i.z), i.y, m->y), i.x, m->x));
 }
 
 static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_meeting meeting, uint material, uint media, mcv_pair pair, float choice) {
     mcv_scattering scattering;
     mcv_gloss_meeting room;
+    const mcv_device_gloss from = world.gloss[material];
     const mcv_gloss_meeting *m = mcv_known_gloss(world, &meeting, material, media, &room);
-    const mcv_vec3 i = mcv_gloss_sample(world.gloss + material, &m->gloss, &m->lobes, m->o, pair.x, pair.y, choice);
-    scattering.direction = mcv_normalize(mcv_along(mcv_along(mcv_scale(m->z, i.z), i.y, m->y), i.x, m->x));
+    scattering.direction = mcv_choose_gloss_of(&from, m, pair, choice);
     const mcv_response response = mcv_respond_gloss(world, &meeting, material, m, scattering.direction);
     scattering.factor = response.density > 0.0f ? mcv_dim(response.value, 1.0f / response.density) : mcv_grey(0.0f);
     scattering.density = response.density;

@@ -96,7 +96,7 @@ MCV_LOOP_FUNCTION mcv_color mcv_texture_at(mcv_world world, mcv_surface surface,
 
 #if MCV_WITH_GLOSS
 /* The direction that lies at an angle, given by its cosine and sine, from the tangent; along the surface only about. */
-MCV_FUNCTION mcv_vec3 mcv_tangent(mcv_world world, mcv_surface surface, __global const float *angle) {
+MCV_FUNCTION mcv_vec3 mcv_tangent(mcv_world world, mcv_surface surface, const float *angle) {
     const uint corners[3] = {surface.corners.x, surface.corners.y, surface.corners.z};
     const float weights[3] = {1.0f - surface.u - surface.v, surface.u, surface.v};
     mcv_vec3 tangent = mcv_vec(0.0f, 0.0f, 0.0f);

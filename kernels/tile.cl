@@ -371,9 +371,9 @@ static void mcv_find_exacts(mcv_world world, mcv_slot slot, uint first, uint las
 static __attribute__((noinline)) void mcv_find_surfaces(mcv_world world, uint *paths, const uint *ends) {
     mcv_slot slot;
     slot.base = paths;
-    mcv_find_triangles(world, slot, 0, ends[MCV_MET_PLAIN_TRIANGLE]);
+    mcv_find_triangles(world, slot, 0, ends[MCV_MET_GLOSS_TRIANGLE]);
 #if MCV_WITH_SURFACES
-    mcv_find_exacts(world, slot, ends[MCV_MET_PLAIN_TRIANGLE], ends[MCV_MET_EXACT]);
+    mcv_find_exacts(world, slot, ends[MCV_MET_GLOSS_TRIANGLE], ends[MCV_MET_EXACT]);
 #endif
     mcv_find_triangles(world, slot, ends[MCV_MET_EXACT], ends[MCV_MET_TRIANGLE]);
 }
@@ -436,7 +436,8 @@ MCV_FUNCTION mcv_shadow mcv_shadow_of(mcv_world world, mcv_slot slot, mcv_meetin
 }
 
 /* Lists the paths that have a shadow ray to follow; returns how many. */
-static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_slot slot, const uint *ends, uint depth, uint *shadows) {
+static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_slot slot, const uint *ends, uint gloss, uint depth,
+                                                          uint *shadows) {
     const uint alive = ends[MCV_MET_TRIANGLE];
     uint shadow_count = 0, plain = 0;
 #if MCV_WITH_EMISSION
@@ -445,7 +446,7 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
 #endif
 #if MCV_WITH_PLAIN && MCV_WITH_AREA
     if (mcv_has_plain_emitter(world)) {
-        plain = ends[MCV_MET_PLAIN_EXACT];
+        plain = ends[MCV_MET_DIFFUSE_EXACT];
         mcv_choose_plain_places(world, slot.base, plain);
     }
 #endif
@@ -465,16 +466,7 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
     mcv_find_ways(world, slot.base, plain, chosen, count);
 #endif
 #if MCV_WITH_PLAIN && MCV_WITH_AREA
-    if (plain > 0) {
-        const uint triangles = ends[MCV_MET_PLAIN_TRIANGLE];
-        uint casts[MCV_SLICE];
-        mcv_cast_plain_shadows(world, slot.base, 0, triangles, 0, casts);
-        mcv_cast_plain_shadows(world, slot.base, triangles, plain, 1, casts);
-        for (uint i = 0; i < plain; ++i) {
-            shadows[shadow_count] = i;
-            shadow_count += casts[i];
-        }
-    }
+    if (plain > 0) shadow_count = mcv_list_plain_shadows(world, slot.base, ends, gloss, shadows);
 #endif
     for (slot.index = plain; slot.index < alive; ++slot.index) {
         if (MCV_WORD(slot, emitter, 0) == MCV_NONE) continue;
@@ -553,7 +545,7 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
     uint paths[MCV_PATH_WORDS * MCV_SLICE];
     float values[MCV_CHANNELS * MCV_SLICE];
     uint chosen[MCV_SLICE];
-    uint ends[MCV_MET_COUNT];
+    uint ends[MCV_MET_COUNT], gloss;
     uint counts[MCV_COUNTER_COUNT] = {0};
     mcv_slot slot;
     slot.base = paths;
@@ -571,7 +563,7 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
         counts[MCV_COUNTER_rays] += alive;
         mcv_intersect_paths(world, slot, alive, depth);
         MCV_CLOCK_STAGE(intersect_closest)
-        mcv_order_paths(world, paths, alive, ends);
+        mcv_order_paths(world, paths, alive, ends, &gloss);
         mcv_leave_scenes(world, paths, ends[MCV_MET_TRIANGLE], alive, values, &counts[MCV_COUNTER_nonfinite]);
         alive = ends[MCV_MET_TRIANGLE];
         mcv_find_surfaces(world, paths, ends);
@@ -580,7 +572,7 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
         /* An emitter is a surface too: the last surface a path may meet does not look for one. */
         if (depth + 1 < world.frame->depth) {
             mcv_draw_pairs(paths, alive, depth, MCV_PAIR_EMITTER);
-            const uint shadow_count = mcv_sample_emitters(world, slot, ends, depth, chosen);
+            const uint shadow_count = mcv_sample_emitters(world, slot, ends, gloss, depth, chosen);
             MCV_CLOCK_STAGE(sample_emitters)
             mcv_intersect_shadows(world, slot, chosen, shadow_count);
             MCV_CLOCK_STAGE(intersect_shadow)
@@ -594,11 +586,11 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
         uint next = 0, plain = 0;
 #if MCV_WITH_PLAIN
         uint goes_on[MCV_SLICE];
-        plain = ends[MCV_MET_PLAIN_EXACT];
-        mcv_shade_plain(world, paths, 0, ends[MCV_MET_PLAIN_TRIANGLE], depth, 0, goes_on);
-        mcv_shade_plain(world, paths, ends[MCV_MET_PLAIN_TRIANGLE], plain, depth, 1, goes_on);
+        plain = ends[MCV_MET_DIFFUSE_EXACT];
+        mcv_shade_plain_surfaces(world, paths, ends, gloss, depth, goes_on, &counts[MCV_COUNTER_unmatched]);
         for (slot.index = 0; slot.index < plain; ++slot.index) {
-            if (goes_on[slot.index])
+            const int smooth = goes_on[slot.index] == MCV_PLAIN_IS_SMOOTH;
+            if (smooth ? mcv_shade_surface(world, slot, depth, &counts[MCV_COUNTER_unmatched]) : goes_on[slot.index])
                 chosen[next++] = slot.index;
             else
                 mcv_end_path(world, slot, values, &counts[MCV_COUNTER_nonfinite]);

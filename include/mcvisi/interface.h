@@ -18,13 +18,13 @@
 #include "mcvisi/vector.h"
 
 /* c2, the cosine behind the interface, or 0 at total reflection. c1 in [0, 1]. */
-MCV_FUNCTION float mcv_refracted_cosine(mcv_device_interface between, float c1) {
+MCV_LOOP_FUNCTION float mcv_refracted_cosine(mcv_device_interface between, float c1) {
     const float squared = mcv_fma(c1, c1, mcv_fma(-c1, c1, 1.0f) * between.delta);
     return squared > 0.0f ? mcv_sqrt(squared) : 0.0f;
 }
 
 /* The share R of unpolarised light that is reflected; c2 from mcv_refracted_cosine. */
-MCV_FUNCTION float mcv_fresnel(mcv_device_interface between, float c1, float c2) {
+MCV_LOOP_FUNCTION float mcv_fresnel(mcv_device_interface between, float c1, float c2) {
     const float sum = mcv_fma(between.eta, c1, c2);
     if (!(c2 > 0.0f)) return 1.0f;
     const float r_s = between.delta / (sum * sum);
@@ -35,7 +35,7 @@ MCV_FUNCTION float mcv_fresnel(mcv_device_interface between, float c1, float c2)
 }
 
 /* The share that a body's surface reflects, coating and all. */
-MCV_FUNCTION float mcv_interface_reflectance(mcv_device_interface between, float c1, float c2) {
+MCV_LOOP_FUNCTION float mcv_interface_reflectance(mcv_device_interface between, float c1, float c2) {
     const float bare = mcv_fresnel(between, c1, c2);
 #if MCV_ON_DEVICE && MCV_WITH_COATING
     const float coated = mcv_fma(between.scale, bare, between.offset);
@@ -45,12 +45,12 @@ MCV_FUNCTION float mcv_interface_reflectance(mcv_device_interface between, float
 }
 
 /* The unit vector t; d is unit, n unit on the side d comes from, c1 = -d·n, c2 > 0. */
-MCV_FUNCTION mcv_vec3 mcv_refract(mcv_device_interface between, mcv_vec3 d, mcv_vec3 n, float c1, float c2) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_refract(mcv_device_interface between, mcv_vec3 d, mcv_vec3 n, float c1, float c2) {
     const float bend = -between.delta / mcv_fma(between.eta, c1, c2);
     return mcv_normalize(mcv_along(mcv_scale(d, between.eta), bend, n));
 }
 
 /* d reflected at the plane of the unit normal n. */
-MCV_FUNCTION mcv_vec3 mcv_reflect(mcv_vec3 d, mcv_vec3 n) { return mcv_renormalize(mcv_along(d, -2.0f * mcv_dot(d, n), n)); }
+MCV_LOOP_FUNCTION mcv_vec3 mcv_reflect(mcv_vec3 d, mcv_vec3 n) { return mcv_renormalize(mcv_along(d, -2.0f * mcv_dot(d, n), n)); }
 
 #endif

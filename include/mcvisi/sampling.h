@@ -85,7 +85,7 @@ MCV_LOOP_FUNCTION float mcv_disk(float xi, float eta, float *cosine, float *sine
 }
 
 /* A direction about +z with density cosθ/π. */
-MCV_FUNCTION mcv_vec3 mcv_sample_cosine(float xi, float eta) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_sample_cosine(float xi, float eta) {
     float cosine, sine;
     const float r = mcv_disk(xi, eta, &cosine, &sine);
     return mcv_vec(r * cosine, r * sine, mcv_sqrt(mcv_fma(-r, r, 1.0f)));

@@ -27,7 +27,7 @@ typedef struct mcv_alpha {
 } mcv_alpha;
 
 /* Smith's Λ of a direction on either side. */
-MCV_FUNCTION float mcv_ggx_lambda(mcv_alpha alpha, mcv_vec3 w) {
+MCV_LOOP_FUNCTION float mcv_ggx_lambda(mcv_alpha alpha, mcv_vec3 w) {
     const float x = alpha.x * w.x;
     const float y = alpha.y * w.y;
     const float slope = mcv_fma(x, x, y * y);
@@ -36,7 +36,7 @@ MCV_FUNCTION float mcv_ggx_lambda(mcv_alpha alpha, mcv_vec3 w) {
 }
 
 /* The density D(h) of microfacet normals, per area of the surface [1/sr]. */
-MCV_FUNCTION float mcv_ggx_density(mcv_alpha alpha, mcv_vec3 h) {
+MCV_LOOP_FUNCTION float mcv_ggx_density(mcv_alpha alpha, mcv_vec3 h) {
     const float x = h.x / alpha.x;
     const float y = h.y / alpha.y;
     const float s = mcv_fma(x, x, mcv_fma(y, y, h.z * h.z));
@@ -44,7 +44,7 @@ MCV_FUNCTION float mcv_ggx_density(mcv_alpha alpha, mcv_vec3 h) {
 }
 
 /* A microfacet normal with the density D(h) max(0, o·h)/((1 + Λ(o)) o_z); o_z > 0. */
-MCV_FUNCTION mcv_vec3 mcv_ggx_sample(mcv_alpha alpha, mcv_vec3 o, float xi, float eta) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_ggx_sample(mcv_alpha alpha, mcv_vec3 o, float xi, float eta) {
     const mcv_vec3 s = mcv_normalize(mcv_vec(alpha.x * o.x, alpha.y * o.y, o.z));
     float cosine, sine;
     const float r = mcv_disk(xi, eta, &cosine, &sine);
@@ -55,13 +55,13 @@ MCV_FUNCTION mcv_vec3 mcv_ggx_sample(mcv_alpha alpha, mcv_vec3 o, float xi, floa
 }
 
 /* Schlick's (1 - c)^5. */
-MCV_FUNCTION float mcv_schlick(float c) {
+MCV_LOOP_FUNCTION float mcv_schlick(float c) {
     const float m = c < 1.0f ? 1.0f - c : 0.0f;
     return (m * m) * (m * m) * m;
 }
 
 /* The share of unpolarised light that a metal of complex index n - ik, relative to the medium before it, reflects. */
-MCV_FUNCTION float mcv_conductor_fresnel(float n, float k, float cosine) {
+MCV_LOOP_FUNCTION float mcv_conductor_fresnel(float n, float k, float cosine) {
     const float c2 = cosine * cosine;
     const float s2 = 1.0f - c2;
     const float real = mcv_fma(n - k, n + k, -s2);
