@@ -108,12 +108,11 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
         lobes.specular = sum > 0.0f ? 1.0f - missing : 1.0f;
         lobes.near_chance = share * near * (gloss->inside ? mean.b : mean.a);
         lobes.far_chance = share * (gloss->inside ? mean.a : mean.b);
-        if (gloss->inside) {
-            lobes.near_b = mcv_grey(share * near);
-            lobes.far_a = mcv_grey(share);
-        } else {
-            lobes.near_a = mcv_grey(share * near);
-            lobes.far_b = mcv_grey(share);
+        MCV_EACH_CHANNEL(k) {
+            lobes.near_a.c[k] = gloss->inside ? 0.0f : share * near;
+            lobes.near_b.c[k] = gloss->inside ? share * near : 0.0f;
+            lobes.far_a.c[k] = gloss->inside ? share : 0.0f;
+            lobes.far_b.c[k] = gloss->inside ? 0.0f : share;
         }
         return lobes;
     }
@@ -189,71 +188,62 @@ MCV_LOOP_FUNCTION float mcv_gloss_reflects(const mcv_device_gloss *m, const mcv_
 MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *albedos,
                                                  const mcv_lobes *lobes, mcv_vec3 o, mcv_vec3 i) {
     mcv_response response;
-    const int far = i.z < 0.0f;
-    response.value = mcv_grey(0.0f);
-    response.density = 0.0f;
+    const int far = i.z < 0.0f, refracts = far & (gloss->type == MCV_MATERIAL_DIELECTRIC), sees = i.z != 0.0f;
     response.media = 0;
-    if (!(i.z != 0.0f)) return response;
 
     /* The microfacet normal that sends i to o, and d²h/d²i. */
-    mcv_vec3 h;
-    float jacobian;
     const mcv_vec3 mirrored = mcv_vec(i.x, i.y, mcv_abs(i.z));
-    if (far && gloss->type == MCV_MATERIAL_DIELECTRIC) {
-        h = mcv_normalize(mcv_along(i, gloss->between.eta, o));
-        if (h.z < 0.0f) h = mcv_scale(h, -1.0f);
-        const float behind = -mcv_dot(i, h);
-        const float sum = mcv_fma(gloss->between.eta, mcv_dot(o, h), -behind);
-        jacobian = behind > 0.0f ? behind / (sum * sum) : 0.0f;
-    } else {
-        h = mcv_normalize(mcv_add(o, mirrored));
-        jacobian = 0.25f / mcv_dot(o, h);
-    }
+    mcv_vec3 h = mcv_normalize(mcv_choose(refracts, mcv_along(i, gloss->between.eta, o), mcv_add(o, mirrored)));
+    h = mcv_scale(h, refracts & (h.z < 0.0f) ? -1.0f : 1.0f);
     const float cosine = mcv_dot(o, h);
-    if (cosine > 0.0f && jacobian > 0.0f && jacobian < INFINITY) {
-        mcv_color passed;
-        const mcv_color reflected = mcv_gloss_fresnel(m, gloss, cosine);
-        const float chance = mcv_gloss_reflects(m, gloss, lobes, cosine, reflected, &passed);
-        const float facets = mcv_ggx_density(gloss->alpha, h) * cosine * jacobian / o.z;
-        response.value = mcv_dim(far ? passed : reflected, facets / (1.0f + lobes->lambda + mcv_ggx_lambda(gloss->alpha, i)));
-        response.density = lobes->specular * (far ? 1.0f - chance : chance) * facets / (1.0f + lobes->lambda);
-    }
+    const float behind = -mcv_dot(i, h);
+    const float sum = mcv_fma(gloss->between.eta, cosine, -behind);
+    const float jacobian = refracts ? (behind > 0.0f ? behind / (sum * sum) : 0.0f) : 0.25f / cosine;
+    const int meets = sees & (cosine > 0.0f) & (jacobian > 0.0f) & (jacobian < INFINITY);
+    mcv_color passed;
+    const mcv_color reflected = mcv_gloss_fresnel(m, gloss, cosine);
+    const float chance = mcv_gloss_reflects(m, gloss, lobes, cosine, reflected, &passed);
+    const float facets = mcv_ggx_density(gloss->alpha, h) * cosine * jacobian / o.z;
+    const float seen = facets / (1.0f + lobes->lambda + mcv_ggx_lambda(gloss->alpha, i));
+    MCV_EACH_CHANNEL(k) response.value.c[k] = meets ? (far ? passed.c[k] : reflected.c[k]) * seen : 0.0f;
+    response.density = meets ? lobes->specular * (far ? 1.0f - chance : chance) * facets / (1.0f + lobes->lambda) : 0.0f;
 
     const mcv_albedo weights = mcv_gloss_weights(m, gloss, mcv_albedo_at(m, gloss, albedos, i, 0));
     const float diffuse = mirrored.z * (1.0f / MCV_PI);
     MCV_EACH_CHANNEL(k) {
         const float a = far ? lobes->far_a.c[k] : lobes->near_a.c[k];
         const float b = far ? lobes->far_b.c[k] : lobes->near_b.c[k];
-        response.value.c[k] = mcv_fma(diffuse, mcv_fma(a, weights.a, b * weights.b), response.value.c[k]);
+        const float value = mcv_fma(diffuse, mcv_fma(a, weights.a, b * weights.b), response.value.c[k]);
+        response.value.c[k] = sees ? value : 0.0f;
     }
-    response.density = mcv_fma(far ? lobes->far_chance : lobes->near_chance, diffuse, response.density);
+    const float density = mcv_fma(far ? lobes->far_chance : lobes->near_chance, diffuse, response.density);
+    response.density = sees ? density : 0.0f;
     return response;
 }
 
 /* A direction with the density that mcv_gloss_respond gives; the zero vector where the path ends. */
 MCV_LOOP_FUNCTION mcv_vec3 mcv_gloss_sample(const mcv_device_gloss *m, const mcv_gloss *gloss, const mcv_lobes *lobes, mcv_vec3 o, float xi,
                                             float eta, float choice) {
-    if (choice >= lobes->specular) {
-        const mcv_vec3 spread = mcv_sample_cosine(xi, eta);
-        return choice - lobes->specular < lobes->near_chance ? spread : mcv_vec(spread.x, spread.y, -spread.z);
-    }
+    const mcv_vec3 spread = mcv_sample_cosine(xi, eta);
+    const int diffuse = choice >= lobes->specular, near = choice - lobes->specular < lobes->near_chance;
     const mcv_vec3 h = mcv_ggx_sample(gloss->alpha, o, xi, eta);
     const float cosine = mcv_dot(o, h);
-    float chance = 1.0f;
-    if (gloss->type == MCV_MATERIAL_DIELECTRIC || mcv_brightest(lobes->passing) > 0.0f) {
-        mcv_color passed;
-        chance = mcv_gloss_reflects(m, gloss, lobes, cosine, mcv_gloss_fresnel(m, gloss, cosine), &passed);
-    }
-    const int reflects = choice < lobes->specular * chance;
-    if (!reflects && gloss->type == MCV_MATERIAL_DIELECTRIC) {
+    mcv_color passed;
+    const float share = mcv_gloss_reflects(m, gloss, lobes, cosine, mcv_gloss_fresnel(m, gloss, cosine), &passed);
+    const int passes = gloss->type == MCV_MATERIAL_DIELECTRIC || mcv_brightest(lobes->passing) > 0.0f;
+    const int reflects = choice < lobes->specular * (passes ? share : 1.0f);
+    mcv_vec3 i = mcv_normalize(mcv_along(mcv_scale(o, -1.0f), 2.0f * cosine, h));
+    int goes_on = i.z > 0.0f;
+    i.z = reflects ? i.z : -i.z;
+    if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
         const float c1 = cosine < 1.0f ? cosine : 1.0f;
         const float c2 = mcv_refracted_cosine(gloss->between, c1);
-        const mcv_vec3 i = mcv_refract(gloss->between, mcv_scale(o, -1.0f), h, c1, c2);
-        return c2 > 0.0f && i.z < 0.0f ? i : mcv_vec(0.0f, 0.0f, 0.0f);
+        const mcv_vec3 refracted = mcv_refract(gloss->between, mcv_scale(o, -1.0f), h, c1, c2);
+        goes_on = reflects ? goes_on : (c2 > 0.0f) & (refracted.z < 0.0f);
+        i = mcv_choose(reflects, i, refracted);
     }
-    const mcv_vec3 i = mcv_normalize(mcv_along(mcv_scale(o, -1.0f), 2.0f * cosine, h));
-    if (!(i.z > 0.0f)) return mcv_vec(0.0f, 0.0f, 0.0f);
-    return reflects ? i : mcv_vec(i.x, i.y, -i.z);
+    i = mcv_choose(diffuse, mcv_vec(spread.x, spread.y, near ? spread.z : -spread.z), i);
+    return mcv_choose(diffuse | goes_on, i, mcv_vec(0.0f, 0.0f, 0.0f));
 }
 
 #endif

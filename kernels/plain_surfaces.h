@@ -117,10 +117,10 @@ static mcv_device_gloss mcv_plain_gloss(mcv_world world, uint material) {
 }
 
 MCV_LOOP_FUNCTION mcv_gloss_meeting mcv_meet_plain_gloss(mcv_world world, const mcv_meeting *meeting, const mcv_device_gloss *from,
-                                                         uint material, uint media) {
+                                                         uint material, uint type, uint media) {
     mcv_color base;
     MCV_EACH_CHANNEL(c) base.c[c] = world.materials[material].value[c];
-    return mcv_meet_gloss_of(world, meeting, from, world.materials[material].type, base, 1.0f, 1.0f, media);
+    return mcv_meet_gloss_of(world, meeting, from, type, base, 1.0f, 1.0f, media);
 }
 #endif
 
@@ -156,14 +156,16 @@ static __attribute__((noinline)) void mcv_choose_plain_places(mcv_world world, u
     }
 }
 
-/* mcv_shadow_along, mcv_cast_shadow: whether there is a shadow ray to follow. `gloss`: the glossy material, or MCV_NONE of diffuse ones. */
-MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint first, uint last, int exact, uint gloss, uint *casts) {
+/* mcv_shadow_along, mcv_cast_shadow: whether there is a shadow ray to follow. `type` is known to the compiler; `gloss`: the glossy
+ * material. */
+MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint first, uint last, int exact, uint type, uint gloss,
+                                              uint *casts) {
     __global const mcv_device_emitter *e = world.emitters;
     mcv_slot slot;
     slot.base = paths;
 #if MCV_WITH_GLOSS
     mcv_device_gloss from;
-    if (gloss != MCV_NONE) from = mcv_plain_gloss(world, gloss);
+    if (type != MCV_MATERIAL_DIFFUSE) from = mcv_plain_gloss(world, gloss);
 #endif
     MCV_PARALLEL
     for (uint i = first; i < last; ++i) {
@@ -181,7 +183,7 @@ MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint
 #else
         response.media = 0u;
 #endif
-        if (gloss == MCV_NONE) {
+        if (type == MCV_MATERIAL_DIFFUSE) {
             const float cosine = mcv_dot(direction, MCV_LOAD_3(slot, normal));
             __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
             lit &= (cosine > 0.0f) & (mcv_dot(direction, MCV_LOAD_3(slot, face)) > 0.0f);
@@ -190,7 +192,7 @@ MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint
         } else {
 #if MCV_WITH_GLOSS
             const mcv_meeting meeting = mcv_meet_surface(world, slot);
-            const mcv_gloss_meeting m = mcv_meet_plain_gloss(world, &meeting, &from, gloss, response.media);
+            const mcv_gloss_meeting m = mcv_meet_plain_gloss(world, &meeting, &from, gloss, type, response.media);
             response = mcv_respond_gloss_of(world, &meeting, &from, &m, direction);
             lit &= m.gloss.table != MCV_NONE;
 #endif
@@ -224,14 +226,21 @@ MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint
 static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, uint *paths, const uint *ends, uint gloss, uint *shadows) {
     uint casts[MCV_SLICE];
     uint listed = 0;
-    mcv_cast_plain_shadows(world, paths, 0, ends[MCV_MET_DIFFUSE_TRIANGLE], 0, MCV_NONE, casts);
+    mcv_cast_plain_shadows(world, paths, 0, ends[MCV_MET_DIFFUSE_TRIANGLE], 0, MCV_MATERIAL_DIFFUSE, MCV_NONE, casts);
 #if MCV_WITH_SURFACES
-    mcv_cast_plain_shadows(world, paths, ends[MCV_MET_GLOSS_EXACT], ends[MCV_MET_DIFFUSE_EXACT], 1, MCV_NONE, casts);
+    mcv_cast_plain_shadows(world, paths, ends[MCV_MET_GLOSS_EXACT], ends[MCV_MET_DIFFUSE_EXACT], 1, MCV_MATERIAL_DIFFUSE, MCV_NONE, casts);
 #endif
 #if MCV_WITH_GLOSS
-    if (gloss != MCV_NONE) {
-        mcv_cast_plain_shadows(world, paths, ends[MCV_MET_DIFFUSE_TRIANGLE], ends[MCV_MET_GLOSS_EXACT], MCV_WITH_SURFACES, gloss, casts);
-    }
+    const uint first = ends[MCV_MET_DIFFUSE_TRIANGLE], last = ends[MCV_MET_GLOSS_EXACT];
+    const uint type = gloss == MCV_NONE ? MCV_NONE : world.materials[gloss].type;
+    if (type == MCV_MATERIAL_CONDUCTOR)
+        mcv_cast_plain_shadows(world, paths, first, last, MCV_WITH_SURFACES, MCV_MATERIAL_CONDUCTOR, gloss, casts);
+    if (type == MCV_MATERIAL_METALLIC_ROUGHNESS)
+        mcv_cast_plain_shadows(world, paths, first, last, MCV_WITH_SURFACES, MCV_MATERIAL_METALLIC_ROUGHNESS, gloss, casts);
+#if MCV_WITH_DIELECTRIC
+    if (type == MCV_MATERIAL_DIELECTRIC)
+        mcv_cast_plain_shadows(world, paths, first, last, MCV_WITH_SURFACES, MCV_MATERIAL_DIELECTRIC, gloss, casts);
+#endif
 #endif
     for (uint i = 0; i < ends[MCV_MET_DIFFUSE_EXACT]; ++i) {
         shadows[listed] = i;
@@ -244,15 +253,15 @@ static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, ui
 /* Whether a path goes on; it may also be that it is left to mcv_shade_surface. */
 enum { MCV_PLAIN_ENDS, MCV_PLAIN_GOES_ON, MCV_PLAIN_IS_SMOOTH };
 
-/* mcv_shade_surface. `gloss`: the glossy material, or MCV_NONE of diffuse ones. */
-MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first, uint last, uint depth, int exact, uint gloss,
+/* mcv_shade_surface. `type` is known to the compiler; `gloss`: the glossy material. */
+MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first, uint last, uint depth, int exact, uint type, uint gloss,
                                        uint *goes_on, uint *unmatched) {
     const int roulette = depth >= MCV_ROULETTE_DEPTH;
     mcv_slot slot;
     slot.base = paths;
 #if MCV_WITH_GLOSS
     mcv_device_gloss from;
-    if (gloss != MCV_NONE) from = mcv_plain_gloss(world, gloss);
+    if (type != MCV_MATERIAL_DIFFUSE) from = mcv_plain_gloss(world, gloss);
 #endif
     MCV_PARALLEL
     for (uint i = first; i < last; ++i) {
@@ -265,7 +274,7 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
 #if MCV_WITH_DIELECTRIC
         media = MCV_WORD(slot, media, 0);
 #endif
-        if (gloss == MCV_NONE) {
+        if (type == MCV_MATERIAL_DIFFUSE) {
             __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
             direction = MCV_LOAD_3(slot, bounce);
             density = MCV_LOAD(slot, bounce, 3);
@@ -274,8 +283,11 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
         } else {
 #if MCV_WITH_GLOSS
             const mcv_meeting meeting = mcv_meet_surface(world, slot);
-            const mcv_gloss_meeting m = mcv_meet_plain_gloss(world, &meeting, &from, gloss, media);
-            direction = mcv_choose_gloss_of(&from, &m, mcv_draw(slot, depth, MCV_PAIR_SCATTER), mcv_draw(slot, depth, MCV_PAIR_CHOICE).x);
+            const mcv_gloss_meeting m = mcv_meet_plain_gloss(world, &meeting, &from, gloss, type, media);
+            mcv_pair pair;
+            pair.x = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
+            pair.y = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER + 1);
+            direction = mcv_choose_gloss_of(&from, &m, pair, MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE));
             const mcv_response response = mcv_respond_gloss_of(world, &meeting, &from, &m, direction);
             smooth = m.gloss.table == MCV_NONE;
             unmatched[i] = (uint)(!smooth & (m.near_media != media));
@@ -318,15 +330,22 @@ static __attribute__((noinline)) void mcv_shade_plain_surfaces(mcv_world world, 
                                                                uint *goes_on, uint *unmatched) {
     const uint triangles = ends[MCV_MET_DIFFUSE_TRIANGLE], glossy = ends[MCV_MET_GLOSS_EXACT];
     uint differs[MCV_SLICE];
-    mcv_shade_plain(world, paths, 0, triangles, depth, 0, MCV_NONE, goes_on, differs);
+    mcv_shade_plain(world, paths, 0, triangles, depth, 0, MCV_MATERIAL_DIFFUSE, MCV_NONE, goes_on, differs);
 #if MCV_WITH_SURFACES
-    mcv_shade_plain(world, paths, glossy, ends[MCV_MET_DIFFUSE_EXACT], depth, 1, MCV_NONE, goes_on, differs);
+    mcv_shade_plain(world, paths, glossy, ends[MCV_MET_DIFFUSE_EXACT], depth, 1, MCV_MATERIAL_DIFFUSE, MCV_NONE, goes_on, differs);
 #endif
 #if MCV_WITH_GLOSS
-    if (gloss != MCV_NONE) {
-        mcv_shade_plain(world, paths, triangles, glossy, depth, MCV_WITH_SURFACES, gloss, goes_on, differs);
-        for (uint i = triangles; i < glossy; ++i) *unmatched += differs[i];
-    }
+    const uint type = gloss == MCV_NONE ? MCV_NONE : world.materials[gloss].type;
+    if (type == MCV_MATERIAL_CONDUCTOR)
+        mcv_shade_plain(world, paths, triangles, glossy, depth, MCV_WITH_SURFACES, MCV_MATERIAL_CONDUCTOR, gloss, goes_on, differs);
+    if (type == MCV_MATERIAL_METALLIC_ROUGHNESS)
+        mcv_shade_plain(world, paths, triangles, glossy, depth, MCV_WITH_SURFACES, MCV_MATERIAL_METALLIC_ROUGHNESS, gloss, goes_on,
+                        differs);
+#if MCV_WITH_DIELECTRIC
+    if (type == MCV_MATERIAL_DIELECTRIC)
+        mcv_shade_plain(world, paths, triangles, glossy, depth, MCV_WITH_SURFACES, MCV_MATERIAL_DIELECTRIC, gloss, goes_on, differs);
+#endif
+    for (uint i = triangles; i < glossy; ++i) *unmatched += differs[i];
 #endif
     (void)gloss, (void)glossy, (void)unmatched;
 }

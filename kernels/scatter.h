@@ -254,7 +254,11 @@ MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world, const mcv_meet
     crossing.before = (media | left) & ~entered;
     crossing.after = crossing.before ^ (left | entered);
     const uint at = mcv_filling_medium(crossing.before) * (MCV_MAX_MEDIA + 1u) + mcv_filling_medium(crossing.after);
-    crossing.between = world.interfaces[at];
+    __global const mcv_device_interface *between = world.interfaces + at; /* word by word: a loop is not vectorised over structures */
+    crossing.between.eta = between->eta;
+    crossing.between.delta = between->delta;
+    crossing.between.scale = between->scale;
+    crossing.between.offset = between->offset;
 #if MCV_WITH_GLOSS
     crossing.albedos = world.interface_albedos[at];
 #endif
@@ -485,12 +489,12 @@ MCV_FUNCTION const mcv_gloss_meeting *mcv_known_gloss(mcv_world world, const mcv
 MCV_LOOP_FUNCTION mcv_response mcv_respond_gloss_of(mcv_world world, const mcv_meeting *meeting, const mcv_device_gloss *from,
                                                     const mcv_gloss_meeting *m, mcv_vec3 direction) {
     const mcv_vec3 i = mcv_gloss_local(m, direction);
-    mcv_response response;
     const int far = i.z < 0.0f;
-    response.value = mcv_grey(0.0f);
-    response.density = 0.0f;
-    if (far ? mcv_dot(direction, meeting->face) < 0.0f : mcv_dot(direction, meeting->face) > 0.0f)
-        response = mcv_gloss_respond(from, &m->gloss, world.albedos, &m->lobes, m->o, i);
+    const float side = mcv_dot(direction, meeting->face);
+    const int comes = far ? side < 0.0f : side > 0.0f;
+    mcv_response response = mcv_gloss_respond(from, &m->gloss, world.albedos, &m->lobes, m->o, i);
+    MCV_EACH_CHANNEL(c) response.value.c[c] = comes ? response.value.c[c] : 0.0f;
+    response.density = comes ? response.density : 0.0f;
     response.media = far ? m->far_media : m->near_media;
     return response;
 }
