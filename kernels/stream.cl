@@ -117,7 +117,10 @@ MCV_STAGE_KERNEL(shade_surfaces) {
     if (i < lengths[depth]) {
         path = MCV_ACTIVE(depth)[i];
         const mcv_slot slot = mcv_stream_slot(paths, capacity, path);
-        goes_on = mcv_shade_surface(world, slot, depth, &unmatched);
+        if (MCV_WORD(slot, hit, 3) == MCV_NONE)
+            mcv_leave_scene(world, slot);
+        else
+            goes_on = mcv_shade_surface(world, slot, depth, &unmatched);
         /* What the depth limit cuts. */
         if (goes_on && depth + 1u == world.frame->depth) atomic_add(&counters[MCV_COUNTER_lost], mcv_lost_energy(slot));
         if (unmatched > 0) atomic_add(&counters[MCV_COUNTER_unmatched], unmatched);
