@@ -101,7 +101,9 @@ static void make_mixed_rays(const mesh *m, uint64_t seed, batch_ray *rays, uint3
 static void test_same_hit_as_all_triangles(void **state) {
     (void)state;
     enum { COUNT = 220000 };
-    mesh meshes[] = {mesh_sphere(5, 0.1), mesh_terrain(12, 0.3, 1), mesh_needles(250, 2), mesh_bipyramid(120), mesh_duplicates(256, 3)};
+    /* The last ones are so small that the hierarchy may be its root (mcv_is_flat). */
+    mesh meshes[] = {mesh_sphere(5, 0.1),     mesh_terrain(12, 0.3, 1), mesh_needles(250, 2), mesh_bipyramid(120),
+                     mesh_duplicates(256, 3), mesh_bipyramid(3),        mesh_needles(12, 4),  mesh_duplicates(16, 5)};
     batch_ray *rays = calloc(COUNT, sizeof *rays);
     mcv_hit *got = calloc(COUNT, sizeof *got), *wanted = calloc(COUNT, sizeof *wanted), *got_many = calloc(COUNT, sizeof *got_many);
     int *found = calloc(COUNT, sizeof *found), *found_many = calloc(COUNT, sizeof *found_many);
@@ -126,8 +128,8 @@ static void test_same_hit_as_all_triangles(void **state) {
             }
             for (uint32_t i = 0; i < COUNT; ++i) {
                 hits += wanted[i].triangle != MCV_NONE;
-                /* Of the four equal triangles in a plane of the last mesh only the first may be seen. */
-                if (number == 4 && wanted[i].triangle != MCV_NONE && wanted[i].triangle % 8 - 1 < 3) ++wrong;
+                /* Of the four equal triangles in a plane of duplicates only the first may be seen. */
+                if ((number == 4 || number == 7) && wanted[i].triangle != MCV_NONE && wanted[i].triangle % 8 - 1 < 3) ++wrong;
                 if (memcmp(got + i, wanted + i, sizeof *got) == 0 && found[i] == (wanted[i].triangle != MCV_NONE)) continue;
                 if (wrong++ < 5) {
                     print_error(
@@ -142,8 +144,9 @@ static void test_same_hit_as_all_triangles(void **state) {
         mcv_bvh_free(&bvh);
         mesh_free(m);
     }
-    print_message("%u rays, %lu hits, %lu differ\n", 5 * COUNT * RAY_FACTOR, hits, wrong);
-    note_rays("hits other than all triangles', to the bit", 5ull * COUNT * RAY_FACTOR, wrong);
+    const uint64_t rays_count = sizeof meshes / sizeof meshes[0] * (uint64_t)COUNT * RAY_FACTOR;
+    print_message("%lu rays, %lu hits, %lu differ\n", rays_count, hits, wrong);
+    note_rays("hits other than all triangles', to the bit", rays_count, wrong);
     assert_int_equal(wrong, 0);
     /* Four of five rays of a mesh aim at it; the other meshes hide nothing. Fewer hits would mean an empty test. */
     assert_true(hits > 3ul * COUNT * RAY_FACTOR);
