@@ -12,6 +12,9 @@
 
 #define MCV_WITH_PLAIN (MCV_WITH_DIFFUSE && MCV_LEAVES_TOGETHER && !MCV_WITH_TRANSLUCENT && !MCV_WITH_DISPERSION && !MCV_WITH_LIGHT_TRACING)
 
+/* Where there may be no more than one emitter. */
+#define MCV_WITH_PLAIN_EMITTERS (MCV_WITH_PLAIN && MCV_WITH_NEXT_EVENT && MCV_WITH_AREA && !MCV_WITH_REACH)
+
 /* What paths have met. The paths of a kind lie side by side in this order; ends[kind] is where the next kind begins. */
 enum {
     MCV_MET_DIFFUSE_TRIANGLE,
@@ -124,7 +127,7 @@ MCV_LOOP_FUNCTION mcv_gloss_meeting mcv_meet_plain_gloss(mcv_world world, const 
 }
 #endif
 
-#if MCV_WITH_NEXT_EVENT && MCV_WITH_AREA
+#if MCV_WITH_PLAIN_EMITTERS
 /* Whether all paths look for one rectangle or triangle that emits alike in all directions, everywhere. */
 MCV_FUNCTION int mcv_has_plain_emitter(mcv_world world) {
     __global const mcv_device_emitter *e = world.emitters;
@@ -319,6 +322,10 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
 #endif
 #if MCV_WITH_NEXT_EVENT
         MCV_STORE(slot, density, 0, smooth ? MCV_LOAD(slot, density, 0) : density);
+#if MCV_WITH_REACH
+        MCV_WORD(slot, reach, 0) = MCV_WORD(slot, reach_here, 0);
+        MCV_WORD(slot, reach, 1) = MCV_WORD(slot, reach_here, 1);
+#endif
 #endif
         const int on = reflects & (brightest > 0.0f) & !(plays & (choice >= brightest));
         goes_on[i] = smooth ? MCV_PLAIN_IS_SMOOTH : on ? MCV_PLAIN_GOES_ON : MCV_PLAIN_ENDS;

@@ -444,7 +444,7 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
     uint chosen[MCV_SLICE];
     uint count = 0;
 #endif
-#if MCV_WITH_PLAIN && MCV_WITH_AREA
+#if MCV_WITH_PLAIN_EMITTERS
     if (mcv_has_plain_emitter(world)) {
         plain = ends[MCV_MET_DIFFUSE_EXACT];
         mcv_choose_plain_places(world, slot.base, plain);
@@ -465,7 +465,7 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
 #if MCV_WITH_EMISSION
     mcv_find_ways(world, slot.base, plain, chosen, count);
 #endif
-#if MCV_WITH_PLAIN && MCV_WITH_AREA
+#if MCV_WITH_PLAIN_EMITTERS
     if (plain > 0) shadow_count = mcv_list_plain_shadows(world, slot.base, ends, gloss, shadows);
 #endif
     for (slot.index = plain; slot.index < alive; ++slot.index) {
