@@ -194,7 +194,7 @@ MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, cons
     /* The microfacet normal that sends i to o, and d²h/d²i. */
     const mcv_vec3 mirrored = mcv_vec(i.x, i.y, mcv_abs(i.z));
     mcv_vec3 h = mcv_normalize(mcv_choose(refracts, mcv_along(i, gloss->between.eta, o), mcv_add(o, mirrored)));
-    h = mcv_scale(h, refracts & (h.z < 0.0f) ? -1.0f : 1.0f);
+    h = mcv_scale(h, (refracts & (h.z < 0.0f)) ? -1.0f : 1.0f);
     const float cosine = mcv_dot(o, h);
     const float behind = -mcv_dot(i, h);
     const float sum = mcv_fma(gloss->between.eta, cosine, -behind);
