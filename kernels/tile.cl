@@ -485,10 +485,10 @@ static __attribute__((noinline)) uint mcv_begin_paths(mcv_world world, mcv_slot 
     uint begun[MCV_SLICE];
     uint alive = 0;
     const uint samples = 1u << world.frame->log2_samples;
-    mcv_identity id = mcv_identify(world.frame, first);
+    mcv_identity id = mcv_identify(world, first);
     for (slot.index = 0; slot.index < count; ++slot.index) {
         const uint sample = (first + slot.index) & (samples - 1u);
-        if (sample == 0) id = mcv_identify(world.frame, first + slot.index);
+        if (sample == 0) id = mcv_identify(world, first + slot.index);
         id.sample = world.frame->first_sample + sample;
         columns[slot.index] = id.column;
         rows[slot.index] = id.row;

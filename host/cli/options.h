@@ -85,6 +85,9 @@ enum {
     X(text, against, "against", 0, "OPTIONS", MCV_IN_COMPARE, NULL, 0, 0, \
       "options of the scene B that are not those of A, in quotes, as in --against=\"--device reference --depth 64\"; where its seed " \
       "would be A's it is the next one") \
+    X(flag, adaptive, "adaptive", 0, NULL, MCV_IN_RENDER, NULL, 0, 0, \
+      "more samples for tiles of 8 x 8 pixels with more noise, fewer for the others, once it pays; --spp is then the most on the " \
+      "average; the part `samples` of the OpenEXR file says where they went") \
     X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_TAKE | MCV_IN_COMPARE, "sobol", 0, 0, \
       "Owen-scrambled Sobol' points, or independent ones") \
     X(count, seed, "seed", 0, "S", MCV_IN_GREY | MCV_IN_COMPARE, "0", 0, UINT32_MAX, \

@@ -14,6 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { MAX_PARTS = MCV_MAX_REPLICATES + 3 }; /* image, error, samples */
+
 /* --- names ------------------------------------------------------------------------------------------------------ */
 
 /* The path without the ending of its file name. */
@@ -124,6 +126,17 @@ static mcv_result make_replicate(const mcv_film *film, uint32_t replicate, mcv_e
     return MCV_OK;
 }
 
+/* How many samples each pixel has. */
+static mcv_result make_samples(const mcv_film *film, mcv_exr_part *part, mcv_error *error) {
+    part->name = strdup("samples");
+    if (!part->name) return mcv_fail(error, MCV_FAILED, "no memory for the samples");
+    MCV_TRY(mcv_image_new(&part->image, film->width, film->height, 1, error));
+    for (uint32_t row = 0; row < film->height; ++row)
+        for (uint32_t column = 0; column < film->width; ++column)
+            part->image.pixels[(size_t)row * film->width + column] = (float)mcv_film_samples_at(film, column, row);
+    return MCV_OK;
+}
+
 uint32_t mcv_picture_attributes(const mcv_sensor *sensor, mcv_attribute attributes[MCV_PICTURE_PARAMETERS],
                                 char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME]) {
     const mcv_param_table table = mcv_sensor_table(sensor->type);
@@ -165,6 +178,7 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
         text_attribute("mcvisi:sensor", scene->sensors[sensor].name),
         number_attribute("mcvisi:sensorIndex", sensor),
         text_attribute("mcvisi:sampler", options->sampler == MCV_SAMPLER_RANDOM ? "random" : "sobol"),
+        text_attribute("mcvisi:sampling", film->levels ? "adaptive" : "uniform"),
         number_attribute("mcvisi:seed", options->seed),
         number_attribute("mcvisi:replicates", film->replicates),
         number_attribute("mcvisi:firstSample", (double)options->first),
@@ -192,15 +206,16 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
 mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
                              const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats, mcv_preview *preview,
                              mcv_error *error) {
-    mcv_exr_part parts[MCV_MAX_REPLICATES + 2] = {{.name = "image"}, {.name = "error"}};
+    mcv_exr_part parts[MAX_PARTS] = {{.name = "image"}, {.name = "error"}};
     mcv_result result = mcv_film_develop(film, &parts[0].image, &parts[1].image, error);
     /* One replicate has no spread, and so no known error. */
     uint32_t count = film->replicates > 1 ? 2 : 1;
     const uint32_t replicates = command->parts && film->replicates > 1 ? film->replicates : 0;
     for (uint32_t r = 0; r < replicates && result == MCV_OK; ++r) result = make_replicate(film, r, &parts[count++], error);
+    if (film->levels && result == MCV_OK) result = make_samples(film, &parts[count++], error);
     if (result == MCV_OK) result = write_exr(picture, command, scene, sensor, options, film, stats, parts, count, error);
     if (result == MCV_OK) result = mcv_png_write_preview(picture->png, &parts[0].image, picture->unit, preview, error);
-    for (uint32_t p = 0; p < MCV_MAX_REPLICATES + 2; ++p) {
+    for (uint32_t p = 0; p < MAX_PARTS; ++p) {
         mcv_image_free(&parts[p].image);
         if (p > 1) free((void *)parts[p].name);
     }

@@ -10,6 +10,7 @@
 #include "output/summary.h"
 #include "reference/reference.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,6 +36,13 @@ mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_option
         return mcv_fail(error, MCV_USAGE, "--spp and --samples both say how many samples: give one of them");
     if (command->error > 0 && command->replicates < 2)
         return mcv_fail(error, MCV_USAGE, "--error needs replicates to know the error from: give --replicates 2 or more");
+    if (command->adaptive && command->samples[1])
+        return mcv_fail(error, MCV_USAGE, "--adaptive is of a whole render: leave out --samples, and say how many by --spp");
+    if (command->adaptive && command->replicates < 2)
+        return mcv_fail(error, MCV_USAGE, "--adaptive needs replicates to know the error from: give --replicates 2 or more");
+    if (command->adaptive && command->device && strcmp(command->device, "reference") == 0)
+        return mcv_fail(error, MCV_USAGE, "--adaptive: the reference renderer gives all pixels the same samples: leave it out");
+    options->adaptive = command->adaptive;
     options->first = command->samples[0];
     options->last = command->samples[1];
     if (command->spp) {
@@ -71,7 +79,8 @@ static mcv_result render_sensor(const mcv_command *command, const mcv_scene *sce
     summary->height = film->height;
     summary->channels = film->channels;
     summary->replicates = film->replicates;
-    summary->samples = film->samples * film->replicates;
+    summary->samples = (uint64_t)llround(mcv_film_mean_samples(film));
+    summary->adaptive = film->levels != NULL;
     summary->error = mcv_film_relative_error(film);
     summary->mean = mcv_film_mean(film);
     return MCV_OK;

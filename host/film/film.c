@@ -39,7 +39,22 @@ void mcv_film_free(mcv_film *film) {
     free(film->sums);
     free(film->camera_sums);
     free(film->splats);
+    free(film->levels);
     *film = (mcv_film){0};
+}
+
+size_t mcv_film_tiles(const mcv_film *film) { return ((size_t)film->width + 7) / 8 * ((film->height + 7) / 8); }
+
+double mcv_film_samples_at(const mcv_film *film, uint32_t column, uint32_t row) {
+    const int level = film->levels ? film->levels[(size_t)(row / 8) * ((film->width + 7) / 8) + column / 8] : 0;
+    return ldexp((double)film->samples * film->replicates, level);
+}
+
+double mcv_film_mean_samples(const mcv_film *film) {
+    double sum = 0;
+    for (uint32_t row = 0; row < film->height; ++row)
+        for (uint32_t column = 0; column < film->width; ++column) sum += mcv_film_samples_at(film, column, row);
+    return sum / ((double)film->width * film->height);
 }
 
 double mcv_tree_sum(const double *values, size_t count, size_t stride) {
@@ -55,6 +70,8 @@ mcv_result mcv_film_merge(mcv_film *a, const mcv_film *b, mcv_error *error) {
             "films of %u x %u pixels, %u channels, %u replicates and of %u x %u, %u, %u cannot be merged: sizes must be the same", a->width,
             a->height, a->channels, a->replicates, b->width, b->height, b->channels, b->replicates);
     }
+    if (a->levels || b->levels)
+        return mcv_fail(error, MCV_FAILED, "films of adaptive sampling cannot be merged: their tiles differ in samples");
     if (a->samples != 0 && a->samples != b->samples) {
         return mcv_fail(error, MCV_FAILED, "films of %llu and %llu samples cannot be merged: both must hold the same number",
                         (unsigned long long)a->samples, (unsigned long long)b->samples);

@@ -49,13 +49,13 @@ static json_t *stages(const mcv_summary *s) {
 
 mcv_result mcv_summary_json(const mcv_summary *s, char **text, mcv_error *error) {
     json_t *object = json_pack(
-        "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b}", "scene",
+        "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:b}", "scene",
         string(s->scene), "sensor", string(s->sensor), "image", string(s->image_path), "preview", string(s->preview_path), "device",
         string(s->stats.device), "features", words(s->stats.features), "width", integer(s->width), "height", integer(s->height), "channels",
         integer(s->channels), "replicates", integer(s->replicates), "samples", integer(s->samples), "rays", rays(&s->stats), "seconds",
         seconds(s), "stages", stages(s), "error", number(s->error), "mean", number(s->mean), "white", number(s->preview.white), "saturated",
         number(s->preview.saturated), "lost_energy", number(s->stats.lost_energy), "nonfinite", integer(s->stats.nonfinite), "unmatched",
-        integer(s->stats.unmatched), "interrupted", (int)s->stats.interrupted);
+        integer(s->stats.unmatched), "interrupted", (int)s->stats.interrupted, "adaptive", (int)s->adaptive);
     *text = object ? json_dumps(object, JSON_REAL_PRECISION(12)) : NULL;
     json_decref(object);
     return *text ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the JSON summary");
@@ -86,7 +86,7 @@ mcv_result mcv_summary_text(const mcv_summary *s, char **text, mcv_error *error)
     FILE *out = open_memstream(text, &size);
     if (!out) return mcv_fail(error, MCV_FAILED, "no memory for the summary");
     if (s->sensor) fprintf(out, "%s: ", s->sensor);
-    fprintf(out, "%u x %u pixels, %" PRIu64 " samples each, ", s->width, s->height, s->samples);
+    fprintf(out, "%u x %u pixels, %" PRIu64 " samples %s, ", s->width, s->height, s->samples, s->adaptive ? "on the average" : "each");
     if (isfinite(s->error)) fprintf(out, "error %.2g %%, ", 100 * s->error);
     fprintf(out, "%.1f s%s\n", s->stats.seconds_render, s->stats.interrupted ? " (interrupted)" : "");
     fprintf(out, "  mean %.5g %s", s->mean, s->unit ? s->unit : "");

@@ -12,7 +12,8 @@ typedef struct mcv_summary {
     const char *image_path, *preview_path; /* what was written */
     const char *unit;                      /* of the mean, "W/(m^2 sr)" or "W/m^2" */
     uint32_t width, height, channels, replicates;
-    uint64_t samples; /* per pixel, all replicates together */
+    uint64_t samples; /* per pixel, all replicates together; their mean where sampling was adaptive */
+    bool adaptive;
     mcv_render_stats stats;
     double seconds_load, seconds_write;
     double error, mean; /* mcv_film_relative_error, mcv_film_mean */
@@ -21,7 +22,7 @@ typedef struct mcv_summary {
 
 /*
  * One JSON object on one line, without a newline at its end; *text is malloc'ed. Keys: scene, sensor, image, preview, device,
- * features[], width, height, channels, replicates, samples, rays{paths, path, shadow, depth_cut}, seconds{load, build, compile,
+ * features[], width, height, channels, replicates, samples, adaptive, rays{paths, path, shadow, depth_cut}, seconds{load, build, compile,
  * first_sample, render, write}, stages{name: seconds}, error, mean, white, saturated, lost_energy, nonfinite, unmatched, interrupted.
  */
 mcv_result mcv_summary_json(const mcv_summary *summary, char **text, mcv_error *error);

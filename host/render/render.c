@@ -8,12 +8,16 @@
 
 #include "core/basics.h"
 #include "film/film.h"
+#include "render/adaptive.h"
 #include "render/schedule.h"
 
 enum {
     MAX_LOG2_SAMPLES = 16, /* per launch and set */
     MIN_SAMPLES = 4,       /* per replicate, before an error estimate may stop the render */
     MIN_SAMPLES_BLACK = 256,
+    PILOT_SHARE = 16,                        /* a pilot need not have more than this part of the samples that it decides about */
+    FIRST_ADAPTIVE = 1 << -MCV_LOWEST_LEVEL, /* samples per replicate of the first adaptive round: each tile has one */
+    MAX_CLASSES = MCV_HIGHEST_LEVEL - MCV_LOWEST_LEVEL + 1,
 };
 
 mcv_render_options mcv_render_defaults(void) {
@@ -24,6 +28,12 @@ mcv_render_options mcv_render_defaults(void) {
 typedef struct program_key {
     uint32_t features, channels, sensor_type, sampler, schedule, slice, depth;
 } program_key;
+
+/* The tiles that take 2^level times the samples: they stand together in the list. */
+typedef struct tile_class {
+    int level;
+    uint32_t first, count;
+} tile_class;
 
 typedef struct mcv_renderer renderer;
 
@@ -39,6 +49,9 @@ struct mcv_renderer {
     mcv_film *film;
     double *round; /* like the film's sums: those of the samples of this round */
     mcv_frame frame;
+    uint32_t *tiles; /* the list, by class; NULL: all tiles in their order, in one class */
+    tile_class classes[MAX_CLASSES];
+    uint32_t class_count;
     double begun; /* when */
     mcv_error *error;
 };
@@ -48,6 +61,11 @@ static uint32_t floor_log2(uint64_t x) {
     while (x >>= 1) ++k;
     return k;
 }
+
+static const uint32_t ADAPTIVE_SEED = 0x7f4a7c15u; /* changes the user's seed for what comes after the pilot */
+static const double SOBOL_FALL = 1.25;             /* power by which the variance falls with the samples; 1 of random numbers */
+static const double WORTH =
+    0.8; /* adaptive sampling must take less of the samples that all tiles would need alike: noisy tiles cost more */
 
 static bool is_power_of_two(uint64_t x) { return x > 0 && (x & (x - 1)) == 0; }
 
@@ -76,6 +94,11 @@ static mcv_result check_options(const mcv_scene *scene, uint32_t sensor, const m
         return mcv_fail(error, MCV_USAGE, "the sample range %llu:%llu is empty or ends beyond 2^31", (unsigned long long)options->first,
                         (unsigned long long)options->last);
     }
+    if (options->adaptive && options->first > 0)
+        return mcv_fail(error, MCV_USAGE, "adaptive sampling is of a whole render: no part of its samples can be rendered alone");
+    if (options->adaptive && options->replicates < 2)
+        return mcv_fail(error, MCV_USAGE, "adaptive sampling needs replicates to know the error from: 2 or more, not %u",
+                        options->replicates);
     const uint64_t count = options->last - options->first;
     if (options->last > 0 && (!is_power_of_two(count) || options->first % count != 0)) {
         return mcv_fail(error, MCV_USAGE,
@@ -159,11 +182,16 @@ static void close_renderer(renderer *r) {
     mcv_cl_close(&r->cl);
 }
 
+/* Of all replicates. */
+static size_t film_values(const mcv_film *film) { return (size_t)film->width * film->height * film->channels * film->replicates; }
+
 /* Where in the image the pixel of this number lies; false if its 8 x 8 tile sticks out there. */
-static bool find_pixel(const mcv_film *film, uint32_t number, size_t *pixel) {
+static bool find_pixel(const renderer *r, uint32_t number, size_t *pixel) {
+    const mcv_film *film = r->film;
     const uint32_t tiles = (film->width + 7) / 8;
-    const uint32_t column = (number >> 6) % tiles * 8 + (number & 7);
-    const uint32_t row = (number >> 6) / tiles * 8 + (number >> 3 & 7);
+    const uint32_t tile = r->tiles ? r->tiles[number >> 6] : number >> 6;
+    const uint32_t column = tile % tiles * 8 + (number & 7);
+    const uint32_t row = tile / tiles * 8 + (number >> 3 & 7);
     *pixel = (size_t)row * film->width + column;
     return column < film->width && row < film->height;
 }
@@ -175,6 +203,7 @@ typedef struct harvest {
     uint32_t first_block;                     /* of the launch that was read */
     float *read;                              /* its sums */
     double *blocks;                           /* [set][channel][block] */
+    double share;                             /* of a sample in the round: 1 over what the class takes more of them */
     bool ripe;                                /* `read` holds sums that are not yet added */
 } harvest;
 
@@ -204,10 +233,10 @@ static void bring_in(const renderer *r, harvest *h) {
     /* Sets are replicates of one pixel, then those of the next. */
     for (uint32_t i = 0; i < h->sets;) {
         size_t pixel;
-        const bool inside = find_pixel(film, (h->first_set + i) / film->replicates, &pixel);
+        const bool inside = find_pixel(r, (h->first_set + i) / film->replicates, &pixel);
         for (uint32_t replicate = (h->first_set + i) % film->replicates; replicate < film->replicates && i < h->sets; ++replicate, ++i)
             for (uint32_t c = 0; inside && c < channels; ++c)
-                r->round[((size_t)replicate * channels + c) * pixels + pixel] = sum_of_set(h, i, c, channels);
+                r->round[((size_t)replicate * channels + c) * pixels + pixel] = h->share * sum_of_set(h, i, c, channels);
     }
 }
 
@@ -226,26 +255,49 @@ static mcv_result launch(renderer *r, uint32_t sets, uint32_t first_block, harve
     return MCV_OK;
 }
 
+/* Tells the caller how far the render is, with so much of a round; false: it is to stop now. */
+static bool go_on(const renderer *r, double samples, double error) {
+    const mcv_render_options *o = r->options;
+    if (!o->progress) return true;
+    const double seconds = mcv_seconds() - r->begun;
+    double fraction = o->last > 0 ? samples / (double)(o->last - o->first) : 0;
+    if (o->seconds > 0 && seconds / o->seconds > fraction) fraction = seconds / o->seconds;
+    /* The error falls at least as fast as the root of the samples grows. */
+    if (o->error > 0 && error > 0 && isfinite(error))
+        fraction = fmax(fraction, fmin(1, pow(o->error / error, 2) * samples / (double)r->film->samples));
+    if (o->progress(o->user, fraction, seconds, error)) return true;
+    r->stats->interrupted = true;
+    /* The first round is always finished: a stopped render has an image. */
+    return r->film->samples == 0;
+}
+
+static uint64_t times_power(uint64_t count, int level) { return level < 0 ? count >> -level : count << level; }
+
 /*
- * All samples [first, first + count) of all pixels into r->round; count is a power of two. *stop is set when the caller's
- * progress function asked for it: the round is not whole then.
+ * All samples [first, first + count), times 2^level, of the class's tiles into r->round; count is a power of two. *stop is set when the
+ * caller's progress function asked for it: the round is not whole then.
  */
-static mcv_result render_round(renderer *r, uint64_t first, uint64_t count, double done_before, bool *stop) {
+static mcv_result render_class(renderer *r, tile_class class, uint64_t first, uint64_t count, double done_before, bool *stop) {
     const mcv_film *film = r->film;
     const uint32_t channels = film->channels;
-    const uint64_t set_count = mcv_tiled_pixels(film->width, film->height) * film->replicates;
+    const uint64_t sets_per_tile = (uint64_t)64 * film->replicates;
+    const uint64_t end_set = sets_per_tile * (class.first + class.count);
     const uint32_t capacity = r->schedule.capacity;
+    const double before = (double)film->samples;
+    const double round = (double)count * class.count / (double)mcv_film_tiles(film);
+    first = times_power(first, class.level);
+    count = times_power(count, class.level);
     uint32_t log2_samples = floor_log2(count);
     if (log2_samples > MAX_LOG2_SAMPLES) log2_samples = MAX_LOG2_SAMPLES;
     if (log2_samples > floor_log2(capacity)) log2_samples = floor_log2(capacity);
     const uint32_t launch_samples = 1u << log2_samples;
     const uint32_t block = launch_samples < MCV_BLOCK ? launch_samples : MCV_BLOCK;
     const uint32_t sets_per_launch = capacity / launch_samples;
-    harvest h = {.launched_blocks = launch_samples / block, .blocks_per_set = (uint32_t)(count / block)};
+    harvest h = {.launched_blocks = launch_samples / block, .blocks_per_set = (uint32_t)(count / block), .share = ldexp(1, -class.level)};
     mcv_result result = MCV_OK;
-    if (set_count > 0xffffffffu) {
+    if (end_set > 0xffffffffu) {
         return mcv_fail(r->error, MCV_BAD_INPUT, "the image has too many pixels for %u replicates: %llu sets, at most 2^32",
-                        film->replicates, (unsigned long long)set_count);
+                        film->replicates, (unsigned long long)end_set);
     }
     h.read = malloc(8 * (size_t)sets_per_launch * h.launched_blocks * channels);
     h.blocks = malloc(8 * (size_t)sets_per_launch * channels * h.blocks_per_set);
@@ -253,36 +305,113 @@ static mcv_result render_round(renderer *r, uint64_t first, uint64_t count, doub
 
     r->frame.log2_samples = log2_samples;
     uint32_t sets = 0;
-    for (uint64_t set = 0; result == MCV_OK && !*stop && set < set_count; set += sets) {
+    for (uint64_t set = sets_per_tile * class.first; result == MCV_OK && !*stop && set < end_set; set += sets) {
         /* A short first launch: the user sees soon that something comes. Not where pictures have come before. */
         const bool at_once = r->stats->kept_program || r->stats->seconds_first_sample > 0;
         const uint32_t most = at_once ? sets_per_launch : (sets_per_launch + 15) / 16;
-        sets = (uint32_t)(set_count - set < most ? set_count - set : most);
+        sets = (uint32_t)(end_set - set < most ? end_set - set : most);
         r->frame.first_set = (uint32_t)set;
         for (uint64_t s = 0; result == MCV_OK && s < count; s += launch_samples) {
             r->frame.first_sample = (uint32_t)(first + s);
             result = launch(r, sets, (uint32_t)(s / block), &h);
         }
-        const mcv_render_options *o = r->options;
-        if (result == MCV_OK && o->progress) {
-            const double share = ((double)set + sets) / (double)set_count;
-            const double samples = (double)film->samples + share * (double)count;
-            const double seconds = mcv_seconds() - r->begun;
-            double fraction = o->last > 0 ? samples / (double)(o->last - o->first) : 0;
-            if (o->seconds > 0 && seconds / o->seconds > fraction) fraction = seconds / o->seconds;
-            /* The error falls at least as fast as the root of the samples grows. */
-            if (o->error > 0 && done_before > 0 && isfinite(done_before))
-                fraction = fmax(fraction, fmin(1, pow(o->error / done_before, 2) * samples / (double)film->samples));
-            const bool go_on = o->progress(o->user, fraction, seconds, done_before);
-            /* The first round is always finished: a stopped render has an image. */
-            if (!go_on && film->samples > 0) *stop = true;
-            if (!go_on) r->stats->interrupted = true;
-        }
+        const double share = (double)(set + sets - sets_per_tile * class.first) / (double)(sets_per_tile * class.count);
+        if (result == MCV_OK) *stop = !go_on(r, before + share * round, done_before);
     }
     if (result == MCV_OK) bring_in(r, &h);
     free(h.read);
     free(h.blocks);
     return result;
+}
+
+/* The light paths of samples [first, first + count), where camera paths are launched without them. */
+static mcv_result render_light(renderer *r, uint64_t first, uint64_t count) {
+    const uint32_t capacity = r->schedule.capacity;
+    const uint64_t set_count = mcv_tiled_pixels(r->film->width, r->film->height) * r->film->replicates;
+    if (!r->scene.splats || !r->tiles) return MCV_OK;
+    r->frame.log2_samples = floor_log2(count < capacity ? count : capacity);
+    if (r->frame.log2_samples > MAX_LOG2_SAMPLES) r->frame.log2_samples = MAX_LOG2_SAMPLES;
+    const uint32_t sets_per_launch = capacity >> r->frame.log2_samples;
+    for (uint64_t set = 0; set < set_count; set += sets_per_launch) {
+        const uint64_t sets = set_count - set < sets_per_launch ? set_count - set : sets_per_launch;
+        r->frame.first_set = (uint32_t)set;
+        r->frame.path_count = (uint32_t)sets << r->frame.log2_samples;
+        for (uint64_t s = 0; s < count; s += (uint64_t)1 << r->frame.log2_samples) {
+            r->frame.first_sample = (uint32_t)(first + s);
+            MCV_TRY(mcv_schedule_trace_light(&r->schedule, &r->frame, r->stats, r->error));
+        }
+    }
+    return MCV_OK;
+}
+
+/* All samples [first, first + count) of all pixels into r->round; count is a power of two. */
+static mcv_result render_round(renderer *r, uint64_t first, uint64_t count, double done_before, bool *stop) {
+    for (uint32_t i = 0; i < r->class_count && !*stop; ++i) MCV_TRY(render_class(r, r->classes[i], first, count, done_before, stop));
+    return *stop ? MCV_OK : render_light(r, first, count);
+}
+
+/* --- adaptive --------------------------------------------------------------------------------------------------- */
+
+static double fall_of(const mcv_render_options *o) { return o->sampler == MCV_SAMPLER_RANDOM ? 1 : SOBOL_FALL; }
+
+/* How many samples per replicate the render is going to have, from those it has and their error; infinite: nobody knows. */
+static double expected_samples(const renderer *r, double error) {
+    const mcv_render_options *o = r->options;
+    const double samples = (double)r->film->samples;
+    double expected = o->last > 0 ? (double)o->last : INFINITY;
+    if (o->error > 0) expected = fmin(expected, samples * pow(fmax(error / o->error, 1), 2 / fall_of(o)));
+    if (o->seconds > 0) expected = fmin(expected, samples * o->seconds / (mcv_seconds() - r->begun));
+    return expected;
+}
+
+/* Lists the tiles by their levels. */
+static mcv_result list_tiles(renderer *r) {
+    const uint32_t tiles = (uint32_t)mcv_film_tiles(r->film);
+    uint32_t listed = 0;
+    r->tiles = malloc(tiles * sizeof *r->tiles);
+    if (!r->tiles) return mcv_fail(r->error, MCV_FAILED, "no memory for a list of %u tiles", tiles);
+    r->class_count = 0;
+    for (int level = MCV_LOWEST_LEVEL; level <= MCV_HIGHEST_LEVEL; ++level) {
+        const uint32_t first = listed;
+        for (uint32_t i = 0; i < tiles; ++i)
+            if (r->film->levels[i] == level) r->tiles[listed++] = i;
+        if (listed > first) r->classes[r->class_count++] = (tile_class){level, first, listed - first};
+    }
+    return mcv_cl_buffer(&r->cl, "the list of tiles", tiles * sizeof *r->tiles, r->tiles, &r->scene.tiles, r->error);
+}
+
+/* An empty film, to be filled with other random numbers. */
+static mcv_result begin_anew(renderer *r) {
+    const size_t values = film_values(r->film);
+    const cl_uint nothing = 0;
+    if (r->scene.splats)
+        MCV_TRY_CL(clEnqueueFillBuffer(r->cl.queue, r->scene.splats, &nothing, sizeof nothing, 0, 8 * values, 0, NULL, NULL), r->error);
+    r->film->samples = 0;
+    r->frame.listed = 1;
+    r->frame.seed = r->options->seed ^ ADAPTIVE_SEED;
+    return MCV_OK;
+}
+
+/*
+ * Once the film knows enough about its tiles, and if it pays: throws it away and begins anew, with other random numbers and for each tile
+ * as many samples as it needs. What was known when that was decided has no part in the image, which so is right on the average.
+ */
+static mcv_result adapt(renderer *r, double error) {
+    mcv_film *film = r->film;
+    const double samples = (double)film->samples, expected = expected_samples(r, error);
+    const double budget = r->options->last > 0 ? 1 - samples / (double)r->options->last : 1;
+    double gain;
+    if (film->samples < MIN_SAMPLES || expected <= samples || (isfinite(expected) && PILOT_SHARE * samples < expected)) return MCV_OK;
+    film->levels = malloc(mcv_film_tiles(film));
+    if (!film->levels) return mcv_fail(r->error, MCV_FAILED, "no memory for the levels of tiles");
+    MCV_TRY(mcv_allocate_samples(film, fall_of(r->options), budget, film->levels, &gain, r->error));
+    if (samples + expected / gain < WORTH * expected) {
+        MCV_TRY(list_tiles(r));
+        return begin_anew(r);
+    }
+    free(film->levels);
+    film->levels = NULL;
+    return MCV_OK;
 }
 
 /*
@@ -291,9 +420,10 @@ static mcv_result render_round(renderer *r, uint64_t first, uint64_t count, doub
  */
 static uint64_t first_round(const renderer *r) {
     const mcv_render_options *o = r->options;
+    if (r->tiles) return FIRST_ADAPTIVE;
     const uint64_t all = o->last > 0 ? o->last - o->first : MIN_SAMPLES;
     const uint64_t fitting = r->schedule.capacity / (mcv_tiled_pixels(r->film->width, r->film->height) * r->film->replicates);
-    if (o->last > 0 && all <= fitting && !(o->error > 0) && !(o->seconds > 0) && !o->enough) return all;
+    if (o->last > 0 && all <= fitting && !(o->error > 0) && !(o->seconds > 0) && !o->enough && !o->adaptive) return all;
     uint64_t count = all < MIN_SAMPLES ? all : MIN_SAMPLES;
     while (count > 1 && count > fitting) count /= 2;
     return count;
@@ -302,7 +432,6 @@ static uint64_t first_round(const renderer *r) {
 /* Rounds of doubling length until the samples, the error or the time is reached. */
 static mcv_result render_rounds(renderer *r) {
     const mcv_render_options *o = r->options;
-    const size_t values = (size_t)r->film->width * r->film->height * r->film->channels * r->film->replicates;
     double error = INFINITY;
     bool stop = false;
     uint64_t next = o->first;
@@ -312,7 +441,7 @@ static mcv_result render_rounds(renderer *r) {
         const double round_begun = mcv_seconds();
         MCV_TRY(render_round(r, next, count, error, &stop));
         if (stop) return MCV_OK;
-        if (r->film->splats) MCV_TRY(mcv_cl_read(&r->cl, r->scene.splats, 0, 8 * values, r->film->splats, r->error));
+        if (r->film->splats) MCV_TRY(mcv_cl_read(&r->cl, r->scene.splats, 0, 8 * film_values(r->film), r->film->splats, r->error));
         mcv_film_add(r->film, r->round, count);
         next += count;
         if (o->last > 0 && next >= o->last) return MCV_OK;
@@ -324,7 +453,10 @@ static mcv_result render_rounds(renderer *r) {
         if (o->error > 0 && r->film->samples >= enough && error <= o->error) return MCV_OK;
         if (o->enough && r->film->samples >= enough && o->enough(o->user, r->film)) return MCV_OK;
         if (o->seconds > 0 && seconds + predicted > o->seconds) return MCV_OK;
-        if (r->stats->interrupted || next >= 0x80000000u) return MCV_OK;
+        if (r->stats->interrupted || next >= 0x80000000u >> MCV_HIGHEST_LEVEL) return MCV_OK;
+        if (!o->adaptive || r->tiles) continue;
+        MCV_TRY(adapt(r, error));
+        if (r->tiles) next = 0;
     }
 }
 
@@ -350,6 +482,8 @@ static mcv_result render(renderer *r, const mcv_scene *scene, uint32_t sensor) {
     r->round = calloc((size_t)width * height * channels * options->replicates, sizeof(double));
     if (!r->round) return mcv_fail(error, MCV_FAILED, "no memory for an image of %u x %u pixels", width, height);
     MCV_TRY(open_renderer(r, scene, sensor));
+    r->class_count = 1;
+    r->classes[0] = (tile_class){0, 0, (uint32_t)mcv_film_tiles(film)};
     const double begun = mcv_seconds();
     const mcv_result result = render_rounds(r);
     r->stats->seconds_render = mcv_seconds() - begun;
@@ -375,7 +509,9 @@ mcv_result mcv_renderer_render(mcv_renderer *r, const mcv_scene *scene, uint32_t
     r->begun = mcv_seconds();
     const mcv_result result = render(r, scene, sensor);
     free(r->round);
+    free(r->tiles);
     r->round = NULL;
+    r->tiles = NULL;
     if (result == MCV_DEVICE || result == MCV_FAILED) { /* what is on the device, or on its way, may be anything */
         close_renderer(r);
         memset(r, 0, sizeof *r);

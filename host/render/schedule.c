@@ -244,7 +244,7 @@ mcv_result mcv_schedule_aim(mcv_schedule *schedule, const mcv_frame *frame, mcv_
     return MCV_OK;
 }
 
-/* As many light paths as camera paths; after those, whose counters they add to. */
+/* As many light paths as the frame has paths; they add to the counters. */
 static mcv_result start_light(mcv_schedule *s, const mcv_frame *frame, mcv_error *error) {
     mcv_arg arguments[MCV_SCENE_ARGUMENTS + 2];
     if (!traces_light(s)) return MCV_OK;
@@ -259,8 +259,20 @@ static mcv_result start_light(mcv_schedule *s, const mcv_frame *frame, mcv_error
 mcv_result mcv_schedule_start(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
     MCV_TRY(mcv_cl_write(schedule->cl, schedule->scene->frame, 0, sizeof *frame, frame, error));
     MCV_TRY(schedule->kind == MCV_SCHEDULE_TILE ? start_tile(schedule, frame, error) : start_stream(schedule, frame, stats, error));
-    MCV_TRY(start_light(schedule, frame, error));
+    if (!frame->listed) MCV_TRY(start_light(schedule, frame, error));
     MCV_TRY_CL(clFlush(schedule->cl->queue), error);
+    return MCV_OK;
+}
+
+mcv_result mcv_schedule_trace_light(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
+    mcv_schedule *s = schedule;
+    s->counter_sets = s->kind == MCV_SCHEDULE_TILE ? (frame->path_count + s->slice - 1) / s->slice : 1;
+    MCV_TRY(mcv_cl_write(s->cl, s->scene->frame, 0, sizeof *frame, frame, error));
+    MCV_TRY(zero(s->cl, s->counters, sizeof(cl_uint) * s->counter_sets * MCV_COUNTER_COUNT, error));
+    MCV_TRY(start_light(s, frame, error));
+    MCV_TRY(mcv_cl_finish(s->cl, error));
+    MCV_TRY(add_counters(s, stats, error));
+    add_times(s, stats);
     return MCV_OK;
 }
 

@@ -62,7 +62,8 @@ typedef struct mcv_frame {
     uint solid_count;
     float light_density;     /* π times the light paths per sample */
     float to_world_rest[12]; /* what rounding leaves of to_world */
-    uint padding[15];
+    uint listed;             /* sets are of the tiles that a list gives, one after the other */
+    uint padding[14];
 } mcv_frame;
 MCV_ASSERT_SIZE(mcv_frame, 256);
 
