@@ -6,7 +6,7 @@
 #include "analysis/compare.h"
 #include "render/adaptive.h"
 
-enum { PIXELS = 44, SEEDS = 64, SAMPLES = 32, REPLICATES = 4 };
+enum { PIXELS = 36, SEEDS = 64, GROUP = 8, SAMPLES = 32, REPLICATES = 4 };
 
 /* A diffuse ball under a panel, one ninth of a black picture; or a light field camera's view of a ball of glass with what it focuses. */
 static mcv_scene *make_scene(bool caustic) {
@@ -130,51 +130,77 @@ static double variance_of(const mcv_film *film) {
     return error * error;
 }
 
-/*
- * The means of many seeds are replicates of one another: compared with those of plain renders. And the variance that error bars tell is
- * that between the seeds: their difference in eight groups of seeds, by Student's t with 7 degrees of freedom (5.4: one in a thousand).
- */
-static void check_unbiased(const char *name, bool caustic) {
-    enum { GROUPS = 8 };
-    mcv_scene *scene = make_scene(caustic);
+/* The mean image of each of so many seeds as one replicate of a film; what their error bars tell is added to variances[seed]. */
+static mcv_film render_seeds(const mcv_scene *scene, uint32_t first, uint32_t count, bool caustic, double *variances) {
     mcv_renderer *renderer = mcv_renderer_new();
-    mcv_film means[2], groups[GROUPS];
-    mcv_render_stats stats;
-    mcv_comparison comparison;
-    double told[2] = {0}, differences[GROUPS] = {0};
-    for (int k = 0; k < 2; ++k) BUILD(mcv_film_new(means + k, PIXELS, PIXELS, mcv_scene_channels(scene), SEEDS, &builder_error));
-    for (int g = 0; g < GROUPS; ++g) BUILD(mcv_film_new(groups + g, PIXELS, PIXELS, means->channels, SEEDS / GROUPS, &builder_error));
-    for (uint32_t i = 0; i < 2 * SEEDS; ++i) {
-        mcv_render_options options = options_of(i);
-        const uint32_t seed = i % SEEDS;
-        const bool adaptive = options.adaptive = i < SEEDS;
-        mcv_film film = render(renderer, scene, options, &stats);
-        if (adaptive && !film.levels) fail_msg("%s: not adaptive", name);
-        mcv_film *to = means + !adaptive;
-        const size_t values = film_values(to);
-        for (size_t v = 0; v < values; ++v) to->sums[seed * values + v] = film_value(&film, v);
-        if (adaptive) {
-            const uint32_t each = SEEDS / GROUPS;
-            memcpy(groups[seed / each].sums + seed % each * values, to->sums + seed * values, values * sizeof *to->sums);
-            groups[seed / each].samples = 1;
-            differences[seed / each] += variance_of(&film) / each;
-        }
-        told[!adaptive] += variance_of(&film) / SEEDS;
-        to->samples = 1;
+    mcv_film means;
+    BUILD(mcv_film_new(&means, PIXELS, PIXELS, mcv_scene_channels(scene), count, &builder_error));
+    const size_t values = film_values(&means);
+    means.samples = 1;
+    for (uint32_t i = 0; i < count; ++i) {
+        mcv_render_stats stats;
+        mcv_film film = render(renderer, scene, options_of(first + i), &stats);
+        if (!film.levels) fail_msg("seed %u: not adaptive", first + i);
+        if ((strstr(stats.features, "light-tracing") != NULL) != caustic) fail_msg("features: %s", stats.features);
+        for (size_t v = 0; v < values; ++v) means.sums[i * values + v] = film_value(&film, v);
+        variances[i] = variance_of(&film);
         mcv_film_free(&film);
     }
-    BUILD(mcv_compare_films(means, means + 1, &comparison, &builder_error));
-    printf("%s: %s; variance %.3g adaptive, %.3g plain\n", name, comparison.reason, told[0], told[1]);
-    if (comparison.different) fail_msg("%s: %s", name, comparison.reason);
-    for (int g = 0; g < GROUPS; ++g) differences[g] -= variance_of(groups + g) * SEEDS / GROUPS;
-    const mcv_estimate difference = mcv_estimate_replicates(differences, GROUPS);
-    if (!(fabs(difference.mean) <= 5.4 * sqrt(difference.variance)))
-        fail_msg("%s: the error bars' variance is off by %.3g ± %.3g of %.3g", name, difference.mean, sqrt(difference.variance), told[0]);
-    /* The whole cost is that of the plain render at most; where an eighth of the picture is noisy, it pays for sure. */
-    if (!(told[0] < told[1])) fail_msg("%s: no gain", name);
-    for (int k = 0; k < 2; ++k) mcv_film_free(means + k);
-    for (int g = 0; g < GROUPS; ++g) mcv_film_free(groups + g);
     mcv_renderer_free(renderer);
+    return means;
+}
+
+/* The same of one long plain render. */
+static mcv_film render_plain(const mcv_scene *scene) {
+    mcv_renderer *renderer = mcv_renderer_new();
+    mcv_render_options options = options_of(SEEDS);
+    mcv_render_stats stats;
+    options.adaptive = false;
+    options.replicates = SEEDS;
+    mcv_film film = render(renderer, scene, options, &stats);
+    mcv_renderer_free(renderer);
+    return film;
+}
+
+/* Replicates first … first + GROUP - 1 alone. */
+static mcv_film group_of(const mcv_film *film, uint32_t first) {
+    mcv_film group;
+    const size_t values = film_values(film);
+    BUILD(mcv_film_new(&group, film->width, film->height, film->channels, GROUP, &builder_error));
+    memcpy(group.sums, film->sums + first * values, GROUP * values * sizeof *group.sums);
+    group.samples = film->samples;
+    return group;
+}
+
+/*
+ * The means of many seeds are compared with a plain render. And the variance that error bars tell is that between the seeds: their
+ * difference in eight groups of eight, by Student's t with 7 degrees of freedom (5.4: one in a thousand).
+ */
+static void check_unbiased(const char *name, bool caustic) {
+    mcv_scene *scene = make_scene(caustic);
+    double told[SEEDS], differences[SEEDS / GROUP], mean = 0;
+    mcv_comparison comparison;
+    mcv_film means = render_seeds(scene, 0, SEEDS, caustic, told);
+    mcv_film plain = render_plain(scene);
+    BUILD(mcv_compare_films(&means, &plain, &comparison, &builder_error));
+    if (comparison.different) fail_msg("%s: %s", name, comparison.reason);
+    for (uint32_t first = 0; first < SEEDS; first += GROUP) {
+        mcv_film group = group_of(&means, first);
+        double *difference = differences + first / GROUP;
+        *difference = -variance_of(&group) * GROUP;
+        for (uint32_t i = first; i < first + GROUP; ++i) *difference += told[i] / GROUP;
+        for (uint32_t i = first; i < first + GROUP; ++i) mean += told[i] / SEEDS;
+        mcv_film_free(&group);
+    }
+    const mcv_estimate difference = mcv_estimate_replicates(differences, SEEDS / GROUP);
+    if (!(fabs(difference.mean) <= 5.4 * sqrt(difference.variance)))
+        fail_msg("%s: the error bars' variance is off by %.3g ± %.3g of %.3g", name, difference.mean, sqrt(difference.variance), mean);
+    /* Most of the picture has little noise. */
+    const double alike = variance_of(&plain) * SEEDS / REPLICATES;
+    printf("%s: %s; variance %.3g, without %.3g\n", name, comparison.reason, mean, alike);
+    if (!(mean < alike / 2)) fail_msg("%s: variance %.3g, without %.3g", name, mean, alike);
+    mcv_film_free(&means);
+    mcv_film_free(&plain);
     mcv_scene_free(scene);
 }
 

@@ -178,6 +178,9 @@ static void test_wrong_usage(void **state) {
     EXPECT_FAILURE("render s.gltf --samples 0:4 --spp 16", 2, "--spp", "--samples");
     EXPECT_FAILURE("render s.gltf --sampler sobo", 2, "--sampler sobo", "sobol|random");
     EXPECT_FAILURE("render s.gltf --replicates 1 --error 0.1", 2, "--error", "--replicates");
+    EXPECT_FAILURE("render s.gltf --adaptive --replicates 1", 2, "--adaptive", "--replicates 2");
+    EXPECT_FAILURE("render s.gltf --adaptive --samples 0:4", 2, "--adaptive", "--samples", "--spp");
+    EXPECT_FAILURE("render s.gltf --adaptive --device reference", 2, "--adaptive", "reference");
     EXPECT_FAILURE("render s.gltf --sensor left", 2, "s.gltf", "left", "cam");
     EXPECT_FAILURE("trace s.gltf", 2, "--rays");
     EXPECT_FAILURE("devices s.gltf", 2, "s.gltf");
@@ -300,6 +303,29 @@ static void expect_panel(const char *path, uint32_t width, uint32_t height) {
                 fail_msg("%s: pixel (%u, %u) is %g ± %g", path, column, row, (double)value, (double)error);
         }
     }
+    mcv_exr_free(&exr);
+}
+
+/* The part that tells where the samples went: some tiles have more, some fewer, all a power of two, on the average what was allowed at
+ * most. */
+static void test_render_adaptive(void **state) {
+    double sum = 0, least = INFINITY, most = 0;
+    (void)state;
+    write_scene("s.gltf", pinhole, panel);
+    run_well("render s.gltf --spp 256 --resolution 96x64 --adaptive");
+    assert_non_null(strstr(out, "samples on the average"));
+    mcv_exr exr = read_exr("s.exr");
+    assert_string_equal(attribute(&exr, "mcvisi:sampling")->text, "adaptive");
+    assert_int_equal(exr.part_count, 3);
+    assert_string_equal(exr.parts[2].name, "samples");
+    for (size_t i = 0; i < 96 * 64; ++i) {
+        const double samples = (double)exr.parts[2].image.pixels[i];
+        if (exp2(rint(log2(samples))) != samples) fail_msg("pixel %zu has %g samples", i, samples);
+        sum += samples;
+        least = fmin(least, samples);
+        most = fmax(most, samples);
+    }
+    if (!(sum <= 256 * 96 * 64 && least < 256 && most > 256)) fail_msg("%g to %g samples, mean %g", least, most, sum / (96 * 64));
     mcv_exr_free(&exr);
 }
 
@@ -1046,6 +1072,7 @@ int main(void) {
         TEST(test_bad_files),
         TEST(test_bad_scenes),
         TEST(test_no_device),
+        TEST(test_render_adaptive),
         TEST(test_render_writes_pictures),
         TEST(test_reference_device),
         TEST(test_precision),
