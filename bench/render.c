@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Time to an image of a given error against Mitsuba 3: bench_render [--quick] [--only TEXT] [OUTPUT.json]. Where Mitsuba is not
- * (`./run deps peers`), it says so, and only `sampling_gain` is measured.
+ * (`./run deps peers`), it says so, and only `sampling_gain` and `adaptive_gain` are measured.
  *
  * Scenes that both describe (tests/peer_scenes.h, tests/mitsuba_peer.py), three channels, 32 surfaces a path, all cores, wall clock; scene
  * loaded and kernels compiled before. Mitsuba takes part with each variant, sampler and integrator that fits, of which the best
@@ -11,7 +11,8 @@
  * both; the truth's own variance is taken off the mean squared error. The error that both are to reach is the geometric mean of
  * both errors at the same number of samples, and the time is that of the samples that the renderer's own power law asks for.
  *
- * `sampling_gain` has no peer: RMSE x √seconds of report-clean with random numbers and without light paths, over that of a usual render.
+ * `sampling_gain` has no peer: RMSE x √seconds of report-clean with random numbers and without light paths, over that of a usual render;
+ * `adaptive_gain`: of part-backlight (128 x 96 pixels, 64 samples of 4 replicates) without adaptive sampling, over that with it.
  */
 #include <fcntl.h>
 #include <math.h>
@@ -94,7 +95,9 @@ typedef struct image_maker {
     const char *scene_name, *integrator, *sampler;
     mcv_renderer *renderer;
     const mcv_scene *scene;
-    bool is_plain;         /* random numbers, no light paths */
+    bool is_plain; /* random numbers, no light paths */
+    bool is_adaptive;
+    uint32_t replicates;   /* of ours */
     const mcv_film *truth; /* of its own renderer */
     double truth_variance; /* of a value, on average */
     uint32_t pixels, samples, seed;
@@ -119,6 +122,7 @@ static mcv_result our_image(const image_maker *m, uint32_t replicates, mcv_film 
     options.depth = SURFACES;
     if (m->is_plain) options.sampler = MCV_SAMPLER_RANDOM;
     options.no_light_paths = m->is_plain;
+    options.adaptive = m->is_adaptive && replicates == m->replicates; /* not the truth */
     return mcv_renderer_render(m->renderer, m->scene, 0, &options, film, &stats, error);
 }
 
@@ -131,7 +135,7 @@ static mcv_result make_image(void *user, mcv_error *error) {
         MCV_TRY(mcv_film_new(&film, m->pixels, m->pixels, 3, 1, error));
         film.samples = 1;
     }
-    mcv_result result = m->peer ? peer_image(m, film.sums, film_values(&film), error) : our_image(m, 1, &film, error);
+    mcv_result result = m->peer ? peer_image(m, film.sums, film_values(&film), error) : our_image(m, m->replicates, &film, error);
     if (result == MCV_OK) {
         const double rmse = errors_against(&film, m->truth).rmse;
         m->squares += rmse * rmse - m->truth_variance;
@@ -268,6 +272,7 @@ static mcv_result open_scene(bench *b, race *r, int i, mcv_error *error) {
     mcv_scene *scene = make_peer_scene(scenes[i].name, base.pixels, true, is_assembly ? &r->assembly : NULL);
     mcv_film truths[2] = {{0}, {0}};
     base.scene = scene;
+    base.replicates = 1;
     base.renderer = mcv_renderer_new();
     mcv_result result = base.renderer ? race_scene(b, r, i, &base, truths, error) : mcv_fail(error, MCV_FAILED, "no memory for a renderer");
     for (int k = 0; k < 2; ++k) mcv_film_free(truths + k);
@@ -278,40 +283,55 @@ static mcv_result open_scene(bench *b, race *r, int i, mcv_error *error) {
 
 /* --- sampling alone --------------------------------------------------------------------------------------------- */
 
-static mcv_result measure_gain(bench *b, image_maker *usual, mcv_film *truth, mcv_error *error) {
-    image_maker plain;
-    MCV_TRY(make_truth(*usual, truth, error));
-    usual->truth = truth;
-    usual->truth_variance = variance_of(truth);
-    plain = *usual;
-    plain.is_plain = true;
-    plain.renderer = mcv_renderer_new();
-    if (!plain.renderer) return mcv_fail(error, MCV_FAILED, "no memory for a renderer");
-    bench_side sides[2] = {{.run = make_image, .user = usual}, {.run = make_image, .user = &plain}};
+/* RMSE x √seconds of the other way to sample over that of the usual one. */
+static mcv_result measure_gain(bench *b, image_maker *usual, image_maker *other, const char *what, const char *key, mcv_error *error) {
+    const double truth_variance = variance_of(usual->truth);
+    usual->truth_variance = other->truth_variance = truth_variance;
+    other->truth = usual->truth;
+    other->renderer = mcv_renderer_new();
+    if (!other->renderer) return mcv_fail(error, MCV_FAILED, "no memory for a renderer");
+    bench_side sides[2] = {{.run = make_image, .user = usual}, {.run = make_image, .user = other}};
     const mcv_result result = bench_time(b, sides, 2, error);
-    mcv_renderer_free(plain.renderer);
+    mcv_renderer_free(other->renderer);
     if (result != MCV_OK) return result;
-    bench_row(b, BENCH_WALL, sides, sides + 1, 0, "s", "%s, random points without light paths", usual->scene_name);
+    bench_row(b, BENCH_WALL, sides, sides + 1, 0, "s", "%s, %s", usual->scene_name, what);
     const double gain = bench_number(b, rmse_of(usual) * sqrt(bench_side_median(b, sides, BENCH_WALL)),
-                                     rmse_of(&plain) * sqrt(bench_side_median(b, sides + 1, BENCH_WALL)), "RMSE √s", "%s, sampling alone",
+                                     rmse_of(other) * sqrt(bench_side_median(b, sides + 1, BENCH_WALL)), "RMSE √s", "%s, sampling alone",
                                      usual->scene_name);
-    bench_summary(b, "sampling_gain", gain);
+    bench_summary(b, key, gain);
     return MCV_OK;
 }
 
-static mcv_result gain(bench *b, mcv_error *error) {
-    image_maker usual = {.scene_name = "report-clean", .samples = b->quick ? 256 : 1024};
-    mcv_scene *scene;
+static mcv_result measure_gain_on(bench *b, mcv_scene *scene, image_maker usual, const char *what, const char *key, mcv_error *error) {
     mcv_film truth = {0};
-    MCV_TRY(load_small("report-clean.glb", &scene, error));
     usual.scene = scene;
     usual.renderer = mcv_renderer_new();
-    const mcv_result result =
-        usual.renderer ? measure_gain(b, &usual, &truth, error) : mcv_fail(error, MCV_FAILED, "no memory for a renderer");
+    mcv_result result = usual.renderer ? make_truth(usual, &truth, error) : mcv_fail(error, MCV_FAILED, "no memory for a renderer");
+    usual.truth = &truth;
+    image_maker other = usual;
+    other.is_plain = !usual.is_adaptive;
+    other.is_adaptive = false;
+    if (result == MCV_OK) result = measure_gain(b, &usual, &other, what, key, error);
     mcv_film_free(&truth);
     mcv_renderer_free(usual.renderer);
     mcv_scene_free(scene);
     return result;
+}
+
+static mcv_result gain(bench *b, mcv_error *error) {
+    const image_maker usual = {.scene_name = "report-clean", .samples = b->quick ? 256 : 1024, .replicates = 1};
+    mcv_scene *scene;
+    MCV_TRY(load_small("report-clean.glb", &scene, error));
+    return measure_gain_on(b, scene, usual, "random points without light paths", "sampling_gain", error);
+}
+
+static mcv_result adaptive_gain(bench *b, mcv_error *error) {
+    const image_maker adaptive = {.scene_name = "part-backlight", .samples = 64, .replicates = 4, .is_adaptive = true};
+    mcv_scene *scene;
+    MCV_TRY(load_small("part-backlight.gltf", &scene, error));
+    mcv_telecentric_params *p = &scene->sensors[0].as.telecentric;
+    shrink_film(p->resolution, p->pixelSize, b->quick ? 64 : 128, b->quick ? 48 : 96);
+    return measure_gain_on(b, scene, adaptive, "the same samples for all pixels", "adaptive_gain", error);
 }
 
 /* --- all -------------------------------------------------------------------------------------------------------- */
@@ -355,6 +375,7 @@ static mcv_result run(bench *b, mcv_error *error) {
     race r = {0};
     bench_title("Against Mitsuba 3, and sampling alone");
     if (!b->only || strstr("report-clean", b->only)) MCV_TRY(gain(b, error));
+    if (!b->only || strstr("part-backlight", b->only)) MCV_TRY(adaptive_gain(b, error));
     if (access(PYTHON, X_OK) != 0 || system(PYTHON " -c 'import mitsuba' 2>/dev/null") != 0) {
         puts("Mitsuba is not there: `./run deps peers` installs it");
         return MCV_OK;
