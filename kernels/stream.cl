@@ -71,8 +71,7 @@ MCV_STAGE_KERNEL(generate_rays) {
     const uint path = get_global_id(0);
     int begun = 0;
     (void)sums, (void)counters, (void)depth;
-    if (path < world.frame->path_count)
-        begun = mcv_generate_ray(world, mcv_stream_slot(paths, capacity, path), mcv_identify(world, path));
+    if (path < world.frame->path_count) begun = mcv_generate_ray(world, mcv_stream_slot(paths, capacity, path), mcv_identify(world, path));
     mcv_append(MCV_ACTIVE(0), &lengths[0], path, begun, room);
 }
 
