@@ -5,6 +5,9 @@
  */
 #include "environment.h"
 #include "identity.h"
+#if MCV_WITH_LIGHT_TRACING
+#include "light.h"
+#endif
 #include "meet_surface.h"
 #include "reach.h"
 #if MCV_WITH_MIXED
@@ -13,9 +16,15 @@
 
 #if MCV_WITH_LIGHT_TRACING
 /* What light paths leave of what the emitter sends along this path. */
-MCV_FUNCTION float mcv_camera_share(mcv_world world, mcv_slot slot, uint emitter) {
+MCV_FUNCTION float mcv_camera_share(mcv_world world, mcv_slot slot, mcv_meeting meeting, uint emitter) {
+#if MCV_WITH_EMISSION
     if (MCV_WORD(slot, trail, 0) != MCV_TRAIL_SMOOTH_SINCE || !(world.emitters[emitter].light_flux > 0.0f)) return 1.0f;
-    return 1.0f - mcv_light_share(world, emitter, MCV_LOAD(slot, footprint, 0));
+    const float etendue = mcv_light_etendue(world, meeting.surface, emitter, mcv_scale(meeting.direction, -1.0f));
+    if (etendue > 0.0f && etendue < INFINITY) return 1.0f - mcv_light_share(world, etendue, MCV_LOAD(slot, footprint, 0));
+#else
+    (void)world, (void)slot, (void)meeting, (void)emitter;
+#endif
+    return 1.0f;
 }
 
 MCV_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, mcv_meeting meeting, mcv_scattering on) {
@@ -118,7 +127,7 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
         const float own = mcv_density_against(world, slot, emitter, density);
         mcv_color met = mcv_emission_met(world, meeting, emitter, media, own, MCV_LOAD(slot, hit, 0));
 #if MCV_WITH_LIGHT_TRACING
-        met = mcv_dim(met, mcv_camera_share(world, slot, emitter));
+        met = mcv_dim(met, mcv_camera_share(world, slot, meeting, emitter));
 #endif
         MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], met.c[i], radiance.c[i]);
         MCV_STORE_COLOR(slot, radiance, radiance);

@@ -32,16 +32,6 @@ MCV_FUNCTION mcv_vec3 mcv_point_to_optical(__constant const mcv_frame *frame, mc
     __constant const float *m = frame->to_world;
     return mcv_to_optical(frame, mcv_sub(p, mcv_vec(m[9], m[10], m[11])));
 }
-
-/*
- * What light paths bring of the light that camera paths find by chance, too: the balance heuristic. Light paths start uniform in étendue,
- * 1/light_flux each. Camera paths that choose their directions by cosθ/π are uniform in it as well, 1/(π footprint) of a pixel's at the
- * first diffuse surface; between diffuse ones both go on alike, and through smooth ones étendue stays. Both compute this from the depth
- * of that surface, so that nothing is lost or counted twice where materials or the surface's slope make it less than the best.
- */
-MCV_FUNCTION float mcv_light_share(mcv_world world, uint emitter, float footprint) {
-    return 1.0f / (1.0f + world.emitters[emitter].light_flux / (world.frame->light_density * footprint));
-}
 #endif
 
 MCV_LOOP_FUNCTION mcv_ray mcv_place_sight(__constant const mcv_frame *frame, mcv_sight sight) {

@@ -165,25 +165,36 @@ MCV_FUNCTION mcv_color mcv_projector_value(mcv_world world, mcv_surface surface,
 #define MCV_WITH_EMISSION (MCV_WITH_PARALLEL || MCV_WITH_LIGHT_FIELD || MCV_WITH_PROJECTOR || MCV_WITH_AREA)
 
 #if MCV_WITH_EMISSION
+/* Radiance of a place where the emitter shines into a direction. */
+MCV_LOOP_FUNCTION mcv_color mcv_full_radiance(mcv_world world, mcv_surface surface, uint emitter) {
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    mcv_color radiance;
+    MCV_EACH_CHANNEL(i) radiance.c[i] = e->radiance[i];
+    (void)surface;
+#if MCV_WITH_TEXTURE
+    if (e->texture != MCV_NONE) radiance = mcv_tint(radiance, mcv_texture_at(world, surface, e->texture));
+#endif
+    return radiance;
+}
+
 /* Radiance that an emitter's surface sends in a direction (unit, away from the surface), in its medium. */
 MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint emitter, mcv_vec3 direction) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     float share = 0.0f;
-    mcv_color radiance;
     if (!(mcv_dot(direction, surface.face) > 0.0f)) return mcv_grey(0.0f);
 #if MCV_WITH_PARALLEL
     if (e->type == MCV_EMITTER_PARALLEL) share = mcv_parallel_evaluate(&e->parallel, direction, surface.normal);
 #endif
 #if MCV_WITH_LIGHT_FIELD && MCV_WITH_TEXTURE
     if (e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) {
-        radiance = mcv_light_field_value(world, surface, e, direction);
+        mcv_color radiance = mcv_light_field_value(world, surface, e, direction);
         MCV_EACH_CHANNEL(i) radiance.c[i] *= e->radiance[i];
         return radiance;
     }
 #endif
 #if MCV_WITH_PROJECTOR && MCV_WITH_TEXTURE
     if (e->type == MCV_EMITTER_PROJECTOR) {
-        radiance = mcv_projector_value(world, surface, e, direction);
+        mcv_color radiance = mcv_projector_value(world, surface, e, direction);
         MCV_EACH_CHANNEL(i) radiance.c[i] *= e->radiance[i];
         return radiance;
     }
@@ -191,11 +202,7 @@ MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, ui
 #if MCV_WITH_AREA
     if (e->type == MCV_EMITTER_AREA) share = mcv_area_evaluate(direction, surface.normal);
 #endif
-    MCV_EACH_CHANNEL(i) radiance.c[i] = e->radiance[i] * share;
-#if MCV_WITH_TEXTURE
-    if (share > 0.0f && e->texture != MCV_NONE) radiance = mcv_tint(radiance, mcv_texture_at(world, surface, e->texture));
-#endif
-    return radiance;
+    return share > 0.0f ? mcv_full_radiance(world, surface, emitter) : mcv_grey(0.0f);
 }
 #endif
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stage: light paths, as many as camera paths. Each starts at a narrow emitter chosen by flux and goes through smooth surfaces; from the
+ * Stage: light paths, one for every 2^k-th camera path. Each starts at an emitter chosen by flux and goes through smooth surfaces; from the
  * first that spreads light on, if a smooth one came before, it connects each such surface to a place on the sensor's lens, straight or
  * through plates. A beam that comes to the lens itself counts, too. What camera paths find as well, both share (mcv_light_share).
  *
@@ -13,6 +13,7 @@
  */
 #include "choose.h"
 #include "closest.h"
+#include "light.h"
 #include "scatter.h"
 #include "splat_film.cl"
 
@@ -21,28 +22,41 @@ typedef struct mcv_light_identity {
     uint replicate, stream, sample;
 } mcv_light_identity;
 
-MCV_FUNCTION mcv_light_identity mcv_identify_light(__constant const mcv_frame *frame, uint path) {
-    mcv_light_identity id;
+/* 0: the camera path of that number has none. */
+MCV_FUNCTION int mcv_identify_light(__constant const mcv_frame *frame, uint path, mcv_light_identity *id) {
     const uint set = frame->first_set + (path >> frame->log2_samples);
     const uint pixel = set / frame->replicates;
     const uint sample = frame->first_sample + (path & ((1u << frame->log2_samples) - 1u));
-    id.replicate = set % frame->replicates;
-    id.sample = (sample << frame->log2_pixels) | pixel;
-    id.stream = mcv_hash_2(mcv_hash_2(frame->seed ^ 0x3c6ef372u, sample >> (32u - frame->log2_pixels)), id.replicate);
-    return id;
+    const uint bits = frame->log2_pixels - frame->log2_thinning;
+    if (pixel & ((1u << frame->log2_thinning) - 1u)) return 0;
+    id->replicate = set % frame->replicates;
+    id->sample = (sample << bits) | (pixel >> frame->log2_thinning);
+    /* A shift by 32 bits would be none. */
+    id->stream = mcv_hash_2(mcv_hash_2(frame->seed ^ 0x3c6ef372u, bits > 0u ? sample >> (32u - bits) : 0u), id->replicate);
+    return 1;
 }
 
 typedef struct mcv_light_path {
     mcv_vec3 origin, direction;
     mcv_color flux;       /* that started [W] */
     mcv_color throughput; /* since then */
+    float etendue;        /* one over the density of its start; 0: camera paths do not find it */
     uint left;            /* the exact surface that it starts on (mcv_leave) */
     uint media;
     int smooth, spread; /* has met such a surface */
     float length;       /* so far [m] */
 } mcv_light_path;
 
-#if MCV_WITH_PARALLEL || MCV_WITH_PROJECTOR || MCV_WITH_BEAM
+#if MCV_WITH_EMISSION || MCV_WITH_PUNCTUAL
+/* Towards one of the balls; *own becomes the cone that was chosen. */
+static mcv_vec3 mcv_aim(mcv_world world, mcv_vec3 from, mcv_cone *own, mcv_pair turn) {
+    const mcv_cone cone = mcv_choose_cone(world.frame->balls, world.frame->ball_count, from, *own, &turn.x);
+    *own = cone;
+    return mcv_from_frame(mcv_sample_cone(mcv_sqrt(cone.squared), turn.x, turn.y), cone.axis);
+}
+#endif
+
+#if MCV_WITH_EMISSION || MCV_WITH_BEAM
 /* From a place uniform by area. */
 static void mcv_leave_surface(mcv_world world, uint emitter, mcv_pair place, mcv_pair turn, mcv_light_path *path) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
@@ -51,57 +65,78 @@ static void mcv_leave_surface(mcv_world world, uint emitter, mcv_pair place, mcv
         world.instances[e->instance].first_triangle + mcv_search_cdf(world.emitter_cdf + e->cdf, e->triangle_count, place.x, place.y, &xi);
     const float root = mcv_sqrt(xi);
     const mcv_surface surface = mcv_surface_at(world, triangle, root * (1.0f - place.y), root * place.y);
-#if MCV_WITH_PARALLEL
-    if (e->type == MCV_EMITTER_PARALLEL) {
-        path->direction = mcv_from_frame(mcv_parallel_emit(&e->parallel, turn.x, turn.y), surface.normal);
-#if MCV_WITH_NORMALS
-        const float leaving = mcv_dot(path->direction, surface.face);
-        path->flux = mcv_dim(path->flux, leaving > 0.0f ? leaving / mcv_dot(path->direction, surface.normal) : 0.0f);
-#endif
-    }
-#endif
 #if MCV_WITH_BEAM
     if (e->type == MCV_EMITTER_COLLIMATED_BEAM) {
         const mcv_vec3 from_middle = mcv_sub(surface.point, mcv_vec(e->middle[0], e->middle[1], e->middle[2]));
         path->direction = mcv_vec(e->beam.axis[0], e->beam.axis[1], e->beam.axis[2]);
         /* Only the disk has an edge inside. */
         if (e->beam.radius_squared < INFINITY && !mcv_collimated_beam_covers(&e->beam, from_middle)) path->flux = mcv_grey(0.0f);
+#if MCV_WITH_TEXTURE
+        if (e->texture != MCV_NONE) path->flux = mcv_tint(path->flux, mcv_texture_at(world, surface, e->texture));
+#endif
+        path->origin = mcv_offset_origin(surface.point, surface.error, surface.face, path->direction);
+        return;
     }
 #endif
+#if MCV_WITH_EMISSION
+    float share = 1.0f;
+    mcv_cone cone = mcv_own_cone(e, surface.normal);
 #if MCV_WITH_PROJECTOR
     if (e->type == MCV_EMITTER_PROJECTOR) {
         float cosine;
         path->direction =
             mcv_projector_emit(&e->projector, mcv_texcoord(world, surface, 0), mcv_texcoord(world, surface, 1), turn.x, turn.y, &cosine);
-        path->flux = mcv_dim(mcv_emitted(world, surface, emitter, path->direction), e->light_flux * cosine * cosine * cosine * cosine);
-        path->origin = mcv_offset_origin(surface.point, surface.error, surface.face, path->direction);
-        return;
-    }
+        share = cosine * cosine * cosine * cosine;
+    } else
 #endif
-#if MCV_WITH_TEXTURE
-    if (e->texture != MCV_NONE) path->flux = mcv_tint(path->flux, mcv_texture_at(world, surface, e->texture));
-#endif
-    (void)turn;
+        path->direction = mcv_aim(world, surface.point, &cone, turn);
+    path->etendue = mcv_light_etendue(world, surface, emitter, path->direction);
+    if (!(path->etendue > 0.0f && path->etendue < INFINITY)) share = 0.0f;
+    /* What was chosen in the emitter's own cone is in it, wherever rounding puts it. */
+    path->flux = mcv_dim(cone.own && e->type == MCV_EMITTER_PARALLEL ? mcv_full_radiance(world, surface, emitter)
+                                                                     : mcv_emitted(world, surface, emitter, path->direction),
+                         share > 0.0f ? share * path->etendue : 0.0f);
     path->origin = mcv_offset_origin(surface.point, surface.error, surface.face, path->direction);
+#endif
 }
 #endif
 
 #if MCV_WITH_PUNCTUAL
-static void mcv_leave_spot(__global const mcv_device_emitter *e, mcv_pair turn, mcv_light_path *path) {
-    const mcv_vec3 axis = mcv_vec(e->spot.aim[0], e->spot.aim[1], e->spot.aim[2]);
-    path->direction = mcv_from_frame(mcv_sample_cone(e->light_sine, turn.x, turn.y), axis);
+static void mcv_leave_spot(mcv_world world, __global const mcv_device_emitter *e, mcv_pair turn, mcv_light_path *path) {
+    mcv_cone own;
+    own.axis = mcv_vec(e->spot.axis[0], e->spot.axis[1], e->spot.axis[2]);
+    own.squared = e->spot.edge < 1.0f ? e->spot.edge : 1.0f;
+    own.own = 1;
     path->origin = mcv_vec(e->spot.position[0], e->spot.position[1], e->spot.position[2]);
-    path->flux = mcv_dim(path->flux, mcv_spot_evaluate(&e->spot, path->direction));
+    mcv_cone aimed = own;
+    path->direction = mcv_aim(world, path->origin, &aimed, turn);
+    const float angle = mcv_aimed_angle(world.frame->balls, world.frame->ball_count, path->origin, own, path->direction);
+    path->flux = mcv_dim(path->flux, angle < INFINITY ? angle * mcv_spot_evaluate(&e->spot, path->direction) : 0.0f);
 }
 
-/* From before all surfaces. */
-static void mcv_leave_directional(__global const mcv_device_emitter *e, mcv_pair place, mcv_light_path *path) {
-    float cosine, sine;
-    const float r = e->light_sine * mcv_disk(place.x, place.y, &cosine, &sine);
+/* From before all surfaces, on the disks that the balls throw. */
+static void mcv_leave_directional(mcv_world world, __global const mcv_device_emitter *e, mcv_pair place, mcv_pair turn,
+                                  mcv_light_path *path) {
+    __constant const mcv_ball *balls = world.frame->balls;
     const mcv_vec3 axis = mcv_vec(e->directional.axis[0], e->directional.axis[1], e->directional.axis[2]);
-    const mcv_vec3 from_middle = mcv_from_frame(mcv_vec(r * cosine, r * sine, -e->directional.reach), axis);
+    float cosine, sine;
+    float sum = 0.0f;
+    uint within = 0;
+    uint chosen = 0;
+    for (uint i = 0; i < world.frame->ball_count; ++i) sum += balls[i].radius * balls[i].radius;
+    float left = turn.x * sum;
+    for (; chosen + 1u < world.frame->ball_count && left >= balls[chosen].radius * balls[chosen].radius; ++chosen)
+        left -= balls[chosen].radius * balls[chosen].radius;
+    const float r = balls[chosen].radius * mcv_disk(place.x, place.y, &cosine, &sine);
+    const mcv_vec3 centre = mcv_vec(balls[chosen].centre[0], balls[chosen].centre[1], balls[chosen].centre[2]);
+    const mcv_vec3 at = mcv_add(centre, mcv_from_frame(mcv_vec(r * cosine, r * sine, 0.0f), axis));
+    for (uint i = 0; i < world.frame->ball_count; ++i) {
+        const mcv_vec3 away = mcv_cross(mcv_sub(at, mcv_vec(balls[i].centre[0], balls[i].centre[1], balls[i].centre[2])), axis);
+        within += i == chosen || mcv_dot(away, away) <= balls[i].radius * balls[i].radius;
+    }
     path->direction = axis;
-    path->origin = mcv_add(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), from_middle);
+    path->origin = mcv_along(at, -e->directional.reach, axis);
+    path->flux = mcv_dim(path->flux, MCV_PI * sum / (float)within);
 }
 #endif
 
@@ -112,19 +147,20 @@ static mcv_light_path mcv_leave_emitter(mcv_world world, uint emitter, mcv_pair 
     path.throughput = mcv_grey(1.0f);
     path.left = MCV_NONE;
     path.media = e->media;
+    path.etendue = 0.0f;
     path.smooth = path.spread = 0;
     path.length = 0.0f;
 #if MCV_WITH_PUNCTUAL
     if (e->type == MCV_EMITTER_SPOT) {
-        mcv_leave_spot(e, turn, &path);
+        mcv_leave_spot(world, e, turn, &path);
         return path;
     }
     if (e->type == MCV_EMITTER_DIRECTIONAL) {
-        mcv_leave_directional(e, place, &path);
+        mcv_leave_directional(world, e, place, turn, &path);
         return path;
     }
 #endif
-#if MCV_WITH_PARALLEL || MCV_WITH_PROJECTOR || MCV_WITH_BEAM
+#if MCV_WITH_EMISSION || MCV_WITH_BEAM
     mcv_leave_surface(world, emitter, place, turn, &path);
 #endif
     return path;
@@ -205,9 +241,10 @@ static mcv_color mcv_pass_plates(mcv_world world, mcv_vec3 origin, uint begun, m
     return left;
 }
 
-/* Sends what arrives at a surface that spreads light to a place on the lens; `rival`: an emitter that camera paths find, too, or MCV_NONE.
+/* Sends what arrives at a surface that spreads light to a place on the lens; `rival`: if camera paths find it, too, one over the density of
+ * its start, else 0.
  */
-static void mcv_connect(mcv_world world, mcv_meeting meeting, mcv_color flux, uint rival, uint media, uint plates, mcv_pair pair,
+static void mcv_connect(mcv_world world, mcv_meeting meeting, mcv_color flux, float rival, uint media, uint plates, mcv_pair pair,
                         __global uint *splats, uint replicate, float xi, uint counts[MCV_COUNTER_COUNT]) {
     mcv_sight sight;
     mcv_film_place place;
@@ -232,7 +269,7 @@ static void mcv_connect(mcv_world world, mcv_meeting meeting, mcv_color flux, ui
     const float d = mcv_sqrt(mcv_dot(sight.direction, sight.direction));
     mcv_color value = mcv_tint(mcv_tint(flux, response.value), left);
     value = mcv_dim(value, mcv_flux_correction(meeting, out) * importance * d / (point.z * point.z));
-    if (rival != MCV_NONE) value = mcv_dim(value, mcv_light_share(world, rival, mcv_sensor_footprint(world.sensor, point.z)));
+    if (rival > 0.0f) value = mcv_dim(value, mcv_light_share(world, rival, mcv_sensor_footprint(world.sensor, point.z)));
 #if MCV_WITH_ABSORPTION
     value = mcv_tint(value, mcv_medium_transmittance(world, response.media, point.z * d));
 #endif
@@ -250,7 +287,8 @@ MCV_FUNCTION float mcv_within_range(__global const mcv_device_emitter *e, float 
 }
 
 static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *splats, uint counts[MCV_COUNTER_COUNT]) {
-    const mcv_light_identity id = mcv_identify_light(world.frame, index);
+    mcv_light_identity id;
+    if (!mcv_identify_light(world.frame, index, &id)) return;
     /* The emitter takes the place of surface 0. */
     float unused;
     const mcv_pair which = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_CHOICE));
@@ -260,7 +298,6 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
     mcv_light_path path = mcv_leave_emitter(world, emitter, mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_EMITTER)),
                                             mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_SCATTER)));
     if (!(mcv_brightest(path.flux) > 0.0f)) return;
-    const int found_by_chance = e->type == MCV_EMITTER_PARALLEL || e->type == MCV_EMITTER_PROJECTOR;
 
     for (uint depth = 1; depth < world.frame->depth; ++depth) {
         const mcv_pair choice = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_CHOICE));
@@ -287,13 +324,13 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
 #else
         const mcv_world seen = world;
 #endif
-        const int left_to_camera = found_by_chance && !mcv_is_wide(world, meeting);
+        const int left_to_camera = path.etendue > 0.0f && !mcv_is_wide(world, meeting);
 #if MCV_WITH_NEXT_EVENT
         if (path.smooth && !left_to_camera && world.materials[world.instances[meeting.surface.instance].material].spreads) {
             const mcv_pair pupil = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_EMITTER));
             const float share = path.spread ? 1.0f : mcv_within_range(e, path.length);
-            mcv_connect(seen, meeting, mcv_dim(mcv_tint(path.flux, path.throughput), share), found_by_chance ? emitter : MCV_NONE,
-                        path.media, world.frame->depth - 1u - depth, pupil, splats, id.replicate, choice.x, counts);
+            mcv_connect(seen, meeting, mcv_dim(mcv_tint(path.flux, path.throughput), share), path.etendue, path.media,
+                        world.frame->depth - 1u - depth, pupil, splats, id.replicate, choice.x, counts);
         }
 #endif
         const mcv_pair pair = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_SCATTER));

@@ -265,10 +265,14 @@ static mcv_result open_splats(mcv_cl *cl, const mcv_sensor *sensor, mcv_device_s
     const size_t bytes = 8 * (size_t)frame->width * frame->height * packed->channels * frame->replicates;
     const cl_uint nothing = 0;
     frame->light_cdf = packed->light_cdf;
+    frame->ball_count = packed->ball_count;
+    memcpy(frame->balls, packed->balls, sizeof frame->balls);
     frame->splat_scale = (float)(1 / mcv_splat_unit(packed, sensor, frame));
     frame->log2_pixels = 6;
     while ((uint64_t)1 << frame->log2_pixels < mcv_tiled_pixels(frame->width, frame->height)) ++frame->log2_pixels;
-    frame->light_density = (float)mcv_light_density(frame->width, frame->height);
+    frame->log2_thinning = mcv_light_thinning(packed, sensor);
+    frame->light_density =
+        (float)(3.14159265358979323846 * (double)(mcv_tiled_pixels(frame->width, frame->height) >> frame->log2_thinning));
     MCV_TRY(mcv_cl_buffer(cl, "what light paths bring", bytes, NULL, &device->splats, error));
     MCV_TRY_CL(clEnqueueFillBuffer(cl->queue, device->splats, &nothing, sizeof nothing, 0, bytes, 0, NULL, NULL), error);
     return MCV_OK;

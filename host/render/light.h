@@ -5,8 +5,8 @@
 
 #include "render/pack.h"
 
-/* Fills in the emitters' light_flux, light_sine, aim and media, and the shares by which they are chosen: emitter_count + 1 entries of cdf.
- */
+/* Fills in the balls, the emitters' light_flux, light_aim and media, and the shares by which they are chosen: emitter_count + 1 entries of
+ * cdf. */
 mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *cdf, mcv_error *error);
 
 /*
@@ -15,8 +15,12 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
  */
 double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values);
 
-/* π times the light paths per sample (mcv_tiled_pixels). */
-double mcv_light_density(uint32_t width, uint32_t height);
+/*
+ * The k with which every 2^k-th pixel's samples have a light path, of an image of that size: about four paths for each pixel that the balls
+ * cover in it, or one for each pixel. Then what a path brings to a pixel is a quarter of what the emitter's light, without the bodies,
+ * makes of it: whatever the emitter, radiance is L Ω there and a path's flux L Ω times the balls' disks over the paths.
+ */
+uint32_t mcv_light_thinning(const mcv_packed *packed, const mcv_sensor *sensor);
 
 /* Is there light that light paths bring to this sensor and camera paths do not, or with more noise? */
 bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor);

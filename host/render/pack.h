@@ -40,7 +40,9 @@ typedef struct mcv_packed {
     mcv_device_emitter *emitters;
     uint32_t
         *emitter_cdf; /* first emitter_count + 1 entries: which emitter; then each emitter's triangles; then which light paths start from */
-    uint32_t light_cdf; /* where those begin */
+    uint32_t light_cdf;            /* where those begin */
+    mcv_ball balls[MCV_MAX_BALLS]; /* around all smooth surfaces */
+    uint32_t ball_count;
     mcv_device_texture *textures;
     uint32_t *texels;             /* first 256 words: the sRGB decoding as floats */
     float environment[3];         /* its radiance, without an image */

@@ -159,7 +159,7 @@ static mcv_result open_scene(renderer *r, const mcv_scene *scene, uint32_t senso
                            .depth = r->options->depth};
     MCV_TRY(mcv_device_scene_place(&r->cl, scene, sensor, &r->scene, &r->frame, r->error));
     if (r->scene.splats) {
-        const double paths = (double)mcv_tiled_pixels(r->film->width, r->film->height);
+        const double paths = (double)(mcv_tiled_pixels(r->film->width, r->film->height) >> r->frame.log2_thinning);
         MCV_TRY(mcv_film_take_splats(r->film, 1 / ((double)r->frame.splat_scale * paths), r->error));
     }
     return mcv_schedule_aim(&r->schedule, &r->frame, r->stats, r->error);

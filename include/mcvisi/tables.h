@@ -33,6 +33,13 @@
 /* Media that can be told apart along one path. Medium 0 is the surrounding vacuum, bit i of a path's set is medium i + 1. */
 #define MCV_MAX_MEDIA 32
 
+/* A ball around smooth surfaces that lie close together. */
+typedef struct mcv_ball {
+    float centre[3], radius; /* [m] */
+} mcv_ball;
+
+#define MCV_MAX_BALLS 16
+
 /*
  * One pass: which paths to begin. A set is the samples of one replicate r of one pixel q, set = q R + r; path p of the pass is
  * sample first_sample + (p mod 2^k) of the set first_set + floor(p / 2^k).
@@ -60,12 +67,15 @@ typedef struct mcv_frame {
     uint log2_pixels;  /* the pixels, numbered by tiles, fit into so many bits */
     float splat_scale; /* units of the splats per pixel value: a power of two */
     uint solid_count;
+    uint log2_thinning;      /* a light path starts for every 2^k-th pixel */
     float light_density;     /* π times the light paths per sample */
     float to_world_rest[12]; /* what rounding leaves of to_world */
     uint listed;             /* sets are of the tiles that a list gives, one after the other */
-    uint padding[14];
+    uint ball_count;
+    mcv_ball balls[MCV_MAX_BALLS]; /* around all smooth surfaces */
+    uint padding[12];
 } mcv_frame;
-MCV_ASSERT_SIZE(mcv_frame, 256);
+MCV_ASSERT_SIZE(mcv_frame, 512);
 
 typedef struct mcv_device_instance {
     uint material;
@@ -134,11 +144,11 @@ typedef struct mcv_device_emitter {
     uint triangle_count;
     float probability; /* that next-event estimation chooses it */
     float radiance[3]; /* or irradiance or intensity, by its type */
-    float middle[3];   /* of its box [m]; directional: of the light paths' disk */
+    float middle[3];   /* of its box [m] */
     float area;        /* [m²] */
-    float light_flux;  /* of a light path, over the radiance (irradiance, intensity) [m² sr, m², sr]; 0: none starts here */
-    float light_sine;  /* spot: of half the half-angle of the cone in which they start; directional: radius of their disk [m] */
+    float light_flux;  /* of a light path, over the radiance (irradiance, intensity) and what it is aimed by; 0: none starts here */
     uint media;        /* set of the media that surround it */
+    float light_aim;   /* about what that is [sr, m²]; 1: nothing */
     float radius;      /* about the middle [m]; negative: the emitter is nowhere in particular */
     float facing[3];   /* normal of a flat one, else 0 */
     float narrowest;   /* of its light, and how it widens with the distance: kernels/reach.h [m²] */

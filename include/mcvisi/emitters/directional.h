@@ -9,8 +9,8 @@
  *
  * KHR_lights_punctual gives lux: W/m² = lx/683.
  *
- * From the emitter's side: a place uniform on the disk across the axis that a sphere around all smooth surfaces throws (density
- * 1/(π R²)), the direction the axis, each carrying the flux E π R².
+ * From the emitter's side: a place uniform on the disks across the axis that balls around smooth bodies throw (one that lies on n of
+ * them has the density n/Σ πR²), the direction the axis, carrying E over that density.
  */
 #ifndef MCVISI_EMITTERS_DIRECTIONAL_H
 #define MCVISI_EMITTERS_DIRECTIONAL_H

@@ -6,8 +6,6 @@
  * collimated beam, another type, which no ray of sight can meet by chance.
  *
  *     {"type": "parallel", "size": ["60mm", "60mm"], "halfAngle": "0.5deg", "radiance": 1}
- *
- * From the emitter's side: a place uniform by area (density 1/A), a direction with sin²θ uniform up to sin²β.
  */
 #ifndef MCVISI_EMITTERS_PARALLEL_H
 #define MCVISI_EMITTERS_PARALLEL_H
@@ -33,15 +31,5 @@ MCV_FUNCTION float mcv_parallel_evaluate(MCV_GLOBAL const mcv_parallel *emitter,
     const mcv_vec3 s = mcv_cross(direction, normal);
     return c > 0.0f && mcv_dot(s, s) <= emitter->tangent_squared * c * c ? 1.0f : 0.0f;
 }
-
-#if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
-/* A direction of a light path, about +z: L cosθ wants sin²θ uniform up to sin²β. Each carries the flux π L sin²β A. */
-MCV_FUNCTION mcv_vec3 mcv_parallel_emit(MCV_GLOBAL const mcv_parallel *emitter, float xi, float eta) {
-    float cosine, sine;
-    const float edge = 2.0f * emitter->sin_half * mcv_sqrt(mcv_fma(-emitter->sin_half, emitter->sin_half, 1.0f));
-    const float r = edge * mcv_disk(xi, eta, &cosine, &sine);
-    return mcv_vec(r * cosine, r * sine, mcv_sqrt(mcv_fma(-r, r, 1.0f)));
-}
-#endif
 
 #endif

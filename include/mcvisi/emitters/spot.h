@@ -10,8 +10,8 @@
  *
  *     {"type": "spot", "intensity": 2, "innerConeAngle": "10deg", "outerConeAngle": "15deg"}
  *
- * From the emitter's side: a direction uniform in a cone of half-angle γ (density 1/(4π sin²(γ/2))), carrying I a² over that density: the
- * outer cone, or the one that all smooth surfaces lie in, whichever is smaller.
+ * From the emitter's side: a direction uniform in one of the cones that smooth bodies fill (mcvisi/light_cone.h), carrying I a² over its
+ * density.
  */
 #ifndef MCVISI_EMITTERS_SPOT_H
 #define MCVISI_EMITTERS_SPOT_H
@@ -29,7 +29,7 @@ typedef struct mcv_spot {
     float edge;            /* sin²(θ_o/2); a point light: 2, beyond the largest sine */
     float slope;           /* 1/(sin²(θ_o/2) - sin²(θ_i/2)), FLT_MAX at most */
     float inverse_range_4; /* 1/R⁴ [1/m⁴]; 0: no range */
-    float aim[3];          /* unit; axis of the cone in which light paths start */
+    uint padding[3];
 } mcv_spot;
 MCV_ASSERT_SIZE(mcv_spot, 48);
 

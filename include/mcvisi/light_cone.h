@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Where light paths aim: at balls around smooth surfaces. They leave a place of a light for one of the cones that the balls fill from
+ * there, chosen by solid angle, in a direction uniform in it: one that lies in n of the cones has the density n/ΣΩ. Where the light shines
+ * into a smaller cone, or from within a ball, its own cone takes the ball's place.
+ *
+ * Cones and angles are by half-angle sines and chords, Ω = 4π sin²(β/2): a float32 cosine cannot tell 0.02° from 0.
+ */
+#ifndef MCVISI_LIGHT_CONE_H
+#define MCVISI_LIGHT_CONE_H
+
+#include "mcvisi/tables.h"
+#include "mcvisi/vector.h"
+
+typedef struct mcv_cone {
+    mcv_vec3 axis;
+    float squared; /* sin²(β/2); 0: nothing */
+    int own;       /* the light's own: that a direction is in it need not be asked */
+} mcv_cone;
+
+MCV_FUNCTION int mcv_is_in_cone(mcv_cone cone, mcv_vec3 direction) {
+    const mcv_vec3 chord = mcv_sub(direction, cone.axis);
+    return cone.squared > 0.0f && (cone.own || 0.25f * mcv_dot(chord, chord) <= cone.squared);
+}
+
+/* The part of the light's own cone that a ball fills, or a larger one. Four roundings of unit vectors more: whatever meets the ball is in
+ * it.
+ */
+MCV_FUNCTION mcv_cone mcv_cone_to(mcv_ball ball, mcv_vec3 from, mcv_cone own) {
+    mcv_cone cone;
+    const mcv_vec3 way = mcv_sub(mcv_vec(ball.centre[0], ball.centre[1], ball.centre[2]), from);
+    const float distance = mcv_sqrt(mcv_dot(way, way));
+    const float sine = ball.radius / distance + 9.5367432e-7f; /* 2^-20 */
+    own.own = 1;
+    if (!(sine < 1.0f)) return own;
+    cone.axis = mcv_scale(way, 1.0f / distance);
+    cone.squared = 0.5f * sine * sine / (1.0f + mcv_sqrt(mcv_fma(-sine, sine, 1.0f)));
+    cone.own = 0;
+    if (cone.squared + own.squared < 1.0f) {
+        const float apart = mcv_fma(mcv_sqrt(cone.squared), mcv_sqrt(1.0f - own.squared), mcv_sqrt(own.squared * (1.0f - cone.squared)));
+        const mcv_vec3 chord = mcv_sub(cone.axis, own.axis);
+        if (0.25f * mcv_dot(chord, chord) > apart * apart) cone.squared = 0.0f;
+    }
+    return cone.squared > own.squared ? own : cone;
+}
+
+/* One over the density with which a direction is chosen [sr]; infinite: it is not. */
+MCV_FUNCTION float mcv_aimed_angle(MCV_CONSTANT const mcv_ball *balls, uint count, mcv_vec3 from, mcv_cone own, mcv_vec3 direction) {
+    float sum = 0.0f;
+    uint within = 0;
+    for (uint i = 0; i < count; ++i) {
+        const mcv_cone cone = mcv_cone_to(balls[i], from, own);
+        sum += cone.squared;
+        within += mcv_is_in_cone(cone, direction);
+    }
+    return 4.0f * MCV_PI * sum / (float)within;
+}
+
+/* By a number in [0, 1), of which what is left is as good. */
+MCV_FUNCTION mcv_cone mcv_choose_cone(MCV_CONSTANT const mcv_ball *balls, uint count, mcv_vec3 from, mcv_cone own, float *xi) {
+    mcv_cone chosen = own;
+    float sum = 0.0f;
+    float rest = 0.0f;
+    for (uint i = 0; i < count; ++i) sum += mcv_cone_to(balls[i], from, own).squared;
+    sum *= *xi;
+    chosen.squared = 0.0f;
+    for (uint i = 0; i < count && sum >= 0.0f; ++i) {
+        const mcv_cone cone = mcv_cone_to(balls[i], from, own);
+        if (!(cone.squared > 0.0f)) continue;
+        chosen = cone;
+        rest = sum / cone.squared;
+        sum -= cone.squared;
+    }
+    *xi = rest < 0.99999994f ? rest : 0.99999994f;
+    return chosen;
+}
+
+#endif
