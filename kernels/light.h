@@ -20,13 +20,13 @@ MCV_FUNCTION mcv_cone mcv_own_cone(__global const mcv_device_emitter *e, mcv_vec
     return own;
 }
 
-/* One over the density, in étendue, with which light paths start at a place on an emitter in a direction [m² sr]. */
+/* One over the density, in étendue, with which light paths start at a place on an emitter in a direction [m² sr]; 0: none do. */
 MCV_FUNCTION float mcv_light_etendue(mcv_world world, mcv_surface surface, uint emitter, mcv_vec3 direction) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     if (e->type == MCV_EMITTER_PROJECTOR) return e->light_flux;
-    const float angle =
-        mcv_aimed_angle(world.frame->balls, world.frame->ball_count, surface.point, mcv_own_cone(e, surface.normal), direction);
-    return e->light_flux * angle * mcv_dot(direction, surface.face);
+    const mcv_aiming aimed =
+        mcv_aim_at(world.frame->balls, world.frame->ball_count, surface.point, mcv_own_cone(e, surface.normal), direction);
+    return aimed.within > 0u ? e->light_flux * aimed.angle / (float)aimed.within * mcv_dot(direction, surface.face) : 0.0f;
 }
 #endif
 

@@ -20,7 +20,7 @@ MCV_FUNCTION float mcv_camera_share(mcv_world world, mcv_slot slot, mcv_meeting 
 #if MCV_WITH_EMISSION
     if (MCV_WORD(slot, trail, 0) != MCV_TRAIL_SMOOTH_SINCE || !(world.emitters[emitter].light_flux > 0.0f)) return 1.0f;
     const float etendue = mcv_light_etendue(world, meeting.surface, emitter, mcv_scale(meeting.direction, -1.0f));
-    if (etendue > 0.0f && etendue < INFINITY) return 1.0f - mcv_light_share(world, etendue, MCV_LOAD(slot, footprint, 0));
+    if (etendue > 0.0f) return 1.0f - mcv_light_share(world, etendue, MCV_LOAD(slot, footprint, 0));
 #else
     (void)world, (void)slot, (void)meeting, (void)emitter;
 #endif

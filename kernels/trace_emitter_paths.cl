@@ -50,9 +50,9 @@ typedef struct mcv_light_path {
 #if MCV_WITH_EMISSION || MCV_WITH_PUNCTUAL
 /* Towards one of the balls; *own becomes the cone that was chosen. */
 static mcv_vec3 mcv_aim(mcv_world world, mcv_vec3 from, mcv_cone *own, mcv_pair turn) {
-    const mcv_cone cone = mcv_choose_cone(world.frame->balls, world.frame->ball_count, from, *own, &turn.x);
-    *own = cone;
-    return mcv_from_frame(mcv_sample_cone(mcv_sqrt(cone.squared), turn.x, turn.y), cone.axis);
+    const float angle = mcv_aim_at(world.frame->balls, world.frame->ball_count, from, *own, own->axis).angle;
+    *own = mcv_choose_cone(world.frame->balls, world.frame->ball_count, from, *own, angle, &turn.x);
+    return mcv_from_frame(mcv_sample_cone(mcv_sqrt(own->squared), turn.x, turn.y), own->axis);
 }
 #endif
 
@@ -91,7 +91,7 @@ static void mcv_leave_surface(mcv_world world, uint emitter, mcv_pair place, mcv
 #endif
         path->direction = mcv_aim(world, surface.point, &cone, turn);
     path->etendue = mcv_light_etendue(world, surface, emitter, path->direction);
-    if (!(path->etendue > 0.0f && path->etendue < INFINITY)) share = 0.0f;
+    if (!(path->etendue > 0.0f)) share = 0.0f;
     /* What was chosen in the emitter's own cone is in it, wherever rounding puts it. */
     path->flux = mcv_dim(cone.own && e->type == MCV_EMITTER_PARALLEL ? mcv_full_radiance(world, surface, emitter)
                                                                      : mcv_emitted(world, surface, emitter, path->direction),
@@ -110,8 +110,9 @@ static void mcv_leave_spot(mcv_world world, __global const mcv_device_emitter *e
     path->origin = mcv_vec(e->spot.position[0], e->spot.position[1], e->spot.position[2]);
     mcv_cone aimed = own;
     path->direction = mcv_aim(world, path->origin, &aimed, turn);
-    const float angle = mcv_aimed_angle(world.frame->balls, world.frame->ball_count, path->origin, own, path->direction);
-    path->flux = mcv_dim(path->flux, angle < INFINITY ? angle * mcv_spot_evaluate(&e->spot, path->direction) : 0.0f);
+    const mcv_aiming all = mcv_aim_at(world.frame->balls, world.frame->ball_count, path->origin, own, path->direction);
+    const float angle = all.within > 0u ? all.angle / (float)all.within : 0.0f;
+    path->flux = mcv_dim(path->flux, angle * mcv_spot_evaluate(&e->spot, path->direction));
 }
 
 /* From before all surfaces, on the disks that the balls throw. */

@@ -5,6 +5,8 @@
  */
 #include "estimates.h"
 
+#include "exact_builder.h"
+#include "reference/reference.h"
 #include "render/render.h"
 #include "scene/sensors.h"
 
@@ -24,11 +26,11 @@ static mcv_render_options options_of(uint64_t samples, uint32_t seed) {
     return options;
 }
 
-static mcv_film render(const mcv_scene *scene, const mcv_render_options *options, bool traced) {
+static mcv_film render(const mcv_scene *scene, const mcv_render_options *options, bool expected) {
     mcv_render_stats stats;
     mcv_film film;
     BUILD(render_again(scene, 0, options, &film, &stats, &builder_error));
-    if ((strstr(stats.features, "light-tracing") != NULL) != traced) fail_msg("features: %s", stats.features);
+    if ((strstr(stats.features, "light-tracing") != NULL) != expected) fail_msg("features: %s", stats.features);
     if (stats.saturated > 0 || stats.nonfinite > 0 || stats.unmatched > 0)
         fail_msg("%d saturated, %d not finite, %d unmatched", (int)stats.saturated, (int)stats.nonfinite, (int)stats.unmatched);
     return film;
@@ -221,21 +223,73 @@ static mcv_scene *coaxial_scene(bool beam, double *expected) {
     return scene;
 }
 
-/* A directional light through a slab, seen by a light field camera: L = ρ/π E T within the slab's shadow. */
-static void test_sun_through_slab(void **state) {
-    (void)state;
+/* A directional light through slabs, seen by a light field camera: L = ρ/π E T within their shadow. */
+static void sun_through_slabs(int slabs) {
     mcv_scene *scene = mcv_scene_new("sun");
     mcv_emitter sun = emitter_of(MCV_EMITTER_DIRECTIONAL, MCV_NONE);
     sun.to_world = looking_down_z(0, 0, 0);
     for (int k = 0; k < 3; ++k) sun.as.directional.irradiance[k] = 3;
     add_rectangle(scene, 0.1, 0.1, add_diffuse(scene, 0.5), looking_up_z(0, 0, 0));
-    add_box(scene, (const double[]){0.015, 0.015, 0.003}, add_glass(scene, ior, 0, 0), looking_down_z(0, 0, 0.3));
+    /* One, or four quarters of it that do not quite touch, so that the disks around them overlap. */
+    const uint32_t glass = add_glass(scene, ior, 0, 0);
+    if (slabs == 1) add_box(scene, (const double[]){0.015, 0.015, 0.003}, glass, looking_down_z(0, 0, 0.3));
+    for (int i = 0; i < slabs && slabs > 1; ++i)
+        add_box(scene, (const double[]){0.00749999, 0.00749999, 0.003}, glass,
+                looking_down_z(i % 2 ? 0.0075 : -0.0075, i / 2 ? 0.0075 : -0.0075, 0.3));
     add_light(scene, sun);
     add_camera(scene, LIGHT_FIELD, false);
     const mcv_render_options options = options_of(64, 1);
     mcv_film film = render(scene, &options, true);
     /* The paper beyond the slab's shadow lights the slab's lower face: 0.08 times 0.5 · 0.01/(π 0.6²) of it comes back. */
     expect_mean("sun", &film, 0.5 / M_PI * 3 * slab_transmittance(), 1e-3);
+    mcv_film_free(&film);
+    mcv_scene_free(scene);
+}
+
+static void test_sun_through_slab(void **state) {
+    (void)state;
+    sun_through_slabs(1);
+}
+
+static void test_sun_through_four_slabs(void **state) {
+    (void)state;
+    sun_through_slabs(4);
+}
+
+/*
+ * A point light in the focus of an exact lens, r/(n - 1) before its hyperbolic side (conic -n²), which makes its light parallel: a spot as
+ * large as the lens, in its shadow, whose light is that of the cone on the lens, less what both faces reflect. At θ to the axis the light
+ * is turned to the axis: sin(θ + t) = n sin t. What is reflected twice inside, 0.04², and from the paper by the lens 50 mm above,
+ * 0.08 · 0.5 · (2/50)², may come, too.
+ */
+static void test_lens_gathers(void **state) {
+    (void)state;
+    const double r = 0.01, focus = r / (ior - 1), radius = 0.002, h = 0.05;
+    const double sag = radius * radius / r / (1 + sqrt(1 + (ior * ior - 1) * pow(radius / r, 2)));
+    const double theta = atan(radius / (focus + sag));
+    double flux = 0;
+    const int steps = 1000;
+    for (int i = 0; i < steps; ++i) {
+        const double c = 1 - (i + 0.5) / steps * (1 - cos(theta)), out = atan(sqrt(1 - c * c) / (ior - c)), in = acos(c) + out;
+        const double s = pow((cos(in) - ior * cos(out)) / (cos(in) + ior * cos(out)), 2);
+        const double p = pow((ior * cos(in) - cos(out)) / (ior * cos(in) + cos(out)), 2);
+        flux += 2 * M_PI * (1 - cos(theta)) / steps * (1 - (s + p) / 2);
+    }
+    flux *= 1 - pow((ior - 1) / (ior + 1), 2);
+    mcv_scene *scene = mcv_scene_new("lens");
+    mcv_solid lens = element(radius, (mcv_cap){.z = -0.002}, (mcv_cap){.curvature = -1 / r, .conic = -ior * ior});
+    lens.to_world.m[11] = h;
+    add_solid(scene, &lens, add_glass(scene, ior, 0, 0), add_absorber(scene));
+    add_rectangle(scene, 0.1, 0.1, add_diffuse(scene, 0.5), looking_up_z(0, 0, 0));
+    add_point(scene, 2, looking_down_z(0, 0, h + focus));
+    mcv_sensor sensor = sensor_of(TELECENTRIC, false);
+    const double s = sqrt(0.5), field = 0.006;
+    for (int k = 0; k < 2; ++k) sensor.as.telecentric.pixelSize[k] = field / 2 / 16;
+    add_sensor(scene, sensor.type, &sensor, looking((const double[]){0.2, 0, 0.2}, (const double[]){-s, 0, -s}, (const double[]){0, 1, 0}));
+    const mcv_render_options options = options_of(16, 1);
+    mcv_film film = render(scene, &options, true);
+    /* Seen at 45°, the film's square is longer on the paper. */
+    expect_mean("lens", &film, 0.5 / M_PI * 2 * flux / (field * field / s), 2e-3);
     mcv_film_free(&film);
     mcv_scene_free(scene);
 }
@@ -362,6 +416,39 @@ static void test_ball_against_chance(void **state) {
         mcv_film_free(&y);
         mcv_scene_free(scene);
     }
+}
+
+/*
+ * A small lamp that shines all around, and exact balls of glass, of which one lies in another's shadow. The reference renderer finds the
+ * lamp behind them by chance.
+ */
+static void test_lamp_against_reference(void **state) {
+    (void)state;
+    const double s = sqrt(0.5), balls[3][4] = {{0, 0, 0.009, 0.005}, {0.002, 0.001, 0.02, 0.003}, {-0.012, 0, 0.005, 0.002}};
+    mcv_scene *scene = mcv_scene_new("lamp");
+    add_rectangle(scene, 0.06, 0.06, add_diffuse(scene, 0.7), looking_up_z(0, 0, 0));
+    const uint32_t glass = add_glass(scene, ior, 20, 0);
+    for (int i = 0; i < 3; ++i) {
+        mcv_solid ball = sphere(balls[i][3]);
+        ball.to_world = looking_down_z(balls[i][0], balls[i][1], balls[i][2]);
+        add_solid(scene, &ball, glass, glass);
+    }
+    const uint32_t panel = add_rectangle(scene, 0.004, 0.004, add_absorber(scene), looking_down_z(0.01, 0, 0.04));
+    add_emitter(scene, MCV_EMITTER_AREA, panel, 100, 0);
+    mcv_sensor sensor = sensor_of(TELECENTRIC, true);
+    for (int k = 0; k < 2; ++k) {
+        sensor.as.telecentric.resolution[k] = 4;
+        sensor.as.telecentric.pixelSize[k] *= 3 * 16 / 4;
+    }
+    add_sensor(scene, sensor.type, &sensor, looking((const double[]){0.2, 0, 0.2}, (const double[]){-s, 0, -s}, (const double[]){0, 1, 0}));
+    const mcv_render_options by_light = options_of(512, 1), by_chance = options_of(512, 3);
+    mcv_film x = render(scene, &by_light, true), y;
+    mcv_render_stats stats;
+    BUILD(mcv_reference_render(scene, 0, &by_chance, &y, &stats, &builder_error));
+    expect_same_picture("lamp", &x, &y);
+    mcv_film_free(&x);
+    mcv_film_free(&y);
+    mcv_scene_free(scene);
 }
 
 /*
@@ -492,6 +579,9 @@ int main(void) {
         cmocka_unit_test(test_beam_into_lens),
         cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_ball_against_chance),
+        cmocka_unit_test(test_lamp_against_reference),
+        cmocka_unit_test(test_sun_through_four_slabs),
+        cmocka_unit_test(test_lens_gathers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

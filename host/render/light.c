@@ -180,12 +180,16 @@ static mcv_cone own_cone(const mcv_device_emitter *e, mcv_vec3 normal) {
     return (mcv_cone){.axis = normal, .squared = parallel ? e->parallel.sin_half * e->parallel.sin_half : 0.5f, .own = 1};
 }
 
-/* About the étendue of the light that falls on the balls [m² sr]. */
-static double aimed_etendue(const mcv_packed *packed, const mcv_device_emitter *e) {
+/* Does light leave the emitter in nearly parallel rays? Most may then miss the balls, which few places on it would see. */
+static bool is_narrow(const mcv_device_emitter *e) { return e->type == MCV_EMITTER_PARALLEL && e->parallel.from_receiver; }
+
+/* About the étendue of the light that is aimed at the balls [m² sr]. */
+static double aimed_etendue(const mcv_packed *packed, const mcv_emitter *from, const mcv_device_emitter *e) {
     double sum = 0;
+    if (is_narrow(e)) return mcv_emitter_projected_solid_angle(from) * from->area;
     for (uint32_t i = 0; i < PLACES; ++i) {
-        const emitter_place from = place_on(packed, e, i);
-        sum += aimed_projection(packed, from.point, own_cone(e, from.normal)) / PLACES;
+        const emitter_place at = place_on(packed, e, i);
+        sum += aimed_projection(packed, at.point, own_cone(e, at.normal)) / PLACES;
     }
     return (double)e->area * sum;
 }
@@ -194,16 +198,31 @@ static bool is_aimed(uint32_t type) {
     return type == MCV_EMITTER_PARALLEL || type == MCV_EMITTER_AREA || type == MCV_EMITTER_LIGHT_FIELD_EMITTER;
 }
 
+/* The area of the disks that the balls throw. */
+static double disks(const mcv_packed *packed) {
+    double sum = 0;
+    for (uint32_t i = 0; i < packed->ball_count; ++i) sum += pi * (double)packed->balls[i].radius * (double)packed->balls[i].radius;
+    return sum;
+}
+
+/*
+ * Is an emitter that shines all around seen from the balls, and so through them, under so little of the hemisphere's π sr that camera paths
+ * seldom find it? By chance they bring π/Ω times what lies there, with a variance of as many times its square; light paths cost
+ * up to twice as much as camera paths, which is well spent only on what makes most of the noise.
+ */
+static bool is_small(const mcv_packed *packed, const mcv_device_emitter *e, double etendue) {
+    return !is_aimed(e->type) || is_narrow(e) || 64 * etendue <= pi * disks(packed);
+}
+
 /* The flux of all light paths of an emitter, over its radiance (irradiance, intensity); *unit: without what the kernels aim by. */
 static double unit_flux(const mcv_packed *packed, const mcv_emitter *from, mcv_device_emitter *e, double *unit) {
-    double sum = 0;
     *unit = 1;
     switch (e->type) {
     case MCV_EMITTER_PARALLEL:
     case MCV_EMITTER_AREA:
     case MCV_EMITTER_LIGHT_FIELD_EMITTER:
         *unit = (double)e->area;
-        return aimed_etendue(packed, e);
+        return aimed_etendue(packed, from, e);
     case MCV_EMITTER_COLLIMATED_BEAM:
         return *unit = from->area;
     case MCV_EMITTER_PROJECTOR:
@@ -215,8 +234,7 @@ static double unit_flux(const mcv_packed *packed, const mcv_emitter *from, mcv_d
     }
     case MCV_EMITTER_DIRECTIONAL:
         e->directional.reach = (float)(2 * mcv_packed_size(packed));
-        for (uint32_t i = 0; i < packed->ball_count; ++i) sum += pi * (double)packed->balls[i].radius * (double)packed->balls[i].radius;
-        return sum;
+        return disks(packed);
     default:
         return 0;
     }
@@ -261,7 +279,7 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
         /* Glossy surfaces find what has an extent. */
         if (mcv_emitter_has_surface(from->type) && e->type != MCV_EMITTER_COLLIMATED_BEAM && !wide) continue;
         const double flux = unit_flux(packed, from, e, &unit);
-        if (!(flux > 0) || !find_media(scene, packed, e)) continue;
+        if (!(flux > 0) || !is_small(packed, e, flux) || !find_media(scene, packed, e)) continue;
         mcv_emitter_image_mean(scene, from, mean);
         powers[count - 1] = flux * (from->radiance[0] * mean[0] + from->radiance[1] * mean[1] + from->radiance[2] * mean[2]);
         e->light_flux = (float)unit;
@@ -340,6 +358,12 @@ static double covered_pixels(const mcv_packed *packed, const mcv_sensor *sensor)
 uint32_t mcv_light_thinning(const mcv_packed *packed, const mcv_sensor *sensor) {
     const double wanted = 4 * covered_pixels(packed, sensor);
     uint32_t width, height, thinning = 0;
+    /* Of what is not aimed, or not everywhere, a part misses the balls. */
+    for (uint32_t i = 0; i < packed->emitter_count; ++i) {
+        const mcv_device_emitter *e = &packed->emitters[i];
+        const bool punctual = e->type == MCV_EMITTER_SPOT || e->type == MCV_EMITTER_DIRECTIONAL;
+        if (e->light_flux > 0 && !punctual && (!is_aimed(e->type) || is_narrow(e))) return 0;
+    }
     mcv_sensor_film_size(sensor, &width, &height);
     const double pixels = (double)mcv_tiled_pixels(width, height);
     while (thinning < 6 && pixels * exp2(-(double)thinning - 1) >= wanted) ++thinning;

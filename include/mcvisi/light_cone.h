@@ -44,25 +44,30 @@ MCV_FUNCTION mcv_cone mcv_cone_to(mcv_ball ball, mcv_vec3 from, mcv_cone own) {
     return cone.squared > own.squared ? own : cone;
 }
 
-/* One over the density with which a direction is chosen [sr]; infinite: it is not. */
-MCV_FUNCTION float mcv_aimed_angle(MCV_CONSTANT const mcv_ball *balls, uint count, mcv_vec3 from, mcv_cone own, mcv_vec3 direction) {
+/* What is known of all cones: their solid angle [sr], and how many of them hold a direction. */
+typedef struct mcv_aiming {
+    float angle;
+    uint within;
+} mcv_aiming;
+
+MCV_FUNCTION mcv_aiming mcv_aim_at(MCV_CONSTANT const mcv_ball *balls, uint count, mcv_vec3 from, mcv_cone own, mcv_vec3 direction) {
+    mcv_aiming aimed;
     float sum = 0.0f;
-    uint within = 0;
+    aimed.within = 0;
     for (uint i = 0; i < count; ++i) {
         const mcv_cone cone = mcv_cone_to(balls[i], from, own);
         sum += cone.squared;
-        within += mcv_is_in_cone(cone, direction);
+        aimed.within += mcv_is_in_cone(cone, direction);
     }
-    return 4.0f * MCV_PI * sum / (float)within;
+    aimed.angle = 4.0f * MCV_PI * sum;
+    return aimed;
 }
 
-/* By a number in [0, 1), of which what is left is as good. */
-MCV_FUNCTION mcv_cone mcv_choose_cone(MCV_CONSTANT const mcv_ball *balls, uint count, mcv_vec3 from, mcv_cone own, float *xi) {
+/* By a number in [0, 1), of which what is left is as good; angle: of all cones. */
+MCV_FUNCTION mcv_cone mcv_choose_cone(MCV_CONSTANT const mcv_ball *balls, uint count, mcv_vec3 from, mcv_cone own, float angle, float *xi) {
     mcv_cone chosen = own;
-    float sum = 0.0f;
+    float sum = 0.25f / MCV_PI * angle * *xi;
     float rest = 0.0f;
-    for (uint i = 0; i < count; ++i) sum += mcv_cone_to(balls[i], from, own).squared;
-    sum *= *xi;
     chosen.squared = 0.0f;
     for (uint i = 0; i < count && sum >= 0.0f; ++i) {
         const mcv_cone cone = mcv_cone_to(balls[i], from, own);
