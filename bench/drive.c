@@ -60,13 +60,14 @@ drive_options drive_defaults(uint32_t schedule) {
 }
 
 /*
- * All that has no cost where it is not met. Whether rays take turns, pupils aim, light paths are traced and emitters are weighed at each
- * surface is a choice, not an element; an environment's image and emitters there must be to look for; in glass that disperses a path
- * follows one channel only.
+ * All that has no cost where it is not met. Whether rays take turns, pupils aim, paths split, light paths are traced and emitters are
+ * weighed at each surface is a choice, not an element; an environment's image and emitters there must be to look for; in glass that
+ * disperses a path follows one channel only.
  */
 static uint32_t all_features(const mcv_packed *packed) {
     const uint32_t not_elements = 1u << MCV_FEATURE_INTERLEAVE | 1u << MCV_FEATURE_AIM | 1u << MCV_FEATURE_LIGHT_TRACING |
-                                  1u << MCV_FEATURE_ENVIRONMENT_IMAGE | 1u << MCV_FEATURE_DISPERSION | 1u << MCV_FEATURE_REACH;
+                                  1u << MCV_FEATURE_ENVIRONMENT_IMAGE | 1u << MCV_FEATURE_DISPERSION | 1u << MCV_FEATURE_REACH |
+                                  1u << MCV_FEATURE_SPLIT;
     uint32_t features = ((1u << MCV_FEATURE_COUNT) - 1) & ~not_elements;
     if (packed->emitter_count == 0) features &= ~(1u << MCV_FEATURE_NEXT_EVENT);
     return features | packed->features;
@@ -130,7 +131,7 @@ mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options,
     d->scene = scene;
     MCV_TRY(mcv_device_scene_open(cl, scene, 0, &d->device, error));
     mcv_packed *packed = &d->device.packed;
-    packed->features = mcv_sensor_features(packed, scene->sensors) & ~(1u << MCV_FEATURE_LIGHT_TRACING);
+    packed->features = mcv_sensor_features(packed, scene->sensors) & ~(1u << MCV_FEATURE_LIGHT_TRACING | 1u << MCV_FEATURE_SPLIT);
     if (options.all_features) {
         packed->features = all_features(packed);
         packed->channels = 3;

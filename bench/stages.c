@@ -36,10 +36,12 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 #define MCV_WITH_NEXT_EVENT (features >> MCV_FEATURE_NEXT_EVENT & 1)
 #define MCV_WITH_LIGHT_TRACING (features >> MCV_FEATURE_LIGHT_TRACING & 1)
 #define MCV_WITH_GLOSS (features >> MCV_FEATURE_GLOSS & 1)
+#define MCV_WITH_SPLIT (features >> MCV_FEATURE_SPLIT & 1)
 #define MCV_WITH_SURFACES (features >> MCV_FEATURE_SURFACES & 1)
 #define MCV_WITH_MIXED (features >> MCV_FEATURE_MIXED & 1)
 #define MCV_WITH_REACH (features >> MCV_FEATURE_REACH & 1)
 #define MCV_WITH_NORMALS (features >> MCV_FEATURE_NORMALS & 1)
+#define MCV_WITH_MIXED (features >> MCV_FEATURE_MIXED & 1)
 #define MCV_X(field, count) words[FIELD_##field] = (count);
     MCV_PATH_FIELDS(MCV_X)
 #undef MCV_X
@@ -52,6 +54,8 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 #undef MCV_WITH_MIXED
 #undef MCV_WITH_REACH
 #undef MCV_WITH_NORMALS
+#undef MCV_WITH_MIXED
+#undef MCV_WITH_SPLIT
 }
 
 /* What each stage reads and writes of a path (the heads of kernels/<stage>.cl). */
@@ -342,7 +346,7 @@ static mcv_result render_half(half_render *h, bench_seconds *seconds, mcv_error 
     mcv_render_options options = mcv_render_defaults();
     mcv_film film;
     options.replicates = DRIVE_REPLICATES;
-    options.no_light_paths = true; /* as the launches */
+    options.no_light_paths = options.no_split = true; /* as the launches */
     options.last = h->samples;
     options.progress = note_progress;
     options.user = h;

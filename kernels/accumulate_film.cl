@@ -36,8 +36,8 @@ MCV_FUNCTION float mcv_path_value(mcv_world world, mcv_slot slot, uint channel, 
  * array to the other, so that a level is a long loop.
  */
 static __attribute__((noinline)) void mcv_accumulate_blocks(const float *values, uint count, uint block, __global float *sums) {
-    float highs[2][MCV_SLICE];
-    float lows[2][MCV_SLICE];
+    float highs[2][MCV_SLOTS];
+    float lows[2][MCV_SLOTS];
     uint from = 0;
     for (uint i = 0; i < count; ++i) {
         highs[0][i] = values[i];
@@ -60,10 +60,8 @@ static __attribute__((noinline)) void mcv_accumulate_blocks(const float *values,
     }
 }
 #else
-/* Writes the sum of the values, which are lost: high and low word. */
-static void mcv_accumulate_block(float *values, uint count, __global float *sum) {
-    float lows[MCV_BLOCK];
-    for (uint i = 0; i < count; ++i) lows[i] = 0.0f;
+/* The sum of numbers high + low, which are lost. */
+static mcv_float_pair mcv_tree_sum(float *values, float *lows, uint count) {
     for (uint size = count / 2; size > 0; size /= 2) {
         for (uint i = 0; i < size; ++i) {
             const mcv_float_pair a = {values[2 * i], lows[2 * i]};
@@ -73,7 +71,7 @@ static void mcv_accumulate_block(float *values, uint count, __global float *sum)
             lows[i] = both.low;
         }
     }
-    sum[0] = values[0];
-    sum[1] = lows[0];
+    const mcv_float_pair sum = {values[0], lows[0]};
+    return sum;
 }
 #endif

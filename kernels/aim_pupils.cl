@@ -48,7 +48,8 @@ static mcv_aimed mcv_follow(mcv_world world, mcv_film_sample film, float p_x, fl
             aimed.emitter = emitter;
             return aimed;
         }
-        const mcv_scattering on = mcv_scatter(world, meeting, media, always_refract, 1.0f, &unmatched);
+        mcv_scattering other;
+        const mcv_scattering on = mcv_scatter(world, meeting, media, always_refract, 1.0f, &unmatched, &other);
         if (on.event == MCV_EVENT_END) return aimed;
         origin = mcv_onward_origin(meeting, on.direction);
         direction = on.direction;

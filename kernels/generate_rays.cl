@@ -61,6 +61,9 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
 #if MCV_WITH_LIGHT_TRACING
     MCV_WORD(slot, trail, 0) = MCV_TRAIL_STRAIGHT;
 #endif
+#if MCV_WITH_SPLIT
+    MCV_WORD(slot, branch, 0) = 0u;
+#endif
     MCV_WORD(slot, stream, 0) = id.stream;
     MCV_WORD(slot, sample, 0) = id.sample;
     return weight > 0.0f;

@@ -10,6 +10,9 @@
 /* Surfaces that a path meets before roulette may end it. */
 #define MCV_ROULETTE_DEPTH 4u
 
+/* A path that carries less has to survive it: a smaller weight would cost time, a larger one makes noise. */
+#define MCV_ROULETTE_WEIGHT 0.125f
+
 /* Which sample of which pixel a path is. */
 typedef struct mcv_identity {
     uint column, row;

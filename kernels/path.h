@@ -18,6 +18,9 @@
 /* Whether the origins of the rays that go on are worked out for many paths at once, after all else. */
 #define MCV_LEAVES_TOGETHER (MCV_TILE && !MCV_WITH_CONTACT && !MCV_WITH_MIXED)
 
+/* A sample's path splits at the first smooth surfaces that it meets, so that it has at most so many branches: a power of two. */
+#define MCV_BRANCHES (MCV_WITH_SPLIT ? 8 : 1)
+
 /* X(field, words): what a scene does not need has no words. Those before the hit go on with the path to its next surface. */
 #define MCV_PATH_FIELDS(X) \
     X(origin, 3)                       /* of the current ray [m] */ \
@@ -33,7 +36,8 @@
     X(left, MCV_WITH_SURFACES)           /* the exact surface that the ray starts on (mcvisi/surfaces/solid.h), or MCV_NONE */ \
     X(trail, MCV_WITH_LIGHT_TRACING)     /* MCV_TRAIL_… */ \
     X(footprint, MCV_WITH_LIGHT_TRACING) /* of the pixel at the first diffuse surface [m²] */ \
-    X(stream, 1)                         /* of random numbers: pixel, replicate, seed */ \
+    X(branch, MCV_WITH_SPLIT) /* 0 … MCV_BRANCHES - 1: how often the path has split; a branch k: MCV_BRANCHES + k, splits no more */ \
+    X(stream, 1)              /* of random numbers: pixel, replicate, seed */ \
     X(sample, 1) \
     X(value, MCV_TILE)     /* of the path in its slice */ \
     X(hit, 4)              /* t, u, v, triangle */ \
@@ -83,7 +87,9 @@ enum { MCV_PATH_FIELDS(MCV_PATH_OFFSET) MCV_PATH_WORDS };
 
 #if MCV_TILE
 #define MCV_PATH_SPACE __private
-#define MCV_CAPACITY(slot) ((uint)MCV_SLICE)
+#define MCV_SLOTS (MCV_SLICE * MCV_BRANCHES)
+#define MCV_ROW (MCV_SLOTS + 16) /* words: rows of powers of two would get into each other's way in the cache */
+#define MCV_CAPACITY(slot) ((uint)MCV_ROW)
 #else
 #define MCV_PATH_SPACE __global
 #define MCV_CAPACITY(slot) (slot).capacity
@@ -114,6 +120,17 @@ typedef struct mcv_slot {
     } while (0)
 #define MCV_LOAD_COLOR(slot, field, color) MCV_EACH_CHANNEL(channel)(color).c[channel] = MCV_LOAD(slot, field, channel)
 #define MCV_STORE_COLOR(slot, field, color) MCV_EACH_CHANNEL(channel) MCV_STORE(slot, field, channel, (color).c[channel])
+
+/* Which of its sample's branches a path is. */
+MCV_FUNCTION uint mcv_branch_of(mcv_slot slot) {
+#if MCV_WITH_SPLIT
+    const uint branch = MCV_WORD(slot, branch, 0);
+    return branch < MCV_BRANCHES ? 0u : branch - MCV_BRANCHES;
+#else
+    (void)slot;
+    return 0u;
+#endif
+}
 
 #endif
 

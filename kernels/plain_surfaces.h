@@ -54,16 +54,16 @@ MCV_LOOP_FUNCTION uint mcv_kind_met(mcv_world world, uint met) {
 /* Puts the paths in the order of what they have met, in place: whoever is not among its own kind changes places with one who belongs there.
  */
 static __attribute__((noinline)) void mcv_order_paths(mcv_world world, uint *paths, uint count, uint *ends, uint *gloss) {
-    uint kinds[MCV_SLICE], one[MCV_SLICE], other[MCV_SLICE];
+    uint kinds[MCV_SLOTS], one[MCV_SLOTS], other[MCV_SLOTS];
     uint next[MCV_MET_COUNT];
     uint swaps = 0;
     MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) kinds[i] = mcv_kind_met(world, paths[(MCV_PATH_hit + 3) * MCV_SLICE + i]);
+    for (uint i = 0; i < count; ++i) kinds[i] = mcv_kind_met(world, paths[(MCV_PATH_hit + 3) * MCV_ROW + i]);
     *gloss = MCV_NONE;
 #if MCV_WITH_PLAIN && MCV_WITH_GLOSS
     for (uint i = 0; i < count; ++i) {
         if (kinds[i] != MCV_MET_GLOSS_TRIANGLE && kinds[i] != MCV_MET_GLOSS_EXACT) continue;
-        const uint material = world.instances[mcv_instance_of(world, paths[(MCV_PATH_hit + 3) * MCV_SLICE + i])].material;
+        const uint material = world.instances[mcv_instance_of(world, paths[(MCV_PATH_hit + 3) * MCV_ROW + i])].material;
         if (*gloss == MCV_NONE) *gloss = material;
         if (*gloss != material) kinds[i] = kinds[i] == MCV_MET_GLOSS_EXACT ? MCV_MET_EXACT : MCV_MET_TRIANGLE;
     }
@@ -86,7 +86,7 @@ static __attribute__((noinline)) void mcv_order_paths(mcv_world world, uint *pat
         }
     }
     for (uint word = 0; swaps > 0 && word < MCV_PATH_hit + 4; ++word) {
-        uint *row = paths + word * MCV_SLICE;
+        uint *row = paths + word * MCV_ROW;
         for (uint i = 0; i < swaps; ++i) {
             const uint kept = row[one[i]];
             row[one[i]] = row[other[i]];
@@ -227,7 +227,7 @@ MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint
 
 /* Lists those of the plain paths that have a shadow ray to follow; returns how many. */
 static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, uint *paths, const uint *ends, uint gloss, uint *shadows) {
-    uint casts[MCV_SLICE];
+    uint casts[MCV_SLOTS];
     uint listed = 0;
     mcv_cast_plain_shadows(world, paths, 0, ends[MCV_MET_DIFFUSE_TRIANGLE], 0, MCV_MATERIAL_DIFFUSE, MCV_NONE, casts);
 #if MCV_WITH_SURFACES
@@ -254,7 +254,7 @@ static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, ui
 #endif
 
 /* Whether a path goes on; it may also be that it is left to mcv_shade_surface. */
-enum { MCV_PLAIN_ENDS, MCV_PLAIN_GOES_ON, MCV_PLAIN_IS_SMOOTH };
+enum { MCV_PLAIN_ENDS, MCV_PLAIN_GOES_ON = MCV_GOES_ON, MCV_PLAIN_IS_SMOOTH };
 
 /* mcv_shade_surface. `type` is known to the compiler; `gloss`: the glossy material. */
 MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first, uint last, uint depth, int exact, uint type, uint gloss,
@@ -305,9 +305,10 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
         MCV_LOAD_COLOR(slot, throughput, before);
         throughput = mcv_tint(before, factor);
         const float brightest = mcv_brightest(throughput);
-        const int plays = roulette & (brightest < 1.0f);
+        const int plays = roulette & (brightest < MCV_ROULETTE_WEIGHT);
+        const float lives = brightest / MCV_ROULETTE_WEIGHT;
         const float choice = roulette ? MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE + 1) : 0.0f;
-        const float more = 1.0f / brightest;
+        const float more = 1.0f / lives;
         MCV_EACH_CHANNEL(c) {
             throughput.c[c] = plays ? throughput.c[c] * more : throughput.c[c];
             throughput.c[c] = smooth ? before.c[c] : throughput.c[c];
@@ -327,7 +328,7 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
         MCV_WORD(slot, reach, 1) = MCV_WORD(slot, reach_here, 1);
 #endif
 #endif
-        const int on = reflects & (brightest > 0.0f) & !(plays & (choice >= brightest));
+        const int on = reflects & (brightest > 0.0f) & !(plays & (choice >= lives));
         goes_on[i] = smooth ? MCV_PLAIN_IS_SMOOTH : on ? MCV_PLAIN_GOES_ON : MCV_PLAIN_ENDS;
     }
 }
@@ -336,7 +337,7 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
 static __attribute__((noinline)) void mcv_shade_plain_surfaces(mcv_world world, uint *paths, const uint *ends, uint gloss, uint depth,
                                                                uint *goes_on, uint *unmatched) {
     const uint triangles = ends[MCV_MET_DIFFUSE_TRIANGLE], glossy = ends[MCV_MET_GLOSS_EXACT];
-    uint differs[MCV_SLICE];
+    uint differs[MCV_SLOTS];
     mcv_shade_plain(world, paths, 0, triangles, depth, 0, MCV_MATERIAL_DIFFUSE, MCV_NONE, goes_on, differs);
 #if MCV_WITH_SURFACES
     mcv_shade_plain(world, paths, glossy, ends[MCV_MET_DIFFUSE_EXACT], depth, 1, MCV_MATERIAL_DIFFUSE, MCV_NONE, goes_on, differs);

@@ -218,6 +218,15 @@ typedef struct mcv_scattering {
     uint event; /* MCV_EVENT_… */
 } mcv_scattering;
 
+#if MCV_WITH_DIELECTRIC || MCV_WITH_SHEET
+/* One of a smooth surface's two ways on; *other is the other one. */
+MCV_FUNCTION mcv_scattering mcv_choose_way(mcv_scattering reflected, mcv_scattering passed, float xi, mcv_scattering *other) {
+    const int reflects = xi < reflected.chance;
+    *other = reflects ? passed : reflected;
+    return reflects ? reflected : passed;
+}
+#endif
+
 #if MCV_WITH_DIELECTRIC || MCV_WITH_SHEET || MCV_WITH_MIRROR || MCV_WITH_GLOSS
 MCV_FUNCTION mcv_vec3 mcv_reflected(mcv_meeting meeting) {
     const mcv_vec3 d = mcv_reflect(meeting.direction, meeting.normal);
@@ -266,46 +275,46 @@ MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world, const mcv_meet
 }
 
 /* xi in [0, 1) chooses reflection with probability R; 1 always refracts where that is possible. */
-static mcv_scattering mcv_scatter_dielectric(mcv_world world, mcv_meeting meeting, uint media, float xi, uint *unmatched) {
-    mcv_scattering scattering;
+static mcv_scattering mcv_scatter_dielectric(mcv_world world, mcv_meeting meeting, uint media, float xi, uint *unmatched,
+                                             mcv_scattering *other) {
+    mcv_scattering refracted;
     const mcv_crossing crossing = mcv_cross_surface(world, &meeting, media);
     const mcv_device_interface between = crossing.between;
     if (crossing.before != media) *unmatched += 1u;
-    scattering.factor = mcv_grey(1.0f);
-    scattering.density = 0.0f;
-    scattering.media = crossing.after;
-    scattering.direction = meeting.direction;
-    scattering.event = MCV_EVENT_PASS;
-    scattering.chance = 1.0f;
-    if (between.delta == 0.0f) return scattering;
+    refracted.factor = mcv_grey(1.0f);
+    refracted.density = 0.0f;
+    refracted.media = crossing.after;
+    refracted.direction = meeting.direction;
+    refracted.event = MCV_EVENT_PASS;
+    refracted.chance = 1.0f;
+    if (between.delta == 0.0f) return refracted;
 
     const float c1 = -mcv_dot(meeting.direction, meeting.normal);
     const float cosine = c1 < 1.0f ? c1 : 1.0f;
     const float c2 = mcv_refracted_cosine(between, cosine);
     const float reflectance = mcv_interface_reflectance(between, cosine, c2);
-    if (xi < reflectance || !(c2 > 0.0f)) {
-        scattering.chance = reflectance;
-        scattering.media = crossing.before;
-        scattering.direction = mcv_reflected(meeting);
-        scattering.event = MCV_EVENT_REFLECT;
-        return scattering;
-    }
-    scattering.chance = 1.0f - reflectance;
-    scattering.event = MCV_EVENT_REFRACT;
-    scattering.direction = mcv_refract(between, meeting.direction, meeting.normal, cosine, c2);
-    if (!(mcv_dot(scattering.direction, meeting.face) < 0.0f)) {
+    mcv_scattering reflected = refracted;
+    reflected.chance = reflectance;
+    reflected.media = crossing.before;
+    reflected.direction = mcv_reflected(meeting);
+    reflected.event = MCV_EVENT_REFLECT;
+    if (!(c2 > 0.0f)) return reflected;
+    refracted.chance = 1.0f - reflectance;
+    refracted.event = MCV_EVENT_REFRACT;
+    refracted.direction = mcv_refract(between, meeting.direction, meeting.normal, cosine, c2);
+    if (!(mcv_dot(refracted.direction, meeting.face) < 0.0f)) {
         const float f1 = -mcv_dot(meeting.direction, meeting.face);
         const float f2 = mcv_refracted_cosine(between, f1);
-        scattering.direction = f2 > 0.0f ? mcv_refract(between, meeting.direction, meeting.face, f1, f2) : meeting.direction;
+        refracted.direction = f2 > 0.0f ? mcv_refract(between, meeting.direction, meeting.face, f1, f2) : meeting.direction;
     }
-    return scattering;
+    return mcv_choose_way(reflected, refracted, xi, other);
 }
 #endif
 
 #if MCV_WITH_SHEET
 static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_meeting meeting, mcv_device_material material, mcv_color transmittance,
-                                        uint media, float xi) {
-    mcv_scattering scattering;
+                                        uint media, float xi, mcv_scattering *other) {
+    mcv_scattering reflected, passed;
     mcv_device_interface into;
     into.eta = material.eta;
     into.delta = material.delta;
@@ -321,29 +330,39 @@ static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_meeting meeting, mc
 #endif
     const float c1 = -mcv_dot(meeting.direction, meeting.normal);
     const float cosine = c1 < 1.0f ? c1 : 1.0f;
-    const float reflectance = mcv_sheet_reflectance(into, cosine);
-    const int reflected = xi < reflectance;
-    scattering.chance = reflected ? reflectance : 1.0f - reflectance;
-    scattering.direction = reflected ? mcv_reflected(meeting) : meeting.direction;
-    scattering.factor = reflected ? mcv_grey(1.0f) : transmittance;
-    scattering.density = 0.0f;
-    scattering.media = media;
-    scattering.event = reflected ? MCV_EVENT_REFLECT : MCV_EVENT_PASS;
-    return scattering;
+    reflected.chance = mcv_sheet_reflectance(into, cosine);
+    reflected.direction = mcv_reflected(meeting);
+    reflected.factor = mcv_grey(1.0f);
+    reflected.density = 0.0f;
+    reflected.media = media;
+    reflected.event = MCV_EVENT_REFLECT;
+    passed.chance = 1.0f - reflected.chance;
+    passed.direction = meeting.direction;
+    passed.factor = transmittance;
+    passed.density = 0.0f;
+    passed.media = media;
+    passed.event = MCV_EVENT_PASS;
+    return mcv_choose_way(reflected, passed, xi, other);
 }
 #endif
 
 #if MCV_WITH_SHEET
-static mcv_scattering mcv_scatter_beam_splitter(mcv_meeting meeting, mcv_device_material material, uint media, float xi) {
-    mcv_scattering scattering;
-    const int reflected = xi < material.chance;
-    scattering.chance = reflected ? material.chance : 1.0f - material.chance;
-    scattering.direction = reflected ? mcv_reflected(meeting) : meeting.direction;
-    MCV_EACH_CHANNEL(i) scattering.factor.c[i] = (reflected ? material.value[i] : material.passed[i]) / scattering.chance;
-    scattering.density = 0.0f;
-    scattering.media = media;
-    scattering.event = reflected ? MCV_EVENT_REFLECT : MCV_EVENT_PASS;
-    return scattering;
+static mcv_scattering mcv_scatter_beam_splitter(mcv_meeting meeting, mcv_device_material material, uint media, float xi,
+                                                mcv_scattering *other) {
+    mcv_scattering reflected, passed;
+    reflected.chance = material.chance;
+    reflected.direction = mcv_reflected(meeting);
+    MCV_EACH_CHANNEL(i) reflected.factor.c[i] = material.value[i] / reflected.chance;
+    reflected.density = 0.0f;
+    reflected.media = media;
+    reflected.event = MCV_EVENT_REFLECT;
+    passed.chance = 1.0f - material.chance;
+    passed.direction = meeting.direction;
+    MCV_EACH_CHANNEL(i) passed.factor.c[i] = material.passed[i] / passed.chance;
+    passed.density = 0.0f;
+    passed.media = media;
+    passed.event = MCV_EVENT_PASS;
+    return mcv_choose_way(reflected, passed, xi, other);
 }
 #endif
 
@@ -664,8 +683,10 @@ MCV_FUNCTION mcv_color mcv_emission_met(mcv_world world, mcv_meeting meeting, ui
 #endif
 }
 
-/* Chooses how the path goes on from the surface it met. */
-MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, uint media, mcv_pair pair, float choice, uint *unmatched) {
+/* Chooses how the path goes on from the surface it met. *other: how it would have by the other way on of a smooth surface that has two;
+ * elsewhere its chance is 0. */
+MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, uint media, mcv_pair pair, float choice, uint *unmatched,
+                                        mcv_scattering *other) {
     mcv_scattering scattering;
     const mcv_device_instance instance = world.instances[meeting.surface.instance];
     const mcv_device_material material = world.materials[instance.material];
@@ -675,6 +696,8 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, ui
     scattering.chance = 1.0f;
     scattering.media = media;
     scattering.event = MCV_EVENT_END;
+    *other = scattering;
+    other->chance = 0.0f;
 #if MCV_WITH_GLOSS
     if (mcv_is_rough(world, &meeting, media)) {
 #if MCV_WITH_DIELECTRIC
@@ -687,7 +710,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, ui
     (void)choice;
 #endif
 #if MCV_WITH_DIELECTRIC
-    if (material.type == MCV_MATERIAL_DIELECTRIC) return mcv_scatter_dielectric(world, meeting, media, pair.x, unmatched);
+    if (material.type == MCV_MATERIAL_DIELECTRIC) return mcv_scatter_dielectric(world, meeting, media, pair.x, unmatched, other);
 #else
     (void)unmatched;
 #endif
@@ -705,11 +728,12 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, ui
 #endif
 #if MCV_WITH_SHEET
     if (material.type == MCV_MATERIAL_SHEET) {
-        return mcv_scatter_sheet(world, meeting, material, mcv_material_value(world, meeting.surface, instance.material), media, pair.x);
+        return mcv_scatter_sheet(world, meeting, material, mcv_material_value(world, meeting.surface, instance.material), media, pair.x,
+                                 other);
     }
 #endif
 #if MCV_WITH_SHEET
-    if (material.type == MCV_MATERIAL_BEAM_SPLITTER) return mcv_scatter_beam_splitter(meeting, material, media, pair.x);
+    if (material.type == MCV_MATERIAL_BEAM_SPLITTER) return mcv_scatter_beam_splitter(meeting, material, media, pair.x, other);
 #endif
 #if MCV_WITH_MIRROR
     if (material.type == MCV_MATERIAL_MIRROR) {

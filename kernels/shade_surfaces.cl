@@ -14,6 +14,14 @@
 #include "precise.h"
 #endif
 
+enum { MCV_GOES_ON = 1, MCV_BRANCHES_OFF = 2 };
+
+/*
+ * How much oftener than by its chance the less likely way on is followed. Nothing much comes by it where all light is narrow; wide light
+ * may come from anywhere.
+ */
+#define MCV_SPLIT_EFFORT (MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE || MCV_WITH_AREA || MCV_WITH_LIGHT_FIELD ? 8.0f : 1.0f)
+
 #if MCV_WITH_LIGHT_TRACING
 /* What light paths leave of what the emitter sends along this path. */
 MCV_FUNCTION float mcv_camera_share(mcv_world world, mcv_slot slot, mcv_meeting meeting, uint emitter) {
@@ -103,8 +111,79 @@ MCV_LOOP_FUNCTION void mcv_leave_scene(mcv_world world, mcv_slot slot) {
 #endif
 }
 
-/* 1 if the path, which has met a surface, goes on. */
-static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *unmatched) {
+/* The path goes on from the surface. */
+MCV_FUNCTION void mcv_send_on(mcv_world world, mcv_slot slot, mcv_meeting meeting, uint media, mcv_scattering on, mcv_color throughput) {
+#if MCV_WITH_MIXED
+    mcv_leave_precisely(world, slot, &meeting, media, &on);
+#elif !MCV_LEAVES_TOGETHER
+    MCV_STORE_3(slot, origin, mcv_onward_origin(meeting, on.direction));
+#endif
+    MCV_STORE_3(slot, direction, on.direction);
+#if MCV_WITH_SURFACES
+    MCV_WORD(slot, left, 0) = mcv_leave_meeting(world, meeting, on.direction);
+#endif
+    MCV_STORE_COLOR(slot, throughput, throughput);
+#if MCV_WITH_DIELECTRIC
+    MCV_WORD(slot, media, 0) = on.media;
+#endif
+#if MCV_WITH_NEXT_EVENT
+    MCV_STORE(slot, density, 0, on.density);
+#endif
+#if MCV_WITH_LIGHT_TRACING
+    mcv_leave_trail(world, slot, meeting, on);
+#endif
+    (void)world, (void)media;
+}
+
+#if MCV_WITH_SPLIT
+/*
+ * The path takes the likelier one of two ways on instead of that which chance has chosen, and a branch the other one, each weighed by its
+ * own chance: R + T. The branch has to survive roulette. Where an environment shines from all sides both ways bring about the same: the
+ * path then stands in for what roulette ends, so that both carry as much as before. xi: the number that has chosen, which has no other use
+ * any more. A branch has random numbers of its own. 1: there is one, in the slot beside.
+ */
+static int mcv_split_path(mcv_world world, mcv_slot slot, mcv_slot beside, mcv_meeting meeting, uint media, float xi, mcv_color throughput,
+                          mcv_scattering *on, mcv_scattering other) {
+    const uint number = MCV_WORD(slot, branch, 0) + 1u;
+    if (other.chance > on->chance || (other.chance == on->chance && other.event == MCV_EVENT_REFLECT)) {
+        const mcv_scattering chosen = *on;
+        *on = other;
+        other = chosen;
+    }
+    const float effort = MCV_SPLIT_EFFORT * mcv_average(throughput);
+    const float wanted = other.chance * (effort > 1.0f ? effort : 1.0f);
+    const float lives = wanted < 1.0f ? wanted : 1.0f;
+    float weight = on->chance;
+#if MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE
+    if (lives < 1.0f) weight = xi < lives ? 1.0f - other.chance / lives : 1.0f;
+#endif
+    on->factor = mcv_dim(on->factor, weight);
+    MCV_WORD(slot, branch, 0) = number;
+    throughput = mcv_dim(mcv_tint(throughput, other.factor), other.chance / lives);
+    if (!(xi < lives) || !(mcv_brightest(throughput) > 0.0f)) return 0;
+
+    for (uint word = 0; word < MCV_PATH_hit; ++word) {
+        const uint row = word * MCV_CAPACITY(slot);
+        beside.base[row + beside.index] = slot.base[row + slot.index];
+    }
+#if MCV_WITH_MIXED
+    MCV_WORD(beside, hit, 0) = MCV_WORD(slot, hit, 0);
+#endif
+    MCV_WORD(beside, branch, 0) = MCV_BRANCHES + number;
+    MCV_WORD(beside, stream, 0) = mcv_hash_2(MCV_WORD(slot, stream, 0), number);
+    MCV_EACH_CHANNEL(i) MCV_STORE(beside, radiance, i, 0.0f);
+    mcv_send_on(world, beside, meeting, media, other, throughput);
+#if MCV_LEAVES_TOGETHER
+    const mcv_vec3 origin = mcv_onward_origin(meeting, other.direction);
+    MCV_STORE_3(beside, origin, origin);
+#endif
+    return 1;
+}
+#endif
+
+/* MCV_GOES_ON: the path, which has met a surface, does; MCV_BRANCHES_OFF: so does a branch, in the slot beside. */
+static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, uint depth, uint *unmatched) {
+    uint ways = 0;
 #if MCV_WITH_DISPERSION
     world = mcv_disperse(world, slot);
 #endif
@@ -139,41 +218,32 @@ static int mcv_shade_surface(mcv_world world, mcv_slot slot, uint depth, uint *u
     /* The other number of this pair plays roulette; this one has chosen an emitter, which is another estimate. */
     chosen = mcv_draw(slot, depth, MCV_PAIR_CHOICE).x;
 #endif
-    mcv_scattering on = mcv_scatter(world, meeting, media, pair, chosen, unmatched);
+    mcv_scattering other;
+    mcv_scattering on = mcv_scatter(world, meeting, media, pair, chosen, unmatched, &other);
+#if MCV_WITH_SPLIT
+    if (other.chance > 0.0f && MCV_WORD(slot, branch, 0) + 1u < MCV_BRANCHES &&
+        mcv_split_path(world, slot, beside, meeting, media, pair.x, throughput, &on, other))
+        ways = MCV_BRANCHES_OFF;
+#else
+    (void)beside;
+#endif
     throughput = mcv_tint(throughput, on.factor);
-    float brightest = mcv_brightest(throughput);
-    if (!(brightest > 0.0f)) return 0;
+    const float brightest = mcv_brightest(throughput);
+    if (!(brightest > 0.0f)) return ways;
 
     /* Russian roulette, on the throughput alone. */
-    if (depth >= MCV_ROULETTE_DEPTH && brightest < 1.0f) {
+    if (depth >= MCV_ROULETTE_DEPTH && brightest < MCV_ROULETTE_WEIGHT) {
+        const float lives = brightest / MCV_ROULETTE_WEIGHT;
         const mcv_pair choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
-        if (choice.y >= brightest) return 0;
-        throughput = mcv_dim(throughput, 1.0f / brightest);
+        if (choice.y >= lives) return ways;
+        throughput = mcv_dim(throughput, 1.0f / lives);
     }
 
-#if MCV_WITH_MIXED
-    mcv_leave_precisely(world, slot, &meeting, media, &on);
-#elif !MCV_LEAVES_TOGETHER
-    MCV_STORE_3(slot, origin, mcv_onward_origin(meeting, on.direction));
-#endif
-    MCV_STORE_3(slot, direction, on.direction);
-#if MCV_WITH_SURFACES
-    MCV_WORD(slot, left, 0) = mcv_leave_meeting(world, meeting, on.direction);
-#endif
-    MCV_STORE_COLOR(slot, throughput, throughput);
-#if MCV_WITH_DIELECTRIC
-    MCV_WORD(slot, media, 0) = on.media;
-#endif
-#if MCV_WITH_NEXT_EVENT
-    MCV_STORE(slot, density, 0, on.density);
-#if MCV_WITH_REACH
+#if MCV_WITH_REACH && MCV_WITH_NEXT_EVENT
     for (uint i = 0; i < 2; ++i) MCV_WORD(slot, reach, i) = MCV_WORD(slot, reach_here, i);
 #endif
-#endif
-#if MCV_WITH_LIGHT_TRACING
-    mcv_leave_trail(world, slot, meeting, on);
-#endif
-    return 1;
+    mcv_send_on(world, slot, meeting, media, on, throughput);
+    return ways | MCV_GOES_ON;
 }
 
 /* What the path would still have carried, in units of 2^-11: a million paths fit the counter. */

@@ -72,6 +72,13 @@ MCV_STAGE_KERNEL(generate_rays) {
     int begun = 0;
     (void)sums, (void)counters, (void)depth;
     if (path < world.frame->path_count) begun = mcv_generate_ray(world, mcv_stream_slot(paths, capacity, path), mcv_identify(world, path));
+#if MCV_WITH_SPLIT
+    for (uint k = 1; k < MCV_BRANCHES && path < world.frame->path_count; ++k) {
+        const mcv_slot branch = mcv_stream_slot(paths, capacity, path + k * world.frame->path_count);
+        MCV_STORE(branch, weight, 0, 0.0f);
+        MCV_EACH_CHANNEL(i) MCV_STORE(branch, radiance, i, 0.0f);
+    }
+#endif
     mcv_append(MCV_ACTIVE(0), &lengths[0], path, begun, room);
 }
 
@@ -110,21 +117,29 @@ MCV_STAGE_KERNEL(shade_surfaces) {
     __local uint room[2];
     const uint i = get_global_id(0);
     uint path = 0;
-    uint unmatched = 0;
-    int goes_on = 0;
+    uint unmatched = 0, ways = 0;
+    mcv_slot beside = mcv_stream_slot(paths, capacity, 0);
     (void)sums;
     if (i < lengths[depth]) {
         path = MCV_ACTIVE(depth)[i];
         const mcv_slot slot = mcv_stream_slot(paths, capacity, path);
+#if MCV_WITH_SPLIT
+        beside.index = path + (MCV_WORD(slot, branch, 0) + 1u) * world.frame->path_count;
+#endif
         if (MCV_WORD(slot, hit, 3) == MCV_NONE)
             mcv_leave_scene(world, slot);
         else
-            goes_on = mcv_shade_surface(world, slot, depth, &unmatched);
+            ways = mcv_shade_surface(world, slot, beside, depth, &unmatched);
         /* What the depth limit cuts. */
-        if (goes_on && depth + 1u == world.frame->depth) atomic_add(&counters[MCV_COUNTER_lost], mcv_lost_energy(slot));
+        if (ways && depth + 1u == world.frame->depth)
+            atomic_add(&counters[MCV_COUNTER_lost],
+                       (ways & MCV_GOES_ON ? mcv_lost_energy(slot) : 0u) + (ways & MCV_BRANCHES_OFF ? mcv_lost_energy(beside) : 0u));
         if (unmatched > 0) atomic_add(&counters[MCV_COUNTER_unmatched], unmatched);
     }
-    mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], path, goes_on, room);
+    mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], path, (ways & MCV_GOES_ON) != 0, room);
+#if MCV_WITH_SPLIT
+    mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], beside.index, (ways & MCV_BRANCHES_OFF) != 0, room);
+#endif
 }
 
 /* One work-item per block. */
@@ -136,10 +151,21 @@ MCV_STAGE_KERNEL(accumulate_film) {
     (void)queues, (void)lengths, (void)depth;
     if (i >= world.frame->path_count / block) return;
     for (uint channel = 0; channel < MCV_CHANNELS; ++channel) {
-        float values[MCV_BLOCK];
-        for (uint k = 0; k < block; ++k)
-            values[k] = mcv_path_value(world, mcv_stream_slot(paths, capacity, i * block + k), channel, &nonfinite);
-        mcv_accumulate_block(values, block, sums + (size_t)(i * MCV_CHANNELS + channel) * 2);
+        float values[MCV_BLOCK], lows[MCV_BLOCK];
+        for (uint k = 0; k < block; ++k) {
+            float branches[MCV_BRANCHES], rests[MCV_BRANCHES];
+            for (uint b = 0; b < MCV_BRANCHES; ++b) {
+                const mcv_slot slot = mcv_stream_slot(paths, capacity, i * block + k + b * world.frame->path_count);
+                branches[b] = mcv_path_value(world, slot, channel, &nonfinite);
+                rests[b] = 0.0f;
+            }
+            const mcv_float_pair sample = mcv_tree_sum(branches, rests, MCV_BRANCHES);
+            values[k] = sample.high;
+            lows[k] = sample.low;
+        }
+        const mcv_float_pair sum = mcv_tree_sum(values, lows, block);
+        sums[(size_t)(i * MCV_CHANNELS + channel) * 2] = sum.high;
+        sums[(size_t)(i * MCV_CHANNELS + channel) * 2 + 1] = sum.low;
     }
     if (nonfinite > 0) atomic_add(&counters[MCV_COUNTER_nonfinite], nonfinite);
 }

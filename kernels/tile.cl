@@ -38,16 +38,16 @@
 #include "clock.h"
 
 #define MCV_ROWS(slot, field) \
-    { (slot).base + MCV_PATH_##field *MCV_SLICE, 1u, MCV_SLICE }
+    { (slot).base + MCV_PATH_##field *MCV_ROW, 1u, MCV_ROW }
 
 #if MCV_WITH_SURFACES
-/* Rays side by side: rows of MCV_SLICE words for each component. The directions are unit. */
+/* Rays side by side: rows of MCV_ROW words for each component. The directions are unit. */
 typedef struct mcv_side_by_side {
     const uint *origin, *direction, *left;
 } mcv_side_by_side;
 
 MCV_LOOP_FUNCTION mcv_vec3 mcv_one_of(const uint *rows, uint i) {
-    return mcv_vec(as_float(rows[i]), as_float(rows[MCV_SLICE + i]), as_float(rows[2 * MCV_SLICE + i]));
+    return mcv_vec(as_float(rows[i]), as_float(rows[MCV_ROW + i]), as_float(rows[2 * MCV_ROW + i]));
 }
 
 /* The chosen rays with one solid, of a shape that is known to the compiler. */
@@ -68,7 +68,7 @@ MCV_LOOP_FUNCTION void mcv_meet_together(mcv_world world, mcv_side_by_side rays,
 static __attribute__((noinline)) uint mcv_list_approaching(mcv_world world, mcv_side_by_side rays, uint count, uint number,
                                                            const mcv_hit *hits, uint *chosen) {
     __global const mcv_device_solid *solid = world.solids + number;
-    uint reaches[MCV_SLICE];
+    uint reaches[MCV_SLOTS];
     uint listed = 0;
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i)
@@ -82,8 +82,8 @@ static __attribute__((noinline)) uint mcv_list_approaching(mcv_world world, mcv_
 
 /* What many rays meet of the exact surfaces, if that is closer than the given hits (or misses, with their t_max). */
 static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, mcv_side_by_side rays, uint count, mcv_hit *hits) {
-    uint chosen[MCV_SLICE], pieces[MCV_SLICE];
-    float t[MCV_SLICE];
+    uint chosen[MCV_SLOTS], pieces[MCV_SLOTS];
+    float t[MCV_SLOTS];
     for (uint number = 0; number < world.frame->solid_count; ++number) {
         const uint shape = mcv_shape(world.solids + number);
         const uint listed = mcv_list_approaching(world, rays, count, number, hits, chosen);
@@ -113,7 +113,7 @@ static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, 
 
 /* The rays that meet the box of all triangles before they end; returns how many. Margins as in kernels/traverse.h. */
 static __attribute__((noinline)) uint mcv_list_near_triangles(mcv_world world, uint *paths, uint count, const mcv_hit *ends, uint *chosen) {
-    uint meets[MCV_SLICE];
+    uint meets[MCV_SLOTS];
     float low[3], high[3];
     uint listed = 0;
     mcv_slot slot;
@@ -140,13 +140,13 @@ static __attribute__((noinline)) uint mcv_list_near_triangles(mcv_world world, u
 /* The stages that intersect, over the paths of a slice. */
 static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count, uint depth) {
     const mcv_rows origins = MCV_ROWS(slot, origin), directions = MCV_ROWS(slot, direction);
-    uint chosen[MCV_SLICE];
-    mcv_hit hits[MCV_SLICE];
+    uint chosen[MCV_SLOTS];
+    mcv_hit hits[MCV_SLOTS];
     uint listed = count;
 #if MCV_WITH_SURFACES
-    mcv_hit exact[MCV_SLICE];
-    const mcv_side_by_side rays = {slot.base + MCV_PATH_origin * MCV_SLICE, slot.base + MCV_PATH_direction * MCV_SLICE,
-                                   slot.base + MCV_PATH_left * MCV_SLICE};
+    mcv_hit exact[MCV_SLOTS];
+    const mcv_side_by_side rays = {slot.base + MCV_PATH_origin * MCV_ROW, slot.base + MCV_PATH_direction * MCV_ROW,
+                                   slot.base + MCV_PATH_left * MCV_ROW};
     for (uint i = 0; i < count; ++i) exact[i] = mcv_miss(INFINITY);
     mcv_meet_solids_together(world, rays, count, exact);
     listed = mcv_list_near_triangles(world, slot.base, count, exact, chosen);
@@ -175,9 +175,9 @@ static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count, uint
 /* What the shadow rays of the chosen paths meet, of triangles (the given hits) and exact surfaces (mcv_shadow_past_solids). */
 static __attribute__((noinline)) void mcv_shadows_past_solids(mcv_world world, const uint *paths, const uint *chosen, uint count, int any,
                                                               mcv_hit *hits) {
-    uint rows[7 * MCV_SLICE], open[MCV_SLICE];
-    float lengths[MCV_SLICE];
-    mcv_hit exact[MCV_SLICE];
+    uint rows[7 * MCV_ROW], open[MCV_SLOTS];
+    float lengths[MCV_SLOTS];
+    mcv_hit exact[MCV_SLOTS];
     uint listed = 0;
     for (uint i = 0; i < count; ++i) {
         open[listed] = i;
@@ -186,24 +186,24 @@ static __attribute__((noinline)) void mcv_shadows_past_solids(mcv_world world, c
     MCV_PARALLEL
     for (uint i = 0; i < listed; ++i) {
         const uint k = chosen[open[i]];
-        const mcv_vec3 origin = mcv_one_of(paths + MCV_PATH_shadow_origin * MCV_SLICE, k);
-        const mcv_vec3 way = mcv_one_of(paths + MCV_PATH_shadow_direction * MCV_SLICE, k);
+        const mcv_vec3 origin = mcv_one_of(paths + MCV_PATH_shadow_origin * MCV_ROW, k);
+        const mcv_vec3 way = mcv_one_of(paths + MCV_PATH_shadow_direction * MCV_ROW, k);
         const float length = mcv_sqrt(mcv_dot(way, way));
         const mcv_vec3 unit = mcv_scale(way, 1.0f / length);
         rows[i] = as_uint(origin.x);
-        rows[MCV_SLICE + i] = as_uint(origin.y);
-        rows[2 * MCV_SLICE + i] = as_uint(origin.z);
-        rows[3 * MCV_SLICE + i] = as_uint(unit.x);
-        rows[4 * MCV_SLICE + i] = as_uint(unit.y);
-        rows[5 * MCV_SLICE + i] = as_uint(unit.z);
-        rows[6 * MCV_SLICE + i] = paths[MCV_PATH_shadow_left * MCV_SLICE + k];
+        rows[MCV_ROW + i] = as_uint(origin.y);
+        rows[2 * MCV_ROW + i] = as_uint(origin.z);
+        rows[3 * MCV_ROW + i] = as_uint(unit.x);
+        rows[4 * MCV_ROW + i] = as_uint(unit.y);
+        rows[5 * MCV_ROW + i] = as_uint(unit.z);
+        rows[6 * MCV_ROW + i] = paths[MCV_PATH_shadow_left * MCV_ROW + k];
         lengths[i] = length;
     }
     for (uint i = 0; i < listed; ++i) {
         exact[i] = hits[open[i]];
         exact[i].t *= lengths[i];
     }
-    const mcv_side_by_side rays = {rows, rows + 3 * MCV_SLICE, rows + 6 * MCV_SLICE};
+    const mcv_side_by_side rays = {rows, rows + 3 * MCV_ROW, rows + 6 * MCV_ROW};
     mcv_meet_solids_together(world, rays, listed, exact);
     for (uint i = 0; i < listed; ++i) {
         if (exact[i].triangle == hits[open[i]].triangle) continue;
@@ -216,8 +216,8 @@ static __attribute__((noinline)) void mcv_shadows_past_solids(mcv_world world, c
 static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *paths, uint count) {
     const mcv_rows origins = MCV_ROWS(slot, shadow_origin), directions = MCV_ROWS(slot, shadow_direction);
     for (int any = 0; any < 2; ++any) {
-        uint chosen[MCV_SLICE];
-        mcv_hit hits[MCV_SLICE];
+        uint chosen[MCV_SLOTS];
+        mcv_hit hits[MCV_SLOTS];
         uint chosen_count = 0;
         for (uint i = 0; i < count; ++i) {
             slot.index = paths[i];
@@ -266,8 +266,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_emitter_paths
 
 /* The paths in the slots chosen[0 … count - 1], in ascending order, go on in the slots 0 … count - 1: the last ones where others ended. */
 static __attribute__((noinline)) void mcv_move_paths(uint *paths, const uint *chosen, uint count) {
-    uint from[MCV_SLICE];
-    uint to[MCV_SLICE];
+    uint from[MCV_SLOTS];
+    uint to[MCV_SLOTS];
     uint moves = 0;
     for (uint slot = 0, next = 0; slot < count; ++slot) {
         if (chosen[next] == slot) {
@@ -279,7 +279,7 @@ static __attribute__((noinline)) void mcv_move_paths(uint *paths, const uint *ch
         }
     }
     for (uint word = 0; word < MCV_PATH_hit; ++word) {
-        uint *row = paths + word * MCV_SLICE;
+        uint *row = paths + word * MCV_ROW;
         for (uint i = 0; i < moves; ++i) row[to[i]] = row[from[i]];
     }
 }
@@ -340,7 +340,7 @@ MCV_LOOP_FUNCTION void mcv_find_triangles(mcv_world world, mcv_slot slot, uint f
 
 #if MCV_WITH_SURFACES
 static void mcv_find_exacts(mcv_world world, mcv_slot slot, uint first, uint last) {
-    const uint *met = slot.base + (MCV_PATH_hit + 3) * MCV_SLICE;
+    const uint *met = slot.base + (MCV_PATH_hit + 3) * MCV_ROW;
     const uint piece = first < last ? met[first] : 0u;
     uint quadrics = 0, same = 0;
     for (uint i = first; i < last; ++i) {
@@ -441,7 +441,7 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
     const uint alive = ends[MCV_MET_TRIANGLE];
     uint shadow_count = 0, plain = 0;
 #if MCV_WITH_EMISSION
-    uint chosen[MCV_SLICE];
+    uint chosen[MCV_SLOTS];
     uint count = 0;
 #endif
 #if MCV_WITH_PLAIN_EMITTERS
@@ -480,9 +480,9 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
 
 /* Begins the paths first … first + count - 1 of the launch; returns how many have. */
 static __attribute__((noinline)) uint mcv_begin_paths(mcv_world world, mcv_slot slot, uint first, uint count) {
-    uint columns[MCV_SLICE];
-    uint rows[MCV_SLICE];
-    uint begun[MCV_SLICE];
+    uint columns[MCV_SLOTS];
+    uint rows[MCV_SLOTS];
+    uint begun[MCV_SLOTS];
     uint alive = 0;
     const uint samples = 1u << world.frame->log2_samples;
     mcv_identity id = mcv_identify(world, first);
@@ -516,8 +516,9 @@ static __attribute__((noinline)) uint mcv_begin_paths(mcv_world world, mcv_slot 
 
 /* A path has ended: its value waits for the others of its pixel. */
 MCV_FUNCTION void mcv_end_path(mcv_world world, mcv_slot slot, float *values, uint *nonfinite) {
+    const uint place = MCV_WORD(slot, value, 0) * MCV_BRANCHES + mcv_branch_of(slot);
     for (uint channel = 0; channel < MCV_CHANNELS; ++channel)
-        values[channel * MCV_SLICE + MCV_WORD(slot, value, 0)] = mcv_path_value(world, slot, channel, nonfinite);
+        values[channel * MCV_SLOTS + place] = mcv_path_value(world, slot, channel, nonfinite);
 }
 
 /* The paths in the slots first … last - 1 have met nothing. */
@@ -542,20 +543,20 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
                                                        __global uint *clocks) {
     const uint first = slice * MCV_SLICE;
     const uint count = min((uint)MCV_SLICE, world.frame->path_count - first);
-    uint paths[MCV_PATH_WORDS * MCV_SLICE];
-    float values[MCV_CHANNELS * MCV_SLICE];
-    uint chosen[MCV_SLICE];
+    uint paths[MCV_PATH_WORDS * MCV_ROW];
+    float values[MCV_CHANNELS * MCV_SLOTS];
+    uint chosen[MCV_SLOTS];
     uint ends[MCV_MET_COUNT], gloss;
     uint counts[MCV_COUNTER_COUNT] = {0};
     mcv_slot slot;
     slot.base = paths;
 #if MCV_WITH_GLOSS
-    mcv_gloss_meeting glosses[MCV_SLICE];
+    mcv_gloss_meeting glosses[MCV_SLOTS];
     slot.glosses = glosses;
 #endif
     MCV_CLOCK_BEGIN
 
-    for (uint i = 0; i < MCV_CHANNELS * MCV_SLICE; ++i) values[i] = 0.0f;
+    for (uint i = 0; i < MCV_CHANNELS * MCV_SLOTS; ++i) values[i] = 0.0f;
     uint alive = mcv_begin_paths(world, slot, first, count);
     counts[MCV_COUNTER_paths] = alive;
     MCV_CLOCK_STAGE(generate_rays)
@@ -583,21 +584,27 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
 #if MCV_WITH_DIFFUSE
         mcv_choose_bounces(paths, alive);
 #endif
-        uint next = 0, plain = 0;
+        uint next = 0, plain = 0, ways;
+        mcv_slot beside = slot;
+        beside.index = alive;
 #if MCV_WITH_PLAIN
-        uint goes_on[MCV_SLICE];
+        uint goes_on[MCV_SLOTS];
         plain = ends[MCV_MET_DIFFUSE_EXACT];
         mcv_shade_plain_surfaces(world, paths, ends, gloss, depth, goes_on, &counts[MCV_COUNTER_unmatched]);
         for (slot.index = 0; slot.index < plain; ++slot.index) {
             const int smooth = goes_on[slot.index] == MCV_PLAIN_IS_SMOOTH;
-            if (smooth ? mcv_shade_surface(world, slot, depth, &counts[MCV_COUNTER_unmatched]) : goes_on[slot.index])
+            ways = smooth ? mcv_shade_surface(world, slot, beside, depth, &counts[MCV_COUNTER_unmatched]) : goes_on[slot.index];
+            if (ways & MCV_BRANCHES_OFF) ++beside.index;
+            if (ways & MCV_GOES_ON)
                 chosen[next++] = slot.index;
             else
                 mcv_end_path(world, slot, values, &counts[MCV_COUNTER_nonfinite]);
         }
 #endif
         for (slot.index = plain; slot.index < alive; ++slot.index) {
-            if (mcv_shade_surface(world, slot, depth, &counts[MCV_COUNTER_unmatched]))
+            ways = mcv_shade_surface(world, slot, beside, depth, &counts[MCV_COUNTER_unmatched]);
+            if (ways & MCV_BRANCHES_OFF) ++beside.index;
+            if (ways & MCV_GOES_ON)
                 chosen[next++] = slot.index;
             else
                 mcv_end_path(world, slot, values, &counts[MCV_COUNTER_nonfinite]);
@@ -605,6 +612,7 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
 #if MCV_LEAVES_TOGETHER
         mcv_leave_surfaces(paths, alive);
 #endif
+        for (; alive < beside.index; ++alive) chosen[next++] = alive;
         if (next < alive) mcv_move_paths(paths, chosen, next);
         alive = next;
         MCV_CLOCK_STAGE(shade_surfaces)
@@ -618,7 +626,8 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
 
     const uint block = min((uint)MCV_BLOCK, 1u << world.frame->log2_samples);
     for (uint channel = 0; channel < MCV_CHANNELS; ++channel)
-        mcv_accumulate_blocks(values + channel * MCV_SLICE, count, block, sums + ((size_t)(first / block) * MCV_CHANNELS + channel) * 2u);
+        mcv_accumulate_blocks(values + channel * MCV_SLOTS, count * MCV_BRANCHES, block * MCV_BRANCHES,
+                              sums + ((size_t)(first / block) * MCV_CHANNELS + channel) * 2u);
     MCV_CLOCK_STAGE(accumulate_film)
     MCV_CLOCK_END(clocks + slice * MCV_CLOCK_COUNT)
     (void)clocks;

@@ -148,6 +148,12 @@ MCV_FUNCTION float mcv_brightest(mcv_color a) {
     return most;
 }
 
+MCV_FUNCTION float mcv_average(mcv_color a) {
+    float sum = 0.0f;
+    MCV_EACH_CHANNEL(i) sum += a.c[i];
+    return sum / (float)MCV_CHANNELS;
+}
+
 #if MCV_WITH_DISPERSION
 /* The one channel that goes on at a body that refracts them differently, by what a path carries. */
 MCV_FUNCTION uint mcv_choose_channel(mcv_color carried, float xi, float *chance) {

@@ -61,6 +61,8 @@ static void expect_irradiance(const char *emitter, double h, double size, const 
         options.replicates = REPLICATES;
         options.last = samples_of(emitter);
         options.seed = 1;
+        /* The closed form is of light that comes straight: what plate and splitter throw back and forth adds 0.0015 of it at most. */
+        if (strstr(emitter, "coaxial")) options.depth = 3;
         BUILD((reference ? mcv_reference_render : mcv_render)(scene, 0, &options, &film, &stats, &builder_error));
         const mcv_estimate estimate = film_estimate(&film, 0, 1);
         snprintf(name, sizeof name, "%s, %s", what, reference ? "reference" : "device");

@@ -90,6 +90,8 @@ enum {
       "average; the part `samples` of the OpenEXR file says where they went") \
     X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_TAKE | MCV_IN_COMPARE, "sobol", 0, 0, \
       "Owen-scrambled Sobol' points, or independent ones") \
+    X(choice, split, "split", 0, "on|off", MCV_IN_TAKE | MCV_IN_COMPARE, "on", 0, 0, \
+      "follow both what glass, sheets and beam splitters reflect and what they pass, or one of them by chance") \
     X(count, seed, "seed", 0, "S", MCV_IN_GREY | MCV_IN_COMPARE, "0", 0, UINT32_MAX, \
       "another seed, another noise; the same seed, the same bits") \
     X(count, depth, "depth", 0, "N", MCV_IN_TAKE | MCV_IN_COMPARE | MCV_IN_TRACE, "32", 1, 1000000, "surfaces that a path may meet") \

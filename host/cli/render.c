@@ -23,6 +23,7 @@ static const double default_seconds = 60;
 mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_options *options, mcv_error *error) {
     *options = mcv_render_defaults();
     options->sampler = command->sampler ? MCV_SAMPLER_RANDOM : MCV_SAMPLER_SOBOL;
+    options->no_split = command->split != 0;
     options->replicates = (uint32_t)command->replicates;
     options->seed = (uint32_t)command->seed;
     options->depth = (uint32_t)command->depth;

@@ -91,6 +91,7 @@ uint32_t mcv_path_words(uint32_t features, uint32_t channels) {
 #define MCV_WITH_NEXT_EVENT (features >> MCV_FEATURE_NEXT_EVENT & 1)
 #define MCV_WITH_REACH (features >> MCV_FEATURE_REACH & 1)
 #define MCV_WITH_LIGHT_TRACING (features >> MCV_FEATURE_LIGHT_TRACING & 1)
+#define MCV_WITH_SPLIT (features >> MCV_FEATURE_SPLIT & 1)
 #define MCV_WITH_SURFACES (features >> MCV_FEATURE_SURFACES & 1)
 #define MCV_WITH_NORMALS (features >> MCV_FEATURE_NORMALS & 1)
 #define MCV_WITH_MIXED (features >> MCV_FEATURE_MIXED & 1)
@@ -98,3 +99,5 @@ uint32_t mcv_path_words(uint32_t features, uint32_t channels) {
     return 0 MCV_PATH_FIELDS(MCV_X);
 #undef MCV_X
 }
+
+uint32_t mcv_path_branches(uint32_t features) { return MCV_BRANCHES; }

@@ -559,11 +559,12 @@ static uint32_t find_features(const mcv_scene *scene) {
         const mcv_instance *instance = &scene->instances[i];
         const mcv_material *material = &scene->materials[instance->material];
         const mcv_dielectric_params *glass = material->type == MCV_MATERIAL_DIELECTRIC ? &material->as.dielectric : NULL;
+        const bool sheet = material->type == MCV_MATERIAL_SHEET || material->type == MCV_MATERIAL_BEAM_SPLITTER;
         features |=
             feature(MCV_FEATURE_DIFFUSE, material->type == MCV_MATERIAL_DIFFUSE) | feature(MCV_FEATURE_DIELECTRIC, glass) |
             feature(MCV_FEATURE_TRANSLUCENT, material->type == MCV_MATERIAL_DIFFUSE && largest(material->as.diffuse.transmittance) > 0) |
             feature(MCV_FEATURE_COATING, glass && glass->coating > 0) | feature(MCV_FEATURE_DISPERSION, glass && !mcv_is_grey(glass->ior)) |
-            feature(MCV_FEATURE_SHEET, material->type == MCV_MATERIAL_SHEET || material->type == MCV_MATERIAL_BEAM_SPLITTER) |
+            feature(MCV_FEATURE_SHEET, sheet) | feature(MCV_FEATURE_SPLIT, sheet || (glass && !mcv_material_is_rough(material))) |
             feature(MCV_FEATURE_MIRROR, material->type == MCV_MATERIAL_MIRROR) |
             feature(MCV_FEATURE_GLOSS, mcv_material_is_rough(material) || material->type == MCV_MATERIAL_CONDUCTOR) |
             feature(MCV_FEATURE_RETROREFLECTOR, material->type == MCV_MATERIAL_RETROREFLECTOR) |

@@ -101,4 +101,7 @@ void mcv_feature_options(uint32_t features, uint32_t channels, uint32_t sensor_t
 /* 32-bit words of a path's state with these features. */
 uint32_t mcv_path_words(uint32_t features, uint32_t channels);
 
+/* Branches of a sample's path at most with these features. */
+uint32_t mcv_path_branches(uint32_t features);
+
 #endif

@@ -144,6 +144,7 @@ static mcv_result open_scene(renderer *r, const mcv_scene *scene, uint32_t senso
     mcv_packed *packed = &r->scene.packed;
     packed->features = mcv_sensor_features(packed, &scene->sensors[sensor]);
     if (r->options->no_light_paths) packed->features &= ~(1u << MCV_FEATURE_LIGHT_TRACING);
+    if (r->options->no_split) packed->features &= ~(1u << MCV_FEATURE_SPLIT);
     mcv_feature_names(packed->features, r->stats->features, sizeof r->stats->features);
 
     const double compile = mcv_seconds();

@@ -7,8 +7,10 @@
 enum {
     DEFAULT_SLICE = 256,
     MAX_SLICES = 2048, /* enough for both an even load and a bounded state */
+    MAX_SLOTS = 4096,  /* of a slice: its state is on a thread's stack */
     MAX_STREAM_PATHS = 1 << 20,
-    STREAM_GROUP = 64, /* as in kernels/stream.cl */
+    MAX_STREAM_SLOTS = 1 << 22, /* few paths have all of their branches */
+    STREAM_GROUP = 64,          /* as in kernels/stream.cl */
     STREAM_ARGUMENTS = MCV_SCENE_ARGUMENTS + 7,
 };
 
@@ -39,8 +41,9 @@ static mcv_result open_stream(mcv_schedule *s, const char *options, mcv_error *e
     MCV_STREAM_KERNELS(MCV_X)
 #undef MCV_X
     const size_t path_bytes = 4 * (size_t)mcv_path_words(s->scene->packed.features, s->scene->packed.channels);
-    MCV_TRY(mcv_cl_buffer(s->cl, "the paths of a launch", path_bytes * s->capacity, NULL, &s->paths, error));
-    MCV_TRY(mcv_cl_buffer(s->cl, "the queues", 3 * sizeof(cl_uint) * s->capacity, NULL, &s->queues, error));
+    const size_t slots = (size_t)s->capacity * s->branches;
+    MCV_TRY(mcv_cl_buffer(s->cl, "the paths of a launch", path_bytes * slots, NULL, &s->paths, error));
+    MCV_TRY(mcv_cl_buffer(s->cl, "the queues", 3 * sizeof(cl_uint) * slots, NULL, &s->queues, error));
     return mcv_cl_buffer(s->cl, "the lengths of the queues", 2 * sizeof(cl_uint) * (s->depth + 1), NULL, &s->lengths, error);
 }
 
@@ -49,16 +52,19 @@ mcv_result mcv_schedule_open(mcv_cl *cl, const mcv_device_scene *scene, uint32_t
     mcv_schedule *s = schedule;
     char defines[1024];
     const mcv_packed *packed = &scene->packed;
-    const size_t path_bytes = 4 * (size_t)mcv_path_words(packed->features, packed->channels);
     memset(s, 0, sizeof *s);
+    s->branches = mcv_path_branches(packed->features);
+    const size_t path_bytes = 4 * (size_t)mcv_path_words(packed->features, packed->channels) * s->branches;
     s->cl = cl;
     s->scene = scene;
     s->depth = options->depth;
     s->kind = options->schedule;
     if (s->kind == MCV_SCHEDULE_AUTO) s->kind = cl->cpu ? MCV_SCHEDULE_TILE : MCV_SCHEDULE_STREAM;
     s->slice = options->slice > 0 ? options->slice : DEFAULT_SLICE;
+    if (s->slice > MAX_SLOTS / s->branches) s->slice = MAX_SLOTS / s->branches;
     const uint32_t unit = s->kind == MCV_SCHEDULE_TILE ? s->slice : MCV_BLOCK;
-    s->capacity = fitting_paths(cl, path_bytes, s->kind == MCV_SCHEDULE_TILE ? MAX_SLICES * s->slice : MAX_STREAM_PATHS) / unit * unit;
+    const uint32_t streamed = MAX_STREAM_SLOTS / s->branches < MAX_STREAM_PATHS ? MAX_STREAM_SLOTS / s->branches : MAX_STREAM_PATHS;
+    s->capacity = fitting_paths(cl, path_bytes, s->kind == MCV_SCHEDULE_TILE ? MAX_SLICES * s->slice : streamed) / unit * unit;
     if (s->capacity == 0) return mcv_fail(error, MCV_DEVICE, "%s: too little memory for a slice of %u paths", cl->name, unit);
 
     mcv_feature_options(packed->features, packed->channels, sensor_type, options->sampler, s->slice, defines, sizeof defines);
@@ -157,13 +163,14 @@ static mcv_result zero(mcv_cl *cl, cl_mem buffer, size_t bytes, mcv_error *error
 
 static mcv_result launch_stage(mcv_schedule *s, uint32_t kernel, size_t items, mcv_error *error) {
     mcv_arg arguments[STREAM_ARGUMENTS];
+    const cl_uint slots = s->capacity * s->branches;
     mcv_device_scene_arguments(s->scene, arguments);
     arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->paths);
     arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->sums);
     arguments[MCV_SCENE_ARGUMENTS + 2] = MCV_ARG(s->counters);
     arguments[MCV_SCENE_ARGUMENTS + 3] = MCV_ARG(s->queues);
     arguments[MCV_SCENE_ARGUMENTS + 4] = MCV_ARG(s->lengths);
-    arguments[MCV_SCENE_ARGUMENTS + 5] = MCV_ARG(s->capacity);
+    arguments[MCV_SCENE_ARGUMENTS + 5] = MCV_ARG(slots);
     arguments[MCV_SCENE_ARGUMENTS + 6] = MCV_ARG(s->stream.depth);
     return launch(s, kernel, items, STREAM_GROUP, arguments, STREAM_ARGUMENTS, error);
 }
@@ -188,15 +195,22 @@ static mcv_result launch_depth(mcv_schedule *s, size_t items, mcv_render_stats *
     return MCV_OK;
 }
 
-/* How many paths lived so many depths ago, or waits until that is known: there are no more of them now. */
+/* All that may live: a path branches off at most once at each depth. */
+static uint32_t most_paths(const mcv_schedule *s, uint32_t paths, uint32_t depths) {
+    return paths * (depths + 1 < s->branches ? depths + 1 : s->branches);
+}
+
+/* How many paths lived so many depths ago, or waits until that is known; with all that may have branched off since. */
 static mcv_result living_paths(mcv_schedule *s, cl_uint *living, mcv_error *error) {
     const uint32_t asked = s->stream.depth % MCV_DEPTHS_AHEAD;
-    *living = s->stream.frame.path_count;
+    const uint32_t most = s->stream.frame.path_count * s->branches;
+    *living = most;
     if (s->stream.depth < MCV_DEPTHS_AHEAD) return MCV_OK;
     MCV_TRY_CL(clWaitForEvents(1, &s->stream.answers[asked]), error);
     clReleaseEvent(s->stream.answers[asked]);
     s->stream.answers[asked] = NULL;
     *living = s->stream.living[asked];
+    if (*living < most) *living = most_paths(s, *living, MCV_DEPTHS_AHEAD) < most ? most_paths(s, *living, MCV_DEPTHS_AHEAD) : most;
     return MCV_OK;
 }
 
@@ -208,7 +222,8 @@ static mcv_result start_stream(mcv_schedule *s, const mcv_frame *frame, mcv_rend
     MCV_TRY(zero(s->cl, s->lengths, 2 * sizeof(cl_uint) * (s->depth + 1), error));
     MCV_TRY(zero(s->cl, s->counters, sizeof(cl_uint) * MCV_COUNTER_COUNT, error));
     MCV_TRY(launch_stage(s, MCV_KERNEL_generate_rays, frame->path_count, error));
-    while (s->stream.depth < frame->depth && s->stream.depth < MCV_DEPTHS_AHEAD) MCV_TRY(launch_depth(s, frame->path_count, stats, error));
+    while (s->stream.depth < frame->depth && s->stream.depth < MCV_DEPTHS_AHEAD)
+        MCV_TRY(launch_depth(s, most_paths(s, frame->path_count, s->stream.depth), stats, error));
     return MCV_OK;
 }
 

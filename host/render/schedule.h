@@ -27,6 +27,7 @@ typedef struct mcv_schedule {
     uint32_t kind;     /* MCV_SCHEDULE_TILE or _STREAM */
     uint32_t capacity; /* paths of a launch at most */
     uint32_t slice;    /* paths per slice (tile) */
+    uint32_t branches; /* of a path at most */
     uint32_t depth;
     cl_program program;
     cl_kernel
