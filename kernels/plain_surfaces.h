@@ -166,6 +166,7 @@ MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint
     __global const mcv_device_emitter *e = world.emitters;
     mcv_slot slot;
     slot.base = paths;
+    (void)exact, (void)gloss;
 #if MCV_WITH_GLOSS
     mcv_device_gloss from;
     if (type != MCV_MATERIAL_DIFFUSE) from = mcv_plain_gloss(world, gloss);
@@ -229,6 +230,7 @@ MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint
 static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, uint *paths, const uint *ends, uint gloss, uint *shadows) {
     uint casts[MCV_SLOTS];
     uint listed = 0;
+    (void)gloss;
     mcv_cast_plain_shadows(world, paths, 0, ends[MCV_MET_DIFFUSE_TRIANGLE], 0, MCV_MATERIAL_DIFFUSE, MCV_NONE, casts);
 #if MCV_WITH_SURFACES
     mcv_cast_plain_shadows(world, paths, ends[MCV_MET_GLOSS_EXACT], ends[MCV_MET_DIFFUSE_EXACT], 1, MCV_MATERIAL_DIFFUSE, MCV_NONE, casts);
@@ -260,6 +262,7 @@ enum { MCV_PLAIN_ENDS, MCV_PLAIN_GOES_ON = MCV_GOES_ON, MCV_PLAIN_IS_SMOOTH };
 MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first, uint last, uint depth, int exact, uint type, uint gloss,
                                        uint *goes_on, uint *unmatched) {
     const int roulette = depth >= MCV_ROULETTE_DEPTH;
+    (void)exact, (void)gloss, (void)unmatched;
     mcv_slot slot;
     slot.base = paths;
 #if MCV_WITH_GLOSS
@@ -277,6 +280,7 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
 #if MCV_WITH_DIELECTRIC
         media = MCV_WORD(slot, media, 0);
 #endif
+        (void)media;
         if (type == MCV_MATERIAL_DIFFUSE) {
             __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
             direction = MCV_LOAD_3(slot, bounce);

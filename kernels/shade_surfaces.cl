@@ -132,7 +132,7 @@ MCV_FUNCTION void mcv_send_on(mcv_world world, mcv_slot slot, mcv_meeting meetin
 #if MCV_WITH_LIGHT_TRACING
     mcv_leave_trail(world, slot, meeting, on);
 #endif
-    (void)world, (void)media;
+    (void)world, (void)meeting, (void)media;
 }
 
 #if MCV_WITH_SPLIT

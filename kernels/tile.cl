@@ -440,6 +440,7 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
                                                           uint *shadows) {
     const uint alive = ends[MCV_MET_TRIANGLE];
     uint shadow_count = 0, plain = 0;
+    (void)gloss;
 #if MCV_WITH_EMISSION
     uint chosen[MCV_SLOTS];
     uint count = 0;

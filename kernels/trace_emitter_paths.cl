@@ -61,6 +61,7 @@ static mcv_vec3 mcv_aim(mcv_world world, mcv_vec3 from, mcv_cone *own, mcv_pair 
 static void mcv_leave_surface(mcv_world world, uint emitter, mcv_pair place, mcv_pair turn, mcv_light_path *path) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     float xi;
+    (void)turn;
     const uint triangle =
         world.instances[e->instance].first_triangle + mcv_search_cdf(world.emitter_cdf + e->cdf, e->triangle_count, place.x, place.y, &xi);
     const float root = mcv_sqrt(xi);
