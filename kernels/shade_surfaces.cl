@@ -145,18 +145,23 @@ MCV_FUNCTION void mcv_send_on(mcv_world world, mcv_slot slot, mcv_meeting meetin
 static int mcv_split_path(mcv_world world, mcv_slot slot, mcv_slot beside, mcv_meeting meeting, uint media, float xi, mcv_color throughput,
                           mcv_scattering *on, mcv_scattering other) {
     const uint number = MCV_WORD(slot, branch, 0) + 1u;
+    mcv_scattering likelier = *on;
     if (other.chance > on->chance || (other.chance == on->chance && other.event == MCV_EVENT_REFLECT)) {
-        const mcv_scattering chosen = *on;
-        *on = other;
-        other = chosen;
+        likelier = other;
+        other = *on;
     }
     const float effort = MCV_SPLIT_EFFORT * mcv_average(throughput);
     const float wanted = other.chance * (effort > 1.0f ? effort : 1.0f);
     const float lives = wanted < 1.0f ? wanted : 1.0f;
-    float weight = on->chance;
+    float weight = likelier.chance;
 #if MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE
-    if (lives < 1.0f) weight = xi < lives ? 1.0f - other.chance / lives : 1.0f;
+    /* What roulette would soon play for is left to chance: light from all sides keeps being found without noise. */
+    const float branches = other.chance / lives, goes_on = lives < 1.0f ? 1.0f - branches : likelier.chance;
+    const float least = mcv_brightest(throughput) * (goes_on < branches ? goes_on : branches);
+    if (least < MCV_ROULETTE_WEIGHT * (1.0f - 8.0f * MCV_UNIT_ROUNDOFF)) return 0;
+    if (lives < 1.0f) weight = xi < lives ? goes_on : 1.0f;
 #endif
+    *on = likelier;
     on->factor = mcv_dim(on->factor, weight);
     MCV_WORD(slot, branch, 0) = number;
     throughput = mcv_dim(mcv_tint(throughput, other.factor), other.chance / lives);
