@@ -97,7 +97,7 @@ static bench open_bench(const subject *s, bool inside, bool with_reference) {
         }
         BUILD(mcv_scene_add_material(scene, &material, &builder_error));
         add_box(scene, (const double[]){1, 1, 1}, 0, mcv_transform_identity());
-        BUILD(mcv_pack(scene, &made[number].packed, &builder_error));
+        BUILD(mcv_pack(scene, NULL, &made[number].packed, &builder_error));
     }
     if (with_reference && made[number].tables.count == 0)
         BUILD(ref_gloss_tables_new(made[number].scene, &made[number].tables, &builder_error));

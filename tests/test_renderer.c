@@ -2,6 +2,7 @@
 /* A renderer that is used again and again gives the bits of one that is used once, and keeps what has not changed. */
 #include "scene_builder.h"
 
+#include "render/pack.h"
 #include "render/render.h"
 
 /* A diffuse ball before a panel, which has another place, cone and radiance each time. */
@@ -115,11 +116,38 @@ static void test_goes_on_after_a_failure(void **state) {
     mcv_scene_free(scene);
 }
 
+static mcv_packed pack_metal(double roughness, const mcv_packed *earlier) {
+    mcv_scene *scene = mcv_scene_new("metal");
+    mcv_material metal = {.type = MCV_MATERIAL_CONDUCTOR, .texture = MCV_NONE};
+    mcv_packed packed;
+    mcv_params_set_defaults(mcv_material_table(MCV_MATERIAL_CONDUCTOR), &metal.as);
+    metal.as.conductor.roughness = roughness;
+    add_sphere(scene, 1, 4, add_material(scene, MCV_MATERIAL_CONDUCTOR, &metal), mcv_transform_identity());
+    BUILD(mcv_pack(scene, earlier, &packed, &builder_error));
+    mcv_scene_free(scene);
+    return packed;
+}
+
+/* Albedos of the scene before serve again, as a mark in them shows, but not those of another roughness. */
+static void test_keeps_albedos(void **state) {
+    (void)state;
+    mcv_packed first = pack_metal(0.3, NULL), other = pack_metal(0.4, NULL);
+    first.albedos[5] = -1;
+    mcv_packed same = pack_metal(0.3, &first), different = pack_metal(0.4, &first);
+    assert_int_equal(same.albedo_count, first.albedo_count);
+    assert_memory_equal(same.albedos, first.albedos, first.albedo_count * sizeof *first.albedos);
+    assert_int_equal(different.albedo_count, other.albedo_count);
+    assert_memory_equal(different.albedos, other.albedos, other.albedo_count * sizeof *other.albedos);
+    mcv_packed *const all[] = {&first, &other, &same, &different};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i) mcv_packed_free(all[i]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_same_bits_and_kept),
         cmocka_unit_test(test_enough),
         cmocka_unit_test(test_goes_on_after_a_failure),
+        cmocka_unit_test(test_keeps_albedos),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

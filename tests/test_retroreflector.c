@@ -29,7 +29,7 @@ static mcv_device_material pack(const mcv_retroreflector_params *params) {
     mcv_scene *scene = mcv_scene_new("retroreflector");
     const uint32_t number = add_material(scene, MCV_MATERIAL_RETROREFLECTOR, &(mcv_material){.as.retroreflector = *params});
     add_box(scene, (const double[]){1, 1, 1}, number, mcv_transform_identity());
-    BUILD(mcv_pack(scene, &packed, &builder_error));
+    BUILD(mcv_pack(scene, NULL, &packed, &builder_error));
     const mcv_device_material material = packed.materials[0];
     mcv_packed_free(&packed);
     mcv_scene_free(scene);

@@ -191,7 +191,7 @@ static void test_shipped_scenes(void **state) {
         if (strcmp(entry->d_name, "2CylinderEngine.glb") == 0) continue; /* a part, not a scene of its own */
         snprintf(path, sizeof path, MCV_SOURCE_DIR "/scenes/%s", entry->d_name);
         if (mcv_scene_load(path, (mcv_overrides){NULL, 0}, &scene, &error) != MCV_OK) fail_msg("%s", error.text);
-        if (mcv_pack(scene, &packed, &error) != MCV_OK) fail_msg("%s", error.text);
+        if (mcv_pack(scene, NULL, &packed, &error) != MCV_OK) fail_msg("%s", error.text);
         for (uint32_t s = 0; s < scene->sensor_count; ++s, ++count)
             expect_nothing_unneeded(entry->d_name, packed.features, packed.channels, scene->sensors[s].type);
         mcv_packed_free(&packed);

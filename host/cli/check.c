@@ -281,7 +281,7 @@ static mcv_result check_scene(const mcv_command *command, mcv_scene *scene, mcv_
         return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor: give a node a glTF camera or an MCVISI_sensors sensor",
                         scene->path);
     if (command->sensor) MCV_TRY(mcv_sensor_find(scene, command->sensor, &sensor, error));
-    MCV_TRY(mcv_pack(scene, &packed, error));
+    MCV_TRY(mcv_pack(scene, NULL, &packed, error));
     for (uint32_t i = 0; i < scene->sensor_count; ++i)
         if (i == sensor || (!command->sensor && !command->defines)) packed.features = mcv_sensor_features(&packed, &scene->sensors[i]);
     mcv_result result = MCV_OK;

@@ -22,14 +22,14 @@ static double lambda(const double alpha[2], const double w[3]) {
     return 0.5 * (sqrt(1 + (x * x + y * y) / (w[2] * w[2])) - 1);
 }
 
-/* A visible microfacet normal: mcv_ggx_sample with the disk's radius² and angle. */
-static void facet(const double alpha[2], const double o[3], double radius_squared, double angle, double h[3]) {
+/* A visible microfacet normal: mcv_ggx_sample with the disk's radius² and the direction of its radius. */
+static void facet(const double alpha[2], const double o[3], double radius_squared, const double towards[2], double h[3]) {
     double s[3] = {alpha[0] * o[0], alpha[1] * o[1], o[2]};
     const double length = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
     for (int k = 0; k < 3; ++k) s[k] /= length;
     const double q = radius_squared * (1 + s[2]), around = sqrt(fmax(q * (2 - q), 0));
-    h[0] = alpha[0] * (around * cos(angle) + s[0]);
-    h[1] = alpha[1] * (around * sin(angle) + s[1]);
+    h[0] = alpha[0] * (around * towards[0] + s[0]);
+    h[1] = alpha[1] * (around * towards[1] + s[1]);
     h[2] = (1 - radius_squared) * (1 + s[2]);
     const double size = sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
     for (int k = 0; k < 3; ++k) h[k] /= size;
@@ -48,10 +48,11 @@ static void integrate(const double alpha[2], const double o[3], double eta, doub
     mcv_coat(coating, eta, 1, &scale, &offset);
     sums[0] = sums[1] = 0;
     for (int a = 0; a < ANGLES; ++a) {
+        const double angle = turn * (a + 0.5) / ANGLES, towards[2] = {cos(angle), sin(angle)};
         for (int r = 0; r < RADII; ++r) {
             double h[3], reflected[3], refracted[3];
             const double w = (r + 0.5) / RADII, weight = 2 * w;
-            facet(alpha, o, 1 - w * w, turn * (a + 0.5) / ANGLES, h);
+            facet(alpha, o, 1 - w * w, towards, h);
             const double c = fmin(o[0] * h[0] + o[1] * h[1] + o[2] * h[2], 1);
             const double squared = 1 - eta * eta * (1 - c * c), c2 = squared > 0 ? sqrt(squared) : 0;
             for (int k = 0; k < 3; ++k) {
@@ -61,7 +62,7 @@ static void integrate(const double alpha[2], const double o[3], double eta, doub
             const double kept = reflected[2] > 0 ? weight * (1 + own) / (1 + own + lambda(alpha, reflected)) : 0;
             if (!interface) {
                 sums[0] += kept;
-                sums[1] += kept * pow(1 - c, 5);
+                sums[1] += kept * (1 - c) * (1 - c) * (1 - c) * (1 - c) * (1 - c);
                 continue;
             }
             const double s = (eta * c - c2) / (eta * c + c2), p = (c - eta * c2) / (c + eta * c2);

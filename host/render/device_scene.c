@@ -193,7 +193,7 @@ static mcv_result keep_structure(mcv_cl *cl, mcv_device_scene *kept, mcv_device_
 mcv_result mcv_device_scene_begin(mcv_cl *cl, const mcv_scene *scene, uint32_t threads, mcv_device_scene *kept, mcv_device_scene *device,
                                   mcv_error *error) {
     memset(device, 0, sizeof *device);
-    MCV_TRY(mcv_pack(scene, &device->packed, error));
+    MCV_TRY(mcv_pack(scene, kept ? &kept->packed : NULL, &device->packed, error));
     mcv_hierarchy_build *b = device->in_building = calloc(1, sizeof *b);
     if (!b) return mcv_fail(error, MCV_FAILED, "no memory for the acceleration structure");
     b->packed = &device->packed;

@@ -3,19 +3,10 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "mcvisi/materials/microfacet.h"
 #include "render/albedo.h"
-
-/* Room for more albedos, or NULL. *table gets where they begin. */
-static float *grow(mcv_packed *packed, size_t words, uint32_t *table) {
-    float *albedos = realloc(packed->albedos, (packed->albedo_count + words) * sizeof *albedos);
-    if (!albedos) return NULL;
-    *table = (uint32_t)packed->albedo_count;
-    packed->albedos = albedos;
-    packed->albedo_count += words;
-    return albedos + *table;
-}
 
 /* α along the tangent and across, as the device computes it. */
 static void alphas(double roughness, double anisotropy, double alpha[2]) {
@@ -23,27 +14,52 @@ static void alphas(double roughness, double anisotropy, double alpha[2]) {
     alpha[0] = alpha[1] + (1 - alpha[1]) * anisotropy;
 }
 
-static bool same_table(const mcv_device_gloss *a, const mcv_device_gloss *b) {
-    return a->roughness == b->roughness && a->anisotropy == b->anisotropy && a->roughnesses == b->roughnesses;
+static void integrate(const mcv_albedo_source *source, float *table) {
+    const uint32_t words = mcv_albedo_words(source->azimuths);
+    for (uint32_t r = 0; r < source->roughnesses; ++r) {
+        const double share = source->roughnesses > 1 ? (double)r / (source->roughnesses - 1) : 1;
+        double alpha[2];
+        alphas(share * source->roughness, source->anisotropy, alpha);
+        float *block = table + (size_t)r * words;
+        if (source->n_outside > 0)
+            mcv_albedo_interface(alpha[0], alpha[1], source->n_outside, source->n_inside, source->coating, source->azimuths, block);
+        else
+            mcv_albedo_reflection(alpha[0], alpha[1], source->azimuths, block);
+    }
 }
 
-/* The table of material i: that of an earlier one where they are alike. */
-static mcv_result find_table(const mcv_scene *scene, mcv_packed *packed, uint32_t i, mcv_error *error) {
-    mcv_device_gloss *gloss = &packed->gloss[i];
-    for (uint32_t j = 0; j < i; ++j) {
-        if (packed->gloss[j].table == MCV_NONE || !same_table(gloss, &packed->gloss[j])) continue;
-        gloss->table = packed->gloss[j].table;
+static const mcv_albedo_source *find_source(const mcv_packed *packed, const mcv_albedo_source *like) {
+    for (uint32_t i = 0; packed && i < packed->albedo_source_count; ++i) {
+        const mcv_albedo_source *s = packed->albedo_sources + i;
+        if (s->roughness == like->roughness && s->anisotropy == like->anisotropy && s->n_outside == like->n_outside &&
+            s->n_inside == like->n_inside && s->coating == like->coating && s->azimuths == like->azimuths &&
+            s->roughnesses == like->roughnesses)
+            return s;
+    }
+    return NULL;
+}
+
+/* The table from this source: one that is there, one of the scene before, or a new one. */
+static mcv_result find_table(const mcv_packed *earlier, mcv_packed *packed, mcv_albedo_source source, uint32_t *table, mcv_error *error) {
+    const mcv_albedo_source *found = find_source(packed, &source);
+    if (found) {
+        *table = found->table;
         return MCV_OK;
     }
-    const uint32_t words = mcv_albedo_words(gloss->azimuths);
-    float *block = grow(packed, (size_t)words * gloss->roughnesses, &gloss->table);
-    if (!block) return mcv_fail(error, MCV_FAILED, "%s: no memory for the albedos of material %u", scene->path, i);
-    for (uint32_t r = 0; r < gloss->roughnesses; ++r) {
-        const double share = gloss->roughnesses > 1 ? (double)r / (gloss->roughnesses - 1) : 1;
-        double alpha[2];
-        alphas(share * gloss->roughness, gloss->anisotropy, alpha);
-        mcv_albedo_reflection(alpha[0], alpha[1], gloss->azimuths, block + (size_t)r * words);
-    }
+    const size_t words = (size_t)mcv_albedo_words(source.azimuths) * source.roughnesses;
+    float *albedos = realloc(packed->albedos, (packed->albedo_count + words) * sizeof *albedos);
+    if (albedos) packed->albedos = albedos;
+    mcv_albedo_source *sources = realloc(packed->albedo_sources, (packed->albedo_source_count + 1) * sizeof *sources);
+    if (sources) packed->albedo_sources = sources;
+    if (!albedos || !sources) return mcv_fail(error, MCV_FAILED, "no memory for the albedos of microfacets");
+    source.table = *table = (uint32_t)packed->albedo_count;
+    found = find_source(earlier, &source);
+    if (found)
+        memcpy(albedos + *table, earlier->albedos + found->table, words * sizeof *albedos);
+    else
+        integrate(&source, albedos + *table);
+    sources[packed->albedo_source_count++] = source;
+    packed->albedo_count += words;
     return MCV_OK;
 }
 
@@ -58,7 +74,7 @@ static bool in_use(const mcv_scene *scene, uint32_t material) {
     return false;
 }
 
-mcv_result mcv_pack_gloss(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
+mcv_result mcv_pack_gloss(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed, mcv_error *error) {
     for (uint32_t i = 0; i < scene->material_count; ++i) {
         const mcv_material *from = &scene->materials[i];
         mcv_device_gloss *to = &packed->gloss[i];
@@ -72,13 +88,15 @@ mcv_result mcv_pack_gloss(const mcv_scene *scene, mcv_packed *packed, mcv_error 
                                  .texture = mcv_material_surface_texture(from)};
         if (to->texture != MCV_NONE) to->roughnesses = MCV_ALBEDO_ROUGHNESSES;
         if (!in_use(scene, i)) continue;
+        const mcv_albedo_source source = {
+            .roughness = to->roughness, .anisotropy = to->anisotropy, .azimuths = to->azimuths, .roughnesses = to->roughnesses};
         if (from->type == MCV_MATERIAL_METALLIC_ROUGHNESS) {
             const mcv_metallic_roughness_params *p = &from->as.metallic_roughness;
             to->metallic = (float)p->metallic;
             to->f0 = (float)pow((p->ior - 1) / (p->ior + 1), 2);
             to->transmission = (float)p->transmission;
             to->diffuse_transmission = (float)p->diffuseTransmission;
-            MCV_TRY(find_table(scene, packed, i, error));
+            MCV_TRY(find_table(earlier, packed, source, &to->table, error));
         }
         if (from->type != MCV_MATERIAL_CONDUCTOR) continue;
         for (int k = 0; k < 3; ++k) {
@@ -86,7 +104,7 @@ mcv_result mcv_pack_gloss(const mcv_scene *scene, mcv_packed *packed, mcv_error 
             to->k[k] = (float)from->as.conductor.k[k];
         }
         if (!mcv_material_is_rough(from)) continue;
-        MCV_TRY(find_table(scene, packed, i, error));
+        MCV_TRY(find_table(earlier, packed, source, &to->table, error));
         for (int k = 0; k < 3; ++k)
             packed->materials[i].value[k] =
                 (float)left_by_facets(mcv_conductor_mean(from->as.conductor.n[k], from->as.conductor.k[k]), packed->albedos[to->table]);
@@ -100,8 +118,8 @@ mcv_result mcv_pack_gloss(const mcv_scene *scene, mcv_packed *packed, mcv_error 
  */
 static const double least_spread = 1e-5;
 
-mcv_result mcv_pack_interfaces(const mcv_scene *scene, mcv_packed *packed, uint32_t count, const uint32_t *materials, const double *index,
-                               mcv_error *error) {
+mcv_result mcv_pack_interfaces(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed, uint32_t count,
+                               const uint32_t *materials, const double *index, mcv_error *error) {
     enum { WIDTH = MCV_MAX_MEDIA + 1 };
     for (uint32_t i = 0; i < WIDTH * WIDTH; ++i) packed->interface_albedos[i] = MCV_NONE;
     /* Of two media that meet, the later one owns the surface between them: it has the higher priority. */
@@ -113,17 +131,15 @@ mcv_result mcv_pack_interfaces(const mcv_scene *scene, mcv_packed *packed, uint3
         alphas(gloss->roughness, gloss->anisotropy, alpha);
         for (uint32_t outside = 0; outside < inside; ++outside) {
             if (alpha[1] * fabs(index[inside] - index[outside]) / index[outside] < least_spread) continue;
-            uint32_t table = MCV_NONE;
-            for (uint32_t other = 0; other < outside && table == MCV_NONE; ++other) /* the same material meets the same index */
-                if (index[other] == index[outside]) table = packed->interface_albedos[other * WIDTH + inside];
-            for (uint32_t other = 1; other < inside && table == MCV_NONE; ++other)
-                if (materials[other] == materials[inside]) table = packed->interface_albedos[outside * WIDTH + other];
-            if (table == MCV_NONE) {
-                float *block = grow(packed, mcv_albedo_words(gloss->azimuths), &table);
-                if (!block) return mcv_fail(error, MCV_FAILED, "%s: no memory for the albedos of rough interfaces", scene->path);
-                mcv_albedo_interface(alpha[0], alpha[1], index[outside], index[inside], mcv_material_coating(material, index[outside]),
-                                     gloss->azimuths, block);
-            }
+            const mcv_albedo_source source = {.roughness = gloss->roughness,
+                                              .anisotropy = gloss->anisotropy,
+                                              .n_outside = index[outside],
+                                              .n_inside = index[inside],
+                                              .coating = mcv_material_coating(material, index[outside]),
+                                              .azimuths = gloss->azimuths,
+                                              .roughnesses = 1};
+            uint32_t table;
+            MCV_TRY(find_table(earlier, packed, source, &table, error));
             packed->interface_albedos[outside * WIDTH + inside] = packed->interface_albedos[inside * WIDTH + outside] = table;
         }
     }

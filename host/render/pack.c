@@ -34,6 +34,7 @@ void mcv_packed_free(mcv_packed *packed) {
     free(packed->materials);
     free(packed->gloss);
     free(packed->albedos);
+    free(packed->albedo_sources);
     free(packed->emitters);
     free(packed->emitter_cdf);
     free(packed->textures);
@@ -164,7 +165,7 @@ static void pack_media(const mcv_scene *scene, mcv_packed *packed, uint32_t coun
  * Gives each dielectric instance a medium, so that a path can keep the set of the bodies it is in as bits, the highest
  * priority on top. Bodies of one material whose boxes do not touch share a bit.
  */
-static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
+static mcv_result assign_media(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed, mcv_error *error) {
     const mcv_box *boxes = packed->boxes;
     body_medium media[MCV_MAX_MEDIA];
     uint32_t count = 0;
@@ -211,7 +212,7 @@ static mcv_result assign_media(const mcv_scene *scene, mcv_packed *packed, mcv_e
     if (!packed->gloss) return MCV_OK;
     double index[MCV_MAX_MEDIA + 1] = {1.0};
     for (uint32_t m = 1; m <= count; ++m) index[m] = scene->materials[materials[m]].as.dielectric.ior[MCV_ALBEDO_CHANNEL];
-    return mcv_pack_interfaces(scene, packed, count, materials, index, error);
+    return mcv_pack_interfaces(scene, earlier, packed, count, materials, index, error);
 }
 
 /*
@@ -627,7 +628,7 @@ static bool may_touch(const mcv_scene *scene, const mcv_box *boxes) {
     return false;
 }
 
-static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
+static mcv_result pack_all(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed, mcv_error *error) {
     uint64_t vertices = 0;
     bool failed = false;
     packed->boxes = allocate(scene->instance_count, sizeof *packed->boxes, &failed);
@@ -699,15 +700,15 @@ static mcv_result pack_all(const mcv_scene *scene, mcv_packed *packed, mcv_error
     }
     for (uint32_t i = 0; i < scene->material_count; ++i) packed->materials[i] = pack_material(&scene->materials[i]);
     pack_textures(scene, packed);
-    if (packed->gloss) MCV_TRY(mcv_pack_gloss(scene, packed, error));
+    if (packed->gloss) MCV_TRY(mcv_pack_gloss(scene, earlier, packed, error));
     if (packed->solids) mcv_pack_solids(scene, packed);
-    MCV_TRY(assign_media(scene, packed, error));
+    MCV_TRY(assign_media(scene, earlier, packed, error));
     return pack_emitters(scene, packed, error);
 }
 
-mcv_result mcv_pack(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
+mcv_result mcv_pack(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed, mcv_error *error) {
     memset(packed, 0, sizeof *packed);
-    const mcv_result result = pack_all(scene, packed, error);
+    const mcv_result result = pack_all(scene, earlier, packed, error);
     if (result != MCV_OK) mcv_packed_free(packed);
     return result;
 }

@@ -15,6 +15,12 @@ typedef struct mcv_box {
     double lower[3], upper[3]; /* [m]; lower > upper: empty */
 } mcv_box;
 
+/* What the albedos of some microfacets come from: of an interface between two indices, or without these of what only reflects. */
+typedef struct mcv_albedo_source {
+    double roughness, anisotropy, n_outside, n_inside, coating;
+    uint32_t azimuths, roughnesses, table; /* where they begin */
+} mcv_albedo_source;
+
 typedef struct mcv_packed {
     uint32_t features; /* bit MCV_FEATURE_… */
     uint32_t channels;
@@ -34,6 +40,8 @@ typedef struct mcv_packed {
     mcv_device_gloss *gloss; /* of each material, or NULL */
     float *albedos;
     size_t albedo_count;
+    mcv_albedo_source *albedo_sources; /* of each table in it */
+    uint32_t albedo_source_count;
     mcv_device_medium media[3][MCV_MAX_MEDIA + 1]; /* by channel */
     mcv_device_interface interfaces[3][(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
     uint32_t interface_albedos[(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
@@ -54,8 +62,11 @@ typedef struct mcv_packed {
     double refractive_indices[3][MCV_MAX_MEDIA + 1]; /* of the media by channel */
 } mcv_packed;
 
-/* Fails without memory, or with more than MCV_MAX_MEDIA bodies that overlap. On failure *packed is empty. */
-mcv_result mcv_pack(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
+/*
+ * Fails without memory, or with more than MCV_MAX_MEDIA bodies that overlap. On failure *packed is empty. `earlier`: another scene's, whose
+ * albedos serve again where they are the same, or NULL.
+ */
+mcv_result mcv_pack(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed, mcv_error *error);
 void mcv_packed_free(mcv_packed *packed);
 
 /* pack_solids.c: the exact surfaces, about packed->centre; and in double. */
