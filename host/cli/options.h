@@ -102,9 +102,8 @@ enum {
     X(text, device, "device", 0, "D", MCV_IN_TAKE | MCV_IN_TRACE | MCV_IN_COMPARE, NULL, 0, 0, \
       "a number from `mcvisi devices`, PLATFORM:TYPE:NAME, or `reference`: the independent renderer in double precision, slow") \
     X(choice, precision, "precision", 0, "single|mixed|double", MCV_IN_TAKE | MCV_IN_TRACE | MCV_IN_COMPARE, NULL, 0, 0, \
-      "single: float32, the default; mixed: where rays meet smooth surfaces and how they go on is worked out in double; double: all is, " \
-      "by " \
-      "the reference renderer, slow") \
+      "single: float32, the default; mixed: where rays meet smooth surfaces and how they go on is worked out in double; double: all " \
+      "is, by the reference renderer, slow") \
     X(count, threads, "threads", 0, "N", MCV_IN_TAKE | MCV_IN_TRACE | MCV_IN_LIGHTFIELD | MCV_IN_COMPARE, NULL, 1, 1024, \
       "threads of the host (building the scene, the reference renderer, the gradient); by default one per core") \
     X(text, rays, "rays", 0, "rays.csv", MCV_IN_TRACE, NULL, 0, 0, "the rays: rows x,y,z,dx,dy,dz in metres, in the world") \
