@@ -213,6 +213,19 @@ static void test_later_range_can_be_stopped(void **state) {
     mcv_scene_free(scene);
 }
 
+/* A range that several rounds bring, of samples that adaptive sampling would not reach, up to the last one of all. */
+static void test_latest_ranges_are_whole(void **state) {
+    static const uint64_t firsts[] = {1u << 28, 0x80000000u - 512};
+    mcv_scene *scene = mixed_scene(16);
+    (void)state;
+    for (size_t i = 0; i < sizeof firsts / sizeof firsts[0]; ++i) {
+        mcv_film film = render_film(scene, MCV_SCHEDULE_AUTO, 0, MCV_SAMPLER_SOBOL, firsts[i], firsts[i] + 512);
+        if (film.samples != 512) fail_msg("from %llu: %llu samples", (unsigned long long)firsts[i], (unsigned long long)film.samples);
+        mcv_film_free(&film);
+    }
+    mcv_scene_free(scene);
+}
+
 /* Some 4 rings² triangles are so many that rays take turns in the tile schedule, which the stream schedule never lets them. */
 static void test_turns_change_no_bit(void **state) {
     mcv_scene *scene = mixed_scene(120);
@@ -278,6 +291,7 @@ int main(void) {
         cmocka_unit_test(test_diffuse_furnace),
         cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_later_range_can_be_stopped),
+        cmocka_unit_test(test_latest_ranges_are_whole),
         cmocka_unit_test(test_turns_change_no_bit),
         cmocka_unit_test(test_high_depth_limit_is_cheap),
         cmocka_unit_test(test_sample_ranges_are_checked),

@@ -454,7 +454,7 @@ static mcv_result render_rounds(renderer *r) {
         if (o->error > 0 && r->film->samples >= enough && error <= o->error) return MCV_OK;
         if (o->enough && r->film->samples >= enough && o->enough(o->user, r->film)) return MCV_OK;
         if (o->seconds > 0 && seconds + predicted > o->seconds) return MCV_OK;
-        if (r->stats->interrupted || next >= 0x80000000u >> MCV_HIGHEST_LEVEL) return MCV_OK;
+        if (r->stats->interrupted || next >= 0x80000000u >> (r->tiles ? MCV_HIGHEST_LEVEL : 0)) return MCV_OK;
         if (!o->adaptive || r->tiles) continue;
         MCV_TRY(adapt(r, error));
         if (r->tiles) next = 0;
