@@ -20,16 +20,21 @@ typedef struct mcv_identity {
     uint sample;
 } mcv_identity;
 
-/* Pixels are numbered tile by tile, 8 x 8 each; those of a tile that stick out of the image have no paths. */
+/* Pixels are numbered as listed or tile by tile, 8 x 8 each; those of a tile that stick out of the image have no paths. */
 MCV_FUNCTION mcv_identity mcv_identify(mcv_world world, uint path) {
     __constant const mcv_frame *frame = world.frame;
     mcv_identity id;
     const uint set = frame->first_set + (path >> frame->log2_samples);
     const uint pixel = set / frame->replicates;
     const uint tiles = (frame->width + 7u) / 8u;
-    const uint tile = frame->listed ? world.tiles[pixel >> 6] : pixel >> 6;
-    id.column = tile % tiles * 8u + (pixel & 7u);
-    id.row = tile / tiles * 8u + ((pixel >> 3) & 7u);
+    const uint tile = pixel >> 6;
+    if (frame->listed) {
+        id.column = world.listed[pixel] % frame->width;
+        id.row = world.listed[pixel] / frame->width;
+    } else {
+        id.column = tile % tiles * 8u + (pixel & 7u);
+        id.row = tile / tiles * 8u + ((pixel >> 3) & 7u);
+    }
     id.stream = mcv_hash_2(mcv_hash_2(frame->seed, frame->first_pixel + id.row * frame->row_pitch + id.column), set % frame->replicates);
     id.sample = frame->first_sample + (path & ((1u << frame->log2_samples) - 1u));
     return id;

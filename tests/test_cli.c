@@ -178,9 +178,9 @@ static void test_wrong_usage(void **state) {
     EXPECT_FAILURE("render s.gltf --samples 0:4 --spp 16", 2, "--spp", "--samples");
     EXPECT_FAILURE("render s.gltf --sampler sobo", 2, "--sampler sobo", "sobol|random");
     EXPECT_FAILURE("render s.gltf --replicates 1 --error 0.1", 2, "--error", "--replicates");
-    EXPECT_FAILURE("render s.gltf --adaptive --replicates 1", 2, "--adaptive", "--replicates 2");
     EXPECT_FAILURE("render s.gltf --adaptive --samples 0:4", 2, "--adaptive", "--samples", "--spp");
     EXPECT_FAILURE("render s.gltf --adaptive --device reference", 2, "--adaptive", "reference");
+    EXPECT_FAILURE("render s.gltf --adaptive --precision double", 2, "--adaptive", "reference");
     EXPECT_FAILURE("render s.gltf --sensor left", 2, "s.gltf", "left", "cam");
     EXPECT_FAILURE("trace s.gltf", 2, "--rays");
     EXPECT_FAILURE("devices s.gltf", 2, "s.gltf");
@@ -306,7 +306,7 @@ static void expect_panel(const char *path, uint32_t width, uint32_t height) {
     mcv_exr_free(&exr);
 }
 
-/* The part that tells where the samples went: some tiles have more, some fewer, all a power of two, on the average what was allowed at
+/* The part that tells where the samples went: some pixels have more, some fewer, all a power of two, on the average what was allowed at
  * most. */
 static void test_render_adaptive(void **state) {
     double sum = 0, least = INFINITY, most = 0;

@@ -86,8 +86,8 @@ enum {
       "options of the scene B that are not those of A, in quotes, as in --against=\"--device reference --depth 64\"; where its seed " \
       "would be A's it is the next one") \
     X(flag, adaptive, "adaptive", 0, NULL, MCV_IN_RENDER, NULL, 0, 0, \
-      "more samples for tiles of 8 x 8 pixels with more noise, fewer for the others, once it pays; --spp is then the most on the " \
-      "average; the part `samples` of the OpenEXR file says where they went") \
+      "more samples for pixels with more noise, fewer for the others, if it pays; --spp is then the most on the average; the part " \
+      "`samples` of the OpenEXR file says where they went") \
     X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_TAKE | MCV_IN_COMPARE, "sobol", 0, 0, \
       "Owen-scrambled Sobol' points, or independent ones") \
     X(choice, split, "split", 0, "on|off", MCV_IN_TAKE | MCV_IN_COMPARE, "on", 0, 0, \

@@ -39,10 +39,8 @@ mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_option
         return mcv_fail(error, MCV_USAGE, "--error needs replicates to know the error from: give --replicates 2 or more");
     if (command->adaptive && command->samples[1])
         return mcv_fail(error, MCV_USAGE, "--adaptive is of a whole render: leave out --samples, and say how many by --spp");
-    if (command->adaptive && command->replicates < 2)
-        return mcv_fail(error, MCV_USAGE, "--adaptive needs replicates to know the error from: give --replicates 2 or more");
-    if (command->adaptive && command->device && strcmp(command->device, "reference") == 0)
-        return mcv_fail(error, MCV_USAGE, "--adaptive: the reference renderer gives all pixels the same samples: leave it out");
+    if (command->adaptive && mcv_wants_reference(command))
+        return mcv_fail(error, MCV_USAGE, "--adaptive: the reference renderer gives all pixels the same samples: leave out one of the two");
     options->adaptive = command->adaptive;
     options->first = command->samples[0];
     options->last = command->samples[1];

@@ -43,10 +43,8 @@ void mcv_film_free(mcv_film *film) {
     *film = (mcv_film){0};
 }
 
-size_t mcv_film_tiles(const mcv_film *film) { return ((size_t)film->width + 7) / 8 * ((film->height + 7) / 8); }
-
 double mcv_film_samples_at(const mcv_film *film, uint32_t column, uint32_t row) {
-    const int level = film->levels ? film->levels[(size_t)(row / 8) * ((film->width + 7) / 8) + column / 8] : 0;
+    const int level = film->levels ? film->levels[(size_t)row * film->width + column] : 0;
     return ldexp((double)film->samples * film->replicates, level);
 }
 
@@ -71,7 +69,7 @@ mcv_result mcv_film_merge(mcv_film *a, const mcv_film *b, mcv_error *error) {
             a->height, a->channels, a->replicates, b->width, b->height, b->channels, b->replicates);
     }
     if (a->levels || b->levels)
-        return mcv_fail(error, MCV_FAILED, "films of adaptive sampling cannot be merged: their tiles differ in samples");
+        return mcv_fail(error, MCV_FAILED, "films of adaptive sampling cannot be merged: their pixels differ in samples");
     if (a->samples != 0 && a->samples != b->samples) {
         return mcv_fail(error, MCV_FAILED, "films of %llu and %llu samples cannot be merged: both must hold the same number",
                         (unsigned long long)a->samples, (unsigned long long)b->samples);

@@ -20,7 +20,7 @@ typedef struct mcv_film {
     double *camera_sums;
     uint64_t *splats;
     double splat_value; /* of one unit */
-    /* Adaptive sampling, else NULL: tile i has 2^levels[i] times the samples, and what they bring counts so much less in the sums. */
+    /* Adaptive sampling, else NULL: a pixel has 2^levels[row][column] times the samples, and what they bring counts so much less. */
     signed char *levels;
 } mcv_film;
 
@@ -29,9 +29,6 @@ enum { MCV_MAX_REPLICATES = 64 };
 /* Zeroed. Fails for a size of 0 or more replicates than there can be, or with a sentence that says how much memory it would take. */
 mcv_result mcv_film_new(mcv_film *film, uint32_t width, uint32_t height, uint32_t channels, uint32_t replicates, mcv_error *error);
 void mcv_film_free(mcv_film *film);
-
-/* Tiles of 8 x 8 pixels, row by row; those at the right and at the bottom may stick out of the image. */
-size_t mcv_film_tiles(const mcv_film *film);
 
 /* Samples per pixel over all replicates: of the pixel at a place; their mean over the pixels. */
 double mcv_film_samples_at(const mcv_film *film, uint32_t column, uint32_t row);

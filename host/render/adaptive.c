@@ -3,80 +3,113 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-/* A tile that has met less than its neighbours may have missed what they have met: it takes so much of the mean around it. */
-static const double share_of_neighbours = 0.1;
+/* Of the mean variance: what a pixel is taken to have at least, since a look of few samples misses things. */
+static const double LEAST_VARIANCE = 0.02;
 
-enum { BISECTIONS = 100 };
+enum { LARGEST_RADIUS = 8, BISECTIONS = 40 };
 
-typedef struct tile {
-    double pixels;   /* within the image */
-    double variance; /* of a pixel, summed over its channels */
-} tile;
+/* All of one value per pixel. */
+typedef struct plan {
+    uint32_t width, height;
+    double *halves[2]; /* the variance that the even and the odd replicates show */
+    double *all;       /* and all together */
+    double *shares;    /* of the samples */
+    double *columns;   /* of one row: sums over its surroundings */
+} plan;
 
-static tile measure_tile(const mcv_film *film, uint32_t tile_column, uint32_t tile_row) {
-    const size_t pixels = (size_t)film->width * film->height, stride = pixels * film->channels;
-    const double *sums = film->splats ? film->camera_sums : film->sums; /* light paths are the same for all tiles */
-    tile t = {0, 0};
-    for (uint32_t row = 8 * tile_row; row < 8 * tile_row + 8 && row < film->height; ++row) {
-        for (uint32_t column = 8 * tile_column; column < 8 * tile_column + 8 && column < film->width; ++column, ++t.pixels) {
-            for (uint32_t c = 0; c < film->channels; ++c) {
-                const double *values = sums + c * pixels + (size_t)row * film->width + column;
-                double means[MCV_MAX_REPLICATES];
-                for (uint32_t r = 0; r < film->replicates; ++r) means[r] = values[r * stride] / (double)film->samples;
-                t.variance += mcv_estimate_replicates(means, film->replicates).variance;
-            }
+static size_t pixels_of(const plan *p) { return (size_t)p->width * p->height; }
+
+/* Between so many replicates, every second one if `step` is 2; the mean over the channels. */
+static void measure_variance(const mcv_film *look, uint32_t first, uint32_t step, double *variances) {
+    const size_t pixels = (size_t)look->width * look->height, stride = pixels * look->channels;
+    for (size_t i = 0; i < pixels; ++i) {
+        variances[i] = 0;
+        for (uint32_t c = 0; c < look->channels; ++c) {
+            double values[MCV_MAX_REPLICATES];
+            uint32_t count = 0;
+            for (uint32_t r = first; r < look->replicates; r += step) values[count++] = look->sums[r * stride + c * pixels + i];
+            variances[i] += mcv_estimate_replicates(values, count).variance * count / look->channels;
         }
     }
-    t.variance /= t.pixels;
-    return t;
 }
 
-/* The mean over a tile and those around it. */
-static double variance_around(const tile *tiles, uint32_t columns, uint32_t rows, uint32_t column, uint32_t row) {
-    double sum = 0, count = 0;
-    for (uint32_t y = row > 0 ? row - 1 : 0; y <= row + 1 && y < rows; ++y)
-        for (uint32_t x = column > 0 ? column - 1 : 0; x <= column + 1 && x < columns; ++x, ++count) sum += tiles[y * columns + x].variance;
-    return sum / count;
-}
-
-/* What each tile would take with the exact power: 1 on the average over the pixels. false: no tile has noise. */
-static bool share_samples(const mcv_film *film, double fall, tile *tiles, double *shares) {
-    const uint32_t columns = (film->width + 7) / 8, rows = (film->height + 7) / 8;
-    double sum = 0, pixels = 0;
-    for (uint32_t row = 0; row < rows; ++row)
-        for (uint32_t column = 0; column < columns; ++column) tiles[row * columns + column] = measure_tile(film, column, row);
-    for (uint32_t row = 0; row < rows; ++row) {
-        for (uint32_t column = 0; column < columns; ++column) {
-            const uint32_t i = row * columns + column;
-            const double variance =
-                tiles[i].variance + share_of_neighbours * (variance_around(tiles, columns, rows, column, row) - tiles[i].variance);
-            shares[i] = pow(variance, 1 / (1 + fall));
-            sum += shares[i] * tiles[i].pixels;
-            pixels += tiles[i].pixels;
-        }
+/* Each row's means over 2 radius + 1 pixels, fewer at its ends. */
+static void blur_row(double *row, uint32_t width, uint32_t radius) {
+    double before[LARGEST_RADIUS + 1] = {0}; /* the pixels that have their mean already, in turns */
+    double sum = 0;
+    for (uint32_t x = 0; x < radius && x < width; ++x) sum += row[x];
+    for (uint32_t x = 0; x < width; ++x) {
+        const uint32_t first = x > radius ? x - radius : 0, last = x + radius < width ? x + radius : width - 1;
+        if (x + radius < width) sum += row[x + radius];
+        if (x > radius) sum -= before[(x - radius - 1) % (radius + 1)];
+        before[x % (radius + 1)] = row[x];
+        row[x] = sum / (last - first + 1);
     }
-    if (!(sum > 0)) return false;
-    for (uint32_t i = 0; i < rows * columns; ++i) shares[i] *= pixels / sum;
-    return true;
 }
 
-static int level_of(double share) {
-    if (!(share > 0)) return MCV_LOWEST_LEVEL;
-    return (int)fmin(fmax(nearbyint(log2(share)), MCV_LOWEST_LEVEL), MCV_HIGHEST_LEVEL);
+/* The means of what is in `from`, or of its roots and squared, over squares about each pixel. */
+static void blur(const plan *p, const double *from, uint32_t radius, bool of_roots, double *to) {
+    const uint32_t width = p->width, height = p->height;
+    memset(p->columns, 0, width * sizeof *p->columns);
+    for (uint32_t y = 0; y < height + radius; ++y) {
+        const double *entering = y < height ? from + (size_t)y * width : NULL;
+        const double *leaving = y > 2 * radius ? from + (size_t)(y - 2 * radius - 1) * width : NULL;
+        for (uint32_t x = 0; entering && x < width; ++x) p->columns[x] += of_roots ? sqrt(entering[x]) : entering[x];
+        for (uint32_t x = 0; leaving && x < width; ++x) p->columns[x] -= of_roots ? sqrt(leaving[x]) : leaving[x];
+        if (y < radius) continue;
+        const uint32_t first = y > 2 * radius ? y - 2 * radius : 0, last = y < height ? y : height - 1;
+        double *row = to + (size_t)(y - radius) * width;
+        for (uint32_t x = 0; x < width; ++x) row[x] = p->columns[x] / (last - first + 1);
+        blur_row(row, width, radius);
+        for (uint32_t x = 0; of_roots && x < width; ++x) row[x] *= row[x];
+    }
+}
+
+static double mean_of(const double *values, size_t count) {
+    double sum = 0;
+    for (size_t i = 0; i < count; ++i) sum += values[i];
+    return sum / (double)count;
+}
+
+/* What each pixel would take of the samples with the variance of its surroundings, 1 on the average. */
+static void share_samples(const plan *p, const double *variances, uint32_t radius, bool of_roots, double fall) {
+    const size_t count = pixels_of(p);
+    blur(p, variances, radius, of_roots, p->shares);
+    const double least = LEAST_VARIANCE * mean_of(p->shares, count);
+    for (size_t i = 0; i < count; ++i)
+        p->shares[i] = fall == 1 ? sqrt(fmax(p->shares[i], least)) : pow(fmax(p->shares[i], least), 1 / (1 + fall));
+    const double mean = mean_of(p->shares, count);
+    for (size_t i = 0; i < count; ++i) p->shares[i] /= mean;
+}
+
+/* What would be left of the variance that one half shows with the samples that the other half asks for; both ways. */
+static double foretell(const plan *p, uint32_t radius, bool of_roots) {
+    double left = 0;
+    for (int half = 0; half < 2; ++half) {
+        share_samples(p, p->halves[half], radius, of_roots, 1);
+        for (size_t i = 0; i < pixels_of(p); ++i) left += p->halves[!half][i] / p->shares[i];
+    }
+    return left / (2 * (double)pixels_of(p));
+}
+
+/* The level of a share: powers of two to the nearest, by their ratio. 2^level is returned. */
+static double round_share(double share) {
+    double power = ldexp(1, MCV_LOWEST_LEVEL);
+    for (int level = MCV_LOWEST_LEVEL + 1; level <= MCV_HIGHEST_LEVEL; ++level)
+        power = share > M_SQRT1_2 * ldexp(1, level) ? ldexp(1, level) : power;
+    return power;
 }
 
 /* The largest factor of the shares, at most 2, that keeps the mean within the budget. */
-static double fitting_factor(const tile *tiles, const double *shares, size_t count, double budget) {
+static double fitting_factor(const plan *p, double budget) {
     double low = 0, high = 2;
     for (int turn = 0; turn < BISECTIONS; ++turn) {
         const double factor = 0.5 * (low + high);
-        double samples = 0, pixels = 0;
-        for (size_t i = 0; i < count; ++i) {
-            samples += ldexp(tiles[i].pixels, level_of(factor * shares[i]));
-            pixels += tiles[i].pixels;
-        }
-        if (samples <= budget * pixels)
+        double samples = 0;
+        for (size_t i = 0; i < pixels_of(p); ++i) samples += round_share(factor * p->shares[i]);
+        if (samples <= budget * (double)pixels_of(p))
             low = factor;
         else
             high = factor;
@@ -84,26 +117,46 @@ static double fitting_factor(const tile *tiles, const double *shares, size_t cou
     return low;
 }
 
-mcv_result mcv_allocate_samples(const mcv_film *film, double fall, double budget, signed char *levels, double *gain, mcv_error *error) {
-    const size_t count = mcv_film_tiles(film);
-    tile *tiles = malloc(count * sizeof *tiles);
-    double *shares = malloc(count * sizeof *shares);
-    *gain = 1;
-    for (size_t i = 0; i < count; ++i) levels[i] = 0;
-    if (tiles && shares && share_samples(film, fall, tiles, shares)) {
-        double all_alike = 0, left = 0, samples = 0, pixels = 0;
-        const double factor = fitting_factor(tiles, shares, count, budget);
-        for (size_t i = 0; i < count; ++i) {
-            levels[i] = (signed char)level_of(factor * shares[i]);
-            samples += ldexp(tiles[i].pixels, levels[i]);
-            pixels += tiles[i].pixels;
-            all_alike += tiles[i].pixels * tiles[i].variance;
-            left += tiles[i].pixels * tiles[i].variance * pow(2, -fall * levels[i]);
+static void allocate(const plan *p, double fall, double budget, signed char *levels, double *gain) {
+    const size_t count = pixels_of(p);
+    const double alike = 0.5 * (mean_of(p->halves[0], count) + mean_of(p->halves[1], count));
+    uint32_t best = 1;
+    bool best_of_roots = false;
+    double least = INFINITY;
+    if (!(alike > 0)) return;
+    /* Means of roots do not let few bright samples rule, means of variances keep thin things. */
+    for (uint32_t radius = 1; radius <= LARGEST_RADIUS; radius *= 2) {
+        for (int of_roots = 0; of_roots < 2; ++of_roots) {
+            const double left = foretell(p, radius, of_roots);
+            if (left < least) {
+                least = left;
+                best = radius;
+                best_of_roots = of_roots;
+            }
         }
-        *gain = pow(all_alike / left, 1 / fall) * pixels / samples;
     }
-    const bool enough = tiles && shares;
-    free(tiles);
-    free(shares);
-    return enough ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for %zu tiles", count);
+    share_samples(p, p->all, best, best_of_roots, fall);
+    /* Pixels that are alike shall not all cross a power of two together. */
+    for (size_t i = 0; i < count; ++i) p->shares[i] *= 1 + 0.01 * fmod(0.6180339887498949 * (double)i, 1);
+    const double factor = fitting_factor(p, budget);
+    for (size_t i = 0; i < count; ++i) levels[i] = (signed char)ilogb(round_share(factor * p->shares[i]));
+    *gain = alike / least;
+}
+
+mcv_result mcv_allocate_samples(const mcv_film *look, double fall, double budget, signed char *levels, double *gain, mcv_error *error) {
+    const size_t count = (size_t)look->width * look->height;
+    plan p = {.width = look->width, .height = look->height};
+    double **planes[] = {&p.halves[0], &p.halves[1], &p.all, &p.shares};
+    bool enough = (p.columns = malloc(look->width * sizeof *p.columns)) != NULL;
+    *gain = 1;
+    memset(levels, 0, count);
+    for (int i = 0; i < 4; ++i) enough = (*planes[i] = malloc(count * sizeof(double))) != NULL && enough;
+    if (enough) {
+        for (uint32_t half = 0; half < 2; ++half) measure_variance(look, half, 2, p.halves[half]);
+        measure_variance(look, 0, 1, p.all);
+        allocate(&p, fall, budget, levels, gain);
+    }
+    for (int i = 0; i < 4; ++i) free(*planes[i]);
+    free(p.columns);
+    return enough ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the samples of %zu pixels", count);
 }

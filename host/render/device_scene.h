@@ -29,7 +29,7 @@
     X(textures) \
     X(texels) \
     X(aims) \
-    X(tiles) \
+    X(listed) \
     X(solids) \
     X(precise_solids) \
     X(position_rests) \

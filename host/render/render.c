@@ -15,8 +15,12 @@ enum {
     MAX_LOG2_SAMPLES = 16, /* per launch and set */
     MIN_SAMPLES = 4,       /* per replicate, before an error estimate may stop the render */
     MIN_SAMPLES_BLACK = 256,
-    PILOT_SHARE = 16,                        /* a pilot need not have more than this part of the samples that it decides about */
-    FIRST_ADAPTIVE = 1 << -MCV_LOWEST_LEVEL, /* samples per replicate of the first adaptive round: each tile has one */
+    LOOK_SHARE = 32,                         /* a first look takes this part of the samples that it decides about: */
+    LEAST_LOOK = 4,                          /* per pixel, over all of its replicates, */
+    MOST_LOOK = 1024,                        /* for which more would tell little more; */
+    LOOK_REPLICATES = 8,                     /* at most */
+    WORTH_A_LOOK = 64,                       /* samples per pixel, over all replicates */
+    FIRST_ADAPTIVE = 1 << -MCV_LOWEST_LEVEL, /* samples per replicate of the first adaptive round: each pixel has one */
     MAX_CLASSES = MCV_HIGHEST_LEVEL - MCV_LOWEST_LEVEL + 1,
 };
 
@@ -29,11 +33,11 @@ typedef struct program_key {
     uint32_t features, channels, sensor_type, sampler, schedule, slice, depth;
 } program_key;
 
-/* The tiles that take 2^level times the samples: they stand together in the list. */
-typedef struct tile_class {
+/* The pixels that take 2^level times the samples: they stand together in the list. */
+typedef struct pixel_class {
     int level;
     uint32_t first, count;
-} tile_class;
+} pixel_class;
 
 typedef struct mcv_renderer renderer;
 
@@ -49,8 +53,8 @@ struct mcv_renderer {
     mcv_film *film;
     double *round; /* like the film's sums: those of the samples of this round */
     mcv_frame frame;
-    uint32_t *tiles; /* the list, by class; NULL: all tiles in their order, in one class */
-    tile_class classes[MAX_CLASSES];
+    uint32_t *listed; /* the pixels by class; NULL: all in their order, in one class */
+    pixel_class classes[MAX_CLASSES];
     uint32_t class_count;
     double begun; /* when */
     mcv_error *error;
@@ -62,10 +66,12 @@ static uint32_t floor_log2(uint64_t x) {
     return k;
 }
 
-static const uint32_t ADAPTIVE_SEED = 0x7f4a7c15u; /* changes the user's seed for what comes after the pilot */
-static const double SOBOL_FALL = 1.25;             /* power by which the variance falls with the samples; 1 of random numbers */
+static const uint32_t LOOK_SEED = 0x7f4a7c15u, ADAPTIVE_SEED = 0x2545f491u; /* change the user's seed for a first look, and after it */
+static const double SOBOL_FALL = 1.25; /* power by which the variance falls with the samples; 1 of random numbers */
 static const double WORTH =
-    0.8; /* adaptive sampling must take less of the samples that all tiles would need alike: noisy tiles cost more */
+    0.9; /* adaptive sampling must take less of the samples that all pixels would need alike: noisy pixels cost more */
+
+static const uint64_t MOST_SAMPLES = 0x80000000u, MOST_ADAPTIVE = 0x80000000u >> MCV_HIGHEST_LEVEL;
 
 static bool is_power_of_two(uint64_t x) { return x > 0 && (x & (x - 1)) == 0; }
 
@@ -90,15 +96,15 @@ static mcv_result check_options(const mcv_scene *scene, uint32_t sensor, const m
     if (options->last == 0 && !(options->error > 0) && !(options->seconds > 0)) {
         return mcv_fail(error, MCV_USAGE, "nothing says when to stop: give samples, an error or a time");
     }
-    if (options->last > 0x80000000u || ((options->first > 0 || options->last > 0) && options->first >= options->last)) {
+    if (options->last > MOST_SAMPLES || ((options->first > 0 || options->last > 0) && options->first >= options->last)) {
         return mcv_fail(error, MCV_USAGE, "the sample range %llu:%llu is empty or ends beyond 2^31", (unsigned long long)options->first,
                         (unsigned long long)options->last);
     }
     if (options->adaptive && options->first > 0)
         return mcv_fail(error, MCV_USAGE, "adaptive sampling is of a whole render: no part of its samples can be rendered alone");
-    if (options->adaptive && options->replicates < 2)
-        return mcv_fail(error, MCV_USAGE, "adaptive sampling needs replicates to know the error from: 2 or more, not %u",
-                        options->replicates);
+    if (options->adaptive && options->last > MOST_ADAPTIVE)
+        return mcv_fail(error, MCV_USAGE, "adaptive sampling gives pixels at most 2^28 samples per replicate on the average, not %llu",
+                        (unsigned long long)options->last);
     const uint64_t count = options->last - options->first;
     if (options->last > 0 && (!is_power_of_two(count) || options->first % count != 0)) {
         return mcv_fail(error, MCV_USAGE,
@@ -186,15 +192,20 @@ static void close_renderer(renderer *r) {
 /* Of all replicates. */
 static size_t film_values(const mcv_film *film) { return (size_t)film->width * film->height * film->channels * film->replicates; }
 
-/* Where in the image the pixel of this number lies; false if its 8 x 8 tile sticks out there. */
-static bool find_pixel(const renderer *r, uint32_t number, size_t *pixel) {
-    const mcv_film *film = r->film;
+/* Where in the image the pixel of this number lies, tile by tile; false if its 8 x 8 tile sticks out there. */
+static bool find_tiled_pixel(const mcv_film *film, uint32_t number, size_t *pixel) {
     const uint32_t tiles = (film->width + 7) / 8;
-    const uint32_t tile = r->tiles ? r->tiles[number >> 6] : number >> 6;
-    const uint32_t column = tile % tiles * 8 + (number & 7);
-    const uint32_t row = tile / tiles * 8 + (number >> 3 & 7);
+    const uint32_t column = (number >> 6) % tiles * 8 + (number & 7);
+    const uint32_t row = (number >> 6) / tiles * 8 + (number >> 3 & 7);
     *pixel = (size_t)row * film->width + column;
     return column < film->width && row < film->height;
+}
+
+/* The same in the order in which pixels are rendered. */
+static bool find_pixel(const renderer *r, uint32_t number, size_t *pixel) {
+    if (!r->listed) return find_tiled_pixel(r->film, number, pixel);
+    *pixel = r->listed[number];
+    return true;
 }
 
 /* Some sets of a round: what their launches leave on the device, on its way into the round. */
@@ -275,17 +286,18 @@ static bool go_on(const renderer *r, double samples, double error) {
 static uint64_t times_power(uint64_t count, int level) { return level < 0 ? count >> -level : count << level; }
 
 /*
- * All samples [first, first + count), times 2^level, of the class's tiles into r->round; count is a power of two. *stop is set when the
+ * All samples [first, first + count), times 2^level, of the class's pixels into r->round; count is a power of two. *stop is set when the
  * caller's progress function asked for it: the round is not whole then.
  */
-static mcv_result render_class(renderer *r, tile_class class, uint64_t first, uint64_t count, double done_before, bool *stop) {
+static mcv_result render_class(renderer *r, pixel_class class, uint64_t first, uint64_t count, double done_before, bool *stop) {
     const mcv_film *film = r->film;
     const uint32_t channels = film->channels;
-    const uint64_t sets_per_tile = (uint64_t)64 * film->replicates;
-    const uint64_t end_set = sets_per_tile * (class.first + class.count);
+    const uint64_t first_set = (uint64_t) class.first * film->replicates, set_count = (uint64_t) class.count * film->replicates;
+    const uint64_t end_set = first_set + set_count;
     const uint32_t capacity = r->schedule.capacity;
     const double before = (double)film->samples;
-    const double round = (double)count * class.count / (double)mcv_film_tiles(film);
+    const uint64_t pixels = r->listed ? (uint64_t)film->width * film->height : class.count;
+    const double round = (double)count * class.count / (double)pixels;
     first = times_power(first, class.level);
     count = times_power(count, class.level);
     uint32_t log2_samples = floor_log2(count);
@@ -306,7 +318,7 @@ static mcv_result render_class(renderer *r, tile_class class, uint64_t first, ui
 
     r->frame.log2_samples = log2_samples;
     uint32_t sets = 0;
-    for (uint64_t set = sets_per_tile * class.first; result == MCV_OK && !*stop && set < end_set; set += sets) {
+    for (uint64_t set = first_set; result == MCV_OK && !*stop && set < end_set; set += sets) {
         /* A short first launch: the user sees soon that something comes. Not where pictures have come before. */
         const bool at_once = r->stats->kept_program || r->stats->seconds_first_sample > 0;
         const uint32_t most = at_once ? sets_per_launch : (sets_per_launch + 15) / 16;
@@ -316,7 +328,7 @@ static mcv_result render_class(renderer *r, tile_class class, uint64_t first, ui
             r->frame.first_sample = (uint32_t)(first + s);
             result = launch(r, sets, (uint32_t)(s / block), &h);
         }
-        const double share = (double)(set + sets - sets_per_tile * class.first) / (double)(sets_per_tile * class.count);
+        const double share = (double)(set + sets - first_set) / (double)set_count;
         if (result == MCV_OK) *stop = !go_on(r, before + share * round, done_before);
     }
     if (result == MCV_OK) bring_in(r, &h);
@@ -329,7 +341,7 @@ static mcv_result render_class(renderer *r, tile_class class, uint64_t first, ui
 static mcv_result render_light(renderer *r, uint64_t first, uint64_t count) {
     const uint32_t capacity = r->schedule.capacity;
     const uint64_t set_count = mcv_tiled_pixels(r->film->width, r->film->height) * r->film->replicates;
-    if (!r->scene.splats || !r->tiles) return MCV_OK;
+    if (!r->scene.splats || !r->listed) return MCV_OK;
     r->frame.log2_samples = floor_log2(count < capacity ? count : capacity);
     if (r->frame.log2_samples > MAX_LOG2_SAMPLES) r->frame.log2_samples = MAX_LOG2_SAMPLES;
     const uint32_t sets_per_launch = capacity >> r->frame.log2_samples;
@@ -365,20 +377,36 @@ static double expected_samples(const renderer *r, double error) {
     return expected;
 }
 
-/* Lists the tiles by their levels. */
-static mcv_result list_tiles(renderer *r) {
-    const uint32_t tiles = (uint32_t)mcv_film_tiles(r->film);
+/* Lists the pixels by their levels; all in one class where these are not known. */
+static mcv_result list_pixels(renderer *r) {
+    const mcv_film *film = r->film;
+    const size_t count = (size_t)film->width * film->height;
+    const uint32_t numbers = (uint32_t)mcv_tiled_pixels(film->width, film->height);
     uint32_t listed = 0;
-    r->tiles = malloc(tiles * sizeof *r->tiles);
-    if (!r->tiles) return mcv_fail(r->error, MCV_FAILED, "no memory for a list of %u tiles", tiles);
+    if (!r->listed) r->listed = malloc(count * sizeof *r->listed);
+    if (!r->listed) return mcv_fail(r->error, MCV_FAILED, "no memory for a list of %zu pixels", count);
     r->class_count = 0;
     for (int level = MCV_LOWEST_LEVEL; level <= MCV_HIGHEST_LEVEL; ++level) {
         const uint32_t first = listed;
-        for (uint32_t i = 0; i < tiles; ++i)
-            if (r->film->levels[i] == level) r->tiles[listed++] = i;
-        if (listed > first) r->classes[r->class_count++] = (tile_class){level, first, listed - first};
+        for (uint32_t i = 0; i < numbers; ++i) {
+            size_t pixel;
+            if (find_tiled_pixel(film, i, &pixel) && (film->levels ? film->levels[pixel] : 0) == level)
+                r->listed[listed++] = (uint32_t)pixel;
+        }
+        if (listed > first) r->classes[r->class_count++] = (pixel_class){level, first, listed - first};
     }
-    return mcv_cl_buffer(&r->cl, "the list of tiles", tiles * sizeof *r->tiles, r->tiles, &r->scene.tiles, r->error);
+    r->frame.listed = 1;
+    mcv_cl_release(&r->scene.listed);
+    return mcv_cl_buffer(&r->cl, "the list of pixels", count * sizeof *r->listed, r->listed, &r->scene.listed, r->error);
+}
+
+/* All pixels in their order again. */
+static void unlist_pixels(renderer *r) {
+    free(r->listed);
+    r->listed = NULL;
+    r->frame.listed = 0;
+    r->class_count = 1;
+    r->classes[0] = (pixel_class){0, 0, (uint32_t)mcv_tiled_pixels(r->film->width, r->film->height)};
 }
 
 /* An empty film, to be filled with other random numbers. */
@@ -388,28 +416,65 @@ static mcv_result begin_anew(renderer *r) {
     if (r->scene.splats)
         MCV_TRY_CL(clEnqueueFillBuffer(r->cl.queue, r->scene.splats, &nothing, sizeof nothing, 0, 8 * values, 0, NULL, NULL), r->error);
     r->film->samples = 0;
-    r->frame.listed = 1;
     r->frame.seed = r->options->seed ^ ADAPTIVE_SEED;
-    return MCV_OK;
+    return list_pixels(r);
+}
+
+/* So many samples per pixel (a power of two) of camera paths alone, in as many replicates as may be, that the image knows nothing of. */
+static mcv_result render_look(renderer *r, uint32_t samples, mcv_film *look, bool *stop) {
+    mcv_film *film = r->film;
+    double *round = r->round;
+    const uint32_t replicates = samples < LOOK_REPLICATES ? samples : LOOK_REPLICATES;
+    MCV_TRY(mcv_film_new(look, film->width, film->height, film->channels, replicates, r->error));
+    r->film = look;
+    r->round = look->sums;
+    r->frame.replicates = replicates;
+    r->frame.seed = r->options->seed ^ LOOK_SEED;
+    mcv_result result = list_pixels(r);
+    if (result == MCV_OK) result = render_class(r, r->classes[0], 0, samples / replicates, INFINITY, stop);
+    r->film = film;
+    r->round = round;
+    r->frame.replicates = film->replicates;
+    r->frame.seed = r->options->seed;
+    unlist_pixels(r);
+    return result;
+}
+
+/* The samples per pixel of the look that is worth its while now, over all replicates; 0: none. */
+static uint32_t worthy_look(const renderer *r, double expected) {
+    const double all = expected * r->film->replicates, begun = (double)r->film->samples * r->film->replicates;
+    if (all < WORTH_A_LOOK || expected < FIRST_ADAPTIVE) return 0;
+    uint32_t samples = LEAST_LOOK;
+    while (samples < MOST_LOOK && 2 * LOOK_SHARE * samples <= all) samples *= 2;
+    return begun + samples < all / 4 ? samples : 0;
 }
 
 /*
- * Once the film knows enough about its tiles, and if it pays: throws it away and begins anew, with other random numbers and for each tile
- * as many samples as it needs. What was known when that was decided has no part in the image, which so is right on the average.
+ * Once it is known how many samples the render will take: looks round, and if it pays, throws away what the film has and begins anew, with
+ * other random numbers and for each pixel as many samples as it needs. What was known when that was decided has no part in the
+ * image, which so is right on the average. *looked: it is decided.
  */
-static mcv_result adapt(renderer *r, double error) {
+static mcv_result adapt(renderer *r, double error, bool *looked) {
     mcv_film *film = r->film;
-    const double samples = (double)film->samples, expected = expected_samples(r, error);
-    const double budget = r->options->last > 0 ? 1 - samples / (double)r->options->last : 1;
-    double gain;
-    if (film->samples < MIN_SAMPLES || expected <= samples || (isfinite(expected) && PILOT_SHARE * samples < expected)) return MCV_OK;
-    film->levels = malloc(mcv_film_tiles(film));
-    if (!film->levels) return mcv_fail(r->error, MCV_FAILED, "no memory for the levels of tiles");
-    MCV_TRY(mcv_allocate_samples(film, fall_of(r->options), budget, film->levels, &gain, r->error));
-    if (samples + expected / gain < WORTH * expected) {
-        MCV_TRY(list_tiles(r));
-        return begin_anew(r);
-    }
+    const mcv_render_options *o = r->options;
+    const bool is_known = film->samples >= MIN_SAMPLES || !(o->error > 0 || o->seconds > 0 || o->last == 0);
+    double expected = is_known ? expected_samples(r, error) : 0;
+    if (!isfinite(expected)) expected = (double)LOOK_SHARE * (double)film->samples;
+    const uint32_t samples = worthy_look(r, expected);
+    mcv_film look = {0};
+    bool stop = false;
+    double gain = 0;
+    if (samples == 0) return MCV_OK;
+    *looked = true;
+    film->levels = malloc((size_t)film->width * film->height);
+    if (!film->levels) return mcv_fail(r->error, MCV_FAILED, "no memory for the levels of pixels");
+    mcv_result result = render_look(r, samples, &look, &stop);
+    const double begun = (double)film->samples + (double)samples / film->replicates;
+    const double budget = o->last > 0 ? 1 - begun / (double)o->last : 1;
+    if (result == MCV_OK) result = mcv_allocate_samples(&look, fall_of(o), budget, film->levels, &gain, r->error);
+    mcv_film_free(&look);
+    MCV_TRY(result);
+    if (!r->stats->interrupted && gain > 0 && begun + expected / gain < WORTH * expected) return begin_anew(r);
     free(film->levels);
     film->levels = NULL;
     return MCV_OK;
@@ -421,10 +486,12 @@ static mcv_result adapt(renderer *r, double error) {
  */
 static uint64_t first_round(const renderer *r) {
     const mcv_render_options *o = r->options;
-    if (r->tiles) return FIRST_ADAPTIVE;
+    const bool ends_by_samples = o->last > 0 && !(o->error > 0) && !(o->seconds > 0) && !o->enough && !r->stats->interrupted;
     const uint64_t all = o->last > 0 ? o->last - o->first : MIN_SAMPLES;
     const uint64_t fitting = r->schedule.capacity / (mcv_tiled_pixels(r->film->width, r->film->height) * r->film->replicates);
-    if (o->last > 0 && all <= fitting && !(o->error > 0) && !(o->seconds > 0) && !o->enough && !o->adaptive) return all;
+    /* Each class takes launches of its own: with few rounds they are larger. */
+    if (r->listed) return ends_by_samples && all <= 16 * fitting ? all : FIRST_ADAPTIVE;
+    if (ends_by_samples && all <= fitting) return all;
     uint64_t count = all < MIN_SAMPLES ? all : MIN_SAMPLES;
     while (count > 1 && count > fitting) count /= 2;
     return count;
@@ -434,9 +501,11 @@ static uint64_t first_round(const renderer *r) {
 static mcv_result render_rounds(renderer *r) {
     const mcv_render_options *o = r->options;
     double error = INFINITY;
-    bool stop = false;
+    bool stop = false, looked = !o->adaptive;
     uint64_t next = o->first;
     for (;;) {
+        if (!looked) MCV_TRY(adapt(r, error, &looked));
+        if (r->film->samples == 0) next = o->first;
         /* [0, n), [n, 2n), [2n, 4n) … counted from the range's first sample, a multiple of its length: the same tree for every n. */
         const uint64_t count = next > o->first ? next - o->first : first_round(r);
         const double round_begun = mcv_seconds();
@@ -454,10 +523,7 @@ static mcv_result render_rounds(renderer *r) {
         if (o->error > 0 && r->film->samples >= enough && error <= o->error) return MCV_OK;
         if (o->enough && r->film->samples >= enough && o->enough(o->user, r->film)) return MCV_OK;
         if (o->seconds > 0 && seconds + predicted > o->seconds) return MCV_OK;
-        if (r->stats->interrupted || next >= 0x80000000u >> (r->tiles ? MCV_HIGHEST_LEVEL : 0)) return MCV_OK;
-        if (!o->adaptive || r->tiles) continue;
-        MCV_TRY(adapt(r, error));
-        if (r->tiles) next = 0;
+        if (r->stats->interrupted || next >= (r->listed ? MOST_ADAPTIVE : MOST_SAMPLES)) return MCV_OK;
     }
 }
 
@@ -483,8 +549,7 @@ static mcv_result render(renderer *r, const mcv_scene *scene, uint32_t sensor) {
     r->round = calloc((size_t)width * height * channels * options->replicates, sizeof(double));
     if (!r->round) return mcv_fail(error, MCV_FAILED, "no memory for an image of %u x %u pixels", width, height);
     MCV_TRY(open_renderer(r, scene, sensor));
-    r->class_count = 1;
-    r->classes[0] = (tile_class){0, 0, (uint32_t)mcv_film_tiles(film)};
+    unlist_pixels(r);
     const double begun = mcv_seconds();
     const mcv_result result = render_rounds(r);
     r->stats->seconds_render = mcv_seconds() - begun;
@@ -510,9 +575,9 @@ mcv_result mcv_renderer_render(mcv_renderer *r, const mcv_scene *scene, uint32_t
     r->begun = mcv_seconds();
     const mcv_result result = render(r, scene, sensor);
     free(r->round);
-    free(r->tiles);
+    free(r->listed);
     r->round = NULL;
-    r->tiles = NULL;
+    r->listed = NULL;
     if (result == MCV_DEVICE || result == MCV_FAILED) { /* what is on the device, or on its way, may be anything */
         close_renderer(r);
         memset(r, 0, sizeof *r);

@@ -37,7 +37,7 @@ typedef struct mcv_render_options {
     uint32_t threads;     /* of the reference; 0: all */
     bool no_light_paths;  /* leave all light to camera paths */
     bool no_split;        /* of what reflects and passes light, follow one by chance */
-    bool adaptive;        /* more samples for tiles that need more, once it pays; needs two replicates */
+    bool adaptive;        /* more samples for pixels that need more, if it pays */
     uint32_t slice;       /* paths per slice of the tile schedule, a multiple of 64; 0: default */
     const char *device;   /* NULL: the first; see mcv_cl_open */
     mcv_progress *progress;

@@ -54,7 +54,8 @@ void mcv_schedule_close(mcv_schedule *schedule);
 /* Before the first start with features that aim: fills in the pixels' aims. */
 mcv_result mcv_schedule_aim(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error);
 
-/* Begins to render the frame's paths, with as many light paths where its tiles are not listed; the caller may do other work until it waits.
+/* Begins to render the frame's paths, with as many light paths where its pixels are not listed; the caller may do other work until it
+ * waits.
  */
 mcv_result mcv_schedule_start(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error);
 

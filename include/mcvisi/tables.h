@@ -70,7 +70,7 @@ typedef struct mcv_frame {
     uint log2_thinning;      /* a light path starts for every 2^k-th pixel */
     float light_density;     /* π times the light paths per sample */
     float to_world_rest[12]; /* what rounding leaves of to_world */
-    uint listed;             /* sets are of the tiles that a list gives, one after the other */
+    uint listed;             /* sets are of the pixels that a list gives, one after the other */
     uint ball_count;
     mcv_ball balls[MCV_MAX_BALLS]; /* around all smooth surfaces */
     uint padding[12];
