@@ -8,28 +8,28 @@
 /* Of the mean variance: what a pixel is taken to have at least, since a look of few samples misses things. */
 static const double LEAST_VARIANCE = 0.02;
 
-enum { LARGEST_RADIUS = 8, BISECTIONS = 40 };
+enum { LARGEST_RADIUS = 8, BISECTIONS = 20 };
 
 /* All of one value per pixel. */
 typedef struct plan {
     uint32_t width, height;
     double *halves[2]; /* the variance that the even and the odd replicates show */
-    double *all;       /* and all together */
+    double *all;       /* the mean of both */
     double *shares;    /* of the samples */
     double *columns;   /* of one row: sums over its surroundings */
 } plan;
 
 static size_t pixels_of(const plan *p) { return (size_t)p->width * p->height; }
 
-/* Between so many replicates, every second one if `step` is 2; the mean over the channels. */
-static void measure_variance(const mcv_film *look, uint32_t first, uint32_t step, double *variances) {
+/* Between every second replicate, from the first of them on; the mean over the channels. */
+static void measure_variance(const mcv_film *look, uint32_t first, double *variances) {
     const size_t pixels = (size_t)look->width * look->height, stride = pixels * look->channels;
     for (size_t i = 0; i < pixels; ++i) {
         variances[i] = 0;
         for (uint32_t c = 0; c < look->channels; ++c) {
             double values[MCV_MAX_REPLICATES];
             uint32_t count = 0;
-            for (uint32_t r = first; r < look->replicates; r += step) values[count++] = look->sums[r * stride + c * pixels + i];
+            for (uint32_t r = first; r < look->replicates; r += 2) values[count++] = look->sums[r * stride + c * pixels + i];
             variances[i] += mcv_estimate_replicates(values, count).variance * count / look->channels;
         }
     }
@@ -94,11 +94,11 @@ static double foretell(const plan *p, uint32_t radius, bool of_roots) {
     return left / (2 * (double)pixels_of(p));
 }
 
-/* The level of a share: powers of two to the nearest, by their ratio. 2^level is returned. */
+/* 2^level of a share: powers of two to the nearest, by their ratio. */
 static double round_share(double share) {
-    double power = ldexp(1, MCV_LOWEST_LEVEL);
-    for (int level = MCV_LOWEST_LEVEL + 1; level <= MCV_HIGHEST_LEVEL; ++level)
-        power = share > M_SQRT1_2 * ldexp(1, level) ? ldexp(1, level) : power;
+    static const double least = 1.0 / (1 << -MCV_LOWEST_LEVEL), most = 1 << MCV_HIGHEST_LEVEL;
+    double power = least;
+    for (double next = 2 * least; next <= most; next *= 2) power = share > M_SQRT1_2 * next ? next : power;
     return power;
 }
 
@@ -119,7 +119,7 @@ static double fitting_factor(const plan *p, double budget) {
 
 static void allocate(const plan *p, double fall, double budget, signed char *levels, double *gain) {
     const size_t count = pixels_of(p);
-    const double alike = 0.5 * (mean_of(p->halves[0], count) + mean_of(p->halves[1], count));
+    const double alike = mean_of(p->all, count);
     uint32_t best = 1;
     bool best_of_roots = false;
     double least = INFINITY;
@@ -137,7 +137,7 @@ static void allocate(const plan *p, double fall, double budget, signed char *lev
     }
     share_samples(p, p->all, best, best_of_roots, fall);
     /* Pixels that are alike shall not all cross a power of two together. */
-    for (size_t i = 0; i < count; ++i) p->shares[i] *= 1 + 0.01 * fmod(0.6180339887498949 * (double)i, 1);
+    for (size_t i = 0; i < count; ++i) p->shares[i] *= 1 + 0x1p-39 * (double)((uint32_t)i * 0x9e3779b9u);
     const double factor = fitting_factor(p, budget);
     for (size_t i = 0; i < count; ++i) levels[i] = (signed char)ilogb(round_share(factor * p->shares[i]));
     *gain = alike / least;
@@ -152,8 +152,8 @@ mcv_result mcv_allocate_samples(const mcv_film *look, double fall, double budget
     memset(levels, 0, count);
     for (int i = 0; i < 4; ++i) enough = (*planes[i] = malloc(count * sizeof(double))) != NULL && enough;
     if (enough) {
-        for (uint32_t half = 0; half < 2; ++half) measure_variance(look, half, 2, p.halves[half]);
-        measure_variance(look, 0, 1, p.all);
+        for (uint32_t half = 0; half < 2; ++half) measure_variance(look, half, p.halves[half]);
+        for (size_t i = 0; i < count; ++i) p.all[i] = 0.5 * (p.halves[0][i] + p.halves[1][i]);
         allocate(&p, fall, budget, levels, gain);
     }
     for (int i = 0; i < 4; ++i) free(*planes[i]);
