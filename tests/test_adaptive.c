@@ -271,6 +271,27 @@ static void test_to_an_error(void **state) {
     mcv_scene_free(scene);
 }
 
+static bool stop_at_once(void *user, double fraction, double seconds, double error) {
+    (void)user, (void)fraction, (void)seconds, (void)error;
+    return false;
+}
+
+/* Who stops it while it looks round gets the first samples of all pixels. */
+static void test_stopped_look(void **state) {
+    mcv_scene *scene = make_scene(false);
+    mcv_renderer *renderer = mcv_renderer_new();
+    mcv_render_options options = options_of(2, 1);
+    mcv_render_stats stats;
+    (void)state;
+    options.progress = stop_at_once;
+    mcv_film film = render(renderer, scene, options, &stats);
+    if (!stats.interrupted || film.levels || film.samples == 0 || film.samples >= SAMPLES)
+        fail_msg("stopped at %llu samples, %s", (unsigned long long)film.samples, film.levels ? "adaptive" : "plain");
+    mcv_film_free(&film);
+    mcv_renderer_free(renderer);
+    mcv_scene_free(scene);
+}
+
 static void test_refused(void **state) {
     mcv_scene *scene = make_scene(false);
     (void)state;
@@ -288,12 +309,9 @@ static void test_refused(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_flat_gains_nothing),
-                                       cmocka_unit_test(test_spot),
-                                       cmocka_unit_test(test_line),
-                                       cmocka_unit_test(test_same_bits),
-                                       cmocka_unit_test(test_unbiased),
-                                       cmocka_unit_test(test_to_an_error),
-                                       cmocka_unit_test(test_refused)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_flat_gains_nothing), cmocka_unit_test(test_spot),     cmocka_unit_test(test_line),
+        cmocka_unit_test(test_same_bits),          cmocka_unit_test(test_unbiased), cmocka_unit_test(test_to_an_error),
+        cmocka_unit_test(test_stopped_look),       cmocka_unit_test(test_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
