@@ -13,7 +13,7 @@
 #define MCV_WITH_PLAIN (MCV_WITH_DIFFUSE && MCV_LEAVES_TOGETHER && !MCV_WITH_TRANSLUCENT && !MCV_WITH_DISPERSION && !MCV_WITH_LIGHT_TRACING)
 
 /* Where there may be no more than one emitter. */
-#define MCV_WITH_PLAIN_EMITTERS (MCV_WITH_PLAIN && MCV_WITH_NEXT_EVENT && MCV_WITH_AREA && !MCV_WITH_REACH)
+#define MCV_WITH_PLAIN_EMITTERS (MCV_WITH_PLAIN && MCV_WITH_NEXT_EVENT && MCV_WITH_AREA && MCV_WITH_RECTANGLE && !MCV_WITH_REACH)
 
 /* What paths have met. The paths of a kind lie side by side in this order; ends[kind] is where the next kind begins. */
 enum {
@@ -128,35 +128,15 @@ MCV_LOOP_FUNCTION mcv_gloss_meeting mcv_meet_plain_gloss(mcv_world world, const 
 #endif
 
 #if MCV_WITH_PLAIN_EMITTERS
-/* Whether all paths look for one rectangle or triangle that emits alike in all directions, everywhere. */
+/* Whether all paths look for one rectangle that emits alike in all directions, everywhere. */
 MCV_FUNCTION int mcv_has_plain_emitter(mcv_world world) {
     __global const mcv_device_emitter *e = world.emitters;
-    return world.frame->emitter_count == 1u && e->type == MCV_EMITTER_AREA && e->instance != MCV_NONE && e->triangle_count <= 2u &&
-           e->texture == MCV_NONE;
+    return world.frame->emitter_count == 1u && e->type == MCV_EMITTER_AREA && e->rectangle.width > 0.0f && e->texture == MCV_NONE;
 }
 
-/* mcv_choose_emitter, mcv_choose_place */
-static __attribute__((noinline)) void mcv_choose_plain_places(mcv_world world, uint *paths, uint count) {
-    __global const mcv_device_emitter *e = world.emitters;
-    __global const uint *cdf = world.emitter_cdf + e->cdf;
-    const uint triangle = world.instances[e->instance].first_triangle;
-    const uint between = e->triangle_count > 1u ? cdf[1] : 0x80000000u, end = cdf[e->triangle_count];
-    const float width[2] = {(float)(cdf[1] - cdf[0]), (float)(end - between)};
-    const uint begin = cdf[0];
-    mcv_slot slot;
-    slot.base = paths;
-    MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) {
-        slot.index = i;
-        const float x = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_EMITTER), y = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_EMITTER + 1);
-        const uint bits = mcv_cdf_bits(x, y);
-        const int second = between <= bits;
-        const float root = mcv_sqrt(mcv_cdf_rest(bits - (second ? between : begin), second ? width[1] : width[0]));
-        MCV_WORD(slot, emitter, 0) = 0u;
-        MCV_WORD(slot, place, 0) = triangle + (uint)second;
-        MCV_STORE(slot, place, 1, root * (1.0f - y));
-        MCV_STORE(slot, place, 2, root * y);
-    }
+/* mcv_choose_emitter */
+static __attribute__((noinline)) void mcv_choose_plain_emitter(uint *paths, uint count) {
+    for (uint i = 0; i < count; ++i) paths[MCV_PATH_emitter * MCV_ROW + i] = 0u;
 }
 
 /* mcv_shadow_along, mcv_cast_shadow: whether there is a shadow ray to follow. `type` is known to the compiler; `gloss`: the glossy

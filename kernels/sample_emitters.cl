@@ -114,12 +114,13 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_meeting_error(mcv_world world, mcv_vec3 receiver,
     return mcv_vec(there.error.x + more, there.error.y + more, there.error.z + more);
 }
 
-/* A place on an emitter, uniform by area: the triangle, and where on it (the unit square to a triangle by area). */
+/* A place on an emitter: the triangle, and where on it. */
 typedef struct mcv_chosen_place {
     uint triangle;
     float u, v;
 } mcv_chosen_place;
 
+/* Uniform by area (the unit square to a triangle by area). */
 MCV_FUNCTION mcv_chosen_place mcv_choose_place(mcv_world world, uint emitter, mcv_pair pair) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     mcv_chosen_place place;
@@ -140,8 +141,50 @@ typedef struct mcv_way {
     mcv_vec3 face, normal; /* there */
 } mcv_way;
 
-MCV_LOOP_FUNCTION mcv_way mcv_way_to(mcv_world world, mcv_vec3 point, mcv_vec3 error, mcv_vec3 face, uint emitter, mcv_chosen_place place) {
+#if MCV_WITH_RECTANGLE
+MCV_LOOP_FUNCTION float mcv_on_triangle(__global const float *map, float s, float t) {
+    return mcv_fma(map[1], s, mcv_fma(map[2], t, map[0]));
+}
+
+/* A place on a rectangle that the receiver sees: uniform in solid angle, from afar by area; the density [1/sr], or 0: by area. */
+MCV_LOOP_FUNCTION float mcv_choose_on_rectangle(__global const mcv_device_emitter *e, mcv_vec3 receiver, mcv_pair pair, uint first_triangle,
+                                                mcv_chosen_place *place) {
+    __global const mcv_rectangle *r = &e->rectangle;
+    const mcv_rectangle_view view = mcv_view_emitter(e, receiver);
+    const int close = mcv_samples_solid_angle(view);
+    float s, t;
+    mcv_sample_rectangle(r, view, pair.x, pair.y, &s, &t);
+    s = close ? s : pair.x;
+    t = close ? t : pair.y;
+    const float u = mcv_on_triangle(r->to_triangle[0], s, t), v = mcv_on_triangle(r->to_triangle[0] + 3, s, t);
+    const float least = u < v ? u : v, other = 1.0f - u - v;
+    const int first = (least < other ? least : other) >= 0.0f;
+    const float second_u = mcv_on_triangle(r->to_triangle[1], s, t), second_v = mcv_on_triangle(r->to_triangle[1] + 3, s, t);
+    place->triangle = first_triangle + (first ? 0u : 1u);
+    place->u = first ? u : second_u;
+    place->v = first ? v : second_v;
+    return close ? e->probability / view.solid_angle : 0.0f;
+}
+#endif
+
+/* *place has been chosen by area; on a rectangle it is chosen here. */
+MCV_LOOP_FUNCTION mcv_way mcv_way_to(mcv_world world, mcv_vec3 point, mcv_vec3 error, mcv_vec3 face, uint emitter, mcv_pair pair,
+                                     mcv_chosen_place *chosen) {
     mcv_way way;
+    mcv_chosen_place place = *chosen;
+    float density = 0.0f;
+    (void)pair;
+#if MCV_WITH_RECTANGLE
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    const int flat = mcv_is_rectangle(e);
+    mcv_chosen_place seen;
+    const float seen_density = mcv_choose_on_rectangle(e, point, pair, world.instances[e->instance].first_triangle, &seen);
+    density = flat ? seen_density : 0.0f;
+    place.triangle = flat ? seen.triangle : place.triangle;
+    place.u = flat ? seen.u : place.u;
+    place.v = flat ? seen.v : place.v;
+    *chosen = place;
+#endif
     const mcv_surface there = mcv_surface_at(world, place.triangle, place.u, place.v);
     const mcv_vec3 towards = mcv_sub(there.point, point);
     const float distance = mcv_sqrt(mcv_dot(towards, towards));
@@ -149,7 +192,8 @@ MCV_LOOP_FUNCTION mcv_way mcv_way_to(mcv_world world, mcv_vec3 point, mcv_vec3 e
     way.origin = mcv_offset_origin(point, error, face, way.towards);
     const mcv_vec3 reach = mcv_meeting_error(world, point, there);
     way.direction = mcv_sub(mcv_offset_origin(there.point, reach, there.face, mcv_scale(way.towards, -1.0f)), way.origin);
-    way.density = mcv_area_density(world, there, emitter, way.towards, distance);
+    const float by_area = mcv_area_density(world, there, emitter, way.towards, distance);
+    way.density = density > 0.0f ? density : by_area;
     way.face = there.face;
     way.normal = there.normal;
     return way;
@@ -176,8 +220,10 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_shadow_along(mcv_world world, mcv_way way, uint
 }
 
 MCV_FUNCTION mcv_shadow mcv_sample_area_of(mcv_world world, mcv_meeting at, uint emitter, mcv_pair pair) {
-    const mcv_chosen_place place = mcv_choose_place(world, emitter, pair);
-    return mcv_shadow_along(world, mcv_way_to(world, at.surface.point, at.surface.error, at.face, emitter, place), emitter, place);
+    mcv_chosen_place place = {0u, 0.0f, 0.0f};
+    if (!mcv_is_rectangle(world.emitters + emitter)) place = mcv_choose_place(world, emitter, pair);
+    const mcv_way way = mcv_way_to(world, at.surface.point, at.surface.error, at.face, emitter, pair, &place);
+    return mcv_shadow_along(world, way, emitter, place);
 }
 #endif
 

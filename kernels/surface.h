@@ -227,14 +227,29 @@ MCV_LOOP_FUNCTION float mcv_area_density(mcv_world world, mcv_surface surface, u
     return e->probability * share * distance * distance / (surface.area * mcv_abs(mcv_dot(direction, surface.face)));
 }
 
+#if MCV_WITH_RECTANGLE
+#define mcv_is_rectangle(e) ((e)->rectangle.width > 0.0f)
+
+MCV_LOOP_FUNCTION mcv_rectangle_view mcv_view_emitter(__global const mcv_device_emitter *e, mcv_vec3 receiver) {
+    return mcv_view_rectangle(&e->rectangle, mcv_vec(e->facing[0], e->facing[1], e->facing[2]), receiver);
+}
+#else
+#define mcv_is_rectangle(e) 0
+#endif
+
 /* That with which next-event estimation at a receiver chooses the direction to such a place. */
 MCV_FUNCTION float mcv_emitter_density(mcv_world world, mcv_vec3 receiver, mcv_surface surface, uint emitter, mcv_vec3 direction,
                                        float distance) {
-#if MCV_WITH_PARALLEL
     __global const mcv_device_emitter *e = world.emitters + emitter;
+    (void)e, (void)receiver;
+#if MCV_WITH_PARALLEL
     if (mcv_samples_cone(e, receiver)) return e->probability / e->parallel.solid_angle;
-#else
-    (void)receiver;
+#endif
+#if MCV_WITH_RECTANGLE
+    if (mcv_is_rectangle(e)) {
+        const mcv_rectangle_view view = mcv_view_emitter(e, receiver);
+        if (mcv_samples_solid_angle(view)) return e->probability / view.solid_angle;
+    }
 #endif
     return mcv_area_density(world, surface, emitter, direction, distance);
 }

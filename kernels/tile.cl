@@ -381,10 +381,15 @@ static __attribute__((noinline)) void mcv_find_surfaces(mcv_world world, uint *p
 #if MCV_WITH_NEXT_EVENT
 #if MCV_WITH_EMISSION
 /* The way of a path to the place that it has chosen on an emitter. */
-MCV_LOOP_FUNCTION void mcv_find_way(mcv_world world, mcv_slot slot) {
-    const mcv_chosen_place place = {MCV_WORD(slot, place, 0), MCV_LOAD(slot, place, 1), MCV_LOAD(slot, place, 2)};
-    const mcv_way way =
-        mcv_way_to(world, MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error), MCV_LOAD_3(slot, face), MCV_WORD(slot, emitter, 0), place);
+MCV_LOOP_FUNCTION void mcv_find_way(mcv_world world, mcv_slot slot, uint emitter) {
+    mcv_chosen_place place = {MCV_WORD(slot, place, 0), MCV_LOAD(slot, place, 1), MCV_LOAD(slot, place, 2)};
+    const mcv_pair pair = {MCV_LOAD(slot, drawn, 2 * MCV_PAIR_EMITTER), MCV_LOAD(slot, drawn, 2 * MCV_PAIR_EMITTER + 1)};
+    const mcv_way way = mcv_way_to(world, MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error), MCV_LOAD_3(slot, face), emitter, pair, &place);
+#if MCV_WITH_RECTANGLE
+    MCV_WORD(slot, place, 0) = place.triangle;
+    MCV_STORE(slot, place, 1, place.u);
+    MCV_STORE(slot, place, 2, place.v);
+#endif
     MCV_STORE_3(slot, shadow_origin, way.origin);
     MCV_STORE_3(slot, shadow_direction, way.direction);
     MCV_STORE_3(slot, way, way.towards);
@@ -395,19 +400,39 @@ MCV_LOOP_FUNCTION void mcv_find_way(mcv_world world, mcv_slot slot) {
 #endif
 }
 
-/* Those of the paths in the slots 0 … first - 1 and in the chosen ones. */
-static __attribute__((noinline)) void mcv_find_ways(mcv_world world, uint *paths, uint first, const uint *chosen, uint count) {
+/*
+ * Those of the paths in the slots 0 … first - 1, which look for emitter 0, and of the chosen ones: by emitters, as long as it takes few
+ * turns, so that what is known of one is read once.
+ */
+static __attribute__((noinline)) void mcv_find_ways(mcv_world world, uint *paths, uint first, uint *chosen, uint count) {
+    uint alike[MCV_SLOTS];
     mcv_slot slot;
     slot.base = paths;
     MCV_PARALLEL
     for (uint i = 0; i < first; ++i) {
         slot.index = i;
-        mcv_find_way(world, slot);
+        mcv_find_way(world, slot, 0u);
     }
-    MCV_PARALLEL
+    for (uint turn = 0; count > 0 && turn < MCV_MOST_REACHING; ++turn) {
+        const uint emitter = paths[MCV_PATH_emitter * MCV_ROW + chosen[0]];
+        uint listed = 0, others = 0;
+        for (uint i = 0; i < count; ++i) {
+            const uint k = chosen[i];
+            const int is_alike = paths[MCV_PATH_emitter * MCV_ROW + k] == emitter;
+            alike[listed] = chosen[others] = k;
+            listed += is_alike;
+            others += !is_alike;
+        }
+        MCV_PARALLEL
+        for (uint i = 0; i < listed; ++i) {
+            slot.index = alike[i];
+            mcv_find_way(world, slot, emitter);
+        }
+        count = others;
+    }
     for (uint i = 0; i < count; ++i) {
         slot.index = chosen[i];
-        mcv_find_way(world, slot);
+        mcv_find_way(world, slot, MCV_WORD(slot, emitter, 0));
     }
 }
 #endif
@@ -448,7 +473,7 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
 #if MCV_WITH_PLAIN_EMITTERS
     if (mcv_has_plain_emitter(world)) {
         plain = ends[MCV_MET_DIFFUSE_EXACT];
-        mcv_choose_plain_places(world, slot.base, plain);
+        mcv_choose_plain_emitter(slot.base, plain);
     }
 #endif
     for (slot.index = plain; slot.index < alive; ++slot.index) {
@@ -456,11 +481,12 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
         MCV_WORD(slot, emitter, 0) = emitter;
 #if MCV_WITH_EMISSION
         if (emitter == MCV_NONE || !mcv_samples_area(world.emitters + emitter, MCV_LOAD_3(slot, point))) continue;
+        chosen[count++] = slot.index;
+        if (mcv_is_rectangle(world.emitters + emitter)) continue; /* mcv_way_to */
         const mcv_chosen_place place = mcv_choose_place(world, emitter, mcv_draw(slot, depth, MCV_PAIR_EMITTER));
         MCV_WORD(slot, place, 0) = place.triangle;
         MCV_STORE(slot, place, 1, place.u);
         MCV_STORE(slot, place, 2, place.v);
-        chosen[count++] = slot.index;
 #endif
     }
 #if MCV_WITH_EMISSION

@@ -510,7 +510,7 @@ static mcv_result pack_environment(const mcv_scene *scene, mcv_packed *packed, c
 static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
     uint32_t *cdf = packed->emitter_cdf;
     size_t next = packed->emitter_count + 1;
-    uint32_t count = 0;
+    uint32_t count = 0, rectangles = 0;
     bool failed = false;
     mcv_result result = MCV_OK;
     double *powers = allocate(scene->emitter_count, sizeof(double), &failed);
@@ -531,6 +531,7 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
         }
         prepare_emitter(scene, packed, i, to);
         find_reach(scene, packed, from, to);
+        rectangles += mcv_pack_rectangle(scene, packed, to);
         powers[count++] = emitter_power(scene, packed, from);
     }
     if (!failed) {
@@ -542,6 +543,7 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
         for (uint32_t i = 0; i < count; ++i) packed->emitters[i].probability = (float)((cdf[i + 1] - cdf[i]) * 0x1p-31);
         if (!(total > 0)) packed->features &= ~(1u << MCV_FEATURE_NEXT_EVENT);
         const bool looks = packed->features >> MCV_FEATURE_NEXT_EVENT & 1;
+        packed->features |= feature(MCV_FEATURE_RECTANGLE, looks && rectangles > 0);
         packed->features |= feature(MCV_FEATURE_REACH, looks && count > 1 && count <= MCV_MOST_REACHING);
     }
     free(powers);

@@ -73,6 +73,9 @@ void mcv_packed_free(mcv_packed *packed);
 void mcv_pack_solids(const mcv_scene *scene, mcv_packed *packed);
 void mcv_pack_precise_solids(const mcv_scene *scene, mcv_packed *packed);
 
+/* pack_rectangle.c: fills in how the emitter, of which all else is known, is a rectangle; false where it is none. */
+bool mcv_pack_rectangle(const mcv_scene *scene, const mcv_packed *packed, mcv_device_emitter *emitter);
+
 /* pack_precise.c: the feature MIXED and what it needs. To be called before the packed arrays are freed. */
 mcv_result mcv_pack_precise(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
 

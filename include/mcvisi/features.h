@@ -34,6 +34,7 @@
     X(BEAM, "collimated-beam", "a collimated beam shines") \
     X(PUNCTUAL, "punctual", "a point, spot or directional light shines") \
     X(NEXT_EVENT, "next-event", "surfaces that spread light look for emitters") \
+    X(RECTANGLE, "rectangle", "one of these emitters is a rectangle: they look for it by solid angle") \
     X(REACH, "reach", "surfaces that spread light choose among a few emitters by what these may bring") \
     X(AIM, "aim", "a sensor sees a parallel emitter whose cone is narrower than its pupil") \
     X(LIGHT_TRACING, "light-tracing", "light of emitters reaches surfaces that spread it, or a beam the lens, through smooth ones") \

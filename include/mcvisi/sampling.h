@@ -15,7 +15,7 @@ MCV_FUNCTION uint mcv_cell(float x, uint count) {
 }
 
 /* sin and cos for |x| <= π/4: Taylor polynomials, absolute error below 8e-8 (no library function: same bits everywhere). */
-MCV_FUNCTION float mcv_sin_octant(float x) {
+MCV_LOOP_FUNCTION float mcv_sin_octant(float x) {
     const float x2 = x * x;
     float p = mcv_fma(x2, 2.7557319e-6f, -1.9841270e-4f);
     p = mcv_fma(x2, p, 8.3333333e-3f);
@@ -23,7 +23,7 @@ MCV_FUNCTION float mcv_sin_octant(float x) {
     return mcv_fma(x * x2, p, x);
 }
 
-MCV_FUNCTION float mcv_cos_octant(float x) {
+MCV_LOOP_FUNCTION float mcv_cos_octant(float x) {
     const float x2 = x * x;
     float p = mcv_fma(x2, 2.4801587e-5f, -1.3888889e-3f);
     p = mcv_fma(x2, p, 4.1666667e-2f);
@@ -32,36 +32,41 @@ MCV_FUNCTION float mcv_cos_octant(float x) {
 }
 
 /* sin and cos of up to a turn or so, given in turns. */
-MCV_FUNCTION void mcv_sin_cos_turn(float turns, float *sine, float *cosine) {
-    const float quarters = mcv_floor(mcv_fma(4.0f, turns, 0.5f));
-    const float rest = 2.0f * MCV_PI * mcv_fma(-0.25f, quarters, turns);
+MCV_LOOP_FUNCTION void mcv_sin_cos_turn(float turns, float *sine, float *cosine) {
+    const float nearest = mcv_fma(4.0f, turns, 0.5f);
+    int quarters = (int)nearest; /* floor() would keep a loop from being vectorised */
+    quarters -= (float)quarters > nearest;
+    const float rest = 2.0f * MCV_PI * mcv_fma(-0.25f, (float)quarters, turns);
     const float s = mcv_sin_octant(rest);
     const float c = mcv_cos_octant(rest);
-    const int turn = (int)quarters & 3;
-    *sine = turn == 0 ? s : turn == 1 ? c : turn == 2 ? -s : -c;
-    *cosine = turn == 0 ? c : turn == 1 ? -s : turn == 2 ? -c : s;
+    const int crossed = quarters & 1;
+    const float across = crossed ? c : s;
+    const float along = crossed ? s : c;
+    *sine = quarters & 2 ? -across : across;
+    *cosine = (quarters + 1) & 2 ? -along : along;
 }
 
 /*
  * The angle of (x, y) to the x axis in [-π, π], within 4e-7. Between the octants' thirds tan(a - π/4) = (tan a - 1)/(tan a + 1); the
  * polynomial interpolates (atan r/r - 1)/r² at Chebyshev's nodes of r <= tan(π/8): 7e-8 of the angle.
  */
-MCV_FUNCTION float mcv_atan2(float y, float x) {
+MCV_LOOP_FUNCTION float mcv_atan2(float y, float x) {
     const float across = mcv_abs(x);
     const float up = mcv_abs(y);
     const int steep = up > across;
     const float large = steep ? up : across;
     const float small = steep ? across : up;
-    if (!(large > 0.0f)) return 0.0f;
     const int turned = small > 0.41421356f * large;
-    const float r = turned ? (small - large) / (small + large) : small / large;
+    const float over = turned ? small - large : small;
+    const float under = turned ? small + large : large;
+    const float r = under > 0.0f ? over / under : 0.0f;
     const float r2 = r * r;
     float p = mcv_fma(r2, 8.52049217e-2f, -1.40241429e-1f);
     p = mcv_fma(r2, p, 1.99912384e-1f);
     p = mcv_fma(r2, p, -3.33332866e-1f);
     float angle = mcv_fma(r * r2, p, r) + (turned ? 0.25f * MCV_PI : 0.0f);
-    if (steep) angle = 0.5f * MCV_PI - angle;
-    if (x < 0.0f) angle = MCV_PI - angle;
+    angle = steep ? 0.5f * MCV_PI - angle : angle;
+    angle = x < 0.0f ? MCV_PI - angle : angle;
     return y < 0.0f ? -angle : angle;
 }
 

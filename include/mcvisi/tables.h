@@ -22,6 +22,9 @@
 #if !MCV_ON_DEVICE || MCV_WITH_BEAM
 #include "mcvisi/emitters/collimated_beam.h"
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_RECTANGLE
+#include "mcvisi/rectangle.h"
+#endif
 #if !MCV_ON_DEVICE || MCV_WITH_SURFACES
 #include "mcvisi/surfaces/solid.h"
 #endif
@@ -186,8 +189,13 @@ typedef struct mcv_device_emitter {
 #else
     uint no_punctual[16];
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_RECTANGLE
+    mcv_rectangle rectangle;
+#else
+    uint no_rectangle[24];
+#endif
 } mcv_device_emitter;
-MCV_ASSERT_SIZE(mcv_device_emitter, 384);
+MCV_ASSERT_SIZE(mcv_device_emitter, 480);
 
 typedef struct mcv_device_texture {
     uint width, height;
