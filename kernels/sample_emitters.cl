@@ -2,8 +2,9 @@
 /*
  * Stage: next-event estimation. A surface that spreads light chooses an emitter by power and reach, then a direction to it: uniform in the
  * cone of a parallel emitter that is smaller than the emitter seen from there (which must then be the closest hit), else towards a point
- * uniform by area; of an environment's image a pixel by what it brings. Weighed against the surface's own choice of directions by the power
- * heuristic. Beams and lights without extent, which a direction of the surface's own cannot meet, come in full.
+ * uniform in solid angle on a rectangle that looks large from there, elsewhere by area; of an environment's image a pixel by what it
+ * brings. Weighed against the surface's own choice of directions by the power heuristic. Beams and lights without extent, which a direction
+ * of the surface's own cannot meet, come in full.
  *
  * reads ray, hit -> writes shadow ray
  */
