@@ -113,7 +113,7 @@ static mcv_device_emitter pack_lamp(const float *positions, uint32_t vertices, c
         .vertex_count = vertices, .triangle_count = triangles, .positions = (float *)positions, .indices = (uint32_t *)indices};
     add_rectangle(scene, 4, 4, add_diffuse(scene, rho), looking_up_z(0, 0, -5));
     add_emitter(scene, MCV_EMITTER_AREA, add_instance(scene, &mesh, add_absorber(scene), askew), 3, 0);
-    BUILD(mcv_pack(scene, packed, &builder_error));
+    BUILD(mcv_pack(scene, NULL, packed, &builder_error));
     const mcv_device_emitter emitter = packed->emitters[0];
     mcv_scene_free(scene);
     return emitter;
