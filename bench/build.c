@@ -317,7 +317,7 @@ static mcv_result bench_rays(mesh_bench *m, int built, int kind) {
     bench_side sides[1 + QUALITIES];
     for (int i = 0; i <= built; ++i) {
         caster *c = m->casters + i;
-        casts[i] = (cast){c, c->kernels[caster_kernel(kind, false)]};
+        casts[i] = (cast){c, c->kernels[CLOSEST_MANY]};
         sides[i] = (bench_side){.run = cast_run, .user = casts + i};
         MCV_TRY(caster_take(c, m->rays->rays[kind], m->rays->count, m->error));
         MCV_TRY(cast_run(casts + i, m->error));

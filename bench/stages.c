@@ -264,7 +264,7 @@ typedef struct replay {
     int only; /* of the stages: 0 the closest, 1 the shadow rays */
 } replay;
 
-static const char *const kernel_names[KINDS] = {"closest_first", "closest_later", "any_shadow", "closest_shadow"};
+static const char *const kernel_names[KINDS] = {"closest_many", "closest_many", "any_many", "closest_many"};
 
 static mcv_result replay_open(const drive *d, const ray_list lists[KINDS], replay *r, mcv_error *error) {
     char way[32];

@@ -75,12 +75,11 @@ static double core_scaling(const bench *b, const bench_side sides[SIDES]) {
 
 static mcv_result bench_kind(mesh_bench *m, int kind, bool any) {
     bench *b = m->b;
-    const int kernel = caster_kernel(kind, any);
+    const int kernel = any ? ANY_MANY : CLOSEST_MANY;
     const char *what = any ? "any" : "closest";
     caster *one = &m->one, *all = &m->all, *plain = &m->plain;
-    cast casts[SIDES] = {[OURS] = {one, one->kernels[kernel]},
-                         [OURS_ALL] = {all, all->kernels[kernel]},
-                         [PLAIN] = {plain, plain->kernels[any ? ANY_SHADOW : CLOSEST_FIRST]}};
+    cast casts[SIDES] = {
+        [OURS] = {one, one->kernels[kernel]}, [OURS_ALL] = {all, all->kernels[kernel]}, [PLAIN] = {plain, plain->kernels[kernel]}};
     embree_cast robust = {m->robust, m->rays->rays[kind], m->rays->count, 1, any, m->others, m->other_found};
     embree_cast robust_all = robust, fast = robust;
     robust_all.threads = b->cl.units;
@@ -122,8 +121,8 @@ static mcv_result open_plain(mesh_bench *m, mcv_cl *core, const mesh *t) {
     bvh2 plain;
     m->plain.cl = core;
     MCV_TRY(bvh2_program(core, &m->plain.program, m->error));
-    MCV_TRY(mcv_cl_kernel(m->plain.program, "bvh2_closest", &m->plain.kernels[CLOSEST_FIRST], m->error));
-    MCV_TRY(mcv_cl_kernel(m->plain.program, "bvh2_any", &m->plain.kernels[ANY_SHADOW], m->error));
+    MCV_TRY(mcv_cl_kernel(m->plain.program, "bvh2_closest", &m->plain.kernels[CLOSEST_MANY], m->error));
+    MCV_TRY(mcv_cl_kernel(m->plain.program, "bvh2_any", &m->plain.kernels[ANY_MANY], m->error));
     MCV_TRY(bvh2_build(t->positions, t->indices, t->triangle_count, &plain, m->error));
     mcv_result result = mcv_cl_buffer(core, "the nodes", plain.node_count * sizeof *plain.nodes, plain.nodes, &m->plain.nodes, m->error);
     if (result == MCV_OK) {

@@ -134,10 +134,8 @@ double share_that_differs(const mcv_hit *a, const mcv_hit *b, uint32_t count) {
 
 /* --- ours ------------------------------------------------------------------------------------------------------- */
 
-int caster_kernel(int kind, bool any) { return any ? ANY_SHADOW : kind == PRIMARY ? CLOSEST_FIRST : CLOSEST_LATER; }
-
 mcv_result caster_open(mcv_cl *cl, uint32_t triangle_count, const mcv_bvh *bvh, caster *c, mcv_error *error) {
-    static const char *const names[CASTER_KERNELS] = {"closest_first", "closest_later", "any_shadow"};
+    static const char *const names[CASTER_KERNELS] = {"closest_many", "any_many"};
     char way[32];
     *c = (caster){.cl = cl};
     snprintf(way, sizeof way, "-DMCV_WITH_INTERLEAVE=%d", triangle_count >= MCV_MANY_TRIANGLES);

@@ -38,7 +38,7 @@ typedef struct workload_rays {
 void workload_make_rays(const bench *b, const mesh *m, RTCScene scene, mcv_hit *hits, workload_rays *made);
 
 /* Ours: a hierarchy on a device and the kernels of kernels/intersect.cl, those that the renderer would take for so many triangles. */
-enum { CLOSEST_FIRST, CLOSEST_LATER, ANY_SHADOW, CASTER_KERNELS };
+enum { CLOSEST_MANY, ANY_MANY, CASTER_KERNELS };
 typedef struct caster {
     mcv_cl *cl;
     cl_program program;
@@ -56,9 +56,6 @@ typedef struct cast {
     cl_kernel kernel;
 } cast;
 mcv_result cast_run(void *cast, mcv_error *error);
-
-/* The kernel for rays of a kind. */
-int caster_kernel(int kind, bool any);
 
 /* Embree's: a scene of a build quality; triangles are shared with the mesh. */
 RTCScene embree_scene(RTCDevice device, const mesh *m, enum RTCSceneFlags flags, enum RTCBuildQuality quality);

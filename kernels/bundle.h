@@ -1,198 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Eight rays that go much the same way, through the hierarchy together: what they share is computed once, and what differs side by
- * side in float8. They find what they find alone, to the last bit: a triangle is tested by the same arithmetic, and boxes only
- * leave out what cannot be hit (kernels/traverse.h; any superset of the leaves gives the same hit).
+ * Many rays through the hierarchy together (J. A. Tsakok, Faster Incoherent Rays: Multi-BVH Ray Stream Tracing, HPG 2009): a node or a
+ * leaf is met once, with a list of all rays that come to it. Rays from places close to each other come to much the same ones, whichever
+ * way they go then. They share the branches that no processor foresees, which is where a ray alone spends its time, and a leaf is tested
+ * with eight of them side by side.
  *
- * The hull of a bundle. All rays have the same main axis z and run the same way along it. Let h be the depth along it from a start that
- * no ray lies before. A ray is x(h) = x0 + s h with |s| <= 1, so the bundle lies between min x0 + min s h and max x0 + max s h, which
- * over a box's range of h are largest at one of its ends: one test for all eight children. With R of the largest ray, a hit lies
- * within 19 u R of its box in x and in z (as much again in x), x0 rounds by 9 u R and x(h) by as much: 64 u R is the margin, also of the
- * start, so that h of a box that reaches back to an origin is not negative, and of the depth behind which nothing is looked for.
+ * They find what they find alone, to the last bit: a triangle is tested by the same arithmetic, and boxes only leave out what cannot be
+ * hit (kernels/traverse.h; any superset of the leaves in any order gives the same hit).
  */
 #ifndef MCVISI_BUNDLE_H
 #define MCVISI_BUNDLE_H
 
 #include "traverse.h"
 
-#define MCV_BUNDLE 8
-#define MCV_LANES(v, c) (float8)(v[0].c, v[1].c, v[2].c, v[3].c, v[4].c, v[5].c, v[6].c, v[7].c)
+#define MCV_BUNDLE 256                   /* numbers in a list are bytes */
+#define MCV_BUNDLE_ROW (MCV_BUNDLE + 16) /* as of MCV_ROW */
 
-typedef struct mcv_bundle {
-    float8 inverse[3], near_offset[3], far_offset[3]; /* slabs, as in mcv_ray_frame */
-    float8 t;                                         /* nothing behind it is looked for; negative: the ray is done */
-    float8 speed, ahead;                              /* h = t speed + ahead */
-    float shear[2][MCV_BUNDLE], scale[MCV_BUNDLE], origin[3][MCV_BUNDLE];
-    uint x, y, z; /* the axes, z the main one */
-    float sign, start, margin;
-    float least_place[2], most_place[2], least_slope[2], most_slope[2];
-    float depth; /* h of the farthest t */
-} mcv_bundle;
+/* From so few rays on each goes on alone: nearest first is then worth more than company. */
+#define MCV_BUNDLE_FEW 3
 
-static inline float mcv_least_lane(float8 lanes) {
-    const float4 four = min(lanes.lo, lanes.hi);
-    const float2 two = min(four.lo, four.hi);
-    return min(two.x, two.y);
-}
-
-static inline float mcv_most_lane(float8 lanes) {
-    const float4 four = max(lanes.lo, lanes.hi);
-    const float2 two = max(four.lo, four.hi);
-    return max(two.x, two.y);
-}
-
-static inline void mcv_bundle_limit(mcv_bundle *b, float8 t) {
-    b->t = t;
-    b->depth = mcv_most_lane(fma(t, b->speed, b->ahead)) + b->margin;
-}
-
-/* Returns 0 for rays that have no hull: of different main axes or not finite. They must go alone. */
-static inline int mcv_bundle_setup(const float8 o[3], const float8 d[3], float8 t_max, float extent, mcv_bundle *b) {
-    const float8 dx = fabs(d[0]), dy = fabs(d[1]), dz = fabs(d[2]);
-    const float8 largest = max(dx, max(dy, dz));
-    const float8 reach = max(fabs(o[0]), max(fabs(o[1]), fabs(o[2]))) + extent;
-    const uint all = (1u << MCV_BUNDLE) - 1u;
-    const uint main_z = mcv_mask8((dz >= dx) & (dz >= dy)), main_y = mcv_mask8(dy >= dx);
-    if (mcv_mask8((largest > 0.0f) & (reach + largest < INFINITY)) != all) return 0;
-    if (main_z != 0u ? main_z != all : main_y != 0u && main_y != all) return 0;
-    b->z = main_z ? 2u : main_y ? 1u : 0u;
-    b->x = b->z == 2u ? 0u : b->z + 1u;
-    b->y = b->z == 0u ? 2u : b->z - 1u;
-    const float8 along = d[b->z];
-    const uint negative = mcv_mask8(along < 0.0f);
-    if (negative != 0u && negative != all) return 0;
-
-    const float8 spread = 32.0f * MCV_UNIT_ROUNDOFF * reach;
-    const float8 least = largest * 0x1p-64f;
-#pragma unroll
-    for (int axis = 0; axis < 3; ++axis) {
-        b->inverse[axis] = 1.0f / (fabs(d[axis]) < least ? copysign(least, d[axis]) : d[axis]);
-        b->near_offset[axis] = -o[axis] * b->inverse[axis] - spread * fabs(b->inverse[axis]);
-        b->far_offset[axis] = -o[axis] * b->inverse[axis] + spread * fabs(b->inverse[axis]);
-    }
-    b->sign = negative ? -1.0f : 1.0f;
-    b->margin = 64.0f * MCV_UNIT_ROUNDOFF * mcv_most_lane(reach);
-    const float first = mcv_least_lane(b->sign * o[b->z]) - b->margin;
-    b->start = b->sign * first;
-    b->speed = fabs(along);
-    b->ahead = b->sign * o[b->z] - first;
-    vstore8(1.0f / along, 0, b->scale);
-    vstore8(o[b->z], 0, b->origin[2]);
-#pragma unroll
-    for (int k = 0; k < 2; ++k) {
-        const uint axis = k ? b->y : b->x;
-        const float8 shear = d[axis] / along;
-        const float8 place = fma(shear, b->start - o[b->z], o[axis]);
-        vstore8(shear, 0, b->shear[k]);
-        vstore8(o[axis], 0, b->origin[k]);
-        b->least_place[k] = mcv_least_lane(place) - b->margin;
-        b->most_place[k] = mcv_most_lane(place) + b->margin;
-        b->least_slope[k] = mcv_least_lane(b->sign * shear);
-        b->most_slope[k] = mcv_most_lane(b->sign * shear);
-    }
-    mcv_bundle_limit(b, t_max);
-    return 1;
-}
-
-/* The children whose boxes the hull meets, one bit each, and the depths where they begin. */
-static inline uint mcv_intersect_hull(__global const mcv_node *node, const mcv_bundle *b, float8 *entry) {
-    const uint first = b->sign < 0.0f ? 1u : 0u;
-    const float8 near = max(b->sign * (*(__global const float8 *)node->bounds[b->z][first] - b->start), 0.0f);
-    const float8 far = b->sign * (*(__global const float8 *)node->bounds[b->z][1u - first] - b->start);
-    int8 outside = (far < 0.0f) | (near > b->depth);
-#pragma unroll
-    for (int k = 0; k < 2; ++k) {
-        const uint axis = k ? b->y : b->x;
-        const float8 low = b->least_place[k], high = b->most_place[k];
-        const float8 lower = min(fma(near, (float8)(b->least_slope[k]), low), fma(far, (float8)(b->least_slope[k]), low));
-        const float8 upper = max(fma(near, (float8)(b->most_slope[k]), high), fma(far, (float8)(b->most_slope[k]), high));
-        outside |= *(__global const float8 *)node->bounds[axis][0] > upper;
-        outside |= *(__global const float8 *)node->bounds[axis][1] < lower;
-    }
-    *entry = near;
-    return mcv_mask8(~outside);
-}
-
-/* The rays that meet the box of one child, one bit each. */
-static inline uint mcv_meet_box(__global const mcv_node *node, uint child, const mcv_bundle *b) {
-    float8 near = (float8)(0.0f), far = b->t;
-#pragma unroll
-    for (int axis = 0; axis < 3; ++axis) {
-        const float8 lower = node->bounds[axis][0][child] * b->inverse[axis];
-        const float8 upper = node->bounds[axis][1][child] * b->inverse[axis];
-        near = max(near, min(lower, upper) + b->near_offset[axis]);
-        far = min(far, max(lower, upper) + b->far_offset[axis]);
-    }
-    return mcv_mask8(near <= far);
-}
-
-/* A leaf against some of the rays. */
-static inline void mcv_bundle_leaf(__global const mcv_leaf *leaf, mcv_bundle *b, uint rays, int any, mcv_hit *hits) {
-    float t[MCV_BUNDLE];
-    int changed = 0;
-    vstore8(b->t, 0, t);
-    while (rays) {
-        const uint i = mcv_pop_bit(&rays);
-        const mcv_shear ray = {4u * b->x,       4u * b->y,      4u * b->z,      b->origin[0][i], b->origin[1][i],
-                               b->origin[2][i], b->shear[0][i], b->shear[1][i], b->scale[i]};
-        if (t[i] >= 0.0f && mcv_intersect_leaf(leaf, &ray, hits + i)) {
-            t[i] = any ? -1.0f : hits[i].t;
-            changed = 1;
-        }
-    }
-    if (changed) mcv_bundle_limit(b, vload8(0, t));
-}
-
-/*
- * A child waits with the rays that meet it: they take the place of the last bits of the depth where it begins, which so may only
- * become less.
- */
-static inline ulong mcv_wait_with(float entry, uint rays, uint child) { return mcv_wait(as_float((as_uint(entry) & ~255u) | rays), child); }
-static inline float mcv_depth_of(ulong waiting) { return as_float((uint)(waiting >> 32) & ~255u); }
-
-static inline __attribute__((always_inline)) void mcv_bundle_traverse(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                                                      mcv_bundle *b, int any, mcv_hit *hits) {
-    ulong waiting[MCV_BVH_STACK];
-    ulong next = 0;
-    uint count = 0;
-    do {
-        const uint current = (uint)next;
-        if (current & MCV_CHILD_LEAF) {
-            mcv_bundle_leaf(leaves + (current & ~MCV_CHILD_LEAF), b, (uint)(next >> 32) & 255u, any, hits);
-            if (any && !mcv_mask8(b->t >= 0.0f)) return;
-        } else {
-            __global const mcv_node *node = nodes + current;
-            float8 begin;
-            float entry[MCV_BVH_WIDTH];
-            uint mask = mcv_intersect_hull(node, b, &begin);
-            vstore8(begin, 0, entry);
-            const uint bottom = count;
-            while (mask) {
-                const uint lane = mcv_pop_bit(&mask);
-                const uint rays = mcv_meet_box(node, lane, b);
-                if (!rays) continue;
-                mcv_prefetch_child(nodes, leaves, node->child[lane]);
-                const ulong other = mcv_wait_with(entry[lane], rays, node->child[lane]);
-                uint place = count++;
-                for (; place > bottom && waiting[place - 1] < other; --place) waiting[place] = waiting[place - 1];
-                waiting[place] = other;
-            }
-        }
-        do {
-            if (count == 0) return;
-            next = waiting[--count];
-        } while (mcv_depth_of(next) > b->depth);
-    } while (1);
-}
-
-/* ---- few triangles ---------------------------------------------------------------------------------------------- */
-
-/* Whether the root is all there is: then eight rays go together, whichever way each goes. */
-static inline int mcv_is_flat(__global const mcv_node *root) {
-    uint bits = MCV_CHILD_LEAF;
-    for (uint i = 0; i < MCV_BVH_WIDTH; ++i) bits &= root->child[i]; /* MCV_NONE has it, too */
-    return bits != 0u;
-}
+/* So many rays take turns where they are alone, and so many wait for that before they do. */
+#define MCV_INTERLEAVED 16
+#define MCV_LONE 64
 
 /* Eight rays as the tests of triangles need them (mcv_shear), and what they have hit so far. */
 typedef struct mcv_lanes {
@@ -202,11 +31,59 @@ typedef struct mcv_lanes {
     uint8 triangle;
 } mcv_lanes;
 
-/* The coordinates of a vertex along the axes x, y, z of the rays. */
+/* The components of a vector along the axes x, y, z of the rays. */
 #define MCV_LANES_OF(rays, if_z, if_y, if_x) ((rays)->main_z ? (float8)(if_z) : (rays)->main_y ? (float8)(if_y) : (float8)(if_x))
 
-/* One triangle of a leaf against all rays, as mcv_intersect_leaf does it with all of them and one ray. */
-static inline __attribute__((always_inline)) void mcv_lanes_meet(__global const mcv_leaf *leaf, uint lane, int any, mcv_lanes *rays) {
+#define MCV_EIGHT(row, i) (row[i[0]], row[i[1]], row[i[2]], row[i[3]], row[i[4]], row[i[5]], row[i[6]], row[i[7]])
+
+/* The slabs of eight rays, as in mcv_ray_frame. */
+typedef struct mcv_slabs {
+    float8 inverse[3], near_offset[3], far_offset[3];
+} mcv_slabs;
+
+/* Eight of the rays indices[0 … count - 1] from the first on, the last one in place of those that are not there; mcv_ray_setup. */
+static inline __attribute__((always_inline)) void mcv_lanes_setup(mcv_rows origins, mcv_rows directions, const uint *indices, uint first,
+                                                                  uint count, float extent, mcv_slabs *slabs, mcv_lanes *rays) {
+    float o[3][8], d[3][8];
+    /* Unrolled, or the compiler makes a loop of gathers, which are slower. */
+#pragma unroll
+    for (uint i = 0; i < 8; ++i) {
+        const uint ray = indices[min(first + i, count - 1u)];
+        const mcv_vec3 origin = mcv_row(origins, ray), direction = mcv_row(directions, ray);
+        o[0][i] = origin.x, o[1][i] = origin.y, o[2][i] = origin.z;
+        d[0][i] = direction.x, d[1][i] = direction.y, d[2][i] = direction.z;
+    }
+    const float8 ox = vload8(0, o[0]), oy = vload8(0, o[1]), oz = vload8(0, o[2]);
+    const float8 x = vload8(0, d[0]), y = vload8(0, d[1]), z = vload8(0, d[2]);
+    const float8 dx = fabs(x), dy = fabs(y), dz = fabs(z);
+    const float8 reach = max(fabs(ox), max(fabs(oy), fabs(oz))) + extent;
+    const float8 margin = 32.0f * MCV_UNIT_ROUNDOFF * reach;
+    const float8 least = max(dx, max(dy, dz)) * 0x1p-64f;
+#pragma unroll
+    for (int axis = 0; axis < 3; ++axis) {
+        const float8 origin = axis == 0 ? ox : axis == 1 ? oy : oz, direction = axis == 0 ? x : axis == 1 ? y : z;
+        const float8 inverse = 1.0f / (fabs(direction) < least ? copysign(least, direction) : direction);
+        const float8 spread = margin * fabs(inverse);
+        slabs->inverse[axis] = inverse;
+        slabs->near_offset[axis] = -origin * inverse - spread;
+        slabs->far_offset[axis] = -origin * inverse + spread;
+    }
+    rays->main_z = (dz >= dx) & (dz >= dy);
+    rays->main_y = dy >= dx;
+    const float8 along = MCV_LANES_OF(rays, z, y, x);
+    rays->origin_x = MCV_LANES_OF(rays, ox, oz, oy);
+    rays->origin_y = MCV_LANES_OF(rays, oy, ox, oz);
+    rays->origin_z = MCV_LANES_OF(rays, oz, oy, ox);
+    rays->shear_x = MCV_LANES_OF(rays, x, z, y) / along;
+    rays->shear_y = MCV_LANES_OF(rays, y, x, z) / along;
+    rays->scale_z = 1.0f / along;
+}
+
+/*
+ * One triangle of a leaf against all rays, as mcv_intersect_leaf does it with all of them and one ray; of a ray that has hit t is -1 where
+ * any hit will do. Returns those that have hit, one bit each.
+ */
+static inline __attribute__((always_inline)) uint mcv_lanes_meet(__global const mcv_leaf *leaf, uint lane, int any, mcv_lanes *rays) {
     const uint8 triangle = (uint8)(leaf->triangle[lane]);
     float8 x[3], y[3], z[3], t, b, c, det;
     int8 met;
@@ -217,125 +94,381 @@ static inline __attribute__((always_inline)) void mcv_lanes_meet(__global const 
         x[corner] = fma(-rays->shear_x, z[corner], MCV_LANES_OF(rays, p, r, q) - rays->origin_x);
         y[corner] = fma(-rays->shear_y, z[corner], MCV_LANES_OF(rays, q, p, r) - rays->origin_y);
     }
-    if (!mcv_meet_sheared8(x, y, z, rays->shear_x, rays->shear_y, rays->scale_z, rays->t, &met, &t, &b, &c, &det)) return;
+    if (!mcv_meet_sheared8(x, y, z, rays->shear_x, rays->shear_y, rays->scale_z, rays->t, &met, &t, &b, &c, &det)) return 0;
     if (any) {
         rays->triangle = met ? triangle : rays->triangle;
         rays->t = met ? (float8)(-1.0f) : rays->t;
-        return;
+        return mcv_mask8(met);
     }
     met &= (t < rays->t) | ((t == rays->t) & (rays->triangle != MCV_NONE) & (triangle < rays->triangle));
     rays->t = met ? t : rays->t;
     rays->u = met ? b / det : rays->u;
     rays->v = met ? c / det : rays->v;
     rays->triangle = met ? triangle : rays->triangle;
+    return mcv_mask8(met);
 }
 
-static inline __attribute__((always_inline)) void mcv_flat_traverse(__global const mcv_node *root, __global const mcv_leaf *leaves,
-                                                                    const float8 o[3], const float8 d[3], int any, mcv_lanes *rays) {
-    const float8 dx = fabs(d[0]), dy = fabs(d[1]), dz = fabs(d[2]);
-    const float8 reach = max(fabs(o[0]), max(fabs(o[1]), fabs(o[2]))) + root->extent;
-    const float8 spread = 32.0f * MCV_UNIT_ROUNDOFF * reach;
-    const float8 least = max(dx, max(dy, dz)) * 0x1p-64f;
-    float8 inverse[3], near_offset[3], far_offset[3];
+/* ---- few triangles ---------------------------------------------------------------------------------------------- */
+
+/* Whether the root is all there is: then there is nothing to list. */
+static inline int mcv_is_flat(__global const mcv_node *root) {
+    uint bits = MCV_CHILD_LEAF;
+    for (uint i = 0; i < MCV_BVH_WIDTH; ++i) bits &= root->child[i]; /* MCV_NONE has it, too */
+    return bits != 0u;
+}
+
+static inline __attribute__((always_inline)) void mcv_take_flat(__global const mcv_node *root, __global const mcv_leaf *leaves,
+                                                                mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
+                                                                int any, mcv_hit *hits) {
+    for (uint first = 0; first < count; first += 8) {
+        const uint used = min(count - first, 8u);
+        mcv_slabs slabs;
+        mcv_lanes rays;
+        float t[8], u[8], v[8];
+        uint triangle[8];
+        mcv_lanes_setup(origins, directions, indices, first, count, root->extent, &slabs, &rays);
+        for (uint i = 0; i < 8; ++i) t[i] = i < used ? hits[first + i].t : -1.0f;
+        rays.t = vload8(0, t);
+        rays.u = rays.v = (float8)(0.0f);
+        rays.triangle = (uint8)(MCV_NONE);
+        for (uint child = 0; child < MCV_BVH_WIDTH; ++child) {
+            if (root->child[child] == MCV_NONE) continue;
+            __global const mcv_leaf *leaf = leaves + (root->child[child] & ~MCV_CHILD_LEAF);
+            float8 near = (float8)(0.0f), far = rays.t;
 #pragma unroll
-    for (int axis = 0; axis < 3; ++axis) {
-        inverse[axis] = 1.0f / (fabs(d[axis]) < least ? copysign(least, d[axis]) : d[axis]);
-        near_offset[axis] = -o[axis] * inverse[axis] - spread * fabs(inverse[axis]);
-        far_offset[axis] = -o[axis] * inverse[axis] + spread * fabs(inverse[axis]);
+            for (int axis = 0; axis < 3; ++axis) {
+                const float8 lower = root->bounds[axis][0][child] * slabs.inverse[axis];
+                const float8 upper = root->bounds[axis][1][child] * slabs.inverse[axis];
+                near = max(near, min(lower, upper) + slabs.near_offset[axis]);
+                far = min(far, max(lower, upper) + slabs.far_offset[axis]);
+            }
+            if (!mcv_mask8(near <= far)) continue;
+            for (uint lane = 0; lane < MCV_LEAF_TRIANGLES; ++lane)
+                if (leaf->triangle[lane] != MCV_NONE) mcv_lanes_meet(leaf, lane, any, &rays);
+        }
+        vstore8(rays.t, 0, t);
+        vstore8(rays.u, 0, u);
+        vstore8(rays.v, 0, v);
+        vstore8(rays.triangle, 0, triangle);
+        for (uint i = 0; i < used; ++i) {
+            hits[first + i].triangle = triangle[i];
+            if (any) continue;
+            hits[first + i].t = t[i];
+            hits[first + i].u = u[i];
+            hits[first + i].v = v[i];
+        }
     }
-    rays->main_z = (dz >= dx) & (dz >= dy);
-    rays->main_y = dy >= dx;
-    const float8 along = MCV_LANES_OF(rays, d[2], d[1], d[0]);
-    rays->origin_x = MCV_LANES_OF(rays, o[0], o[2], o[1]);
-    rays->origin_y = MCV_LANES_OF(rays, o[1], o[0], o[2]);
-    rays->origin_z = MCV_LANES_OF(rays, o[2], o[1], o[0]);
-    rays->shear_x = MCV_LANES_OF(rays, d[0], d[2], d[1]) / along;
-    rays->shear_y = MCV_LANES_OF(rays, d[1], d[0], d[2]) / along;
-    rays->scale_z = 1.0f / along;
-    for (uint child = 0; child < MCV_BVH_WIDTH; ++child) {
-        if (root->child[child] == MCV_NONE) continue;
-        __global const mcv_leaf *leaf = leaves + (root->child[child] & ~MCV_CHILD_LEAF);
-        float8 near = (float8)(0.0f), far = rays->t;
+}
+
+/* ---- many triangles --------------------------------------------------------------------------------------------- */
+
+/* Rays side by side: slabs as in mcv_ray_frame, the rest as in mcv_shear. */
+typedef struct mcv_bundle {
+    float inverse[3][MCV_BUNDLE_ROW], near_offset[3][MCV_BUNDLE_ROW], far_offset[3][MCV_BUNDLE_ROW];
+    float origin[3][MCV_BUNDLE_ROW], shear[2][MCV_BUNDLE_ROW], scale[MCV_BUNDLE_ROW];
+    uint main_axis[MCV_BUNDLE_ROW];
+    float t[MCV_BUNDLE_ROW]; /* nothing behind it is looked for; negative: the ray is done */
+} mcv_bundle;
+
+static inline __attribute__((always_inline)) void mcv_bundle_setup(mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
+                                                                   float extent, const mcv_hit *hits, mcv_bundle *b) {
+    for (uint first = 0; first < count; first += 8) {
+        mcv_slabs slabs;
+        mcv_lanes rays;
+        mcv_lanes_setup(origins, directions, indices, first, count, extent, &slabs, &rays);
 #pragma unroll
         for (int axis = 0; axis < 3; ++axis) {
-            const float8 lower = root->bounds[axis][0][child] * inverse[axis];
-            const float8 upper = root->bounds[axis][1][child] * inverse[axis];
-            near = max(near, min(lower, upper) + near_offset[axis]);
-            far = min(far, max(lower, upper) + far_offset[axis]);
+            vstore8(slabs.inverse[axis], 0, b->inverse[axis] + first);
+            vstore8(slabs.near_offset[axis], 0, b->near_offset[axis] + first);
+            vstore8(slabs.far_offset[axis], 0, b->far_offset[axis] + first);
         }
-        if (!mcv_mask8(near <= far)) continue;
-        for (uint lane = 0; lane < MCV_LEAF_TRIANGLES; ++lane)
-            if (leaf->triangle[lane] != MCV_NONE) mcv_lanes_meet(leaf, lane, any, rays);
+        vstore8(rays.origin_x, 0, b->origin[0] + first);
+        vstore8(rays.origin_y, 0, b->origin[1] + first);
+        vstore8(rays.origin_z, 0, b->origin[2] + first);
+        vstore8(rays.shear_x, 0, b->shear[0] + first);
+        vstore8(rays.shear_y, 0, b->shear[1] + first);
+        vstore8(rays.scale_z, 0, b->scale + first);
+        vstore8(rays.main_z ? (uint8)(2u) : rays.main_y ? (uint8)(1u) : (uint8)(0u), 0, b->main_axis + first);
+    }
+    for (uint i = 0; i < count; ++i) b->t[i] = hits[i].t;
+}
+
+static inline mcv_ray_frame mcv_bundle_ray(const mcv_bundle *b, uint i) {
+    const uint z = b->main_axis[i];
+    mcv_ray_frame ray;
+#pragma unroll
+    for (int axis = 0; axis < 3; ++axis) {
+        ray.inverse[axis] = b->inverse[axis][i];
+        ray.near_offset[axis] = b->near_offset[axis][i];
+        ray.far_offset[axis] = b->far_offset[axis][i];
+        ray.near_row[axis] = as_uint(ray.inverse[axis]) >> 31;
+    }
+    ray.shear.row_x = z == 2u ? 0u : 4u * (z + 1u);
+    ray.shear.row_y = z == 0u ? 8u : 4u * (z - 1u);
+    ray.shear.row_z = 4u * z;
+    ray.shear.origin_x = b->origin[0][i];
+    ray.shear.origin_y = b->origin[1][i];
+    ray.shear.origin_z = b->origin[2][i];
+    ray.shear.shear_x = b->shear[0][i];
+    ray.shear.shear_y = b->shear[1][i];
+    ray.shear.scale_z = b->scale[i];
+    return ray;
+}
+
+/* mcv_intersect_boxes of a ray of a bundle. */
+static inline uint mcv_bundle_boxes(__global const mcv_node *node, const mcv_bundle *b, uint i, float8 *entry) {
+    float8 near = (float8)(0.0f), far = (float8)(b->t[i]);
+#pragma unroll
+    for (int axis = 0; axis < 3; ++axis) {
+        const float inverse = b->inverse[axis][i];
+        const uint near_row = as_uint(inverse) >> 31;
+        const float8 first = *(__global const float8 *)node->bounds[axis][near_row];
+        const float8 second = *(__global const float8 *)node->bounds[axis][1u - near_row];
+        near = max(near, fma(first, (float8)(inverse), (float8)(b->near_offset[axis][i])));
+        far = min(far, fma(second, (float8)(inverse), (float8)(b->far_offset[axis][i])));
+    }
+    *entry = near;
+    return mcv_mask8(near <= far);
+}
+
+/* A leaf against the rays of a list. */
+static inline __attribute__((always_inline)) void mcv_bundle_leaf(__global const mcv_leaf *leaf, mcv_bundle *b, const uchar *list,
+                                                                  uint count, int any, mcv_hit *hits) {
+    for (uint first = 0; first < count; first += 8) {
+        uint i[8], triangles[8];
+        mcv_lanes rays;
+        uint changed = 0;
+#pragma unroll
+        for (uint k = 0; k < 8; ++k) {
+            i[k] = list[min(first + k, count - 1u)];
+            triangles[k] = hits[i[k]].triangle;
+        }
+        const uint8 main_axis = (uint8)MCV_EIGHT(b->main_axis, i);
+        rays.main_z = main_axis == 2u;
+        rays.main_y = main_axis == 1u;
+        rays.origin_x = (float8)MCV_EIGHT(b->origin[0], i);
+        rays.origin_y = (float8)MCV_EIGHT(b->origin[1], i);
+        rays.origin_z = (float8)MCV_EIGHT(b->origin[2], i);
+        rays.shear_x = (float8)MCV_EIGHT(b->shear[0], i);
+        rays.shear_y = (float8)MCV_EIGHT(b->shear[1], i);
+        rays.scale_z = (float8)MCV_EIGHT(b->scale, i);
+        rays.t = (float8)MCV_EIGHT(b->t, i);
+        rays.triangle = vload8(0, triangles);
+        for (uint lane = 0; lane < MCV_LEAF_TRIANGLES && leaf->triangle[lane] != MCV_NONE; ++lane)
+            changed |= mcv_lanes_meet(leaf, lane, any, &rays);
+        if (!changed) continue;
+        float t[8], u[8], v[8];
+        vstore8(rays.t, 0, t);
+        vstore8(rays.u, 0, u);
+        vstore8(rays.v, 0, v);
+        vstore8(rays.triangle, 0, triangles);
+        do {
+            const uint k = mcv_pop_bit(&changed);
+            mcv_hit *hit = hits + i[k];
+            b->t[i[k]] = t[k];
+            hit->triangle = triangles[k];
+            if (any) continue;
+            hit->t = t[k];
+            hit->u = u[k];
+            hit->v = v[k];
+        } while (changed);
     }
 }
 
-/* ---- many rays -------------------------------------------------------------------------------------------------- */
+/* A ray that goes on alone from a node or leaf. */
+typedef struct mcv_lone {
+    uint ray, child;
+} mcv_lone;
 
-/* The hits of the rays indices[0 … count - 1] as mcv_take_turns has them, eight neighbours at a time. */
-static inline __attribute__((always_inline)) void mcv_take_bundles(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                                                   mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
-                                                                   int any, mcv_hit *hits) {
-    const int flat = mcv_is_flat(nodes);
-    for (uint first = 0; first < count; first += MCV_BUNDLE, hits += MCV_BUNDLE) {
-        const uint used = min(count - first, (uint)MCV_BUNDLE);
-        mcv_vec3 o[MCV_BUNDLE], d[MCV_BUNDLE];
-        float t[MCV_BUNDLE];
-        /* Unrolled, or the compiler makes a loop of gathers, which are slower. */
-#pragma unroll
-        for (uint i = 0; i < MCV_BUNDLE; ++i) {
-            const uint ray = indices[first + min(i, used - 1u)];
-            o[i] = mcv_row(origins, ray);
-            d[i] = mcv_row(directions, ray);
-            t[i] = i < used ? hits[i].t : -1.0f;
+/* A ray's hit if it is closer than the one that it has. */
+static inline void mcv_bundle_take(mcv_bundle *b, uint i, int any, mcv_hit hit, mcv_hit *hits) {
+    if (hit.triangle == MCV_NONE || !(hit.t < hits[i].t || (hit.t == hits[i].t && hit.triangle < hits[i].triangle))) return;
+    hits[i] = hit;
+    b->t[i] = any ? -1.0f : hit.t;
+}
+
+static inline __attribute__((always_inline)) void mcv_go_alone(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                                                               mcv_bundle *b, mcv_lone lone, int any, mcv_hit *hits) {
+    const mcv_ray_frame ray = mcv_bundle_ray(b, lone.ray);
+    mcv_hit hit = hits[lone.ray];
+    ulong waiting[MCV_BVH_STACK];
+    uint current = lone.child, count = 0;
+    while (mcv_traverse_step(nodes, leaves, &ray, any, &hit, &current, &count, waiting)) {}
+    mcv_bundle_take(b, lone.ray, any, hit, hits);
+}
+
+/* A ray on its way alone. */
+typedef struct mcv_traversal {
+    mcv_ray_frame ray;
+    mcv_hit hit;
+    uint number, current, count;
+    ulong waiting[MCV_BVH_STACK];
+} mcv_traversal;
+
+/*
+ * Several rays take turns, a step each: while one waits for memory the others compute. A ray that goes on from two places at once does
+ * not know of there what it has hit here until it has arrived.
+ */
+static inline __attribute__((always_inline)) void mcv_take_turns(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                                                                 mcv_bundle *b, const mcv_lone *lone, uint count, int any, mcv_hit *hits) {
+    mcv_traversal traversals[MCV_INTERLEAVED];
+    uint order[MCV_INTERLEAVED]; /* the traversals that are under way first */
+    uint next = 0, busy = 0;
+    for (uint i = 0; i < MCV_INTERLEAVED; ++i) order[i] = i;
+    for (;;) {
+        for (uint i = 0; i < busy;) {
+            mcv_traversal *t = traversals + order[i];
+            if (mcv_traverse_step(nodes, leaves, &t->ray, any, &t->hit, &t->current, &t->count, t->waiting)) {
+                mcv_prefetch_child(nodes, leaves, t->current);
+                ++i;
+                continue;
+            }
+            mcv_bundle_take(b, t->number, any, t->hit, hits);
+            --busy;
+            const uint done = order[i];
+            order[i] = order[busy];
+            order[busy] = done;
         }
-        const float8 origin[3] = {MCV_LANES(o, x), MCV_LANES(o, y), MCV_LANES(o, z)};
-        const float8 direction[3] = {MCV_LANES(d, x), MCV_LANES(d, y), MCV_LANES(d, z)};
-        if (flat) {
-            mcv_lanes rays;
-            float u[MCV_BUNDLE], v[MCV_BUNDLE];
-            uint triangle[MCV_BUNDLE];
-            rays.t = vload8(0, t);
-            rays.u = rays.v = (float8)(0.0f);
-            rays.triangle = (uint8)(MCV_NONE);
-            mcv_flat_traverse(nodes, leaves, origin, direction, any, &rays);
-            vstore8(rays.t, 0, t);
-            vstore8(rays.u, 0, u);
-            vstore8(rays.v, 0, v);
-            vstore8(rays.triangle, 0, triangle);
-            for (uint i = 0; i < used; ++i) {
-                hits[i].triangle = triangle[i];
-                if (any) continue;
-                hits[i].t = t[i];
-                hits[i].u = u[i];
-                hits[i].v = v[i];
+        for (; busy < MCV_INTERLEAVED && next < count; ++next) {
+            const uint i = lone[next].ray;
+            if (b->t[i] < 0.0f) continue;
+            mcv_traversal *t = traversals + order[busy++];
+            t->ray = mcv_bundle_ray(b, i);
+            t->hit = hits[i];
+            t->number = i;
+            t->current = lone[next].child;
+            t->count = 0;
+        }
+        if (busy == 0) return;
+    }
+}
+
+/* The rays of a list that the bit of a child chooses and that are not done; returns how many. Lists end with seven that are not chosen. */
+static inline __attribute__((always_inline)) uint mcv_bundle_choose(const mcv_bundle *b, const uchar *from, const uchar *masks, uint count,
+                                                                    uint child, int any, uchar *list) {
+    uint chosen = 0;
+    for (uint first = 0; first < count; first += 8) {
+#pragma unroll
+        for (uint k = first; k < first + 8; ++k) {
+            const uint i = from[k];
+            list[chosen] = (uchar)i;
+            chosen += masks[k] >> child & (any ? b->t[i] >= 0.0f : 1);
+        }
+    }
+    vstore8((uchar8)(0), 0, list + chosen);
+    return chosen;
+}
+
+/* A child that waits for its turn. */
+typedef struct mcv_bundle_child {
+    uint child, level, lane; /* its node's level, and which of its children it is */
+} mcv_bundle_child;
+
+/*
+ * The hits of at most MCV_BUNDLE rays, all of finite origin. Each level of nodes has the list of the rays that have come to its node, and
+ * for each ray the children whose boxes it meets: a child's own list is made when its turn has come. The nearest is first, as the ray
+ * sees it that enters it first; closest hits are looked for by the rays of each octant of directions by themselves, for which that is much
+ * the same order.
+ */
+static inline __attribute__((always_inline)) void mcv_take_bundle(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                                                                  mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
+                                                                  int any, int turns, mcv_hit *hits) {
+    mcv_bundle b;
+    uchar lists[MCV_BVH_LEVELS + 2][MCV_BUNDLE + 8], masks[MCV_BVH_LEVELS + 1][MCV_BUNDLE + 8];
+    uint counts[MCV_BVH_LEVELS + 1];
+    mcv_bundle_child waiting[MCV_BVH_STACK + MCV_BVH_WIDTH];
+    mcv_lone lone[MCV_LONE];
+    uint depth = 0, lonely = 0, roots = 0;
+    mcv_bundle_setup(origins, directions, indices, count, nodes->extent, hits, &b);
+    for (uint i = 0; i < count; ++i) {
+        uint octant = 0;
+#pragma unroll
+        for (int axis = 0; axis < 3 && !any; ++axis) octant = octant << 1 | as_uint(b.inverse[axis][i]) >> 31;
+        lists[0][i] = (uchar)i;
+        masks[0][i] = (uchar)(1u << octant);
+        roots |= 1u << octant;
+    }
+    vstore8((uchar8)(0), 0, lists[0] + count);
+    vstore8((uchar8)(0), 0, masks[0] + count);
+    counts[0] = count;
+    while (roots) waiting[depth++] = (mcv_bundle_child){0, 0, mcv_pop_bit(&roots)};
+    while (depth > 0 || lonely > 0) {
+        if (turns && (depth == 0 || lonely + MCV_BUNDLE_FEW > MCV_LONE)) {
+            mcv_take_turns(nodes, leaves, &b, lone, lonely, any, hits);
+            lonely = 0;
+            continue;
+        }
+        const mcv_bundle_child next = waiting[--depth];
+        const uint level = next.level + 1;
+        uchar *list = lists[level];
+        const uint listed = mcv_bundle_choose(&b, lists[next.level], masks[next.level], counts[next.level], next.lane, any, list);
+        if (listed <= MCV_BUNDLE_FEW) {
+            for (uint k = 0; k < listed; ++k) {
+                const mcv_lone alone = {list[k], next.child};
+                if (turns)
+                    lone[lonely++] = alone;
+                else
+                    mcv_go_alone(nodes, leaves, &b, alone, any, hits);
             }
             continue;
         }
-        mcv_bundle b;
-        if (mcv_bundle_setup(origin, direction, vload8(0, t), nodes->extent, &b)) {
-            mcv_bundle_traverse(nodes, leaves, &b, any, hits);
+        if (next.child & MCV_CHILD_LEAF) {
+            mcv_bundle_leaf(leaves + (next.child & ~MCV_CHILD_LEAF), &b, list, listed, any, hits);
             continue;
         }
-        for (uint i = 0; i < used; ++i) {
-            const mcv_vec3 from = o[i], along = d[i];
-            if (!any)
-                hits[i] = mcv_intersect_closest_ray(nodes, leaves, from, along, t[i]);
-            else if (mcv_intersect_any_ray(nodes, leaves, from, along, t[i]))
-                hits[i].triangle = 0;
+        __global const mcv_node *node = nodes + next.child;
+        float8 least = (float8)(INFINITY);
+        float begin[MCV_BVH_WIDTH];
+        uint met = 0;
+        for (uint k = 0; k < listed; ++k) {
+            float8 entry;
+            const uint mask = mcv_bundle_boxes(node, &b, list[k], &entry);
+            least = min(least, entry);
+            masks[level][k] = (uchar)mask;
+            met |= mask;
+        }
+        vstore8((uchar8)(0), 0, masks[level] + listed);
+        vstore8(least, 0, begin);
+        counts[level] = listed;
+        const uint bottom = depth;
+        while (met) {
+            const uint lane = mcv_pop_bit(&met);
+            mcv_prefetch_child(nodes, leaves, node->child[lane]);
+            uint place = depth++;
+            for (; place > bottom && begin[waiting[place - 1].lane] < begin[lane]; --place) waiting[place] = waiting[place - 1];
+            waiting[place] = (mcv_bundle_child){node->child[lane], level, lane};
         }
     }
 }
 
-static inline __attribute__((noinline)) void mcv_intersect_closest_bundles(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                                                           mcv_rows origins, mcv_rows directions, const uint *indices,
-                                                                           uint count, mcv_hit *hits) {
-    mcv_take_bundles(nodes, leaves, origins, directions, indices, count, 0, hits);
+/* ---- any number of rays ----------------------------------------------------------------------------------------- */
+
+/*
+ * The hits of the rays indices[0 … count - 1]: the closest or, where any hit will do, one of them. On entry hits[i] is the miss (mcv_miss)
+ * that it stays where nothing is hit.
+ */
+static inline __attribute__((always_inline)) void mcv_take_bundles(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                                                                   mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
+                                                                   int any, int turns, mcv_hit *hits) {
+    if (mcv_is_flat(nodes)) {
+        mcv_take_flat(nodes, leaves, origins, directions, indices, count, any, hits);
+        return;
+    }
+    for (uint first = 0; first < count; first += MCV_BUNDLE) {
+        mcv_take_bundle(nodes, leaves, origins, directions, indices + first, min(count - first, (uint)MCV_BUNDLE), any, turns,
+                        hits + first);
+    }
 }
 
-static inline __attribute__((noinline)) void mcv_intersect_any_bundles(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                                                       mcv_rows origins, mcv_rows directions, const uint *indices,
-                                                                       uint count, mcv_hit *hits) {
-    mcv_take_bundles(nodes, leaves, origins, directions, indices, count, 1, hits);
-}
+/* A function for each way: the rays that are left alone go at once, or in turns. */
+#define MCV_INTERSECT_MANY(name, any, turns) \
+    static inline __attribute__((noinline)) void name(__global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_rows origins, \
+                                                      mcv_rows directions, const uint *indices, uint count, mcv_hit *hits) { \
+        mcv_take_bundles(nodes, leaves, origins, directions, indices, count, any, turns, hits); \
+    }
+MCV_INTERSECT_MANY(mcv_intersect_closest_bundles, 0, 0)
+MCV_INTERSECT_MANY(mcv_intersect_any_bundles, 1, 0)
+MCV_INTERSECT_MANY(mcv_intersect_closest_turns, 0, 1)
+MCV_INTERSECT_MANY(mcv_intersect_any_turns, 1, 1)
 
 #endif

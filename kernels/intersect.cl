@@ -66,10 +66,8 @@ MCV_BATCH_KERNEL(intersect_closest_bundles, mcv_intersect_closest_bundles, mcv_h
 MCV_BATCH_KERNEL(intersect_any_bundles, mcv_intersect_any_bundles, int, .triangle != MCV_NONE)
 
 /* As the stages of the tile schedule do. */
-MCV_BATCH_KERNEL(closest_first, MCV_CLOSEST_FIRST, mcv_hit, )
-MCV_BATCH_KERNEL(closest_later, MCV_CLOSEST_LATER, mcv_hit, )
-MCV_BATCH_KERNEL(closest_shadow, MCV_CLOSEST_SHADOW, mcv_hit, )
-MCV_BATCH_KERNEL(any_shadow, MCV_ANY_SHADOW, int, .triangle != MCV_NONE)
+MCV_BATCH_KERNEL(closest_many, MCV_CLOSEST_MANY, mcv_hit, )
+MCV_BATCH_KERNEL(any_many, MCV_ANY_MANY, int, .triangle != MCV_NONE)
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_all(__global const mcv_leaf *leaves,
                                                                            __global const mcv_batch_ray *rays, __global mcv_hit *hits,

@@ -138,7 +138,7 @@ static __attribute__((noinline)) uint mcv_list_near_triangles(mcv_world world, u
 #endif
 
 /* The stages that intersect, over the paths of a slice. */
-static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count, uint depth) {
+static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count) {
     const mcv_rows origins = MCV_ROWS(slot, origin), directions = MCV_ROWS(slot, direction);
     uint chosen[MCV_SLOTS];
     mcv_hit hits[MCV_SLOTS];
@@ -157,10 +157,7 @@ static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count, uint
         hits[i] = mcv_miss(INFINITY);
     }
 #endif
-    if (depth > 0)
-        MCV_CLOSEST_LATER(world.nodes, world.leaves, origins, directions, chosen, listed, hits);
-    else
-        MCV_CLOSEST_FIRST(world.nodes, world.leaves, origins, directions, chosen, listed, hits);
+    MCV_CLOSEST_MANY(world.nodes, world.leaves, origins, directions, chosen, listed, hits);
 #if MCV_WITH_SURFACES
     for (uint i = 0; i < listed; ++i)
         if (hits[i].triangle != MCV_NONE) exact[chosen[i]] = hits[i];
@@ -226,9 +223,9 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
             chosen[chosen_count++] = paths[i];
         }
         if (any)
-            MCV_ANY_SHADOW(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
+            MCV_ANY_MANY(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
         else
-            MCV_CLOSEST_SHADOW(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
+            MCV_CLOSEST_MANY(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
 #if MCV_WITH_SURFACES
         mcv_shadows_past_solids(world, slot.base, chosen, chosen_count, any, hits);
 #endif
@@ -589,7 +586,7 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
     MCV_CLOCK_STAGE(generate_rays)
     for (uint depth = 0; depth < world.frame->depth && alive > 0; ++depth) {
         counts[MCV_COUNTER_rays] += alive;
-        mcv_intersect_paths(world, slot, alive, depth);
+        mcv_intersect_paths(world, slot, alive);
         MCV_CLOCK_STAGE(intersect_closest)
         mcv_order_paths(world, paths, alive, ends, &gloss);
         mcv_leave_scenes(world, paths, ends[MCV_MET_TRIANGLE], alive, values, &counts[MCV_COUNTER_nonfinite]);

@@ -381,11 +381,7 @@ static __attribute__((noinline, unused)) mcv_hit mcv_next_hit_ray(__global const
 }
 #endif
 
-/* ---- many rays at once ------------------------------------------------------------------------------------------ */
-
-#ifndef MCV_INTERLEAVED
-#define MCV_INTERLEAVED 16
-#endif
+/* ---- many rays -------------------------------------------------------------------------------------------------- */
 
 /* Vectors in memory, of bits: component k of number i is base[i * step + k * component]. */
 #ifndef MCV_ROWS_SPACE
@@ -399,64 +395,6 @@ typedef struct mcv_rows {
 static inline mcv_vec3 mcv_row(mcv_rows rows, uint i) {
     MCV_ROWS_SPACE const uint *v = rows.base + (size_t)i * rows.step;
     return mcv_vec(as_float(v[0]), as_float(v[rows.component]), as_float(v[2u * rows.component]));
-}
-
-/* A ray on its way. */
-typedef struct mcv_traversal {
-    mcv_ray_frame ray;
-    mcv_hit hit;
-    uint number, current, count;
-    ulong waiting[MCV_BVH_STACK];
-} mcv_traversal;
-
-/*
- * The hits of the rays indices[0 … count - 1]: the closest or, where any hit will do, one of them. On entry hits[i] is the miss (mcv_miss)
- * that it stays where nothing is hit.
- * Several rays take turns, a step each: while one waits for memory the others compute. This pays where rays go different ways through a
- * scene larger than the caches.
- */
-static inline __attribute__((always_inline)) void mcv_take_turns(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                                                 mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
-                                                                 int any, mcv_hit *hits) {
-    mcv_traversal traversals[MCV_INTERLEAVED];
-    uint order[MCV_INTERLEAVED]; /* the traversals that are under way first */
-    uint next = 0, busy = 0;
-    for (uint i = 0; i < MCV_INTERLEAVED; ++i) order[i] = i;
-    for (;;) {
-        for (uint i = 0; i < busy;) {
-            mcv_traversal *t = traversals + order[i];
-            if (mcv_traverse_step(nodes, leaves, &t->ray, any, &t->hit, &t->current, &t->count, t->waiting)) {
-                mcv_prefetch_child(nodes, leaves, t->current);
-                ++i;
-                continue;
-            }
-            hits[t->number] = t->hit;
-            --busy;
-            const uint done = order[i];
-            order[i] = order[busy];
-            order[busy] = done;
-        }
-        for (; busy < MCV_INTERLEAVED && next < count; ++next) {
-            mcv_traversal *t = traversals + order[busy++];
-            t->ray = mcv_ray_setup(mcv_row(origins, indices[next]), mcv_row(directions, indices[next]), nodes->extent);
-            t->hit = hits[next];
-            t->number = next;
-            t->current = t->count = 0;
-        }
-        if (busy == 0) return;
-    }
-}
-
-static inline __attribute__((noinline)) void mcv_intersect_closest_turns(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                                                         mcv_rows origins, mcv_rows directions, const uint *indices,
-                                                                         uint count, mcv_hit *hits) {
-    mcv_take_turns(nodes, leaves, origins, directions, indices, count, 0, hits);
-}
-
-static inline __attribute__((noinline)) void mcv_intersect_any_turns(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                                                     mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
-                                                                     mcv_hit *hits) {
-    mcv_take_turns(nodes, leaves, origins, directions, indices, count, 1, hits);
 }
 
 #endif

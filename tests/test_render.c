@@ -228,7 +228,7 @@ static void test_latest_ranges_are_whole(void **state) {
 
 /* Some 4 rings² triangles are so many that rays take turns in the tile schedule, which the stream schedule never lets them. */
 static void test_turns_change_no_bit(void **state) {
-    mcv_scene *scene = mixed_scene(120);
+    mcv_scene *scene = mixed_scene(240);
     (void)state;
     mcv_film stream = render_film(scene, MCV_SCHEDULE_STREAM, 0, MCV_SAMPLER_SOBOL, 0, 16);
     for (uint32_t slice = 64; slice <= 256; slice *= 4) {

@@ -25,7 +25,7 @@
  * From here on the structure, some 80 bytes per triangle, is so much larger than the caches of a core, 1 or 2 MB, that rays which diffuse
  * surfaces send everywhere are faster in turns than one after the other (bench/README.md). Rays that are only refracted keep together.
  */
-#define MCV_MANY_TRIANGLES 50000u
+#define MCV_MANY_TRIANGLES 200000u
 
 /* A child is the number of a node, or with this bit the number of a leaf. */
 #define MCV_CHILD_LEAF 0x80000000u
