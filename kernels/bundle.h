@@ -232,8 +232,8 @@ static inline uint mcv_bundle_boxes(__global const mcv_node *node, const mcv_bun
 }
 
 /* A leaf against the rays of a list. */
-static inline __attribute__((always_inline)) void mcv_bundle_leaf(__global const mcv_leaf *leaf, mcv_bundle *b, const uchar *list,
-                                                                  uint count, int any, mcv_hit *hits) {
+static inline __attribute__((noinline)) void mcv_bundle_leaf(__global const mcv_leaf *leaf, mcv_bundle *b, const uchar *list, uint count,
+                                                             int any, mcv_hit *hits) {
     for (uint first = 0; first < count; first += 8) {
         uint i[8], triangles[8];
         mcv_lanes rays;
@@ -287,8 +287,8 @@ static inline void mcv_bundle_take(mcv_bundle *b, uint i, int any, mcv_hit hit, 
     b->t[i] = any ? -1.0f : hit.t;
 }
 
-static inline __attribute__((always_inline)) void mcv_go_alone(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                                               mcv_bundle *b, mcv_lone lone, int any, mcv_hit *hits) {
+static inline __attribute__((noinline)) void mcv_go_alone(__global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_bundle *b,
+                                                          mcv_lone lone, int any, mcv_hit *hits) {
     const mcv_ray_frame ray = mcv_bundle_ray(b, lone.ray);
     mcv_hit hit = hits[lone.ray];
     ulong waiting[MCV_BVH_STACK];
