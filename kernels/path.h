@@ -51,6 +51,7 @@
     X(face, 3 * MCV_TILE) \
     X(normal, 3 * MCV_TILE) \
     X(gloss_known, MCV_TILE *MCV_WITH_GLOSS) \
+    X(parted, (4 + MCV_CHANNELS) * MCV_TILE * MCV_WITH_SPLIT) /* direction, media and throughput of a branch */ \
     X(bounce, 4 * MCV_TILE)                      /* the direction in which the surface reflects if it is diffuse, and its density */ \
     X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT)    /* that the path looks for, or MCV_NONE, */ \
     X(place, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT) /* a place on it (triangle, u, v) */ \
@@ -120,6 +121,26 @@ typedef struct mcv_slot {
     } while (0)
 #define MCV_LOAD_COLOR(slot, field, color) MCV_EACH_CHANNEL(channel)(color).c[channel] = MCV_LOAD(slot, field, channel)
 #define MCV_STORE_COLOR(slot, field, color) MCV_EACH_CHANNEL(channel) MCV_STORE(slot, field, channel, (color).c[channel])
+
+/* The set of the media that its ray is in. */
+MCV_FUNCTION uint mcv_path_media(mcv_slot slot) {
+#if MCV_WITH_DIELECTRIC
+    return MCV_WORD(slot, media, 0);
+#else
+    (void)slot;
+    return 0u;
+#endif
+}
+
+/* With which its last surface chose the direction, as far as anything is weighed against that. */
+MCV_FUNCTION float mcv_path_density(mcv_slot slot) {
+#if MCV_WITH_NEXT_EVENT
+    return MCV_LOAD(slot, density, 0);
+#else
+    (void)slot;
+    return 0.0f;
+#endif
+}
 
 /* Which of its sample's branches a path is. */
 MCV_FUNCTION uint mcv_branch_of(mcv_slot slot) {

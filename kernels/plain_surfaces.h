@@ -10,22 +10,28 @@
 #ifndef MCVISI_KERNELS_PLAIN_SURFACES_H
 #define MCVISI_KERNELS_PLAIN_SURFACES_H
 
-#define MCV_WITH_PLAIN (MCV_WITH_DIFFUSE && MCV_LEAVES_TOGETHER && !MCV_WITH_TRANSLUCENT && !MCV_WITH_DISPERSION && !MCV_WITH_LIGHT_TRACING)
+#define MCV_WITH_PLAIN (MCV_WITH_DIFFUSE && MCV_LEAVES_TOGETHER && !MCV_WITH_TRANSLUCENT && !MCV_WITH_DISPERSION)
+#define MCV_WITH_SMOOTH (MCV_WITH_DIELECTRIC && MCV_LEAVES_TOGETHER && !MCV_WITH_DISPERSION)
 
 /* Where there may be no more than one emitter. */
 #define MCV_WITH_PLAIN_EMITTERS (MCV_WITH_PLAIN && MCV_WITH_NEXT_EVENT && MCV_WITH_AREA && MCV_WITH_RECTANGLE && !MCV_WITH_REACH)
 
 /* What paths have met. The paths of a kind lie side by side in this order; ends[kind] is where the next kind begins. */
 enum {
-    MCV_MET_DIFFUSE_TRIANGLE,
-    MCV_MET_GLOSS_TRIANGLE,
+    MCV_MET_SMOOTH_TRIANGLE,
+    MCV_MET_SMOOTH_EXACT,
+    MCV_MET_DIFFUSE_EXACT,
     MCV_MET_GLOSS_EXACT,
-    MCV_MET_DIFFUSE_EXACT, /* the last plain one */
-    MCV_MET_EXACT,
+    MCV_MET_GLOSS_TRIANGLE,
+    MCV_MET_DIFFUSE_TRIANGLE, /* the last plain one */
     MCV_MET_TRIANGLE,
+    MCV_MET_EXACT,
     MCV_MET_NOTHING,
     MCV_MET_COUNT
 };
+
+/* Instead of MCV_GOES_ON …: the path is left to mcv_shade_surface. */
+enum { MCV_IS_LEFT = 4 };
 
 MCV_LOOP_FUNCTION uint mcv_kind_met(mcv_world world, uint met) {
     uint exact = 0;
@@ -33,16 +39,21 @@ MCV_LOOP_FUNCTION uint mcv_kind_met(mcv_world world, uint met) {
 #if MCV_WITH_SURFACES
     exact = met >= MCV_EXACT;
 #endif
-#if MCV_WITH_PLAIN
+#if MCV_WITH_PLAIN || MCV_WITH_SMOOTH
     __global const mcv_device_instance *instance = world.instances + mcv_instance_of(world, met);
     __global const mcv_device_material *material = world.materials + instance->material;
     if (material->texture == MCV_NONE && instance->emitter == MCV_NONE) {
+#if MCV_WITH_SMOOTH
+        if (material->type == MCV_MATERIAL_DIELECTRIC && !material->spreads) return exact ? MCV_MET_SMOOTH_EXACT : MCV_MET_SMOOTH_TRIANGLE;
+#endif
+#if MCV_WITH_PLAIN
         if (material->type == MCV_MATERIAL_DIFFUSE) return exact ? MCV_MET_DIFFUSE_EXACT : MCV_MET_DIFFUSE_TRIANGLE;
 #if MCV_WITH_GLOSS
         __global const mcv_device_gloss *gloss = world.gloss + instance->material;
         const int glossy = material->spreads != 0u && material->type != MCV_MATERIAL_RETROREFLECTOR;
         if (glossy && gloss->azimuths == 1u && gloss->roughnesses == 1u && gloss->texture == MCV_NONE)
             return exact ? MCV_MET_GLOSS_EXACT : MCV_MET_GLOSS_TRIANGLE;
+#endif
 #endif
     }
 #else
@@ -95,7 +106,7 @@ static __attribute__((noinline)) void mcv_order_paths(mcv_world world, uint *pat
     }
 }
 
-#if MCV_WITH_PLAIN
+#if MCV_WITH_PLAIN || MCV_WITH_SMOOTH
 /* mcv_leave_meeting */
 MCV_LOOP_FUNCTION uint mcv_leave_plain(mcv_world world, mcv_slot slot, mcv_vec3 direction, int exact) {
 #if MCV_WITH_SURFACES
@@ -109,7 +120,9 @@ MCV_LOOP_FUNCTION uint mcv_leave_plain(mcv_world world, mcv_slot slot, mcv_vec3 
     (void)world, (void)slot, (void)direction, (void)exact;
     return MCV_NONE;
 }
+#endif
 
+#if MCV_WITH_PLAIN
 #if MCV_WITH_GLOSS
 /* What is known of a plain glossy material beforehand. */
 static mcv_device_gloss mcv_plain_gloss(mcv_world world, uint material) {
@@ -135,8 +148,8 @@ MCV_FUNCTION int mcv_has_plain_emitter(mcv_world world) {
 }
 
 /* mcv_choose_emitter */
-static __attribute__((noinline)) void mcv_choose_plain_emitter(uint *paths, uint count) {
-    for (uint i = 0; i < count; ++i) paths[MCV_PATH_emitter * MCV_ROW + i] = 0u;
+static __attribute__((noinline)) void mcv_choose_plain_emitter(uint *paths, uint first, uint last) {
+    for (uint i = first; i < last; ++i) paths[MCV_PATH_emitter * MCV_ROW + i] = 0u;
 }
 
 /* mcv_shadow_along, mcv_cast_shadow: whether there is a shadow ray to follow. `type` is known to the compiler; `gloss`: the glossy
@@ -162,11 +175,7 @@ MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint
         lit &= mcv_dot(back, MCV_LOAD_3(slot, way_normal)) > 0.0f;
 #endif
         mcv_response response;
-#if MCV_WITH_DIELECTRIC
-        response.media = MCV_WORD(slot, media, 0);
-#else
-        response.media = 0u;
-#endif
+        response.media = mcv_path_media(slot);
         if (type == MCV_MATERIAL_DIFFUSE) {
             const float cosine = mcv_dot(direction, MCV_LOAD_3(slot, normal));
             __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
@@ -210,13 +219,13 @@ MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint
 static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, uint *paths, const uint *ends, uint gloss, uint *shadows) {
     uint casts[MCV_SLOTS];
     uint listed = 0;
-    (void)gloss;
-    mcv_cast_plain_shadows(world, paths, 0, ends[MCV_MET_DIFFUSE_TRIANGLE], 0, MCV_MATERIAL_DIFFUSE, MCV_NONE, casts);
+    const uint first = ends[MCV_MET_DIFFUSE_EXACT], last = ends[MCV_MET_GLOSS_TRIANGLE];
+    (void)gloss, (void)first;
+    mcv_cast_plain_shadows(world, paths, last, ends[MCV_MET_DIFFUSE_TRIANGLE], 0, MCV_MATERIAL_DIFFUSE, MCV_NONE, casts);
 #if MCV_WITH_SURFACES
-    mcv_cast_plain_shadows(world, paths, ends[MCV_MET_GLOSS_EXACT], ends[MCV_MET_DIFFUSE_EXACT], 1, MCV_MATERIAL_DIFFUSE, MCV_NONE, casts);
+    mcv_cast_plain_shadows(world, paths, ends[MCV_MET_SMOOTH_EXACT], first, 1, MCV_MATERIAL_DIFFUSE, MCV_NONE, casts);
 #endif
 #if MCV_WITH_GLOSS
-    const uint first = ends[MCV_MET_DIFFUSE_TRIANGLE], last = ends[MCV_MET_GLOSS_EXACT];
     const uint type = gloss == MCV_NONE ? MCV_NONE : world.materials[gloss].type;
     if (type == MCV_MATERIAL_CONDUCTOR)
         mcv_cast_plain_shadows(world, paths, first, last, MCV_WITH_SURFACES, MCV_MATERIAL_CONDUCTOR, gloss, casts);
@@ -227,7 +236,7 @@ static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, ui
         mcv_cast_plain_shadows(world, paths, first, last, MCV_WITH_SURFACES, MCV_MATERIAL_DIELECTRIC, gloss, casts);
 #endif
 #endif
-    for (uint i = 0; i < ends[MCV_MET_DIFFUSE_EXACT]; ++i) {
+    for (uint i = ends[MCV_MET_SMOOTH_EXACT]; i < ends[MCV_MET_DIFFUSE_TRIANGLE]; ++i) {
         shadows[listed] = i;
         listed += casts[i];
     }
@@ -235,12 +244,9 @@ static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, ui
 }
 #endif
 
-/* Whether a path goes on; it may also be that it is left to mcv_shade_surface. */
-enum { MCV_PLAIN_ENDS, MCV_PLAIN_GOES_ON = MCV_GOES_ON, MCV_PLAIN_IS_SMOOTH };
-
 /* mcv_shade_surface. `type` is known to the compiler; `gloss`: the glossy material. */
 MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first, uint last, uint depth, int exact, uint type, uint gloss,
-                                       uint *goes_on, uint *unmatched) {
+                                       uint *ways, uint *unmatched) {
     const int roulette = depth >= MCV_ROULETTE_DEPTH;
     (void)exact, (void)gloss, (void)unmatched;
     mcv_slot slot;
@@ -255,11 +261,8 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
         mcv_vec3 direction;
         mcv_color factor;
         float density = 0.0f;
-        uint media = 0u;
+        uint media = mcv_path_media(slot);
         int reflects, smooth = 0;
-#if MCV_WITH_DIELECTRIC
-        media = MCV_WORD(slot, media, 0);
-#endif
         (void)media;
         if (type == MCV_MATERIAL_DIFFUSE) {
             __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
@@ -312,34 +315,39 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
         MCV_WORD(slot, reach, 1) = MCV_WORD(slot, reach_here, 1);
 #endif
 #endif
+#if MCV_WITH_LIGHT_TRACING
+        __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
+        const uint trail = MCV_WORD(slot, trail, 0);
+        mcv_leave_trail_at(world, slot, MCV_LOAD_3(slot, point), 1, (int)material->wide, 0);
+        MCV_WORD(slot, trail, 0) = smooth ? trail : MCV_WORD(slot, trail, 0);
+#endif
         const int on = reflects & (brightest > 0.0f) & !(plays & (choice >= lives));
-        goes_on[i] = smooth ? MCV_PLAIN_IS_SMOOTH : on ? MCV_PLAIN_GOES_ON : MCV_PLAIN_ENDS;
+        ways[i] = smooth ? MCV_IS_LEFT : on ? MCV_GOES_ON : 0u;
     }
 }
 
 /* All plain surfaces of a slice: whether their paths go on. */
 static __attribute__((noinline)) void mcv_shade_plain_surfaces(mcv_world world, uint *paths, const uint *ends, uint gloss, uint depth,
-                                                               uint *goes_on, uint *unmatched) {
-    const uint triangles = ends[MCV_MET_DIFFUSE_TRIANGLE], glossy = ends[MCV_MET_GLOSS_EXACT];
+                                                               uint *ways, uint *unmatched) {
+    const uint first = ends[MCV_MET_DIFFUSE_EXACT], last = ends[MCV_MET_GLOSS_TRIANGLE];
     uint differs[MCV_SLOTS];
-    mcv_shade_plain(world, paths, 0, triangles, depth, 0, MCV_MATERIAL_DIFFUSE, MCV_NONE, goes_on, differs);
+    mcv_shade_plain(world, paths, last, ends[MCV_MET_DIFFUSE_TRIANGLE], depth, 0, MCV_MATERIAL_DIFFUSE, MCV_NONE, ways, differs);
 #if MCV_WITH_SURFACES
-    mcv_shade_plain(world, paths, glossy, ends[MCV_MET_DIFFUSE_EXACT], depth, 1, MCV_MATERIAL_DIFFUSE, MCV_NONE, goes_on, differs);
+    mcv_shade_plain(world, paths, ends[MCV_MET_SMOOTH_EXACT], first, depth, 1, MCV_MATERIAL_DIFFUSE, MCV_NONE, ways, differs);
 #endif
 #if MCV_WITH_GLOSS
     const uint type = gloss == MCV_NONE ? MCV_NONE : world.materials[gloss].type;
     if (type == MCV_MATERIAL_CONDUCTOR)
-        mcv_shade_plain(world, paths, triangles, glossy, depth, MCV_WITH_SURFACES, MCV_MATERIAL_CONDUCTOR, gloss, goes_on, differs);
+        mcv_shade_plain(world, paths, first, last, depth, MCV_WITH_SURFACES, MCV_MATERIAL_CONDUCTOR, gloss, ways, differs);
     if (type == MCV_MATERIAL_METALLIC_ROUGHNESS)
-        mcv_shade_plain(world, paths, triangles, glossy, depth, MCV_WITH_SURFACES, MCV_MATERIAL_METALLIC_ROUGHNESS, gloss, goes_on,
-                        differs);
+        mcv_shade_plain(world, paths, first, last, depth, MCV_WITH_SURFACES, MCV_MATERIAL_METALLIC_ROUGHNESS, gloss, ways, differs);
 #if MCV_WITH_DIELECTRIC
     if (type == MCV_MATERIAL_DIELECTRIC)
-        mcv_shade_plain(world, paths, triangles, glossy, depth, MCV_WITH_SURFACES, MCV_MATERIAL_DIELECTRIC, gloss, goes_on, differs);
+        mcv_shade_plain(world, paths, first, last, depth, MCV_WITH_SURFACES, MCV_MATERIAL_DIELECTRIC, gloss, ways, differs);
 #endif
-    for (uint i = triangles; i < glossy; ++i) *unmatched += differs[i];
+    for (uint i = first; i < last; ++i) *unmatched += differs[i];
 #endif
-    (void)gloss, (void)glossy, (void)unmatched;
+    (void)gloss, (void)first, (void)unmatched;
 }
 #endif
 

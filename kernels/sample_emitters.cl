@@ -315,11 +315,7 @@ MCV_LOOP_FUNCTION int mcv_cast_shadow(mcv_world world, mcv_slot slot, mcv_meetin
     world = mcv_disperse(world, slot);
 #endif
     if (!(mcv_brightest(shadow.light) > 0.0f)) return 0;
-    uint media = 0;
-#if MCV_WITH_DIELECTRIC
-    media = MCV_WORD(slot, media, 0);
-#endif
-    const mcv_response response = mcv_respond(world, meeting, media, mcv_normalize(shadow.direction));
+    const mcv_response response = mcv_respond(world, meeting, mcv_path_media(slot), mcv_normalize(shadow.direction));
     if (!(mcv_brightest(response.value) > 0.0f)) return 0;
     mcv_color light;
     MCV_LOAD_COLOR(slot, throughput, light);

@@ -219,18 +219,29 @@ typedef struct mcv_scattering {
 } mcv_scattering;
 
 #if MCV_WITH_DIELECTRIC || MCV_WITH_SHEET
+/* a or b, word by word as in mcv_choose. */
+MCV_LOOP_FUNCTION mcv_scattering mcv_choose_scattering(int condition, mcv_scattering a, mcv_scattering b) {
+    mcv_scattering chosen;
+    chosen.direction = mcv_choose(condition, a.direction, b.direction);
+    MCV_EACH_CHANNEL(i) chosen.factor.c[i] = condition ? a.factor.c[i] : b.factor.c[i];
+    chosen.density = condition ? a.density : b.density;
+    chosen.chance = condition ? a.chance : b.chance;
+    chosen.media = condition ? a.media : b.media;
+    chosen.event = condition ? a.event : b.event;
+    return chosen;
+}
+
 /* One of a smooth surface's two ways on; *other is the other one. */
-MCV_FUNCTION mcv_scattering mcv_choose_way(mcv_scattering reflected, mcv_scattering passed, float xi, mcv_scattering *other) {
-    const int reflects = xi < reflected.chance;
-    *other = reflects ? passed : reflected;
-    return reflects ? reflected : passed;
+MCV_LOOP_FUNCTION mcv_scattering mcv_choose_way(mcv_scattering reflected, mcv_scattering passed, int reflects, mcv_scattering *other) {
+    *other = mcv_choose_scattering(reflects, passed, reflected);
+    return mcv_choose_scattering(reflects, reflected, passed);
 }
 #endif
 
 #if MCV_WITH_DIELECTRIC || MCV_WITH_SHEET || MCV_WITH_MIRROR || MCV_WITH_GLOSS
-MCV_FUNCTION mcv_vec3 mcv_reflected(mcv_meeting meeting) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_reflected(mcv_meeting meeting) {
     const mcv_vec3 d = mcv_reflect(meeting.direction, meeting.normal);
-    return mcv_dot(d, meeting.face) > 0.0f ? d : mcv_reflect(meeting.direction, meeting.face);
+    return mcv_choose(mcv_dot(d, meeting.face) > 0.0f, d, mcv_reflect(meeting.direction, meeting.face));
 }
 #endif
 
@@ -274,40 +285,41 @@ MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world, const mcv_meet
     return crossing;
 }
 
-/* xi in [0, 1) chooses reflection with probability R; 1 always refracts where that is possible. */
-static mcv_scattering mcv_scatter_dielectric(mcv_world world, mcv_meeting meeting, uint media, float xi, uint *unmatched,
-                                             mcv_scattering *other) {
-    mcv_scattering refracted;
+/* Where light goes that passes a surface behind which it has the cosine c2 > 0 to its normal. */
+MCV_LOOP_FUNCTION mcv_vec3 mcv_refracted(mcv_device_interface between, mcv_meeting meeting, float cosine, float c2) {
+    const mcv_vec3 d = mcv_refract(between, meeting.direction, meeting.normal, cosine, c2);
+    const float f1 = -mcv_dot(meeting.direction, meeting.face);
+    const float f2 = mcv_refracted_cosine(between, f1);
+    const mcv_vec3 flat = mcv_refract(between, meeting.direction, meeting.face, f1, f2);
+    return mcv_choose(mcv_dot(d, meeting.face) < 0.0f, d, mcv_choose(f2 > 0.0f, flat, meeting.direction));
+}
+
+/*
+ * xi in [0, 1) chooses reflection with probability R; 1 always refracts where that is possible. Equal indices pass all, total reflection
+ * nothing: the other way has no chance then.
+ */
+MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_dielectric(mcv_world world, mcv_meeting meeting, uint media, float xi, uint *unmatched,
+                                                        mcv_scattering *other) {
+    mcv_scattering reflected, refracted;
     const mcv_crossing crossing = mcv_cross_surface(world, &meeting, media);
     const mcv_device_interface between = crossing.between;
-    if (crossing.before != media) *unmatched += 1u;
-    refracted.factor = mcv_grey(1.0f);
-    refracted.density = 0.0f;
-    refracted.media = crossing.after;
-    refracted.direction = meeting.direction;
-    refracted.event = MCV_EVENT_PASS;
-    refracted.chance = 1.0f;
-    if (between.delta == 0.0f) return refracted;
-
     const float c1 = -mcv_dot(meeting.direction, meeting.normal);
     const float cosine = c1 < 1.0f ? c1 : 1.0f;
     const float c2 = mcv_refracted_cosine(between, cosine);
-    const float reflectance = mcv_interface_reflectance(between, cosine, c2);
-    mcv_scattering reflected = refracted;
+    const int bends = between.delta != 0.0f, total = bends & !(c2 > 0.0f);
+    const float reflectance = bends ? mcv_interface_reflectance(between, cosine, c2) : 0.0f;
+    *unmatched += crossing.before != media;
+    reflected.factor = refracted.factor = mcv_grey(1.0f);
+    reflected.density = refracted.density = 0.0f;
     reflected.chance = reflectance;
     reflected.media = crossing.before;
     reflected.direction = mcv_reflected(meeting);
     reflected.event = MCV_EVENT_REFLECT;
-    if (!(c2 > 0.0f)) return reflected;
     refracted.chance = 1.0f - reflectance;
-    refracted.event = MCV_EVENT_REFRACT;
-    refracted.direction = mcv_refract(between, meeting.direction, meeting.normal, cosine, c2);
-    if (!(mcv_dot(refracted.direction, meeting.face) < 0.0f)) {
-        const float f1 = -mcv_dot(meeting.direction, meeting.face);
-        const float f2 = mcv_refracted_cosine(between, f1);
-        refracted.direction = f2 > 0.0f ? mcv_refract(between, meeting.direction, meeting.face, f1, f2) : meeting.direction;
-    }
-    return mcv_choose_way(reflected, refracted, xi, other);
+    refracted.media = crossing.after;
+    refracted.direction = mcv_choose(bends, mcv_refracted(between, meeting, cosine, c2), meeting.direction);
+    refracted.event = bends ? MCV_EVENT_REFRACT : MCV_EVENT_PASS;
+    return mcv_choose_way(reflected, refracted, total | (xi < reflectance), other);
 }
 #endif
 
@@ -342,7 +354,7 @@ static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_meeting meeting, mc
     passed.density = 0.0f;
     passed.media = media;
     passed.event = MCV_EVENT_PASS;
-    return mcv_choose_way(reflected, passed, xi, other);
+    return mcv_choose_way(reflected, passed, xi < reflected.chance, other);
 }
 #endif
 
@@ -362,7 +374,7 @@ static mcv_scattering mcv_scatter_beam_splitter(mcv_meeting meeting, mcv_device_
     passed.density = 0.0f;
     passed.media = media;
     passed.event = MCV_EVENT_PASS;
-    return mcv_choose_way(reflected, passed, xi, other);
+    return mcv_choose_way(reflected, passed, xi < reflected.chance, other);
 }
 #endif
 

@@ -35,19 +35,20 @@ MCV_FUNCTION float mcv_camera_share(mcv_world world, mcv_slot slot, mcv_meeting 
     return 1.0f;
 }
 
-MCV_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, mcv_meeting meeting, mcv_scattering on) {
+/* The path goes on from a point of a surface that spreads light, widely or not, or just lets it pass. */
+MCV_LOOP_FUNCTION void mcv_leave_trail_at(mcv_world world, mcv_slot slot, mcv_vec3 point, int spreads, int wide, int passes) {
     const uint before = MCV_WORD(slot, trail, 0);
-    uint after = before;
-    if (before == MCV_TRAIL_OTHER) return;
-    if (before == MCV_TRAIL_STRAIGHT)
-        MCV_STORE(slot, footprint, 0, mcv_sensor_footprint(world.sensor, mcv_point_to_optical(world.frame, meeting.surface.point).z));
-    if (on.density > 0.0f)
-        after = mcv_is_wide(world, meeting) ? MCV_TRAIL_DIFFUSE : before == MCV_TRAIL_STRAIGHT ? MCV_TRAIL_OTHER : MCV_TRAIL_GLOSSY;
-    else if (before == MCV_TRAIL_DIFFUSE)
-        after = MCV_TRAIL_SMOOTH_SINCE;
-    else if (before == MCV_TRAIL_STRAIGHT && (on.event != MCV_EVENT_PASS || !mcv_is_plate(world, meeting)))
-        after = MCV_TRAIL_OTHER;
-    MCV_WORD(slot, trail, 0) = after;
+    const int straight = before == MCV_TRAIL_STRAIGHT;
+    const float footprint = mcv_sensor_footprint(world.sensor, mcv_point_to_optical(world.frame, point).z);
+    const uint spread = wide ? MCV_TRAIL_DIFFUSE : straight ? MCV_TRAIL_OTHER : MCV_TRAIL_GLOSSY;
+    const uint smooth = before == MCV_TRAIL_DIFFUSE ? MCV_TRAIL_SMOOTH_SINCE : (straight & !passes) ? MCV_TRAIL_OTHER : before;
+    MCV_STORE(slot, footprint, 0, straight ? footprint : MCV_LOAD(slot, footprint, 0));
+    MCV_WORD(slot, trail, 0) = before == MCV_TRAIL_OTHER ? before : spreads ? spread : smooth;
+}
+
+MCV_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, mcv_meeting meeting, mcv_scattering on) {
+    const int passes = on.event == MCV_EVENT_PASS && mcv_is_plate(world, meeting);
+    mcv_leave_trail_at(world, slot, meeting.surface.point, on.density > 0.0f, mcv_is_wide(world, meeting), passes);
 }
 #endif
 
@@ -85,8 +86,7 @@ static void mcv_leave_precisely(mcv_world world, mcv_slot slot, const mcv_meetin
 /* A ray that leaves the scene sees the environment. */
 MCV_LOOP_FUNCTION void mcv_leave_scene(mcv_world world, mcv_slot slot) {
 #if MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE
-    uint media = 0;
-    float density = 0.0f;
+    float density = mcv_path_density(slot);
     mcv_color throughput;
     mcv_color radiance;
 #if MCV_WITH_DISPERSION
@@ -94,16 +94,10 @@ MCV_LOOP_FUNCTION void mcv_leave_scene(mcv_world world, mcv_slot slot) {
 #endif
     MCV_LOAD_COLOR(slot, throughput, throughput);
     MCV_LOAD_COLOR(slot, radiance, radiance);
-#if MCV_WITH_DIELECTRIC
-    media = MCV_WORD(slot, media, 0);
-#endif
-#if MCV_WITH_NEXT_EVENT
-    density = MCV_LOAD(slot, density, 0);
-#endif
 #if MCV_WITH_ENVIRONMENT_IMAGE
     density = mcv_density_against(world, slot, world.frame->environment_emitter, density);
 #endif
-    const mcv_color met = mcv_environment_met(world, MCV_LOAD_3(slot, direction), media, density);
+    const mcv_color met = mcv_environment_met(world, MCV_LOAD_3(slot, direction), mcv_path_media(slot), density);
     MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], met.c[i], radiance.c[i]);
     MCV_STORE_COLOR(slot, radiance, radiance);
 #else
@@ -136,37 +130,52 @@ MCV_FUNCTION void mcv_send_on(mcv_world world, mcv_slot slot, mcv_meeting meetin
 }
 
 #if MCV_WITH_SPLIT
+/* How a path splits. */
+typedef struct mcv_parting {
+    mcv_scattering on, other; /* the path's and the branch's way, */
+    mcv_color carried;        /* what that carries, */
+    int splits, branches;     /* and whether there are both */
+} mcv_parting;
+
 /*
  * The path takes the likelier one of two ways on instead of that which chance has chosen, and a branch the other one, each weighed by its
  * own chance: R + T. The branch has to survive roulette. Where an environment shines from all sides both ways bring about the same: the
  * path then stands in for what roulette ends, so that both carry as much as before. xi: the number that has chosen, which has no other use
- * any more. A branch has random numbers of its own. 1: there is one, in the slot beside.
+ * any more.
  */
-static int mcv_split_path(mcv_world world, mcv_slot slot, mcv_slot beside, mcv_meeting meeting, uint media, float xi, mcv_color throughput,
-                          mcv_scattering *on, mcv_scattering other) {
-    const uint number = MCV_WORD(slot, branch, 0) + 1u;
-    mcv_scattering likelier = *on;
-    if (other.chance > on->chance || (other.chance == on->chance && other.event == MCV_EVENT_REFLECT)) {
-        likelier = other;
-        other = *on;
-    }
+MCV_LOOP_FUNCTION mcv_parting mcv_part(mcv_slot slot, float xi, mcv_color throughput, mcv_scattering on, mcv_scattering other) {
+    mcv_parting parting;
+    const int swaps = (other.chance > on.chance) | ((other.chance == on.chance) & (other.event == MCV_EVENT_REFLECT));
+    const mcv_scattering likelier = mcv_choose_scattering(swaps, other, on);
+    parting.other = mcv_choose_scattering(swaps, on, other);
     const float effort = MCV_SPLIT_EFFORT * mcv_average(throughput);
-    const float wanted = other.chance * (effort > 1.0f ? effort : 1.0f);
+    const float wanted = parting.other.chance * (effort > 1.0f ? effort : 1.0f);
     const float lives = wanted < 1.0f ? wanted : 1.0f;
     float weight = likelier.chance;
+    parting.splits = (other.chance > 0.0f) & (MCV_WORD(slot, branch, 0) + 1u < MCV_BRANCHES);
 #if MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE
     /* What roulette would soon play for is left to chance: light from all sides keeps being found without noise. */
-    const float branches = other.chance / lives, goes_on = lives < 1.0f ? 1.0f - branches : likelier.chance;
+    const float branches = parting.other.chance / lives, goes_on = lives < 1.0f ? 1.0f - branches : likelier.chance;
     const float least = mcv_brightest(throughput) * (goes_on < branches ? goes_on : branches);
-    if (least < MCV_ROULETTE_WEIGHT * (1.0f - 8.0f * MCV_UNIT_ROUNDOFF)) return 0;
-    if (lives < 1.0f) weight = xi < lives ? goes_on : 1.0f;
+    parting.splits &= !(least < MCV_ROULETTE_WEIGHT * (1.0f - 8.0f * MCV_UNIT_ROUNDOFF));
+    weight = lives < 1.0f ? xi < lives ? goes_on : 1.0f : weight;
 #endif
-    *on = likelier;
-    on->factor = mcv_dim(on->factor, weight);
-    MCV_WORD(slot, branch, 0) = number;
-    throughput = mcv_dim(mcv_tint(throughput, other.factor), other.chance / lives);
-    if (!(xi < lives) || !(mcv_brightest(throughput) > 0.0f)) return 0;
+    parting.on = mcv_choose_scattering(parting.splits, likelier, on);
+    parting.on.factor = mcv_dim(parting.on.factor, parting.splits ? weight : 1.0f);
+    parting.carried = mcv_dim(mcv_tint(throughput, parting.other.factor), parting.other.chance / lives);
+    parting.branches = parting.splits & (xi < lives) & (mcv_brightest(parting.carried) > 0.0f);
+    return parting;
+}
 
+/* A path's branch begins in the slot beside, with random numbers of its own, as a copy of what the path is before it goes on. */
+MCV_LOOP_FUNCTION void mcv_name_branch(mcv_slot slot, mcv_slot beside) {
+    const uint number = MCV_WORD(slot, branch, 0);
+    MCV_WORD(beside, branch, 0) = MCV_BRANCHES + number;
+    MCV_WORD(beside, stream, 0) = mcv_hash_2(MCV_WORD(slot, stream, 0), number);
+    MCV_EACH_CHANNEL(i) MCV_STORE(beside, radiance, i, 0.0f);
+}
+
+static void mcv_branch_off(mcv_world world, mcv_slot slot, mcv_slot beside, mcv_meeting meeting, uint media, mcv_parting parting) {
     for (uint word = 0; word < MCV_PATH_hit; ++word) {
         const uint row = word * MCV_CAPACITY(slot);
         beside.base[row + beside.index] = slot.base[row + slot.index];
@@ -174,15 +183,12 @@ static int mcv_split_path(mcv_world world, mcv_slot slot, mcv_slot beside, mcv_m
 #if MCV_WITH_MIXED
     MCV_WORD(beside, hit, 0) = MCV_WORD(slot, hit, 0);
 #endif
-    MCV_WORD(beside, branch, 0) = MCV_BRANCHES + number;
-    MCV_WORD(beside, stream, 0) = mcv_hash_2(MCV_WORD(slot, stream, 0), number);
-    MCV_EACH_CHANNEL(i) MCV_STORE(beside, radiance, i, 0.0f);
-    mcv_send_on(world, beside, meeting, media, other, throughput);
+    mcv_name_branch(slot, beside);
+    mcv_send_on(world, beside, meeting, media, parting.other, parting.carried);
 #if MCV_LEAVES_TOGETHER
-    const mcv_vec3 origin = mcv_onward_origin(meeting, other.direction);
+    const mcv_vec3 origin = mcv_onward_origin(meeting, parting.other.direction);
     MCV_STORE_3(beside, origin, origin);
 #endif
-    return 1;
 }
 #endif
 
@@ -192,23 +198,16 @@ static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, u
 #if MCV_WITH_DISPERSION
     world = mcv_disperse(world, slot);
 #endif
+    const uint media = mcv_path_media(slot);
     mcv_color throughput;
     mcv_color radiance;
-    uint media = 0;
-    float density = 0.0f;
     MCV_LOAD_COLOR(slot, throughput, throughput);
     MCV_LOAD_COLOR(slot, radiance, radiance);
-#if MCV_WITH_DIELECTRIC
-    media = MCV_WORD(slot, media, 0);
-#endif
-#if MCV_WITH_NEXT_EVENT
-    density = MCV_LOAD(slot, density, 0);
-#endif
 
     const mcv_meeting meeting = mcv_meet_surface(world, slot);
     const uint emitter = world.instances[meeting.surface.instance].emitter;
     if (emitter != MCV_NONE) {
-        const float own = mcv_density_against(world, slot, emitter, density);
+        const float own = mcv_density_against(world, slot, emitter, mcv_path_density(slot));
         mcv_color met = mcv_emission_met(world, meeting, emitter, media, own, MCV_LOAD(slot, hit, 0));
 #if MCV_WITH_LIGHT_TRACING
         met = mcv_dim(met, mcv_camera_share(world, slot, meeting, emitter));
@@ -226,9 +225,15 @@ static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, u
     mcv_scattering other;
     mcv_scattering on = mcv_scatter(world, meeting, media, pair, chosen, unmatched, &other);
 #if MCV_WITH_SPLIT
-    if (other.chance > 0.0f && MCV_WORD(slot, branch, 0) + 1u < MCV_BRANCHES &&
-        mcv_split_path(world, slot, beside, meeting, media, pair.x, throughput, &on, other))
-        ways = MCV_BRANCHES_OFF;
+    if (other.chance > 0.0f) {
+        const mcv_parting parting = mcv_part(slot, pair.x, throughput, on, other);
+        on = parting.on;
+        MCV_WORD(slot, branch, 0) += (uint)parting.splits;
+        if (parting.branches) {
+            mcv_branch_off(world, slot, beside, meeting, media, parting);
+            ways = MCV_BRANCHES_OFF;
+        }
+    }
 #else
     (void)beside;
 #endif

@@ -31,6 +31,7 @@
 #endif
 #include "shade_surfaces.cl"
 #include "plain_surfaces.h"
+#include "smooth_surfaces.h"
 #include "accumulate_film.cl"
 #if MCV_WITH_LIGHT_TRACING
 #include "trace_emitter_paths.cl"
@@ -282,11 +283,11 @@ static __attribute__((noinline)) void mcv_move_paths(uint *paths, const uint *ch
 }
 
 /* Draws one of the pairs of random numbers of the surfaces that the paths have met. */
-static __attribute__((noinline)) void mcv_draw_pairs(uint *paths, uint count, uint depth, uint pair) {
+static __attribute__((noinline)) void mcv_draw_pairs(uint *paths, uint first, uint last, uint depth, uint pair) {
     mcv_slot slot;
     slot.base = paths;
     MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) {
+    for (uint i = first; i < last; ++i) {
         slot.index = i;
         const mcv_pair drawn = mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0), MCV_SURFACE_PAIR(depth, pair));
         MCV_STORE(slot, drawn, 2u * pair, drawn.x);
@@ -296,11 +297,11 @@ static __attribute__((noinline)) void mcv_draw_pairs(uint *paths, uint count, ui
 
 #if MCV_WITH_DIFFUSE
 /* Where the paths go on from the surfaces that they have met if these are diffuse. */
-static __attribute__((noinline)) void mcv_choose_bounces(uint *paths, uint count) {
+static __attribute__((noinline)) void mcv_choose_bounces(uint *paths, uint first, uint last) {
     mcv_slot slot;
     slot.base = paths;
     MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) {
+    for (uint i = first; i < last; ++i) {
         slot.index = i;
         const float xi = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
         const float eta = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER + 1);
@@ -336,7 +337,7 @@ MCV_LOOP_FUNCTION void mcv_find_triangles(mcv_world world, mcv_slot slot, uint f
 }
 
 #if MCV_WITH_SURFACES
-static void mcv_find_exacts(mcv_world world, mcv_slot slot, uint first, uint last) {
+static __attribute__((noinline)) void mcv_find_exacts(mcv_world world, mcv_slot slot, uint first, uint last) {
     const uint *met = slot.base + (MCV_PATH_hit + 3) * MCV_ROW;
     const uint piece = first < last ? met[first] : 0u;
     uint quadrics = 0, same = 0;
@@ -368,11 +369,13 @@ static void mcv_find_exacts(mcv_world world, mcv_slot slot, uint first, uint las
 static __attribute__((noinline)) void mcv_find_surfaces(mcv_world world, uint *paths, const uint *ends) {
     mcv_slot slot;
     slot.base = paths;
-    mcv_find_triangles(world, slot, 0, ends[MCV_MET_GLOSS_TRIANGLE]);
+    mcv_find_triangles(world, slot, 0, ends[MCV_MET_SMOOTH_TRIANGLE]);
+    mcv_find_triangles(world, slot, ends[MCV_MET_GLOSS_EXACT], ends[MCV_MET_TRIANGLE]);
 #if MCV_WITH_SURFACES
-    mcv_find_exacts(world, slot, ends[MCV_MET_GLOSS_TRIANGLE], ends[MCV_MET_EXACT]);
+    mcv_find_exacts(world, slot, ends[MCV_MET_SMOOTH_TRIANGLE], ends[MCV_MET_SMOOTH_EXACT]);
+    mcv_find_exacts(world, slot, ends[MCV_MET_SMOOTH_EXACT], ends[MCV_MET_GLOSS_EXACT]);
+    mcv_find_exacts(world, slot, ends[MCV_MET_TRIANGLE], ends[MCV_MET_EXACT]);
 #endif
-    mcv_find_triangles(world, slot, ends[MCV_MET_EXACT], ends[MCV_MET_TRIANGLE]);
 }
 
 #if MCV_WITH_NEXT_EVENT
@@ -398,15 +401,15 @@ MCV_LOOP_FUNCTION void mcv_find_way(mcv_world world, mcv_slot slot, uint emitter
 }
 
 /*
- * Those of the paths in the slots 0 … first - 1, which look for emitter 0, and of the chosen ones: by emitters, as long as it takes few
+ * Those of the paths in the slots first … last - 1, which look for emitter 0, and of the chosen ones: by emitters, as long as it takes few
  * turns, so that what is known of one is read once.
  */
-static __attribute__((noinline)) void mcv_find_ways(mcv_world world, uint *paths, uint first, uint *chosen, uint count) {
+static __attribute__((noinline)) void mcv_find_ways(mcv_world world, uint *paths, uint first, uint last, uint *chosen, uint count) {
     uint alike[MCV_SLOTS];
     mcv_slot slot;
     slot.base = paths;
     MCV_PARALLEL
-    for (uint i = 0; i < first; ++i) {
+    for (uint i = first; i < last; ++i) {
         slot.index = i;
         mcv_find_way(world, slot, 0u);
     }
@@ -460,8 +463,8 @@ MCV_FUNCTION mcv_shadow mcv_shadow_of(mcv_world world, mcv_slot slot, mcv_meetin
 /* Lists the paths that have a shadow ray to follow; returns how many. */
 static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_slot slot, const uint *ends, uint gloss, uint depth,
                                                           uint *shadows) {
-    const uint alive = ends[MCV_MET_TRIANGLE];
-    uint shadow_count = 0, plain = 0;
+    const uint first = ends[MCV_MET_SMOOTH_EXACT], alive = ends[MCV_MET_EXACT];
+    uint shadow_count = 0, plain = first; /* where those begin that are not worked out together */
     (void)gloss;
 #if MCV_WITH_EMISSION
     uint chosen[MCV_SLOTS];
@@ -469,8 +472,8 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
 #endif
 #if MCV_WITH_PLAIN_EMITTERS
     if (mcv_has_plain_emitter(world)) {
-        plain = ends[MCV_MET_DIFFUSE_EXACT];
-        mcv_choose_plain_emitter(slot.base, plain);
+        plain = ends[MCV_MET_DIFFUSE_TRIANGLE];
+        mcv_choose_plain_emitter(slot.base, first, plain);
     }
 #endif
     for (slot.index = plain; slot.index < alive; ++slot.index) {
@@ -487,10 +490,10 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
 #endif
     }
 #if MCV_WITH_EMISSION
-    mcv_find_ways(world, slot.base, plain, chosen, count);
+    mcv_find_ways(world, slot.base, first, plain, chosen, count);
 #endif
 #if MCV_WITH_PLAIN_EMITTERS
-    if (plain > 0) shadow_count = mcv_list_plain_shadows(world, slot.base, ends, gloss, shadows);
+    if (plain > first) shadow_count = mcv_list_plain_shadows(world, slot.base, ends, gloss, shadows);
 #endif
     for (slot.index = plain; slot.index < alive; ++slot.index) {
         if (MCV_WORD(slot, emitter, 0) == MCV_NONE) continue;
@@ -570,7 +573,7 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
     uint paths[MCV_PATH_WORDS * MCV_ROW];
     float values[MCV_CHANNELS * MCV_SLOTS];
     uint chosen[MCV_SLOTS];
-    uint ends[MCV_MET_COUNT], gloss;
+    uint ends[MCV_MET_COUNT], ways[MCV_SLOTS], gloss;
     uint counts[MCV_COUNTER_COUNT] = {0};
     mcv_slot slot;
     slot.base = paths;
@@ -589,14 +592,14 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
         mcv_intersect_paths(world, slot, alive);
         MCV_CLOCK_STAGE(intersect_closest)
         mcv_order_paths(world, paths, alive, ends, &gloss);
-        mcv_leave_scenes(world, paths, ends[MCV_MET_TRIANGLE], alive, values, &counts[MCV_COUNTER_nonfinite]);
-        alive = ends[MCV_MET_TRIANGLE];
+        mcv_leave_scenes(world, paths, ends[MCV_MET_EXACT], alive, values, &counts[MCV_COUNTER_nonfinite]);
+        alive = ends[MCV_MET_EXACT];
         mcv_find_surfaces(world, paths, ends);
-        if (mcv_needs_choice(world.frame, depth)) mcv_draw_pairs(paths, alive, depth, MCV_PAIR_CHOICE);
+        if (mcv_needs_choice(world.frame, depth)) mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_CHOICE);
 #if MCV_WITH_NEXT_EVENT
         /* An emitter is a surface too: the last surface a path may meet does not look for one. */
         if (depth + 1 < world.frame->depth) {
-            mcv_draw_pairs(paths, alive, depth, MCV_PAIR_EMITTER);
+            mcv_draw_pairs(paths, ends[MCV_MET_SMOOTH_EXACT], alive, depth, MCV_PAIR_EMITTER);
             const uint shadow_count = mcv_sample_emitters(world, slot, ends, gloss, depth, chosen);
             MCV_CLOCK_STAGE(sample_emitters)
             mcv_intersect_shadows(world, slot, chosen, shadow_count);
@@ -604,31 +607,26 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
             counts[MCV_COUNTER_shadow_rays] += shadow_count;
         }
 #endif
-        mcv_draw_pairs(paths, alive, depth, MCV_PAIR_SCATTER);
+        mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_SCATTER);
 #if MCV_WITH_DIFFUSE
-        mcv_choose_bounces(paths, alive);
+        mcv_choose_bounces(paths, ends[MCV_MET_SMOOTH_EXACT], alive);
 #endif
-        uint next = 0, plain = 0, ways;
+        uint next = 0;
         mcv_slot beside = slot;
         beside.index = alive;
+        for (uint i = 0; i < alive; ++i) ways[i] = MCV_IS_LEFT;
 #if MCV_WITH_PLAIN
-        uint goes_on[MCV_SLOTS];
-        plain = ends[MCV_MET_DIFFUSE_EXACT];
-        mcv_shade_plain_surfaces(world, paths, ends, gloss, depth, goes_on, &counts[MCV_COUNTER_unmatched]);
-        for (slot.index = 0; slot.index < plain; ++slot.index) {
-            const int smooth = goes_on[slot.index] == MCV_PLAIN_IS_SMOOTH;
-            ways = smooth ? mcv_shade_surface(world, slot, beside, depth, &counts[MCV_COUNTER_unmatched]) : goes_on[slot.index];
-            if (ways & MCV_BRANCHES_OFF) ++beside.index;
-            if (ways & MCV_GOES_ON)
-                chosen[next++] = slot.index;
-            else
-                mcv_end_path(world, slot, values, &counts[MCV_COUNTER_nonfinite]);
-        }
+        mcv_shade_plain_surfaces(world, paths, ends, gloss, depth, ways, &counts[MCV_COUNTER_unmatched]);
 #endif
-        for (slot.index = plain; slot.index < alive; ++slot.index) {
-            ways = mcv_shade_surface(world, slot, beside, depth, &counts[MCV_COUNTER_unmatched]);
-            if (ways & MCV_BRANCHES_OFF) ++beside.index;
-            if (ways & MCV_GOES_ON)
+#if MCV_WITH_SMOOTH
+        beside.index = mcv_shade_smooth_surfaces(world, paths, ends, alive, depth, ways, &counts[MCV_COUNTER_unmatched]);
+#endif
+        for (slot.index = 0; slot.index < alive; ++slot.index) {
+            if (ways[slot.index] == MCV_IS_LEFT) {
+                ways[slot.index] = mcv_shade_surface(world, slot, beside, depth, &counts[MCV_COUNTER_unmatched]);
+                beside.index += (ways[slot.index] & MCV_BRANCHES_OFF) != 0u;
+            }
+            if (ways[slot.index] & MCV_GOES_ON)
                 chosen[next++] = slot.index;
             else
                 mcv_end_path(world, slot, values, &counts[MCV_COUNTER_nonfinite]);
