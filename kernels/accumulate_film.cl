@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Stage: sums the paths of a block (consecutive samples of one pixel and replicate, a power of two of at most MCV_BLOCK) over
- * a binary tree, as unevaluated pairs of floats: 48 bits without double precision. reads radiance, weight -> writes sums
+ * a binary tree, as unevaluated pairs of floats: 48 bits without double precision. The value of a path is the sum of its branches'. reads
+ * radiance, weight -> writes sums
  */
 #include "path.h"
 #include "world.h"
@@ -32,15 +33,19 @@ MCV_FUNCTION float mcv_path_value(mcv_world world, mcv_slot slot, uint channel, 
 
 #if MCV_TILE
 /*
- * Writes the sums of count / block blocks of a channel's values: high and low word each. Level by level through all trees at once, from one
- * array to the other, so that a level is a long loop.
+ * Writes the sums of count / block blocks of a channel's values, MCV_SLICE of each branch: high and low word each. Level by level through
+ * all trees at once, from one array to the other, so that a level is a long loop.
  */
 static __attribute__((noinline)) void mcv_accumulate_blocks(const float *values, uint count, uint block, __global float *sums) {
-    float highs[2][MCV_SLOTS];
-    float lows[2][MCV_SLOTS];
+    float highs[2][MCV_SLICE];
+    float lows[2][MCV_SLICE];
     uint from = 0;
+    MCV_PARALLEL
     for (uint i = 0; i < count; ++i) {
-        highs[0][i] = values[i];
+        float sum = values[i];
+#pragma unroll
+        for (uint branch = 1; branch < MCV_BRANCHES; ++branch) sum += values[branch * MCV_SLICE + i];
+        highs[0][i] = sum;
         lows[0][i] = 0.0f;
     }
     for (uint size = block; size > 1u; size /= 2u, from ^= 1u) {

@@ -3,7 +3,7 @@
 #include "path.h"
 #include "closest.h"
 
-static void mcv_arrive(mcv_world world, mcv_slot slot, mcv_hit hit) {
+MCV_LOOP_FUNCTION void mcv_arrive(mcv_world world, mcv_slot slot, mcv_hit hit) {
     MCV_STORE(slot, hit, 0, hit.t);
     MCV_STORE(slot, hit, 1, hit.u);
     MCV_STORE(slot, hit, 2, hit.v);

@@ -7,7 +7,7 @@
 #endif
 
 /* The light of the emitter at the hit arrives; a ray that ends at the emitter's point has no triangle. */
-static void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_hit hit) {
+MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_hit hit) {
     mcv_color light;
     mcv_color radiance;
     MCV_LOAD_COLOR(slot, shadow_light, light);

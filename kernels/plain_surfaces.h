@@ -34,75 +34,93 @@ enum {
 enum { MCV_IS_LEFT = 4 };
 
 MCV_LOOP_FUNCTION uint mcv_kind_met(mcv_world world, uint met) {
-    uint exact = 0;
+    uint exact = 0, shading = MCV_SHADED_ALONE;
     if (met == MCV_NONE) return MCV_MET_NOTHING;
 #if MCV_WITH_SURFACES
     exact = met >= MCV_EXACT;
 #endif
 #if MCV_WITH_PLAIN || MCV_WITH_SMOOTH
-    __global const mcv_device_instance *instance = world.instances + mcv_instance_of(world, met);
-    __global const mcv_device_material *material = world.materials + instance->material;
-    if (material->texture == MCV_NONE && instance->emitter == MCV_NONE) {
-#if MCV_WITH_SMOOTH
-        if (material->type == MCV_MATERIAL_DIELECTRIC && !material->spreads) return exact ? MCV_MET_SMOOTH_EXACT : MCV_MET_SMOOTH_TRIANGLE;
-#endif
-#if MCV_WITH_PLAIN
-        if (material->type == MCV_MATERIAL_DIFFUSE) return exact ? MCV_MET_DIFFUSE_EXACT : MCV_MET_DIFFUSE_TRIANGLE;
-#if MCV_WITH_GLOSS
-        __global const mcv_device_gloss *gloss = world.gloss + instance->material;
-        const int glossy = material->spreads != 0u && material->type != MCV_MATERIAL_RETROREFLECTOR;
-        if (glossy && gloss->azimuths == 1u && gloss->roughnesses == 1u && gloss->texture == MCV_NONE)
-            return exact ? MCV_MET_GLOSS_EXACT : MCV_MET_GLOSS_TRIANGLE;
-#endif
-#endif
-    }
+    shading = world.instances[mcv_instance_of(world, met)].shading;
 #else
     (void)world;
 #endif
+    if (MCV_WITH_SMOOTH && shading == MCV_SHADED_SMOOTH) return exact ? MCV_MET_SMOOTH_EXACT : MCV_MET_SMOOTH_TRIANGLE;
+    if (MCV_WITH_PLAIN && shading == MCV_SHADED_DIFFUSE) return exact ? MCV_MET_DIFFUSE_EXACT : MCV_MET_DIFFUSE_TRIANGLE;
+    if (MCV_WITH_PLAIN && MCV_WITH_GLOSS && shading == MCV_SHADED_GLOSSY) return exact ? MCV_MET_GLOSS_EXACT : MCV_MET_GLOSS_TRIANGLE;
     return exact ? MCV_MET_EXACT : MCV_MET_TRIANGLE;
 }
 
-/* Puts the paths in the order of what they have met, in place: whoever is not among its own kind changes places with one who belongs there.
- */
-static __attribute__((noinline)) void mcv_order_paths(mcv_world world, uint *paths, uint count, uint *ends, uint *gloss) {
-    uint kinds[MCV_SLOTS], one[MCV_SLOTS], other[MCV_SLOTS];
-    uint next[MCV_MET_COUNT];
-    uint swaps = 0;
+/* What the paths have met. */
+static __attribute__((noinline)) void mcv_find_kinds(mcv_world world, const uint *paths, uint count, uint *kinds, uint *gloss) {
+    const uint *met = paths + (MCV_PATH_hit + 3) * MCV_ROW;
     MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) kinds[i] = mcv_kind_met(world, paths[(MCV_PATH_hit + 3) * MCV_ROW + i]);
+    for (uint i = 0; i < count; ++i) kinds[i] = mcv_kind_met(world, met[i]);
     *gloss = MCV_NONE;
 #if MCV_WITH_PLAIN && MCV_WITH_GLOSS
     for (uint i = 0; i < count; ++i) {
         if (kinds[i] != MCV_MET_GLOSS_TRIANGLE && kinds[i] != MCV_MET_GLOSS_EXACT) continue;
-        const uint material = world.instances[mcv_instance_of(world, paths[(MCV_PATH_hit + 3) * MCV_ROW + i])].material;
+        const uint material = world.instances[mcv_instance_of(world, met[i])].material;
         if (*gloss == MCV_NONE) *gloss = material;
         if (*gloss != material) kinds[i] = kinds[i] == MCV_MET_GLOSS_EXACT ? MCV_MET_EXACT : MCV_MET_TRIANGLE;
     }
 #endif
+}
+
+/*
+ * Which paths move where, one after the other, until they lie in the order of what they have met; returns how many moves. Those that have
+ * met nothing, the last kind, are no longer needed: others take their slots. A path that makes room for a ring of others waits in the slot
+ * MCV_SLOTS.
+ */
+static __attribute__((noinline)) uint mcv_plan_moves(uint *kinds, uint count, uint *ends, uint *from, uint *to) {
+    uint homes[MCV_SLOTS], astray[MCV_SLOTS], next[MCV_SLOTS]; /* kinds whose slots they are, who is not where it belongs, the next such */
+    uint first[MCV_MET_COUNT];
+    uint strays = 0, moves = 0;
     for (uint kind = 0, end = 0; kind < MCV_MET_COUNT; ++kind) {
-        next[kind] = end;
-        for (uint i = 0; i < count; ++i) end += kinds[i] == kind;
+        uint i = end;
+        for (uint k = 0; k < count; ++k) end += kinds[k] == kind;
         ends[kind] = end;
+        first[kind] = MCV_NONE;
+        for (; i < end; ++i) homes[i] = kind;
     }
-    for (uint kind = 0; kind < MCV_MET_COUNT; ++kind) {
-        for (uint i = next[kind]; i < ends[kind]; ++i) {
-            while (kinds[i] != kind) {
-                const uint theirs = kinds[i];
-                while (kinds[next[theirs]] == theirs) ++next[theirs];
-                one[swaps] = i;
-                other[swaps++] = next[theirs];
-                kinds[i] = kinds[next[theirs]];
-                kinds[next[theirs]++] = theirs;
+    for (uint i = 0; i < count; ++i) {
+        astray[strays] = i;
+        strays += kinds[i] != homes[i];
+    }
+    for (uint k = 0; k < strays; ++k) {
+        const uint i = astray[k];
+        next[i] = first[kinds[i]];
+        first[kinds[i]] = i;
+    }
+    for (uint pass = 0; pass < 2; ++pass) {
+        for (uint k = 0; k < strays; ++k) {
+            const uint begin = astray[k];
+            if (homes[begin] == kinds[begin] || homes[begin] == MCV_MET_NOTHING) continue;
+            if ((kinds[begin] == MCV_MET_NOTHING) == pass) continue;
+            if (pass) {
+                from[moves] = begin;
+                to[moves++] = MCV_SLOTS;
             }
+            uint hole = begin;
+            do {
+                const uint home = homes[hole], path = first[home];
+                first[home] = next[path];
+                from[moves] = path == begin ? MCV_SLOTS : path;
+                to[moves++] = hole;
+                kinds[hole] = home;
+                hole = path;
+            } while (hole != begin && homes[hole] != MCV_MET_NOTHING);
         }
     }
-    for (uint word = 0; swaps > 0 && word < MCV_PATH_hit + 4; ++word) {
+    return moves;
+}
+
+/* Puts the paths in the order of what they have met, in place; those that have met nothing are lost. */
+static __attribute__((noinline)) void mcv_order_paths(uint *paths, uint *kinds, uint count, uint *ends) {
+    uint from[2 * MCV_SLOTS], to[2 * MCV_SLOTS];
+    const uint moves = mcv_plan_moves(kinds, count, ends, from, to);
+    for (uint word = 0; moves > 0 && word < MCV_PATH_hit + 4; ++word) {
         uint *row = paths + word * MCV_ROW;
-        for (uint i = 0; i < swaps; ++i) {
-            const uint kept = row[one[i]];
-            row[one[i]] = row[other[i]];
-            row[other[i]] = kept;
-        }
+        for (uint i = 0; i < moves; ++i) row[to[i]] = row[from[i]];
     }
 }
 

@@ -153,15 +153,11 @@ MCV_STAGE_KERNEL(accumulate_film) {
     for (uint channel = 0; channel < MCV_CHANNELS; ++channel) {
         float values[MCV_BLOCK], lows[MCV_BLOCK];
         for (uint k = 0; k < block; ++k) {
-            float branches[MCV_BRANCHES], rests[MCV_BRANCHES];
+            values[k] = lows[k] = 0.0f;
             for (uint b = 0; b < MCV_BRANCHES; ++b) {
                 const mcv_slot slot = mcv_stream_slot(paths, capacity, i * block + k + b * world.frame->path_count);
-                branches[b] = mcv_path_value(world, slot, channel, &nonfinite);
-                rests[b] = 0.0f;
+                values[k] += mcv_path_value(world, slot, channel, &nonfinite);
             }
-            const mcv_float_pair sample = mcv_tree_sum(branches, rests, MCV_BRANCHES);
-            values[k] = sample.high;
-            lows[k] = sample.low;
         }
         const mcv_float_pair sum = mcv_tree_sum(values, lows, block);
         sums[(size_t)(i * MCV_CHANNELS + channel) * 2] = sum.high;

@@ -138,6 +138,17 @@ static __attribute__((noinline)) uint mcv_list_near_triangles(mcv_world world, u
 }
 #endif
 
+static __attribute__((noinline)) void mcv_arrive_together(mcv_world world, uint *paths, const mcv_hit *hits, uint count) {
+    mcv_slot slot;
+    slot.base = paths;
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        const mcv_hit hit = {hits[i].t, hits[i].u, hits[i].v, hits[i].triangle};
+        mcv_arrive(world, slot, hit);
+    }
+}
+
 /* The stages that intersect, over the paths of a slice. */
 static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count) {
     const mcv_rows origins = MCV_ROWS(slot, origin), directions = MCV_ROWS(slot, direction);
@@ -160,11 +171,17 @@ static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count) {
 #endif
     MCV_CLOSEST_MANY(world.nodes, world.leaves, origins, directions, chosen, listed, hits);
 #if MCV_WITH_SURFACES
-    for (uint i = 0; i < listed; ++i)
-        if (hits[i].triangle != MCV_NONE) exact[chosen[i]] = hits[i];
-    for (slot.index = 0; slot.index < count; ++slot.index) mcv_arrive(world, slot, exact[slot.index]);
+    for (uint i = 0; i < listed; ++i) {
+        mcv_hit *hit = exact + chosen[i];
+        const int met = hits[i].triangle != MCV_NONE;
+        hit->t = met ? hits[i].t : hit->t;
+        hit->u = met ? hits[i].u : hit->u;
+        hit->v = met ? hits[i].v : hit->v;
+        hit->triangle = met ? hits[i].triangle : hit->triangle;
+    }
+    mcv_arrive_together(world, slot.base, exact, count);
 #else
-    for (slot.index = 0; slot.index < count; ++slot.index) mcv_arrive(world, slot, hits[slot.index]);
+    mcv_arrive_together(world, slot.base, hits, count);
 #endif
 }
 
@@ -211,6 +228,21 @@ static __attribute__((noinline)) void mcv_shadows_past_solids(mcv_world world, c
 }
 #endif
 
+/* The light of shadow rays that nothing blocks. */
+static __attribute__((noinline)) void mcv_add_shadow_lights(mcv_world world, uint *paths, const uint *lit, const mcv_hit *hits,
+                                                            uint count) {
+    mcv_slot slot;
+    slot.base = paths;
+#if !((MCV_WITH_PARALLEL || MCV_WITH_BEAM) && MCV_WITH_TEXTURE)
+    MCV_PARALLEL
+#endif
+    for (uint i = 0; i < count; ++i) {
+        slot.index = lit[i];
+        const mcv_hit hit = {hits[i].t, hits[i].u, hits[i].v, hits[i].triangle};
+        mcv_add_shadow_light(world, slot, hit);
+    }
+}
+
 static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *paths, uint count) {
     const mcv_rows origins = MCV_ROWS(slot, shadow_origin), directions = MCV_ROWS(slot, shadow_direction);
     for (int any = 0; any < 2; ++any) {
@@ -230,10 +262,16 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
 #if MCV_WITH_SURFACES
         mcv_shadows_past_solids(world, slot.base, chosen, chosen_count, any, hits);
 #endif
+        uint lit = 0;
         for (uint i = 0; i < chosen_count; ++i) {
             slot.index = chosen[i];
-            if (any ? hits[i].triangle == MCV_NONE : mcv_meets_target(world, slot, hits[i])) mcv_add_shadow_light(world, slot, hits[i]);
+            const int arrives = any ? hits[i].triangle == MCV_NONE : mcv_meets_target(world, slot, hits[i]);
+            const mcv_hit hit = {hits[i].t, hits[i].u, hits[i].v, hits[i].triangle};
+            chosen[lit] = chosen[i];
+            hits[lit] = hit;
+            lit += arrives != 0;
         }
+        mcv_add_shadow_lights(world, slot.base, chosen, hits, lit);
     }
 }
 #endif
@@ -541,28 +579,42 @@ static __attribute__((noinline)) uint mcv_begin_paths(mcv_world world, mcv_slot 
     return alive;
 }
 
-/* A path has ended: its value waits for the others of its pixel. */
-MCV_FUNCTION void mcv_end_path(mcv_world world, mcv_slot slot, float *values, uint *nonfinite) {
-    const uint place = MCV_WORD(slot, value, 0) * MCV_BRANCHES + mcv_branch_of(slot);
-    for (uint channel = 0; channel < MCV_CHANNELS; ++channel)
-        values[channel * MCV_SLOTS + place] = mcv_path_value(world, slot, channel, nonfinite);
-}
-
-/* The paths in the slots first … last - 1 have met nothing. */
-static __attribute__((noinline)) void mcv_leave_scenes(mcv_world world, uint *paths, uint first, uint last, float *values,
-                                                       uint *nonfinite) {
+/* The listed paths have ended: their values wait for the others of their pixel. Returns how many are not finite. */
+static __attribute__((noinline)) uint mcv_end_paths(mcv_world world, uint *paths, const uint *listed, uint count, float *values) {
+    uint counts[MCV_SLOTS];
+    uint nonfinite = 0;
     mcv_slot slot;
     slot.base = paths;
-#if MCV_WITH_ENVIRONMENT_IMAGE
-    for (slot.index = first; slot.index < last; ++slot.index) mcv_leave_scene(world, slot);
-#else
     MCV_PARALLEL
-    for (uint i = first; i < last; ++i) {
-        slot.index = i;
+    for (uint i = 0; i < count; ++i) {
+        slot.index = listed[i];
+        const uint place = mcv_branch_of(slot) * MCV_SLICE + MCV_WORD(slot, value, 0);
+        uint own = 0;
+        MCV_EACH_CHANNEL(c) values[c * MCV_SLOTS + place] = mcv_path_value(world, slot, (uint)c, &own);
+        counts[i] = own;
+    }
+    for (uint i = 0; i < count; ++i) nonfinite += counts[i];
+    return nonfinite;
+}
+
+/* Those of the paths end that have met nothing; returns how many values are not finite. */
+static __attribute__((noinline)) uint mcv_leave_scenes(mcv_world world, uint *paths, const uint *kinds, uint count, float *values) {
+    uint listed[MCV_SLOTS];
+    uint leave = 0;
+    mcv_slot slot;
+    slot.base = paths;
+    for (uint i = 0; i < count; ++i) {
+        listed[leave] = i;
+        leave += kinds[i] == MCV_MET_NOTHING;
+    }
+#if !MCV_WITH_ENVIRONMENT_IMAGE
+    MCV_PARALLEL
+#endif
+    for (uint i = 0; i < leave; ++i) {
+        slot.index = listed[i];
         mcv_leave_scene(world, slot);
     }
-#endif
-    for (slot.index = first; slot.index < last; ++slot.index) mcv_end_path(world, slot, values, nonfinite);
+    return mcv_end_paths(world, paths, listed, leave, values);
 }
 
 /* Not inlined: PoCL makes three functions of a kernel, of which it calls one. */
@@ -573,7 +625,7 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
     uint paths[MCV_PATH_WORDS * MCV_ROW];
     float values[MCV_CHANNELS * MCV_SLOTS];
     uint chosen[MCV_SLOTS];
-    uint ends[MCV_MET_COUNT], ways[MCV_SLOTS], gloss;
+    uint kinds[MCV_SLOTS], ends[MCV_MET_COUNT], ways[MCV_SLOTS], ended[MCV_SLOTS], gloss;
     uint counts[MCV_COUNTER_COUNT] = {0};
     mcv_slot slot;
     slot.base = paths;
@@ -591,8 +643,9 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
         counts[MCV_COUNTER_rays] += alive;
         mcv_intersect_paths(world, slot, alive);
         MCV_CLOCK_STAGE(intersect_closest)
-        mcv_order_paths(world, paths, alive, ends, &gloss);
-        mcv_leave_scenes(world, paths, ends[MCV_MET_EXACT], alive, values, &counts[MCV_COUNTER_nonfinite]);
+        mcv_find_kinds(world, paths, alive, kinds, &gloss);
+        counts[MCV_COUNTER_nonfinite] += mcv_leave_scenes(world, paths, kinds, alive, values);
+        mcv_order_paths(paths, kinds, alive, ends);
         alive = ends[MCV_MET_EXACT];
         mcv_find_surfaces(world, paths, ends);
         if (mcv_needs_choice(world.frame, depth)) mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_CHOICE);
@@ -611,7 +664,7 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
 #if MCV_WITH_DIFFUSE
         mcv_choose_bounces(paths, ends[MCV_MET_SMOOTH_EXACT], alive);
 #endif
-        uint next = 0;
+        uint next = 0, ends_here = 0;
         mcv_slot beside = slot;
         beside.index = alive;
         for (uint i = 0; i < alive; ++i) ways[i] = MCV_IS_LEFT;
@@ -626,11 +679,12 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
                 ways[slot.index] = mcv_shade_surface(world, slot, beside, depth, &counts[MCV_COUNTER_unmatched]);
                 beside.index += (ways[slot.index] & MCV_BRANCHES_OFF) != 0u;
             }
-            if (ways[slot.index] & MCV_GOES_ON)
-                chosen[next++] = slot.index;
-            else
-                mcv_end_path(world, slot, values, &counts[MCV_COUNTER_nonfinite]);
+            const uint on = ways[slot.index] & MCV_GOES_ON;
+            chosen[next] = ended[ends_here] = slot.index;
+            next += on;
+            ends_here += 1u - on;
         }
+        counts[MCV_COUNTER_nonfinite] += mcv_end_paths(world, paths, ended, ends_here, values);
 #if MCV_LEAVES_TOGETHER
         mcv_leave_surfaces(paths, alive);
 #endif
@@ -642,14 +696,14 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
 
     for (slot.index = 0; slot.index < alive; ++slot.index) {
         counts[MCV_COUNTER_lost] += mcv_lost_energy(slot);
-        mcv_end_path(world, slot, values, &counts[MCV_COUNTER_nonfinite]);
+        ended[slot.index] = slot.index;
     }
+    counts[MCV_COUNTER_nonfinite] += mcv_end_paths(world, paths, ended, alive, values);
     counts[MCV_COUNTER_depth_cut] = alive;
 
     const uint block = min((uint)MCV_BLOCK, 1u << world.frame->log2_samples);
     for (uint channel = 0; channel < MCV_CHANNELS; ++channel)
-        mcv_accumulate_blocks(values + channel * MCV_SLOTS, count * MCV_BRANCHES, block * MCV_BRANCHES,
-                              sums + ((size_t)(first / block) * MCV_CHANNELS + channel) * 2u);
+        mcv_accumulate_blocks(values + channel * MCV_SLOTS, count, block, sums + ((size_t)(first / block) * MCV_CHANNELS + channel) * 2u);
     MCV_CLOCK_STAGE(accumulate_film)
     MCV_CLOCK_END(clocks + slice * MCV_CLOCK_COUNT)
     (void)clocks;

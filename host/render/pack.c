@@ -630,6 +630,17 @@ static bool may_touch(const mcv_scene *scene, const mcv_box *boxes) {
     return false;
 }
 
+/* How the tile schedule shades an instance's surface (kernels/plain_surfaces.h), when all else is known. */
+static uint32_t shading_of(const mcv_packed *packed, const mcv_device_instance *instance) {
+    const mcv_device_material *m = &packed->materials[instance->material];
+    const mcv_device_gloss *gloss = packed->gloss ? &packed->gloss[instance->material] : NULL;
+    if (m->texture != MCV_NONE || instance->emitter != MCV_NONE) return MCV_SHADED_ALONE;
+    if (m->type == MCV_MATERIAL_DIFFUSE) return MCV_SHADED_DIFFUSE;
+    if (m->type == MCV_MATERIAL_DIELECTRIC && !m->spreads) return MCV_SHADED_SMOOTH;
+    if (!gloss || !m->spreads || m->type == MCV_MATERIAL_RETROREFLECTOR) return MCV_SHADED_ALONE;
+    return gloss->azimuths == 1 && gloss->roughnesses == 1 && gloss->texture == MCV_NONE ? MCV_SHADED_GLOSSY : MCV_SHADED_ALONE;
+}
+
 static mcv_result pack_all(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed, mcv_error *error) {
     uint64_t vertices = 0;
     bool failed = false;
@@ -705,7 +716,9 @@ static mcv_result pack_all(const mcv_scene *scene, const mcv_packed *earlier, mc
     if (packed->gloss) MCV_TRY(mcv_pack_gloss(scene, earlier, packed, error));
     if (packed->solids) mcv_pack_solids(scene, packed);
     MCV_TRY(assign_media(scene, earlier, packed, error));
-    return pack_emitters(scene, packed, error);
+    MCV_TRY(pack_emitters(scene, packed, error));
+    for (uint32_t i = 0; i < scene->instance_count; ++i) packed->instances[i].shading = shading_of(packed, &packed->instances[i]);
+    return MCV_OK;
 }
 
 mcv_result mcv_pack(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed, mcv_error *error) {

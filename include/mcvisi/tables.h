@@ -85,8 +85,12 @@ typedef struct mcv_device_instance {
     uint emitter; /* or MCV_NONE */
     uint medium;  /* index of the medium that its surface bounds, 0: none */
     uint first_triangle;
+    uint shading; /* MCV_SHADED_… */
 } mcv_device_instance;
-MCV_ASSERT_SIZE(mcv_device_instance, 16);
+MCV_ASSERT_SIZE(mcv_device_instance, 20);
+
+/* Surfaces that do not emit, without texture: diffuse ones, of microfacets that have no direction, of smooth bodies; and all others. */
+enum { MCV_SHADED_ALONE, MCV_SHADED_DIFFUSE, MCV_SHADED_GLOSSY, MCV_SHADED_SMOOTH };
 
 typedef struct mcv_device_material {
     uint type;      /* MCV_MATERIAL_… */
@@ -260,7 +264,10 @@ MCV_ASSERT_SIZE(mcv_device_vertex, 112);
 /* Samples that the device sums before the host goes on with the same binary tree. */
 #define MCV_BLOCK 64
 
-/* What a block of samples may each have at most, so that their sum is a float: 2^128 / MCV_BLOCK / 2. More counts as not finite. */
-#define MCV_LARGEST_VALUE 0x1p121f
+/*
+ * What each of 8 branches of the samples of a block may have at most, so that their sum is a float: 2^128 / 8 / MCV_BLOCK / 2. More counts
+ * as not finite.
+ */
+#define MCV_LARGEST_VALUE 0x1p118f
 
 #endif

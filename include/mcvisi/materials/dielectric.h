@@ -45,7 +45,7 @@
     X(number, abbeNumber, 0, 0, 1e30, "(n_d - 1)/(n_F - n_C), by which n depends on the wavelength; 0: it does not")
 
 /* exp(-x) for x >= 0, by 2^(-x log2 e) with a polynomial: relative error below 3e-7. */
-MCV_FUNCTION float mcv_exp_minus(float x) {
+MCV_LOOP_FUNCTION float mcv_exp_minus(float x) {
     /* Below 2^-126 the result would be denormal: nothing is left of the light. */
     if (!(x < 87.0f)) return 0.0f;
     const float scaled = x * 1.44269504f;
