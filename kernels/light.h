@@ -33,7 +33,8 @@ MCV_FUNCTION float mcv_light_etendue(mcv_world world, mcv_surface surface, uint 
 /*
  * What light paths bring of the light that camera paths find by chance, too: the balance heuristic. Light paths start with the density
  * 1/etendue. Camera paths that choose their directions by cosθ/π are uniform in étendue, 1/(π footprint) of a pixel's at the first
- * diffuse surface; between diffuse ones both go on alike, and through smooth ones étendue stays. Both compute this from the depth
+ * diffuse surface; between diffuse ones both go on alike, and through smooth ones étendue stays, as it about does through sharp ones,
+ * which spread light alike both ways. Both compute this from the depth
  * of that surface, so that nothing is lost or counted twice where materials or the surface's slope make it less than the best.
  */
 MCV_FUNCTION float mcv_light_share(mcv_world world, float etendue, float footprint) {

@@ -68,17 +68,17 @@
     X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */
 
 /*
- * What a camera path has met; diffuse is what is `wide`. Light paths bring the light of their emitters that comes from smooth surfaces to a
- * diffuse one, wherever the sensor sees a diffuse one directly or through a sheet or beam splitter: a path that began so shares that light
- * with them (mcv_light_share). Glossy surfaces look where the light may come from; a place on the lens would seldom lie in their
- * highlights.
+ * What a camera path has met; diffuse is what is `wide`. Light paths bring the light of their emitters that comes from smooth and `sharp`
+ * surfaces to a diffuse one, wherever the sensor sees a diffuse one directly or through a sheet or beam splitter: a path that began so
+ * shares that light with them (mcv_light_share), and finds it by chance only. Where the sensor sees a glossy surface first this looks where
+ * the light may come from; a place on the lens would seldom lie in its highlights.
  */
 enum {
-    MCV_TRAIL_STRAIGHT,    /* nothing but what passes light straight on */
-    MCV_TRAIL_OTHER,       /* first of all another smooth surface, or a glossy one */
-    MCV_TRAIL_DIFFUSE,     /* first a diffuse surface; the last one, too */
-    MCV_TRAIL_GLOSSY,      /* first a diffuse surface; the last one that spreads light is glossy */
-    MCV_TRAIL_SMOOTH_SINCE /* first a diffuse surface; the last one that spreads light, too; smooth ones since */
+    MCV_TRAIL_STRAIGHT, /* nothing but what passes light straight on */
+    MCV_TRAIL_OTHER,    /* first of all another smooth surface, or a glossy one */
+    MCV_TRAIL_DIFFUSE,  /* first a diffuse surface; the last one, too */
+    MCV_TRAIL_GLOSSY,   /* first a diffuse surface; the last one that spreads light is glossy */
+    MCV_TRAIL_CARRIED   /* first a diffuse surface; then, too, but for smooth and sharp ones since */
 };
 
 #if MCV_ON_DEVICE

@@ -206,6 +206,7 @@ MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint
             const mcv_gloss_meeting m = mcv_meet_plain_gloss(world, &meeting, &from, gloss, type, response.media);
             response = mcv_respond_gloss_of(world, &meeting, &from, &m, direction);
             lit &= m.gloss.table != MCV_NONE;
+            lit &= !mcv_leaves_to_light_paths(world, slot, 0u, (int)world.materials[gloss].sharp);
 #endif
         }
         const float weight = mcv_choice_weight(density, response.density);
@@ -336,7 +337,7 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
 #if MCV_WITH_LIGHT_TRACING
         __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
         const uint trail = MCV_WORD(slot, trail, 0);
-        mcv_leave_trail_at(world, slot, MCV_LOAD_3(slot, point), 1, (int)material->wide, 0);
+        mcv_leave_trail_at(world, slot, MCV_LOAD_3(slot, point), 1, (int)material->wide, (int)material->sharp, 0);
         MCV_WORD(slot, trail, 0) = smooth ? trail : MCV_WORD(slot, trail, 0);
 #endif
         const int on = reflects & (brightest > 0.0f) & !(plays & (choice >= lives));

@@ -271,8 +271,8 @@ MCV_FUNCTION int mcv_samples_area(__global const mcv_device_emitter *e, mcv_vec3
 #endif
 }
 
-/* The emitter that the path looks for from where it is, or MCV_NONE. */
-MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth) {
+/* One of the emitters, or MCV_NONE. */
+MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
     if (MCV_WORD(slot, hit, 3) == MCV_NONE) return MCV_NONE;
     const uint material = world.instances[mcv_instance_met(world, slot)].material;
     if (!world.materials[material].spreads) return MCV_NONE;
@@ -294,6 +294,25 @@ MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth)
     float unused;
     return mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count, choice.x, choice.y, &unused);
 #endif
+}
+
+/* Sharp surfaces do not look for emitters whose light the path shares with light paths, but leave that to chance. */
+MCV_LOOP_FUNCTION int mcv_leaves_to_light_paths(mcv_world world, mcv_slot slot, uint emitter, int sharp) {
+#if MCV_WITH_LIGHT_TRACING
+    const uint trail = MCV_WORD(slot, trail, 0);
+    return sharp & ((trail == MCV_TRAIL_DIFFUSE) | (trail == MCV_TRAIL_CARRIED)) & (world.emitters[emitter].light_flux > 0.0f);
+#else
+    (void)world, (void)slot, (void)emitter, (void)sharp;
+    return 0;
+#endif
+}
+
+/* The emitter that the path looks for from where it is, or MCV_NONE. */
+MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth) {
+    const uint emitter = mcv_pick_emitter(world, slot, depth);
+    if (emitter == MCV_NONE) return MCV_NONE;
+    const uint material = world.instances[mcv_instance_met(world, slot)].material;
+    return mcv_leaves_to_light_paths(world, slot, emitter, (int)world.materials[material].sharp) ? MCV_NONE : emitter;
 }
 
 #if MCV_WITH_REACH

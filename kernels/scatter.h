@@ -662,6 +662,10 @@ MCV_FUNCTION int mcv_is_wide(mcv_world world, mcv_meeting meeting) {
     return world.materials[world.instances[meeting.surface.instance].material].wide;
 }
 
+MCV_FUNCTION int mcv_is_sharp(mcv_world world, mcv_meeting meeting) {
+    return world.materials[world.instances[meeting.surface.instance].material].sharp;
+}
+
 /* Does the surface pass light straight on, but for what it reflects? */
 MCV_FUNCTION int mcv_is_plate(mcv_world world, mcv_meeting meeting) {
     const uint type = world.materials[world.instances[meeting.surface.instance].material].type;

@@ -26,7 +26,7 @@ enum { MCV_GOES_ON = 1, MCV_BRANCHES_OFF = 2 };
 /* What light paths leave of what the emitter sends along this path. */
 MCV_FUNCTION float mcv_camera_share(mcv_world world, mcv_slot slot, mcv_meeting meeting, uint emitter) {
 #if MCV_WITH_EMISSION
-    if (MCV_WORD(slot, trail, 0) != MCV_TRAIL_SMOOTH_SINCE || !(world.emitters[emitter].light_flux > 0.0f)) return 1.0f;
+    if (MCV_WORD(slot, trail, 0) != MCV_TRAIL_CARRIED || !(world.emitters[emitter].light_flux > 0.0f)) return 1.0f;
     const float etendue = mcv_light_etendue(world, meeting.surface, emitter, mcv_scale(meeting.direction, -1.0f));
     if (etendue > 0.0f) return 1.0f - mcv_light_share(world, etendue, MCV_LOAD(slot, footprint, 0));
 #else
@@ -35,20 +35,21 @@ MCV_FUNCTION float mcv_camera_share(mcv_world world, mcv_slot slot, mcv_meeting 
     return 1.0f;
 }
 
-/* The path goes on from a point of a surface that spreads light, widely or not, or just lets it pass. */
-MCV_LOOP_FUNCTION void mcv_leave_trail_at(mcv_world world, mcv_slot slot, mcv_vec3 point, int spreads, int wide, int passes) {
+/* The path goes on from a point of a surface that spreads light, widely, sharply or neither, or just lets it pass. */
+MCV_LOOP_FUNCTION void mcv_leave_trail_at(mcv_world world, mcv_slot slot, mcv_vec3 point, int spreads, int wide, int sharp, int passes) {
     const uint before = MCV_WORD(slot, trail, 0);
-    const int straight = before == MCV_TRAIL_STRAIGHT;
+    const int straight = before == MCV_TRAIL_STRAIGHT, carries = (before == MCV_TRAIL_DIFFUSE) | (before == MCV_TRAIL_CARRIED);
     const float footprint = mcv_sensor_footprint(world.sensor, mcv_point_to_optical(world.frame, point).z);
     const uint spread = wide ? MCV_TRAIL_DIFFUSE : straight ? MCV_TRAIL_OTHER : MCV_TRAIL_GLOSSY;
-    const uint smooth = before == MCV_TRAIL_DIFFUSE ? MCV_TRAIL_SMOOTH_SINCE : (straight & !passes) ? MCV_TRAIL_OTHER : before;
+    const uint smooth = carries ? MCV_TRAIL_CARRIED : (straight & !passes) ? MCV_TRAIL_OTHER : before;
     MCV_STORE(slot, footprint, 0, straight ? footprint : MCV_LOAD(slot, footprint, 0));
-    MCV_WORD(slot, trail, 0) = before == MCV_TRAIL_OTHER ? before : spreads ? spread : smooth;
+    MCV_WORD(slot, trail, 0) = before == MCV_TRAIL_OTHER ? before : (spreads & !(carries & sharp)) ? spread : smooth;
 }
 
 MCV_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, mcv_meeting meeting, mcv_scattering on) {
     const int passes = on.event == MCV_EVENT_PASS && mcv_is_plate(world, meeting);
-    mcv_leave_trail_at(world, slot, meeting.surface.point, on.density > 0.0f, mcv_is_wide(world, meeting), passes);
+    mcv_leave_trail_at(world, slot, meeting.surface.point, on.density > 0.0f, mcv_is_wide(world, meeting), mcv_is_sharp(world, meeting),
+                       passes);
 }
 #endif
 
@@ -207,7 +208,11 @@ static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, u
     const mcv_meeting meeting = mcv_meet_surface(world, slot);
     const uint emitter = world.instances[meeting.surface.instance].emitter;
     if (emitter != MCV_NONE) {
-        const float own = mcv_density_against(world, slot, emitter, mcv_path_density(slot));
+        float own = mcv_density_against(world, slot, emitter, mcv_path_density(slot));
+#if MCV_WITH_LIGHT_TRACING
+        /* Sharp surfaces have not looked for it (mcv_choose_emitter). */
+        if (MCV_WORD(slot, trail, 0) == MCV_TRAIL_CARRIED && world.emitters[emitter].light_flux > 0.0f) own = 0.0f;
+#endif
         mcv_color met = mcv_emission_met(world, meeting, emitter, media, own, MCV_LOAD(slot, hit, 0));
 #if MCV_WITH_LIGHT_TRACING
         met = mcv_dim(met, mcv_camera_share(world, slot, meeting, emitter));

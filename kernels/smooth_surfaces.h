@@ -46,7 +46,7 @@ MCV_LOOP_FUNCTION void mcv_shade_smooth(mcv_world world, uint *paths, uint first
         MCV_STORE(slot, density, 0, 0.0f);
 #endif
 #if MCV_WITH_LIGHT_TRACING
-        mcv_leave_trail_at(world, slot, MCV_LOAD_3(slot, point), 0, 0, 0);
+        mcv_leave_trail_at(world, slot, MCV_LOAD_3(slot, point), 0, 0, 0, 0);
 #endif
         const int lives_on = (brightest > 0.0f) & !(plays & (choice >= lives));
         ways[i] = branches | (lives_on ? MCV_GOES_ON : 0u);

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stage: light paths, one for every 2^k-th camera path. Each starts at an emitter chosen by flux and goes through smooth surfaces; from the
- * first that spreads light on, if a smooth one came before, it connects each such surface to a place on the sensor's lens, straight or
- * through plates. A beam that comes to the lens itself counts, too. What camera paths find as well, both share (mcv_light_share).
+ * Stage: light paths, one for every 2^k-th camera path. Each starts at an emitter chosen by flux and goes through smooth surfaces and sharp
+ * ones, which spread light a little; from the first other one that spreads light on, if one of those came before, it connects each such
+ * surface to a place on the sensor's lens, straight or through plates. A beam that comes to the lens itself counts, too. What camera paths
+ * find as well, both share (mcv_light_share); what these find only by next-event estimation at a sharp surface is left to light paths.
  *
  * They carry flux. Radiance on camera paths and flux on these are transported alike where a surface spreads light about its triangle's
  * normal n_g; about another one n_s, flux has the factor |i·n_s||o·n_g|/(|i·n_g||o·n_s|) for going from i to o (Veach 1997, 5.3), without
- * which facets would show. Smooth surfaces hand on all flux, as the smooth body would that the mesh stands for: there the factor is
- * 1 on the average over a facet, but for the square of its angle, and without bound where light grazes it.
+ * which facets would show. Smooth and sharp surfaces hand on all flux, as the smooth body would that the mesh stands for: there the factor
+ * is 1 on the average over a facet, but for the square of its angle, and without bound where light grazes it.
  *
  * reads nothing -> writes splats
  */
@@ -43,8 +44,11 @@ typedef struct mcv_light_path {
     float etendue;        /* one over the density of its start; 0: camera paths do not find it */
     uint left;            /* the exact surface that it starts on (mcv_leave) */
     uint media;
-    int smooth, spread; /* has met such a surface */
-    float length;       /* so far [m] */
+    int carried;  /* has met a smooth or sharp surface, */
+    int open;     /* and no other one yet */
+    int spread;   /* has met a surface that spreads light */
+    int found;    /* camera paths find it, too */
+    float length; /* so far [m] */
 } mcv_light_path;
 
 #if MCV_WITH_EMISSION || MCV_WITH_PUNCTUAL
@@ -150,7 +154,8 @@ static mcv_light_path mcv_leave_emitter(mcv_world world, uint emitter, mcv_pair 
     path.left = MCV_NONE;
     path.media = e->media;
     path.etendue = 0.0f;
-    path.smooth = path.spread = 0;
+    path.carried = path.spread = 0;
+    path.open = 1;
     path.length = 0.0f;
 #if MCV_WITH_PUNCTUAL
     if (e->type == MCV_EMITTER_SPOT) {
@@ -301,6 +306,7 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
     mcv_light_path path = mcv_leave_emitter(world, emitter, mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_EMITTER)),
                                             mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_SCATTER)));
     if (!(mcv_brightest(path.flux) > 0.0f)) return;
+    path.found = path.etendue > 0.0f;
 
     for (uint depth = 1; depth < world.frame->depth; ++depth) {
         const mcv_pair choice = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_CHOICE));
@@ -327,9 +333,9 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
 #else
         const mcv_world seen = world;
 #endif
-        const int left_to_camera = path.etendue > 0.0f && !mcv_is_wide(world, meeting);
+        const int left_to_camera = path.found && !mcv_is_wide(world, meeting);
 #if MCV_WITH_NEXT_EVENT
-        if (path.smooth && !left_to_camera && world.materials[world.instances[meeting.surface.instance].material].spreads) {
+        if (path.carried && !left_to_camera && world.materials[world.instances[meeting.surface.instance].material].spreads) {
             const mcv_pair pupil = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_EMITTER));
             const float share = path.spread ? 1.0f : mcv_within_range(e, path.length);
             mcv_connect(seen, meeting, mcv_dim(mcv_tint(path.flux, path.throughput), share), path.etendue, path.media,
@@ -342,14 +348,20 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
         path.throughput = mcv_tint(path.throughput, on.factor);
         const float brightest = mcv_brightest(path.throughput);
         if (!(brightest > 0.0f)) return;
-        if (on.density > 0.0f) {
+        const int spreads = on.density > 0.0f;
+        if (spreads && !(path.open && mcv_is_sharp(world, meeting))) {
             /* What comes straight from the emitter, next-event estimation has; what comes to a glossy surface, camera paths. */
-            if (!path.smooth || (!path.spread && left_to_camera)) return;
-            if (!path.spread) path.throughput = mcv_dim(path.throughput, mcv_within_range(e, path.length));
+            if (!path.carried || (path.open && left_to_camera)) return;
             path.throughput = mcv_dim(path.throughput, mcv_flux_correction(meeting, on.direction));
-            path.spread = 1;
+            path.open = 0;
         } else {
-            path.smooth = 1;
+            /* The first surface finds the emitter by next-event estimation. */
+            path.found |= spreads & !path.carried;
+            path.carried = 1;
+        }
+        if (spreads && !path.spread) {
+            path.throughput = mcv_dim(path.throughput, mcv_within_range(e, path.length));
+            path.spread = 1;
         }
         if (depth > 4u && brightest < 1.0f) {
             if (choice.y >= brightest) return;

@@ -461,6 +461,66 @@ static void test_lamp_against_reference(void **state) {
 }
 
 /*
+ * A lamp, a wide cone or a point light over a ball of ground glass and a satin plate, on paper between walls: what they throw onto the
+ * paper comes by light paths. Camera paths find it by chance or, from the last rough surface, by next-event estimation.
+ */
+enum { LAMP, CONE, POINT, LIGHTS };
+static const char *const lights[] = {"lamp", "cone", "point light"};
+
+static mcv_scene *rough_scene(int light) {
+    mcv_scene *scene = mcv_scene_new("rough");
+    const double s = sqrt(0.5), root = sqrt(0.1);
+    mcv_material ground = {.texture = MCV_NONE, .surface_texture = MCV_NONE}, satin = ground, brushed = ground;
+    mcv_params_set_defaults(mcv_material_table(MCV_MATERIAL_DIELECTRIC), &ground.as);
+    mcv_params_set_defaults(mcv_material_table(MCV_MATERIAL_CONDUCTOR), &satin.as);
+    mcv_params_set_defaults(mcv_material_table(MCV_MATERIAL_METALLIC_ROUGHNESS), &brushed.as);
+    ground.as.dielectric.roughness = 0.35;
+    satin.as.conductor.roughness = 0.4;
+    brushed.as.metallic_roughness.metallic = 1;
+    brushed.as.metallic_roughness.roughness = 0.45;
+    const uint32_t glass = add_material(scene, MCV_MATERIAL_DIELECTRIC, &ground), paper = add_diffuse(scene, 0.7);
+    add_rectangle(scene, 0.06, 0.06, paper, looking_up_z(0, 0, 0));
+    add_rectangle(scene, 0.06, 0.03, paper,
+                  looking((const double[]){-0.02, 0, 0.015}, (const double[]){1, 0, 0}, (const double[]){0, 0, 1}));
+    mcv_solid ball = sphere(0.005);
+    ball.to_world = looking_down_z(0, 0, 0.009);
+    add_solid(scene, &ball, glass, glass);
+    add_rectangle(scene, 0.012, 0.012, add_material(scene, MCV_MATERIAL_CONDUCTOR, &satin),
+                  looking((const double[]){0.012, 0.004, 0.01}, (const double[]){-s, 0, s}, (const double[]){0, 1, 0}));
+    add_rectangle(scene, 0.012, 0.012, add_material(scene, MCV_MATERIAL_METALLIC_ROUGHNESS, &brushed),
+                  looking((const double[]){-0.004, -0.012, 0.008}, (const double[]){0, 3 * root, root}, (const double[]){1, 0, 0}));
+    if (light == POINT) {
+        add_point(scene, 0.01, looking_down_z(0.004, 0, 0.04));
+    } else {
+        const uint32_t panel = add_rectangle(scene, 0.008, 0.008, add_absorber(scene), looking_down_z(0.004, 0, 0.04));
+        add_emitter(scene, light == LAMP ? MCV_EMITTER_AREA : MCV_EMITTER_PARALLEL, panel, 100, light == LAMP ? 0 : 15 * M_PI / 180);
+    }
+    mcv_sensor sensor = sensor_of(TELECENTRIC, true);
+    for (int k = 0; k < 2; ++k) {
+        sensor.as.telecentric.resolution[k] = 8;
+        sensor.as.telecentric.pixelSize[k] *= 4 * 16 / 8;
+    }
+    add_sensor(scene, sensor.type, &sensor, looking((const double[]){0.2, 0, 0.2}, (const double[]){-s, 0, -s}, (const double[]){0, 1, 0}));
+    return scene;
+}
+
+static void test_rough_against_chance(void **state) {
+    (void)state;
+    for (int light = 0; light < LIGHTS; ++light) {
+        mcv_scene *scene = rough_scene(light);
+        mcv_render_options by_light = options_of(512, 1), by_chance = options_of(4096, 2);
+        by_chance.no_light_paths = true;
+        mcv_film x = render(scene, &by_light, true), y = render(scene, &by_chance, false);
+        print_message("%s: errors %.3g %% and, by chance, %.3g %%\n", lights[light], 100 * mcv_film_relative_error(&x),
+                      100 * mcv_film_relative_error(&y));
+        expect_same_picture(lights[light], &x, &y);
+        mcv_film_free(&x);
+        mcv_film_free(&y);
+        mcv_scene_free(scene);
+    }
+}
+
+/*
  * A beam of 4 mm into a thin lens focused at infinity, tilted: all of it lands on the pixel at s = -b d, E A_beam/A_pixel in irradiance.
  * Then the same through a slab across the beam. Rounding alone: each path brings the same, to some 30 roundings of float32; the slab's
  * reflections are chosen at random.
@@ -508,9 +568,7 @@ static void expect_same_bits(const char *what, const mcv_film *x, const mcv_film
         if (x->sums[i] != y->sums[i]) fail_msg("%s: value %zu is %.17g, not %.17g", what, i, y->sums[i], x->sums[i]);
 }
 
-static void test_same_bits(void **state) {
-    (void)state;
-    mcv_scene *scene = ball_scene(THIN);
+static void expect_same_bits_of(mcv_scene *scene) {
     mcv_render_options options = options_of(8, 1);
     options.schedule = MCV_SCHEDULE_TILE;
     mcv_film whole = render(scene, &options, true);
@@ -529,6 +587,12 @@ static void test_same_bits(void **state) {
     mcv_film *const films[] = {&whole, &slices, &stream, &first, &second};
     for (int i = 0; i < 5; ++i) mcv_film_free(films[i]);
     mcv_scene_free(scene);
+}
+
+static void test_same_bits(void **state) {
+    (void)state;
+    expect_same_bits_of(ball_scene(THIN));
+    expect_same_bits_of(rough_scene(LAMP));
 }
 
 /* Where the ray of sight of a sample comes from is where the sample is: to rounding, 2^-20 of the film's width. */
@@ -589,6 +653,7 @@ int main(void) {
         cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_ball_against_chance),
         cmocka_unit_test(test_lamp_against_reference),
+        cmocka_unit_test(test_rough_against_chance),
         cmocka_unit_test(test_sun_through_four_slabs),
         cmocka_unit_test(test_lens_gathers),
     };

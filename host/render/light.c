@@ -28,10 +28,10 @@ typedef struct ball {
     double centre[3], radius;
 } ball;
 
-static bool is_smooth(const mcv_device_material *material) { return !material->spreads && material->type != MCV_MATERIAL_ABSORBER; }
-
-static bool is_instance_smooth(const mcv_packed *packed, uint32_t i) {
-    return is_smooth(&packed->materials[packed->instances[i].material]);
+/* Does it carry light paths on: is it smooth or sharp? */
+static bool carries(const mcv_packed *packed, uint32_t instance) {
+    const mcv_device_material *material = &packed->materials[packed->instances[instance].material];
+    return material->sharp || (!material->spreads && material->type != MCV_MATERIAL_ABSORBER);
 }
 
 /* The smallest one around two. */
@@ -98,18 +98,18 @@ static ball ball_of_solid(const mcv_packed *packed, const mcv_solid *solid) {
     return b;
 }
 
-/* Around all smooth surfaces; they hold what the device makes of their coordinates, too. */
+/* Around all smooth and sharp surfaces; they hold what the device makes of their coordinates, too. */
 static void find_balls(const mcv_scene *scene, mcv_packed *packed) {
     ball balls[MCV_MAX_BALLS + 1];
     uint32_t count = 0;
     for (uint32_t i = 0; i < packed->instance_count; ++i) {
         const uint32_t triangles = scene->meshes[scene->instances[i].mesh].triangle_count;
-        if (triangles > 0 && is_instance_smooth(packed, i)) add_ball(balls, &count, ball_of_mesh(packed, i, triangles));
+        if (triangles > 0 && carries(packed, i)) add_ball(balls, &count, ball_of_mesh(packed, i, triangles));
     }
     for (uint32_t i = 0; i < scene->solid_count; ++i) {
-        bool smooth = false;
-        for (int k = 0; k < 3; ++k) smooth = smooth || is_instance_smooth(packed, scene->solids[i].instances[k]);
-        if (smooth) add_ball(balls, &count, ball_of_solid(packed, scene->solids + i));
+        bool any = false;
+        for (int k = 0; k < 3; ++k) any = any || carries(packed, scene->solids[i].instances[k]);
+        if (any) add_ball(balls, &count, ball_of_solid(packed, scene->solids + i));
     }
     for (uint32_t i = 0; i < count; ++i) {
         double size = balls[i].radius;
@@ -207,11 +207,11 @@ static double disks(const mcv_packed *packed) {
 
 /*
  * Is an emitter that shines all around seen from the balls, and so through them, under so little of the hemisphere's π sr that camera paths
- * seldom find it? By chance they bring π/Ω times what lies there, with a variance of as many times its square; light paths cost
- * up to twice as much as camera paths, which is well spent only on what makes most of the noise.
+ * seldom find it? By chance they bring π/Ω times what lies there, with a variance of as many times its square; measured (a ball of glass or
+ * satin metal under a lamp), light paths are worth their time from a quarter on.
  */
 static bool is_small(const mcv_packed *packed, const mcv_device_emitter *e, double etendue) {
-    return !is_aimed(e->type) || is_narrow(e) || 64 * etendue <= pi * disks(packed);
+    return !is_aimed(e->type) || is_narrow(e) || 4 * etendue <= pi * disks(packed);
 }
 
 /* The flux of all light paths of an emitter, over its radiance (irradiance, intensity); *unit: without what the kernels aim by. */
@@ -356,14 +356,18 @@ static double covered_pixels(const mcv_packed *packed, const mcv_sensor *sensor)
 }
 
 uint32_t mcv_light_thinning(const mcv_packed *packed, const mcv_sensor *sensor) {
-    const double wanted = 4 * covered_pixels(packed, sensor);
     uint32_t width, height, thinning = 0;
-    /* Of what is not aimed, or not everywhere, a part misses the balls. */
+    double density = 0.25;
     for (uint32_t i = 0; i < packed->emitter_count; ++i) {
         const mcv_device_emitter *e = &packed->emitters[i];
         const bool punctual = e->type == MCV_EMITTER_SPOT || e->type == MCV_EMITTER_DIRECTIONAL;
-        if (e->light_flux > 0 && !punctual && (!is_aimed(e->type) || is_narrow(e))) return 0;
+        if (!(e->light_flux > 0)) continue;
+        /* Of what is not aimed, or not everywhere, a part misses the balls. */
+        if (!punctual && (!is_aimed(e->type) || is_narrow(e))) return 0;
+        /* The less of it camera paths find, the more light paths are worth their time: see is_small. */
+        density = fmax(density, punctual ? 4 : fmin(4, pi * disks(packed) / (64 * typical_flux(e))));
     }
+    const double wanted = density * covered_pixels(packed, sensor);
     mcv_sensor_film_size(sensor, &width, &height);
     const double pixels = (double)mcv_tiled_pixels(width, height);
     while (thinning < 6 && pixels * exp2(-(double)thinning - 1) >= wanted) ++thinning;
@@ -377,17 +381,18 @@ bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor) {
     uint32_t width, height;
     if (!(depth > 0) || !look_at_point(sensor, (float)depth, &brightness, &footprint)) return false;
     mcv_sensor_film_size(sensor, &width, &height);
-    const double paths = exp2(-(double)mcv_light_thinning(packed, sensor)) * (double)mcv_tiled_pixels(width, height);
+    const uint32_t thinning = mcv_light_thinning(packed, sensor);
+    const double paths = exp2(-(double)thinning) * (double)mcv_tiled_pixels(width, height);
     for (uint32_t i = 0; i < packed->emitter_count; ++i) {
         const mcv_device_emitter *e = &packed->emitters[i];
         if (!(e->light_flux > 0)) continue;
         if (is_aimed(e->type) || e->type == MCV_EMITTER_PROJECTOR) {
             /*
-             * Camera paths find it, too (mcv_light_share in kernels/sight.h). Light paths cost as much again: they are worth it where one
-             * of them brings twice what a camera path does. They do not where what the film sees is small against the emitter's area times
-             * sin²β.
+             * Camera paths find it, too (mcv_light_share in kernels/light.h). One for each pixel, light paths cost as much again and more:
+             * they are worth it where one of them brings twice what a camera path does, fewer of them where they bring half of the light.
+             * They do not where what the film sees is small against the emitter's area times sin²β.
              */
-            if (pi * paths * footprint >= 2 * typical_flux(e)) return true;
+            if (pi * paths * footprint >= (thinning > 0 ? 1 : 2) * typical_flux(e)) return true;
             continue;
         }
         if (e->type != MCV_EMITTER_COLLIMATED_BEAM) return true;

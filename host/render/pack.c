@@ -265,6 +265,18 @@ static void share_out(const double reflectance[3], const double transmittance[3]
     out->chance = reflected + passed > 0 ? (float)(reflected / (reflected + passed)) : 0;
 }
 
+/* From this α on, a roughness of 1/2, highlights are tens of degrees wide. */
+static const double wide_alpha = 0.25;
+
+/* Below the layer of what is no metal light is spread all around. */
+static bool is_sharp(const mcv_material *material) {
+    const mcv_roughness surface = mcv_material_roughness(material);
+    const double alpha = surface.roughness * surface.roughness;
+    const bool layered = material->type == MCV_MATERIAL_METALLIC_ROUGHNESS &&
+                         (material->as.metallic_roughness.metallic < 1 || mcv_material_surface_texture(material) != MCV_NONE);
+    return mcv_material_is_rough(material) && !layered && alpha + (1 - alpha) * surface.anisotropy < wide_alpha;
+}
+
 static mcv_device_material pack_material(const mcv_material *material) {
     mcv_device_material out = {.type = material->type, .texture = material->texture};
     const double *value = NULL;
@@ -307,9 +319,10 @@ static mcv_device_material pack_material(const mcv_material *material) {
     }
     for (int k = 0; value && k < 3; ++k) out.value[k] = (float)value[k];
     if (mcv_material_is_rough(material)) out.spreads = material->type == MCV_MATERIAL_CONDUCTOR ? 1 : 2;
-    /* From a roughness of 1/2 on, α = 1/4, highlights are tens of degrees wide. */
-    const bool matt = material->type == MCV_MATERIAL_METALLIC_ROUGHNESS && material->as.metallic_roughness.roughness >= 0.5;
+    const double roughness = mcv_material_roughness(material).roughness;
+    const bool matt = material->type == MCV_MATERIAL_METALLIC_ROUGHNESS && roughness * roughness >= wide_alpha;
     out.wide = material->type == MCV_MATERIAL_DIFFUSE || matt;
+    out.sharp = is_sharp(material);
     return out;
 }
 

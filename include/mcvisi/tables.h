@@ -105,7 +105,7 @@ typedef struct mcv_device_material {
     float spread;    /* retroreflector: tangent of its divergence, 0: light returns exactly */
     float fall;      /* retroreflector: 1/tangent of its entrance angle */
     uint wide;       /* 1: spreads light so evenly that light paths connect it to the lens; 0: a lens would seldom lie in its highlights */
-    uint padding;
+    uint sharp;      /* 1: spreads light so little that light paths go through it as if it were smooth */
 } mcv_device_material;
 MCV_ASSERT_SIZE(mcv_device_material, 64);
 
