@@ -112,6 +112,18 @@ static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, 
     }
 }
 
+MCV_FUNCTION float mcv_least_lane(float8 lanes) {
+    const float4 four = min(lanes.lo, lanes.hi);
+    const float2 two = min(four.lo, four.hi);
+    return min(two.x, two.y);
+}
+
+MCV_FUNCTION float mcv_most_lane(float8 lanes) {
+    const float4 four = max(lanes.lo, lanes.hi);
+    const float2 two = max(four.lo, four.hi);
+    return max(two.x, two.y);
+}
+
 /* The rays that meet the box of all triangles before they end; returns how many. Margins as in kernels/traverse.h. */
 static __attribute__((noinline)) uint mcv_list_near_triangles(mcv_world world, uint *paths, uint count, const mcv_hit *ends, uint *chosen) {
     uint meets[MCV_SLOTS];
