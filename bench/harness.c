@@ -147,6 +147,11 @@ void bench_summary(bench *b, const char *key, double value) {
     json_object_set_new(b->summary, key, number_or_null(value));
 }
 
+void bench_summary_text(bench *b, const char *key, const char *text) {
+    printf("%s: %s\n", key, text);
+    json_object_set_new(b->summary, key, json_string(text));
+}
+
 /* --- device and main -------------------------------------------------------------------------------------------- */
 
 mcv_result bench_cores(const mcv_cl *all, cl_uint count, mcv_cl *cl, mcv_error *error) {

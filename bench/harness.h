@@ -73,6 +73,7 @@ void bench_more(bench *b, const char *key, double value);
 
 /* An own key of the summary, printed too. */
 void bench_summary(bench *b, const char *key, double value);
+void bench_summary_text(bench *b, const char *key, const char *text);
 
 /* A geometric mean under way. */
 typedef struct bench_mean {

@@ -3,22 +3,14 @@
 standard input and reads each image as doubles, [channel][row][column]. A scene is loaded once for each size, integrator and sampler."""
 
 import functools
-import glob
 import os
 import pathlib
 import sys
 
-# Dr.Jit wants a young LLVM; Debian's libllvm19 is in no place where it looks.
-found = sorted(glob.glob("/usr/lib/*/libLLVM.so.19*"))
-if found:
-    os.environ.setdefault("DRJIT_LIBLLVM_PATH", found[0])
-
-import mitsuba as mi
-
-mi.set_variant(sys.argv[1])
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "tests"))
 
-import mitsuba_peer
+import mitsuba_peer  # sets the variant
+import mitsuba as mi
 import numpy
 
 SCENES = mitsuba_peer.cases(coloured=True, mesh=sys.argv[2] if len(sys.argv) > 2 else None)

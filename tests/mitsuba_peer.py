@@ -1,15 +1,73 @@
 # SPDX-License-Identifier: Apache-2.0
 """mitsuba_peer.py CASE PIXELS REPLICATES SAMPLES: renders one of the scenes of peer_scenes.h with Mitsuba 3 and writes the replicates'
-images to standard output as doubles, row by row. bench/render_peer.py takes the scenes from here as well."""
+images to standard output as doubles, row by row. bench/render_peer.py, whose first argument is the
+variant of Mitsuba to take, has the scenes from here as well."""
 
+import glob
+import os
 import sys
 
+# Dr.Jit wants a young LLVM; Debian's libllvm19 is in no place where it looks.
+found = sorted(glob.glob("/usr/lib/*/libLLVM.so.19*"))
+if found:
+    os.environ.setdefault("DRJIT_LIBLLVM_PATH", found[0])
+
+import drjit as dr
 import mitsuba as mi
 import numpy
 
-if mi.variant() is None:
-    mi.set_variant("scalar_rgb")
+PANEL = "parallel panel"  # its light is a plugin in Python, which a scalar variant would ask anew for each ray
+mi.set_variant(sys.argv[1] if sys.argv[1] in mi.variants() else "llvm_ad_rgb" if sys.argv[1] == PANEL else "scalar_rgb")
 T = mi.ScalarTransform4f
+
+
+class Parallel(mi.Emitter):
+    """The report's parallel emitter (4.1.1): a shape's points send the radiance within an angle about the normal, and nothing else. It is
+    sampled as Mitsuba samples its area lights: by the shape from where light is wanted, by place and cone where light begins."""
+
+    def __init__(self, properties):
+        super().__init__(properties)
+        self.radiance = mi.Color3f(properties["radiance"])
+        self.cosine = float(numpy.cos(properties["half_angle"]))
+        self.m_flags = mi.EmitterFlags.Surface
+
+    def seen(self, cosine, active):
+        return dr.select(active & (cosine >= self.cosine), self.radiance, 0)
+
+    def eval(self, si, active=True):
+        return self.seen(mi.Frame3f.cos_theta(si.wi), active)
+
+    def sample_direction(self, it, sample, active=True):
+        ds = self.get_shape().sample_direction(it, sample, active)
+        ds.emitter = mi.EmitterPtr(self)
+        return ds, dr.select(ds.pdf > 0, self.eval_direction(it, ds, active) / ds.pdf, 0)
+
+    def pdf_direction(self, it, ds, active=True):
+        return dr.select(dr.dot(ds.d, ds.n) < 0, self.get_shape().pdf_direction(it, ds, active), 0)
+
+    def eval_direction(self, it, ds, active=True):
+        return self.seen(-dr.dot(ds.d, ds.n), active)
+
+    def sample_position(self, time, sample, active=True):
+        ps = self.get_shape().sample_position(time, sample, active)
+        return ps, dr.select(active & (ps.pdf > 0), dr.rcp(ps.pdf), 0)
+
+    def sample_wavelengths(self, si, sample, active=True):
+        return si.wavelengths, self.radiance
+
+    def sample_ray(self, time, sample1, sample2, sample3, active=True):
+        ps, area = self.sample_position(time, sample2, active)
+        si = mi.SurfaceInteraction3f(ps, dr.zeros(mi.Color0f))
+        local = mi.warp.square_to_uniform_cone(sample3, self.cosine)
+        flux = area * mi.Frame3f.cos_theta(local) / mi.warp.square_to_uniform_cone_pdf(local, self.cosine)
+        return si.spawn_ray(si.to_world(local)), self.radiance * flux
+
+    def bbox(self):
+        return self.get_shape().bbox()
+
+
+if not mi.variant().startswith("scalar"):
+    mi.register_emitter("parallel", Parallel)
 
 
 def rectangle(width, height, to_world, **more):
@@ -52,7 +110,13 @@ def block(bsdf):
     return {"type": "cube", "to_world": T().translate([0.1, 0, 0.8]) @ T().rotate([0, 0, 1], 30) @ T().scale([0.3, 0.4, 0.2]), "bsdf": bsdf}
 
 
-def beam():
+def panel():
+    """100 x 100 mm, 100 mm from the origin, 30° above the floor."""
+    at = T().look_at(origin=[0.1 * 0.75**0.5, 0, 0.05], target=[0, 0, 0], up=[0, 1, 0])
+    return rectangle(0.1, 0.1, at, bsdf=BLACK, emitter={"type": "parallel", "radiance": rgb(1e4), "half_angle": numpy.radians(0.5)})
+
+
+def opening():
     """Parallel light of half a degree about its axis: an opening in a black wall, and far behind it a disc."""
     far, half_angle = 1e4, numpy.radians(0.5)
     wall = T().look_at(origin=[8 / 5**0.5, 0, 4 / 5**0.5], target=[0, 0, 0], up=[0, 1, 0])
@@ -101,7 +165,8 @@ def cases(coloured=False, mesh=None):
             "ball": ball(0.4, 1, GLASS, interior={"type": "homogeneous", "albedo": 0.0, "sigma_t": 2.0}),
         },
         "cube": {"sky": sky(0.5), "floor": floor, "cube": block(GLASS)},
-        "narrow cone": {**beam(), "floor": floor, "ball": ball(0.2, 0.2, diffuse(0.8))},
+        "opening": {**opening(), "floor": floor, "ball": ball(0.2, 0.2, diffuse(0.8))},
+        PANEL: {"panel": panel(), "floor": floor, "ball": ball(0.02, 0.02, diffuse(0.8))},
     }
     if mesh:
         place = T().translate([0, 0, 0.8]) @ T().scale([0.7] * 3)
@@ -120,6 +185,8 @@ def sensor(case, pixels, samples, sampler="independent", pixel_format="luminance
         return {"type": "thinlens", "to_world": look, "fov": fov, "aperture_radius": 0.05, "focus_distance": 4.0, **common}
     if case.startswith("telecentric"):
         return {"type": "orthographic", "to_world": look @ T().scale([0.5, 0.5, 1]), **common}
+    if case == PANEL:
+        look, fov = T().look_at(origin=[0, 0, 0.4], target=[0, 0, 0], up=[0, 1, 0]), 2 * numpy.degrees(numpy.arctan(0.125))
     return {"type": "perspective", "to_world": look, "fov": fov, **common}
 
 

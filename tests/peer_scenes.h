@@ -49,6 +49,8 @@ static inline void add_peer_camera(mcv_scene *scene, const char *name, uint32_t 
         p->resolution[0] = p->resolution[1] = pixels;
         p->pixelSize[0] = p->pixelSize[1] = 0.25 / pixels;
         add_sensor(scene, MCV_SENSOR_TELECENTRIC, &camera, at);
+    } else if (strcmp(name, "parallel panel") == 0) {
+        add_pinhole(scene, pixels, 0.25, looking_down_z(0, 0, 0.4));
     } else {
         add_pinhole(scene, pixels, 0.5, at);
     }
@@ -78,8 +80,15 @@ static inline void add_block(mcv_scene *scene, uint32_t material) {
     add_box(scene, half, material, (mcv_transform){{c, -s, 0, s, c, 0, 0, 0, 1, 0.1, 0, 0.8}});
 }
 
-/* Towards the origin, down from +x by a slope of one half. */
-static inline void add_beam(mcv_scene *scene) {
+/* As such lights are used: 100 x 100 mm, 100 mm from the origin, 30° above the floor. */
+static inline void add_parallel_panel(mcv_scene *scene) {
+    const double s = sqrt(0.75), at[3] = {0.1 * s, 0, 0.05}, forward[3] = {-s, 0, -0.5};
+    const uint32_t panel = add_rectangle(scene, 0.1, 0.1, add_absorber(scene), looking(at, forward, (const double[3]){0, 1, 0}));
+    add_emitter(scene, MCV_EMITTER_PARALLEL, panel, 1e4, M_PI / 360);
+}
+
+/* Parallel light through an opening, towards the origin, down from +x by a slope of one half. */
+static inline void add_opening(mcv_scene *scene) {
     const double s = sqrt(0.2), at[3] = {8 * s, 0, 4 * s}, forward[3] = {-2 * s, 0, -s};
     const uint32_t panel = add_rectangle(scene, 0.5, 0.5, add_absorber(scene), looking(at, forward, (const double[3]){0, 1, 0}));
     add_emitter(scene, MCV_EMITTER_PARALLEL, panel, 1e4, M_PI / 360);
@@ -88,7 +97,8 @@ static inline void add_beam(mcv_scene *scene) {
 /* `mesh`: of "assembly", about the cube [-1, 1]³; NULL for the others. */
 static inline mcv_scene *make_peer_scene(const char *name, uint32_t pixels, bool coloured, const mcv_mesh *mesh) {
     mcv_scene *scene = new_scene();
-    const bool is_backlight = strcmp(name, "telecentric backlight") == 0, is_cone = strcmp(name, "narrow cone") == 0;
+    const bool is_backlight = strcmp(name, "telecentric backlight") == 0, is_opening = strcmp(name, "opening") == 0;
+    const bool is_panel = strcmp(name, "parallel panel") == 0, is_lamp_lit = !is_opening && !is_panel;
     const bool is_sky = strcmp(name, "sky") == 0, is_furnace = strcmp(name, "furnace") == 0;
     const bool is_absorbing = strcmp(name, "absorbing") == 0, is_cube = strcmp(name, "cube") == 0;
     const bool is_lens = strcmp(name, "lens") == 0, is_rough_glass = strcmp(name, "rough glass") == 0, is_metal = strstr(name, "conductor");
@@ -96,7 +106,7 @@ static inline mcv_scene *make_peer_scene(const char *name, uint32_t pixels, bool
     if (is_cube) add_environment(scene, 0.5);
     if (is_lens || is_metal || is_rough_glass) add_environment(scene, 0.2);
     if (!is_furnace && !is_backlight) add_rectangle(scene, 4, 4, add_peer_diffuse(scene, coloured, 0.6), looking_up_z(0, 0, 0));
-    if (!is_furnace && !is_sky && !is_absorbing && !is_cube && !is_cone) add_lamp(scene);
+    if (!is_furnace && !is_sky && !is_absorbing && !is_cube && is_lamp_lit) add_lamp(scene);
     if (is_furnace) add_ball(scene, 0.5, 1, add_glass(scene, 1.5, 0, 0));
     if (is_sky) add_ball(scene, 0.5, 1, add_peer_diffuse(scene, coloured, 0.5));
     if (is_absorbing) add_ball(scene, 0.4, 1, add_glass(scene, 1.5, 2, 0));
@@ -114,10 +124,9 @@ static inline mcv_scene *make_peer_scene(const char *name, uint32_t pixels, bool
         add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 3, 3, add_absorber(scene), looking_up_z(0, 0, 0)), 1, 0);
         add_block(scene, add_peer_diffuse(scene, coloured, 0.5));
     }
-    if (is_cone) {
-        add_beam(scene);
-        add_ball(scene, 0.2, 0.2, add_peer_diffuse(scene, coloured, 0.8));
-    }
+    if (is_opening) add_opening(scene);
+    if (is_panel) add_parallel_panel(scene);
+    if (is_opening || is_panel) add_ball(scene, is_panel ? 0.02 : 0.2, is_panel ? 0.02 : 0.2, add_peer_diffuse(scene, coloured, 0.8));
     if (mesh)
         add_instance(scene, mesh, add_peer_diffuse(scene, coloured, 0.5), (mcv_transform){{0.7, 0, 0, 0, 0.7, 0, 0, 0, 0.7, 0, 0, 0.8}});
     add_peer_camera(scene, name, pixels);

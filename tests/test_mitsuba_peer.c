@@ -2,7 +2,7 @@
 /* ctest: label slow */
 /* ctest: timeout 1800 */
 /*
- * An independent witness: twelve scenes rendered by Mitsuba 3 as well, where `./run deps peers` has put it (tests/mitsuba_peer.py), and
+ * An independent witness: thirteen scenes rendered by Mitsuba 3 as well, where `./run deps peers` has put it (tests/mitsuba_peer.py), and
  * compared as `mcvisi compare` does. Rough glass is of α = 0.02 only: what microfacets send on to each other is given back here and lost
  * there, half a percent at α = 0.05; test_gloss.c shows by walks from microfacet to microfacet that metals do give it back.
  */
@@ -40,7 +40,8 @@ static void test_against_mitsuba(void **state) {
                                         "cube",
                                         "rough conductor",
                                         "telecentric backlight",
-                                        "narrow cone",
+                                        "opening",
+                                        "parallel panel",
                                         "rough glass"};
     enum { CASES = sizeof names / sizeof names[0] };
     int different = 0;
