@@ -1,13 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Error against time: bench_error [--quick] [OUTPUT.json], by default beside the program; the plot stands beside it as .png. The quick
- * one has 1 to 256 samples and leaves out the reference.
+ * Error against time: bench_error [--quick] [--only TEXT] [OUTPUT.json], by default beside the program; the plot stands beside it as
+ * .png. The quick one has 1 to 256 samples and leaves out the reference.
  *
- * Two scenes at few pixels, rendered by the device with random and with Owen-scrambled Sobol' points, with these in mixed precision, too,
- * and by the reference, which has random points only; 1 to 16384 samples a pixel.
- * The truth is the device's image of 16 times the most samples with another seed. Seconds are those of rendering alone, kernels
- * compiled; one image a point. The summary holds the slopes of RMSE over samples: -1/2 for random numbers.
+ * Five scenes at few pixels, 1 to 16384 samples a pixel: as the device renders them unless told otherwise, with each of its means left
+ * out or put in place, with none, and by the reference, which has random points only. The truth is the device's image of 16 times the
+ * most samples with another seed. Seconds are those of rendering alone, kernels compiled; one image a point. The summary holds the slopes
+ * of RMSE over samples: -1/2 for random numbers.
+ *
+ * Then what a measuring user pays for: how far off an edge is found in telecentric views, against the samples' seconds. Where it is follows
+ * from the geometry.
  */
+#include "analysis/edge.h"
 #include "convergence.h"
 #include "harness.h"
 #include "output/figure.h"
@@ -15,24 +19,84 @@
 #include <ctype.h>
 #include <stdio.h>
 
-enum { SCENES = 2, SERIES = 4 };
+enum { SCENES = 5, SERIES = 8, REFERENCE = SERIES - 1, ADAPTIVE_REPLICATES = 4 };
 
-static const char *const scene_files[SCENES] = {"report-clean.glb", "part-backlight.gltf"};
+static const char *const scene_files[SCENES] = {"report-clean.glb", "part-backlight.gltf", "loupe.gltf", "brushed.gltf",
+                                                "telecentric-edge.gltf"};
 
+/* The first is the usual one; each of the others differs from it in what its name says. */
 static const struct {
-    const char *renderer, *sampler;
-    uint32_t precision, sampler_id;
+    const char *name;
+    uint32_t sampler, precision;
+    bool no_split, no_light_paths, adaptive;
     double red, green, blue;
-} series[SERIES] = {{"device", "random", MCV_PRECISION_SINGLE, MCV_SAMPLER_RANDOM, 0.84, 0.37, 0},
-                    {"device", "sobol", MCV_PRECISION_SINGLE, MCV_SAMPLER_SOBOL, 0, 0.45, 0.7},
-                    {"mixed", "sobol", MCV_PRECISION_MIXED, MCV_SAMPLER_SOBOL, 0, 0.62, 0.45},
-                    {"reference", "random", MCV_PRECISION_DOUBLE, MCV_SAMPLER_RANDOM, 0.9, 0.62, 0}};
+} series[SERIES] = {{.name = "sobol", .green = 0.45, .blue = 0.7},
+                    {.name = "random", .sampler = MCV_SAMPLER_RANDOM, .red = 0.84, .green = 0.37},
+                    {.name = "no splitting", .no_split = true, .red = 0.8, .green = 0.47, .blue = 0.65},
+                    {.name = "no light paths", .no_light_paths = true, .red = 0.34, .green = 0.71, .blue = 0.91},
+                    {.name = "adaptive", .adaptive = true, .red = 0.2, .green = 0.2, .blue = 0.2},
+                    {.name = "mixed precision", .precision = MCV_PRECISION_MIXED, .green = 0.62, .blue = 0.45},
+                    {.name = "none of these",
+                     .sampler = MCV_SAMPLER_RANDOM,
+                     .no_split = true,
+                     .no_light_paths = true,
+                     .red = 0.6,
+                     .green = 0.6,
+                     .blue = 0.6},
+                    {.name = "reference", .precision = MCV_PRECISION_DOUBLE, .sampler = MCV_SAMPLER_RANDOM, .red = 0.9, .green = 0.62}};
 
-typedef struct results {
-    int series, steps; /* shown: the first … */
-    double mean[SCENES];
-    convergence_point points[SCENES][SERIES][CONVERGENCE_STEPS];
-} results;
+typedef struct curve {
+    int steps;
+    double x[2][CONVERGENCE_STEPS], y[CONVERGENCE_STEPS]; /* samples and seconds */
+} curve;
+
+typedef struct plot {
+    char title[80];
+    curve curves[SERIES];
+} plot;
+
+/* A line through the logarithms of a curve, over samples or seconds. */
+typedef struct law {
+    double x, y, slope;
+} law;
+
+static law law_of(const curve *c, bool over_time) {
+    law l = {0, 0, 0};
+    double xx = 0, xy = 0;
+    for (int i = 0; i < c->steps; ++i) {
+        l.x += log(c->x[over_time][i]) / c->steps;
+        l.y += log(c->y[i]) / c->steps;
+    }
+    for (int i = 0; i < c->steps; ++i) {
+        const double x = log(c->x[over_time][i]) - l.x;
+        xx += x * x;
+        xy += x * (log(c->y[i]) - l.y);
+    }
+    l.slope = xy / xx;
+    return l;
+}
+
+static double seconds_to(const curve *c, double target) {
+    const law l = law_of(c, true);
+    return exp(l.x + (log(target) - l.y) / l.slope);
+}
+
+/* Whether images are those of the usual way: what it leaves out or puts in place the scene has no use for. */
+static bool is_usual(const plot *p, int s) {
+    const curve *c = &p->curves[s], *usual = &p->curves[0];
+    return s > 0 && c->steps == usual->steps && memcmp(c->y, usual->y, sizeof *c->y * (size_t)c->steps) == 0;
+}
+
+static mcv_render_options options_of(int s) {
+    mcv_render_options o = mcv_render_defaults();
+    o.replicates = series[s].adaptive ? ADAPTIVE_REPLICATES : 1;
+    o.precision = series[s].precision;
+    o.sampler = series[s].sampler;
+    o.no_split = series[s].no_split;
+    o.no_light_paths = series[s].no_light_paths;
+    o.adaptive = series[s].adaptive;
+    return o;
+}
 
 /* --- plot ------------------------------------------------------------------------------------------------------- */
 
@@ -67,110 +131,210 @@ static void draw_axes(cairo_t *page, const axes *a, const char *title, const cha
     mcv_page_text(page, a->x + a->width / 2, a->y + a->height + 34, 0.5, x_label);
 }
 
-static double abscissa(const convergence_point *p, bool over_time) { return over_time ? p->seconds : (double)p->samples; }
+static void widen(axes *a, int k, double value) {
+    a->low[k] = fmin(a->low[k], floor(log10(value)));
+    a->high[k] = fmax(a->high[k], ceil(log10(value)));
+}
 
-/* RMSE over samples or seconds of one scene. */
-static void draw_scene(cairo_t *page, const results *r, int scene, bool over_time, double x, double y) {
-    axes a = {x, y, 330, 250, {INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
-    char title[128];
-    for (int s = 0; s < r->series; ++s) {
-        for (int i = 0; i < r->steps; ++i) {
-            const convergence_point *p = &r->points[scene][s][i];
-            const double decades[2] = {log10(abscissa(p, over_time)), log10(p->errors.rmse / r->mean[scene])};
-            for (int k = 0; k < 2; ++k) {
-                a.low[k] = fmin(a.low[k], floor(decades[k]));
-                a.high[k] = fmax(a.high[k], ceil(decades[k]));
-            }
+/* Error over samples or seconds. The usual way is drawn last and thickest. */
+static void draw_plot(cairo_t *page, const plot *p, bool over_time, double x, double y) {
+    axes a = {x, y, 360, 270, {INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
+    for (int s = 0; s < SERIES; ++s)
+        for (int i = 0; i < p->curves[s].steps; ++i) {
+            widen(&a, 0, p->curves[s].x[over_time][i]);
+            widen(&a, 1, p->curves[s].y[i]);
         }
-    }
-    snprintf(title, sizeof title, "%s: RMSE / mean", scene_files[scene]);
-    draw_axes(page, &a, title, over_time ? "seconds" : "samples per pixel");
-    for (int s = 0; s < r->series; ++s) {
+    draw_axes(page, &a, p->title, over_time ? "seconds" : "samples per pixel");
+    for (int s = SERIES; s-- > 0;) {
+        const curve *c = &p->curves[s];
         cairo_set_source_rgb(page, series[s].red, series[s].green, series[s].blue);
-        cairo_set_line_width(page, 2);
-        for (int i = 0; i < r->steps; ++i) {
-            const convergence_point *p = &r->points[scene][s][i];
-            cairo_line_to(page, place_x(&a, abscissa(p, over_time)), place_y(&a, p->errors.rmse / r->mean[scene]));
-        }
+        cairo_set_line_width(page, s == 0 ? 3 : 1.5);
+        for (int i = 0; i < c->steps; ++i) cairo_line_to(page, place_x(&a, c->x[over_time][i]), place_y(&a, c->y[i]));
         cairo_stroke(page);
-        if (over_time) continue;
-        snprintf(title, sizeof title, "%s, %s: slope %.2f", series[s].renderer, series[s].sampler,
-                 slope_of_rmse(r->points[scene][s], r->steps));
-        mcv_page_text(page, a.x + 8, a.y + a.height - 8 - 16 * (r->series - 1 - s), 0, title);
     }
     cairo_set_source_rgb(page, 0, 0, 0);
 }
 
-static mcv_result draw(const results *r, const char *path, mcv_error *error) {
+/* Beside the plots: names, and the slopes over samples. */
+static void draw_legend(cairo_t *page, const plot *p, double x, double y) {
+    char text[80];
+    for (int s = 0; s < SERIES; ++s) {
+        if (p->curves[s].steps == 0) continue;
+        cairo_set_source_rgb(page, series[s].red, series[s].green, series[s].blue);
+        cairo_rectangle(page, x, y - 9, 10, 10);
+        cairo_fill(page);
+        cairo_set_source_rgb(page, 0, 0, 0);
+        snprintf(text, sizeof text, "%s: slope %.2f", series[s].name, law_of(&p->curves[s], false).slope);
+        mcv_page_text(page, x + 16, y, 0, text);
+        y += 18;
+    }
+}
+
+static mcv_result draw(const plot *plots, int count, const char *path, mcv_error *error) {
     cairo_t *page;
-    MCV_TRY(mcv_page_new(&page, 820, 700, 12, error));
-    for (int scene = 0; scene < SCENES; ++scene) {
-        for (int over_time = 0; over_time < 2; ++over_time) draw_scene(page, r, scene, over_time, 60 + 400 * over_time, 40 + 340 * scene);
+    MCV_TRY(mcv_page_new(&page, 1060, 40 + 350 * (uint32_t)count, 12, error));
+    for (int i = 0; i < count; ++i) {
+        for (int over_time = 0; over_time < 2; ++over_time) draw_plot(page, plots + i, over_time, 60 + 420 * over_time, 40 + 350 * i);
+        draw_legend(page, plots + i, 880, 60 + 350 * i);
     }
     return mcv_page_write(page, path, error);
 }
 
-/* --- measurement ------------------------------------------------------------------------------------------------ */
+/* --- images ------------------------------------------------------------------------------------------------------- */
 
-/* A row for each number of samples: ours are Sobol' points, their peer the random ones of the same renderer. */
-static void note_series(bench *b, const results *r, int scene, int s, const convergence_point points[CONVERGENCE_STEPS]) {
-    char key[64];
-    for (int i = 0; i < r->steps; ++i) {
-        const bool sobol = series[s].sampler_id == MCV_SAMPLER_SOBOL;
-        const double random = r->points[scene][0][i].errors.rmse / r->mean[scene];
-        bench_number(b, points[i].errors.rmse / r->mean[scene], sobol ? random : NAN, "RMSE/mean", "%s, %s %s, %llu samples",
-                     scene_files[scene], series[s].renderer, series[s].sampler, (unsigned long long)points[i].samples);
-        bench_more(b, "samples", (double)points[i].samples);
-        bench_more(b, "seconds", points[i].seconds);
-        bench_more(b, "relative_mse", points[i].errors.relative_mse);
-    }
-    snprintf(key, sizeof key, "slope %.*s %s %s", (int)strcspn(scene_files[scene], "."), scene_files[scene], series[s].renderer,
-             series[s].sampler);
+static void note_slope(bench *b, const char *file, const char *name, double slope) {
+    char key[80];
+    snprintf(key, sizeof key, "slope %.*s %s", (int)strcspn(file, "."), file, name);
     for (char *c = key; *c; ++c) *c = isalnum((unsigned char)*c) ? *c : '_';
-    bench_summary(b, key, slope_of_rmse(points, r->steps));
+    bench_summary(b, key, slope);
 }
 
-static mcv_result measure_scene(bench *b, results *r, int scene, mcv_error *error) {
-    mcv_scene *loaded;
+/* A row for each number of samples, and the slope over them; of what changes nothing, neither. */
+static void note_curve(bench *b, plot *p, const char *what, int s, const char *unit) {
+    curve *c = &p->curves[s];
+    if (is_usual(p, s)) {
+        printf("%s, %s: the same images\n", what, series[s].name);
+        c->steps = 0;
+    }
+    for (int i = 0; i < c->steps; ++i) {
+        bench_number(b, c->y[i], NAN, unit, "%s, %s, %.0f samples", what, series[s].name, c->x[0][i]);
+        bench_more(b, "samples", c->x[0][i]);
+        bench_more(b, "seconds", c->x[1][i]);
+    }
+    if (c->steps) note_slope(b, what, series[s].name, law_of(c, false).slope);
+}
+
+/* Compiles what the first measurement would have to wait for. */
+static mcv_result warm(const mcv_scene *scene, int s, mcv_error *error) {
+    mcv_render_options options = options_of(s);
+    mcv_render_stats stats;
+    mcv_film film;
+    options.last = 1;
+    if (series[s].precision == MCV_PRECISION_DOUBLE) return MCV_OK;
+    MCV_TRY(mcv_render(scene, 0, &options, &film, &stats, error));
+    mcv_film_free(&film);
+    return MCV_OK;
+}
+
+static mcv_result measure_series(bench *b, plot *p, const mcv_scene *scene, const char *file, const mcv_film *truth, mcv_error *error) {
+    const int steps = b->quick ? 5 : CONVERGENCE_STEPS;
+    for (int s = 0; s < SERIES; ++s) {
+        convergence_point points[CONVERGENCE_STEPS];
+        curve *c = &p->curves[s];
+        if (b->quick && s == REFERENCE) continue;
+        MCV_TRY(warm(scene, s, error));
+        MCV_TRY(converge_with(scene, options_of(s), truth, steps, points, error));
+        for (int i = 0; i < steps; ++i) {
+            if (points[i].samples != (uint64_t)1 << 2 * i) continue; /* fewer than replicates */
+            c->x[0][c->steps] = (double)points[i].samples;
+            c->x[1][c->steps] = points[i].seconds;
+            c->y[c->steps++] = points[i].errors.rmse / mcv_film_mean(truth);
+        }
+        note_curve(b, p, file, s, "RMSE/mean");
+    }
+    return MCV_OK;
+}
+
+static mcv_result measure_scene(bench *b, plot *p, const char *file, mcv_error *error) {
+    mcv_scene *scene;
     mcv_film truth;
     mcv_render_stats stats;
-    MCV_TRY(load_small(scene_files[scene], &loaded, error));
-    /* The truth's render also compiles what the first measurement would have to wait for; the random sampler is a program of its own. */
-    mcv_result result = render_truth(loaded, r->steps, &truth, &stats, error);
+    MCV_TRY(load_small(file, &scene, error));
+    mcv_result result = render_truth(scene, b->quick ? 5 : CONVERGENCE_STEPS, &truth, &stats, error);
     if (result == MCV_OK) {
-        r->mean[scene] = mcv_film_mean(&truth);
-        printf("%-20s truth: %u x %u pixels, %llu samples, mean %.4g, standard error %.2g, %.1f s, %s\n", scene_files[scene], truth.width,
-               truth.height, (unsigned long long)truth.samples * truth.replicates, r->mean[scene],
-               mcv_film_relative_error(&truth) * r->mean[scene], stats.seconds_render, stats.device);
-    }
-    for (int s = 0; s < r->series && result == MCV_OK; ++s) {
-        convergence_point *points = r->points[scene][s];
-        if (series[s].precision != MCV_PRECISION_DOUBLE) {
-            mcv_render_options warm = mcv_render_defaults();
-            mcv_film film;
-            warm.precision = series[s].precision;
-            warm.sampler = series[s].sampler_id;
-            warm.last = 1;
-            result = mcv_render(loaded, 0, &warm, &film, &stats, error);
-            mcv_film_free(&film);
-        }
-        if (result == MCV_OK) result = converge(loaded, series[s].precision, series[s].sampler_id, &truth, r->steps, points, error);
-        if (result == MCV_OK) note_series(b, r, scene, s, points);
+        printf("%-20s truth: %u x %u pixels, %llu samples, mean %.4g, standard error %.2g, %.1f s, %s\n", file, truth.width, truth.height,
+               (unsigned long long)truth.samples * truth.replicates, mcv_film_mean(&truth),
+               mcv_film_relative_error(&truth) * mcv_film_mean(&truth), stats.seconds_render, stats.device);
+        snprintf(p->title, sizeof p->title, "%s: RMSE / mean", file);
+        result = measure_series(b, p, scene, file, &truth, error);
     }
     mcv_film_free(&truth);
-    mcv_scene_free(loaded);
+    mcv_scene_free(scene);
+    return result;
+}
+
+/* --- an edge ------------------------------------------------------------------------------------------------------ */
+
+/*
+ * telecentric-edge, moved by 1.3 µm so that nothing is symmetric: at the magnification of 1/2 and pixels of 4.8 µm the edge passes the
+ * middle line 0.135 pixels right of the middle of 96 columns, in focus or not, for what blurs it is symmetric.
+ */
+enum { EDGE_STEPS = 6, EDGE_IMAGES = 8 };
+static const char *const edge_file = "telecentric-edge.gltf", *const edge_box = "12,4,72,56";
+static const double true_edge = 48 + 0.5 * 1.3e-6 / 4.8e-6;
+
+/* How far off the edge is [pixel]. */
+static mcv_result edge_error(const mcv_film *film, double *off, mcv_error *error) {
+    mcv_readings readings = {{0}, {0}};
+    mcv_edge edge;
+    mcv_result result = mcv_film_develop(film, &readings.values, NULL, error);
+    if (result == MCV_OK) result = mcv_image_new(&readings.deviation, film->width, film->height, 1, error);
+    for (size_t i = 0; result == MCV_OK && i < film_values(film); ++i) readings.deviation.pixels[i] = 1e-6f * readings.values.pixels[i];
+    if (result == MCV_OK) result = mcv_edge_parse(edge_box, 1, &readings.values, &edge, error);
+    if (result == MCV_OK) result = mcv_edge_find(&readings, &edge, error);
+    if (result == MCV_OK) *off = edge.position.value - true_edge;
+    mcv_image_free(&readings.values);
+    mcv_image_free(&readings.deviation);
+    return result;
+}
+
+/* The root mean square over images of other seeds, and the mean of their seconds. */
+static mcv_result measure_edge(const mcv_scene *scene, mcv_render_options options, double *rms, double *seconds, mcv_error *error) {
+    double squares = 0;
+    *seconds = 0;
+    for (options.seed = 1; options.seed <= EDGE_IMAGES; ++options.seed) {
+        mcv_render_stats stats;
+        mcv_film film;
+        double off = 0;
+        MCV_TRY(mcv_render(scene, 0, &options, &film, &stats, error));
+        const mcv_result result = edge_error(&film, &off, error);
+        mcv_film_free(&film);
+        if (result != MCV_OK) return result;
+        squares += off * off / EDGE_IMAGES;
+        *seconds += stats.seconds_render / EDGE_IMAGES;
+    }
+    *rms = sqrt(squares);
+    return MCV_OK;
+}
+
+static mcv_result measure_edges(bench *b, plot *p, mcv_error *error) {
+    static const char *const moved[] = {"nodes/plate/translation/x=1.3e-6"};
+    const int steps = b->quick ? 4 : EDGE_STEPS;
+    char path[1024];
+    mcv_scene *scene;
+    mcv_result result = MCV_OK;
+    snprintf(path, sizeof path, MCV_SOURCE_DIR "/scenes/%s", edge_file);
+    snprintf(p->title, sizeof p->title, "%s: the edge is off by [pixel]", edge_file);
+    MCV_TRY(mcv_scene_load(path, (mcv_overrides){moved, 1}, &scene, error));
+    for (int s = 0; s < REFERENCE && result == MCV_OK; ++s) {
+        curve *c = &p->curves[s];
+        mcv_render_options options = options_of(s);
+        result = warm(scene, s, error);
+        for (int i = 0; i < steps && result == MCV_OK; ++i) {
+            const uint64_t samples = (uint64_t)4 << 2 * i;
+            options.last = samples / options.replicates;
+            result = measure_edge(scene, options, &c->y[i], &c->x[1][i], error);
+            if (result != MCV_OK) break;
+            c->x[0][i] = (double)samples;
+        }
+        c->steps = steps;
+        if (result == MCV_OK) note_curve(b, p, "telecentric-edge position", s, "pixel");
+    }
+    if (result == MCV_OK) bench_summary(b, "edge_seconds", seconds_to(&p->curves[0], 1e-3));
+    mcv_scene_free(scene);
     return result;
 }
 
 static mcv_result run(bench *b, mcv_error *error) {
-    static results r;
-    char plot[sizeof b->stem + 8];
-    snprintf(plot, sizeof plot, "%s.png", b->stem);
-    r.series = b->quick ? SERIES - 1 : SERIES;
-    r.steps = b->quick ? 5 : CONVERGENCE_STEPS;
-    bench_title("Error: Sobol' points (ours) and random ones (peer)");
-    for (int scene = 0; scene < SCENES; ++scene) MCV_TRY(measure_scene(b, &r, scene, error));
-    return draw(&r, plot, error);
+    static plot plots[SCENES + 1];
+    char path[sizeof b->stem + 8];
+    int count = 0;
+    snprintf(path, sizeof path, "%s.png", b->stem);
+    bench_title("Error");
+    for (int scene = 0; scene < SCENES; ++scene)
+        if (!b->only || strstr(scene_files[scene], b->only)) MCV_TRY(measure_scene(b, plots + count++, scene_files[scene], error));
+    if (!b->only || strstr(edge_file, b->only)) MCV_TRY(measure_edges(b, plots + count++, error));
+    return draw(plots, count, path, error);
 }
 
 int main(int argc, char **argv) { return bench_main(argc, argv, "error", run); }

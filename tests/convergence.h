@@ -63,7 +63,7 @@ static inline void shrink_film(uint32_t pixels[2], double size[2], uint32_t widt
     }
 }
 
-/* A shipped scene of a light field (6 x 4 macro pixels of 3 x 3) or telecentric camera (16 x 12 pixels). */
+/* A shipped scene whose first sensor is a light field (6 x 4 macro pixels of 3 x 3), telecentric or pinhole camera (16 x 12 pixels). */
 static inline mcv_result load_small(const char *name, mcv_scene **scene, mcv_error *error) {
     char path[1024];
     snprintf(path, sizeof path, "%s/scenes/%s", MCV_SOURCE_DIR, name);
@@ -74,6 +74,8 @@ static inline mcv_result load_small(const char *name, mcv_scene **scene, mcv_err
         for (int k = 0; k < 2; ++k) p->pixelSize[k] *= p->angularResolution[k] / 3.0;
         p->angularResolution[0] = p->angularResolution[1] = 3;
         shrink_film(p->spatialResolution, p->pixelSize, 6, 4);
+    } else if (sensor->type == MCV_SENSOR_PINHOLE) {
+        shrink_film(sensor->as.pinhole.resolution, sensor->as.pinhole.pixelSize, 16, 12);
     } else {
         shrink_film(sensor->as.telecentric.resolution, sensor->as.telecentric.pixelSize, 16, 12);
     }
@@ -95,23 +97,30 @@ typedef struct convergence_point {
     image_errors errors;
 } convergence_point;
 
-/* One image of one scramble for each number of samples. */
-static inline mcv_result converge(const mcv_scene *scene, uint32_t precision, uint32_t sampler, const mcv_film *truth, int steps,
-                                  convergence_point *points, mcv_error *error) {
+/* One image for each number of samples, rendered with these options but their samples and seed. */
+static inline mcv_result converge_with(const mcv_scene *scene, mcv_render_options options, const mcv_film *truth, int steps,
+                                       convergence_point *points, mcv_error *error) {
     for (int i = 0; i < steps; ++i) {
-        mcv_render_options options = mcv_render_defaults();
         mcv_render_stats stats = {0};
         mcv_film film = {0};
-        options.replicates = 1;
-        options.precision = precision;
-        options.sampler = sampler;
-        options.last = (uint64_t)1 << 2 * i;
+        const uint64_t samples = (uint64_t)1 << 2 * i;
+        options.last = samples > options.replicates ? samples / options.replicates : 1;
         options.seed = (uint32_t)i + 1;
-        MCV_TRY((precision == MCV_PRECISION_DOUBLE ? mcv_reference_render : mcv_render)(scene, 0, &options, &film, &stats, error));
-        points[i] = (convergence_point){options.last, stats.seconds_render, errors_against(&film, truth)};
+        MCV_TRY((options.precision == MCV_PRECISION_DOUBLE ? mcv_reference_render : mcv_render)(scene, 0, &options, &film, &stats, error));
+        points[i] = (convergence_point){options.last * options.replicates, stats.seconds_render, errors_against(&film, truth)};
         mcv_film_free(&film);
     }
     return MCV_OK;
+}
+
+/* The same of one scramble. */
+static inline mcv_result converge(const mcv_scene *scene, uint32_t precision, uint32_t sampler, const mcv_film *truth, int steps,
+                                  convergence_point *points, mcv_error *error) {
+    mcv_render_options options = mcv_render_defaults();
+    options.replicates = 1;
+    options.precision = precision;
+    options.sampler = sampler;
+    return converge_with(scene, options, truth, steps, points, error);
 }
 
 static inline double slope_of_rmse(const convergence_point *points, int steps) {
