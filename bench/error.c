@@ -81,10 +81,12 @@ static double seconds_to(const curve *c, double target) {
     return exp(l.x + (log(target) - l.y) / l.slope);
 }
 
-/* Whether images are those of the usual way: what it leaves out or puts in place the scene has no use for. */
-static bool is_usual(const plot *p, int s) {
-    const curve *c = &p->curves[s], *usual = &p->curves[0];
-    return s > 0 && c->steps == usual->steps && memcmp(c->y, usual->y, sizeof *c->y * (size_t)c->steps) == 0;
+/* Which earlier one has the same images, or s: what it leaves out or puts in place the scene has no use for. */
+static int first_like(const plot *p, int s) {
+    const curve *c = p->curves;
+    int like = 0;
+    while (like < s && (c[like].steps != c[s].steps || memcmp(c[like].y, c[s].y, sizeof *c->y * (size_t)c[s].steps) != 0)) ++like;
+    return like;
 }
 
 static mcv_render_options options_of(int s) {
@@ -172,7 +174,7 @@ static void draw_legend(cairo_t *page, const plot *p, double x, double y) {
 
 static mcv_result draw(const plot *plots, int count, const char *path, mcv_error *error) {
     cairo_t *page;
-    MCV_TRY(mcv_page_new(&page, 1060, 40 + 350 * (uint32_t)count, 12, error));
+    MCV_TRY(mcv_page_new(&page, 1120, 40 + 350 * (uint32_t)count, 12, error));
     for (int i = 0; i < count; ++i) {
         for (int over_time = 0; over_time < 2; ++over_time) draw_plot(page, plots + i, over_time, 60 + 420 * over_time, 40 + 350 * i);
         draw_legend(page, plots + i, 880, 60 + 350 * i);
@@ -192,8 +194,9 @@ static void note_slope(bench *b, const char *file, const char *name, double slop
 /* A row for each number of samples, and the slope over them; of what changes nothing, neither. */
 static void note_curve(bench *b, plot *p, const char *what, int s, const char *unit) {
     curve *c = &p->curves[s];
-    if (is_usual(p, s)) {
-        printf("%s, %s: the same images\n", what, series[s].name);
+    const int like = first_like(p, s);
+    if (like < s) {
+        printf("%s, %s: the images of %s\n", what, series[s].name, series[like].name);
         c->steps = 0;
     }
     for (int i = 0; i < c->steps; ++i) {

@@ -3,6 +3,7 @@
 """Gathers the benchmarks' results: bench/report.py FOLDER reads FOLDER/NAME.json and writes FOLDER/summary.json, the summaries by name,
 and FOLDER/report.html, a page by itself with plots and all rows. Standard library only."""
 
+import base64
 import html
 import json
 import math
@@ -14,7 +15,7 @@ COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#0
 ABOUT = ["device", "driver", "compiler", "commit", "cores", "load_before", "repetitions", "quick"]
 STYLE = """body{font:14px sans-serif;max-width:1000px;margin:2em auto;color:#222}h2{margin-top:2em;border-bottom:1px solid #ccc}
 table{border-collapse:collapse;margin:.5em 0}td,th{padding:1px 8px;text-align:right;border-bottom:1px solid #eee}
-td:first-child,th:first-child{text-align:left}svg{display:block;margin:1em 0}svg text{font:11px sans-serif;fill:#222}"""
+td:first-child,th:first-child{text-align:left}figure{margin:1em 0}img{image-rendering:pixelated;max-width:100%}svg{display:block;margin:1em 0}svg text{font:11px sans-serif;fill:#222}"""
 
 
 def number(value):
@@ -182,30 +183,47 @@ def plots_of_build(rows):
     return dots(by_unit, "Embree over ours, or ours over Embree: right of 1 ours is better")
 
 
+def scene_of(row):
+    return row["case"].split(", ")[0]
+
+
+def pictures_of_render(row):
+    """Ours, theirs and the truth side by side, from the file beside the results."""
+    sides = [("MC ViSi", "picture_", "ours"), ("Mitsuba", "peer_picture_", "peer")]
+    words = [f"{who}: {row[key + 'samples']:.0f} samples, {row[key + 'seconds']:.2g} s, RMSE {100 * row[side]:.2g} %" for who, key, side in sides]
+    return f'<figure><img src="{row["picture"]}" alt="{html.escape(row["case"])}"/><figcaption>{"; ".join(words)}; truth</figcaption></figure>\n'
+
+
 def plots_of_render(rows):
-    """Error against time, a line a renderer: from the samples that were timed on along each one's own power law."""
-    plots = dots(
-        [dict(r, case=f'{r["case"].split(", ")[0]}, {r["case"].split(", ")[1]}', ratio=r["time_to_rmse"]) for r in rows if "time_to_rmse" in r],
-        "Mitsuba's time to an equal error over ours",
-    )
-    for scene in dict.fromkeys(r["case"].split(", ")[0] for r in rows if "time_to_rmse" in r):
+    """For each scene how long both take to an equal error, their errors against time, and what they show after the same time."""
+    against = [r for r in rows if "time_to_rmse" in r]
+    reached = [r for r in rows if "time to RMSE" in r["case"]]
+    plots = dots([dict(r, ratio=r["time_to_rmse"]) for r in against], "Mitsuba's time to an equal error over ours")
+    head = ["scene, RMSE to be reached", "MC ViSi [s]", "Mitsuba [s]", "ratio"]
+    plots += table(head, [[r["case"].replace("time to RMSE ", ""), r["ours"], r["peer"], r["ratio"]] for r in reached])
+    for scene in dict.fromkeys(scene_of(r) for r in against):
         series = {}
-        for row in (r for r in rows if "time_to_rmse" in r and r["case"].startswith(scene + ", ")):
-            times = [4.0**i for i in range(4)]
-            for name, seconds, rmse, exponent in (
-                ("MC ViSi", row["seconds"], row["rmse"], row["exponent"]),
-                (row["case"].split(", ")[1], row["peer_seconds"], row["peer_rmse"], row["peer_exponent"]),
-            ):
-                series[name] = [(seconds * t, rmse * t**-exponent) for t in times]
+        for row in (r for r in rows if "curve_seconds" in r and scene_of(r) == scene):
+            series.setdefault(row["case"].split(", ")[1], []).append((row["curve_seconds"], row["ours"]))
         plots += lines(series, f"{scene}: RMSE / mean", "seconds")
+        plots += "".join(pictures_of_render(r) for r in rows if "picture" in r and scene_of(r) == scene)
     return plots
 
 
 PLOTS = {"render": plots_of_render, "error": plots_of_error, "scale": plots_of_scale, "stages": plots_of_stages, "build": plots_of_build}
 
 
-def section(name, report):
+def attach_pictures(name, rows, folder):
+    """NAME-SCENE.png goes into the page, which refers to no other file."""
+    for row in rows:
+        path = folder / f"{name}-{scene_of(row).replace(' ', '-')}.png"
+        if "picture_samples" in row and path.exists():
+            row["picture"] = "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode()
+
+
+def section(name, report, folder):
     rows = report["rows"]
+    attach_pictures(name, rows, folder)
     plot = PLOTS.get(name, lambda r: dots(r, "Ratios: right of 1 ours is better"))(rows)
     about = ", ".join(f"{key} {number(report.get(key))}" for key in ABOUT)
     columns = ["case", "unit", "ours", "peer", "ratio", "spread"]
@@ -227,7 +245,7 @@ def main(folder):
     (folder / "summary.json").write_text(json.dumps({name: r["summary"] for name, r in reports.items()}, indent=1) + "\n")
     page = f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"/><title>MC ViSi: benchmarks</title><style>{STYLE}</style></head>\n'
     page += "<body><h1>MC ViSi: benchmarks</h1>\n<p>A ratio is above 1 where ours is better; bench/README.md describes each.</p>\n"
-    page += "".join(section(name, report) for name, report in reports.items()) + "</body></html>\n"
+    page += "".join(section(name, report, folder) for name, report in reports.items()) + "</body></html>\n"
     (folder / "report.html").write_text(page)
 
 
