@@ -21,7 +21,7 @@
 
 enum { SCENES = 5, SERIES = 8, REFERENCE = SERIES - 1, ADAPTIVE_REPLICATES = 4 };
 
-static const char *const scene_files[SCENES] = {"report-clean.glb", "part-backlight.gltf", "loupe.gltf", "brushed.gltf",
+static const char *const scene_files[SCENES] = {"report-clean.glb", "part-backlight.gltf", "caustic.gltf", "glasses.gltf",
                                                 "telecentric-edge.gltf"};
 
 /* The first is the usual one; each of the others differs from it in what its name says. */

@@ -9,34 +9,32 @@
  *
  * Each renderer's truth is its own, of 64 times the samples and another seed, after mcv_compare_films has found no difference between
  * both; the truth's own variance is taken off the mean squared error. The error that both are to reach is the geometric mean of
- * both errors at the same number of samples, and the time is that of the samples that the renderer's own power law asks for.
+ * both errors at the same number of samples, and the time is that of the samples that the renderer's own power law asks for, with what
+ * each image takes besides.
  *
  * `sampling_gain` has no peer: RMSE x √seconds of report-clean with random numbers, one way on from each surface and without light paths,
  * over that of a usual render;
  * `adaptive_gain`: of part-backlight (128 x 96 pixels, 64 samples of 4 replicates) without adaptive sampling, over that with it.
  */
-#include <fcntl.h>
 #include <math.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "analysis/compare.h"
 #include "convergence.h"
 #include "harness.h"
+#include "image_maker.h"
 #include "output/png.h"
 #include "peer_scenes.h"
 #include "render/albedo.h"
 
 #include "workload.h" /* after the scenes, whose parameters are called like its mesh */
 
-#define PYTHON MCV_SOURCE_DIR "/build/peers/bin/python"
-
-enum { REFERENCE_REPLICATES = 16, REFERENCE_FACTOR = 64, REFERENCE_SEED = 100000, SURFACES = 32, MESH_ASSEMBLY = 4, MOST_WORDS = 1024 };
+enum { MESH_ASSEMBLY = 4, MOST_WORDS = 1024 };
 
 typedef enum group { PLAIN, OPTICS, OPENING, CONE, GROUPS } group;
 
@@ -57,123 +55,10 @@ static const struct {
               {"opening", "path", OPENING, true}};
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
 
-/* --- Mitsuba ------------------------------------------------------------------------------------------------------ */
-
 enum { LLVM, SCALAR, VARIANTS };
 static const char *const variants[VARIANTS] = {"llvm_ad_rgb", "scalar_rgb"};
 static const char *const samplers[] = {"independent", "multijitter", "ldsampler"};
 enum { SAMPLERS = 3 };
-
-typedef struct peer {
-    FILE *to, *from;
-    pid_t process;
-} peer;
-
-static mcv_result peer_open(const char *variant, const char *mesh_path, peer *p, mcv_error *error) {
-    int to[2], from[2];
-    if (pipe2(to, O_CLOEXEC) != 0 || pipe2(from, O_CLOEXEC) != 0) return mcv_fail(error, MCV_FAILED, "no pipe to Mitsuba");
-    p->process = fork();
-    if (p->process < 0) return mcv_fail(error, MCV_FAILED, "no process for Mitsuba");
-    if (p->process == 0) {
-        dup2(to[0], STDIN_FILENO);
-        dup2(from[1], STDOUT_FILENO);
-        execl(PYTHON, PYTHON, MCV_SOURCE_DIR "/bench/render_peer.py", variant, mesh_path, (char *)NULL);
-        _exit(127);
-    }
-    close(to[0]);
-    close(from[1]);
-    p->to = fdopen(to[1], "w");
-    p->from = fdopen(from[0], "r");
-    return p->to && p->from ? MCV_OK : mcv_fail(error, MCV_FAILED, "no pipe to Mitsuba");
-}
-
-static void peer_close(peer *p) {
-    if (p->to) fclose(p->to);
-    if (p->from) fclose(p->from);
-    if (p->process > 0) waitpid(p->process, NULL, 0);
-}
-
-/* --- one image of one renderer ------------------------------------------------------------------------------------- */
-
-typedef struct image_maker {
-    peer *peer; /* NULL: ours */
-    const char *scene_name, *integrator, *sampler;
-    mcv_renderer *renderer;
-    const mcv_scene *scene;
-    bool is_plain; /* random numbers, no light paths, no splitting */
-    bool is_adaptive;
-    uint32_t replicates;   /* of ours */
-    const mcv_film *truth; /* of its own renderer */
-    double truth_variance; /* of a value, on average */
-    uint32_t pixels, samples, seed;
-    double squares; /* mean squared errors, summed over `images` */
-    int images;
-} image_maker;
-
-static mcv_result peer_image(const image_maker *m, double *values, size_t count, mcv_error *error) {
-    fprintf(m->peer->to, "%u %s %s %u %u %s\n", m->pixels, m->integrator, m->sampler, m->samples, m->seed, m->scene_name);
-    fflush(m->peer->to);
-    if (fread(values, sizeof *values, count, m->peer->from) != count)
-        return mcv_fail(error, MCV_FAILED, "%s: Mitsuba's %s with %s gave no image", m->scene_name, m->integrator, m->sampler);
-    return MCV_OK;
-}
-
-static mcv_result peer_film(const image_maker *m, mcv_film *film, mcv_error *error) {
-    MCV_TRY(mcv_film_new(film, m->pixels, m->pixels, 3, 1, error));
-    film->samples = 1;
-    const mcv_result result = peer_image(m, film->sums, film_values(film), error);
-    if (result != MCV_OK) mcv_film_free(film);
-    return result;
-}
-
-static mcv_result our_image(const image_maker *m, uint32_t replicates, mcv_film *film, mcv_error *error) {
-    mcv_render_options options = mcv_render_defaults();
-    mcv_render_stats stats;
-    options.replicates = replicates;
-    options.last = m->samples;
-    options.seed = m->seed;
-    options.depth = SURFACES;
-    if (m->is_plain) options.sampler = MCV_SAMPLER_RANDOM;
-    options.no_light_paths = options.no_split = m->is_plain;
-    options.adaptive = m->is_adaptive && replicates == m->replicates; /* not the truth */
-    return mcv_renderer_render(m->renderer, m->scene, 0, &options, film, &stats, error);
-}
-
-/* A bench_side: an image of the next seed, and its error. */
-static mcv_result make_image(void *user, mcv_error *error) {
-    image_maker *m = user;
-    mcv_film film = {0};
-    ++m->seed;
-    const mcv_result result = m->peer ? peer_film(m, &film, error) : our_image(m, m->replicates, &film, error);
-    if (result == MCV_OK) {
-        const double rmse = errors_against(&film, m->truth).rmse;
-        m->squares += rmse * rmse - m->truth_variance;
-        ++m->images;
-    }
-    mcv_film_free(&film);
-    return result;
-}
-
-static double rmse_of(const image_maker *m) { return sqrt(fmax(m->squares / m->images, 0)); }
-
-/* --- truths ------------------------------------------------------------------------------------------------------- */
-
-/* Of 64 times the samples in 16 replicates. */
-static mcv_result make_truth(image_maker maker, mcv_film *film, mcv_error *error) {
-    maker.samples = maker.samples * REFERENCE_FACTOR / REFERENCE_REPLICATES;
-    maker.seed = REFERENCE_SEED;
-    if (!maker.peer) return our_image(&maker, REFERENCE_REPLICATES, film, error);
-    MCV_TRY(mcv_film_new(film, maker.pixels, maker.pixels, 3, REFERENCE_REPLICATES, error));
-    film->samples = 1;
-    for (uint32_t r = 0; r < REFERENCE_REPLICATES; ++r, ++maker.seed)
-        MCV_TRY(peer_image(&maker, film->sums + r * film_values(film), film_values(film), error));
-    return MCV_OK;
-}
-
-static double variance_of(const mcv_film *film) {
-    const double standard_error = mcv_film_relative_error(film) * mcv_film_mean(film);
-    return standard_error * standard_error;
-}
 
 /* --- one scene ---------------------------------------------------------------------------------------------------- */
 
@@ -242,7 +127,8 @@ static void send_out(const bench *b, racer *racers, const bench_side *sides, siz
         }
 }
 
-/* All samples first, for which those that are too slow go out, with a row of their own. */
+/* A first look at all samples, after which those that are too slow go out, with a row of their own. Last all samples again, whose times the
+ * sides keep. */
 static mcv_result measure_all(bench *b, racer *racers, bench_side *sides, size_t count, mcv_error *error) {
     bench look = *b;
     const double values = (double)racers->maker.samples * racers->maker.pixels * racers->maker.pixels;
@@ -255,7 +141,7 @@ static mcv_result measure_all(bench *b, racer *racers, bench_side *sides, size_t
         bench_more(b, "samples", racers->maker.samples);
         bench_more(b, "turns", FIRST_LOOK);
     }
-    for (int point = POINTS; point-- > 0;)
+    for (int point = 0; point < POINTS; ++point)
         if (racers->maker.samples >> 2 * (POINTS - 1 - point)) MCV_TRY(measure_point(b, racers, sides, count, point, error));
     return MCV_OK;
 }
@@ -327,9 +213,9 @@ static mcv_result write_pictures(const bench *b, const char *name, const mcv_fil
     return result;
 }
 
-static mcv_result film_of(const image_maker *m, mcv_film *film, double *seconds, mcv_error *error) {
+static mcv_result time_film(const image_maker *m, mcv_film *film, double *seconds, mcv_error *error) {
     const bench_seconds start = bench_now();
-    MCV_TRY(m->peer ? peer_film(m, film, error) : our_image(m, m->replicates, film, error));
+    MCV_TRY(make_film(m, film, error));
     *seconds = bench_since(start).by[BENCH_WALL];
     return MCV_OK;
 }
@@ -346,7 +232,7 @@ static mcv_result draw_pictures(bench *b, const racer *ours, const racer *best, 
     for (*samples[1] = 1; seconds_of(best, (*samples[1] + 1) / all) <= seconds_of(ours, *samples[0] / all); ++*samples[1])
         ;
     mcv_result result = MCV_OK;
-    for (int i = 0; i < 2 && result == MCV_OK; ++i) result = film_of(makers + i, films + i, seconds + i, error);
+    for (int i = 0; i < 2 && result == MCV_OK; ++i) result = time_film(makers + i, films + i, seconds + i, error);
     if (result == MCV_OK) {
         bench_number(b, errors_against(films, makers[0].truth).rmse / mcv_film_mean(makers[0].truth),
                      errors_against(films + 1, makers[1].truth).rmse / mcv_film_mean(makers[1].truth), "RMSE/mean", "%s, at equal time",
@@ -365,13 +251,14 @@ static mcv_result draw_pictures(bench *b, const racer *ours, const racer *best, 
 
 static mcv_result race_all_sides(bench *b, race *r, int scene, racer *racers, size_t count, mcv_error *error) {
     bench_side sides[MOST_RACERS];
-    const racer *ours = racers + UNIFORM;
+    const size_t counted = mcv_render_defaults().adaptive ? ADAPTIVE : UNIFORM;
+    const racer *ours = racers + counted;
     size_t fastest = 0, first = 0;
     MCV_TRY(measure_all(b, racers, sides, count, error));
     for (size_t i = 0; i < count; ++i) {
         const racer *x = racers + i;
         if (x == ours || x->is_out) continue;
-        note_racer(b, ours, sides + UNIFORM, x, sides + i);
+        note_racer(b, ours, sides + counted, x, sides + i);
         if (!x->maker.peer) continue;
         if (!fastest || x->seconds[POINTS - 1] < racers[fastest].seconds[POINTS - 1]) fastest = i;
         if (!first || time_ratio(ours, x) < time_ratio(ours, racers + first)) first = i;
@@ -459,7 +346,7 @@ static bool can_adapt(image_maker maker) {
     mcv_film film;
     mcv_error error;
     maker.samples = 16;
-    if (our_image(&maker, maker.replicates, &film, &error) != MCV_OK) return false;
+    if (make_film(&maker, &film, &error) != MCV_OK) return false;
     mcv_film_free(&film);
     return true;
 }

@@ -63,7 +63,8 @@ static inline void shrink_film(uint32_t pixels[2], double size[2], uint32_t widt
     }
 }
 
-/* A shipped scene whose first sensor is a light field (6 x 4 macro pixels of 3 x 3), telecentric or pinhole camera (16 x 12 pixels). */
+/* A shipped scene whose first sensor is a light field (6 x 4 macro pixels of 3 x 3), telecentric, pinhole or
+ * thin lens camera (16 x 12 pixels). */
 static inline mcv_result load_small(const char *name, mcv_scene **scene, mcv_error *error) {
     char path[1024];
     snprintf(path, sizeof path, "%s/scenes/%s", MCV_SOURCE_DIR, name);
@@ -74,6 +75,8 @@ static inline mcv_result load_small(const char *name, mcv_scene **scene, mcv_err
         for (int k = 0; k < 2; ++k) p->pixelSize[k] *= p->angularResolution[k] / 3.0;
         p->angularResolution[0] = p->angularResolution[1] = 3;
         shrink_film(p->spatialResolution, p->pixelSize, 6, 4);
+    } else if (sensor->type == MCV_SENSOR_THIN_LENS) {
+        shrink_film(sensor->as.thin_lens.resolution, sensor->as.thin_lens.pixelSize, 16, 12);
     } else if (sensor->type == MCV_SENSOR_PINHOLE) {
         shrink_film(sensor->as.pinhole.resolution, sensor->as.pinhole.pixelSize, 16, 12);
     } else {
