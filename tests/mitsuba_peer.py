@@ -195,7 +195,7 @@ def sensor(case, pixels, samples, sampler="independent", pixel_format="luminance
 
 def main(case, pixels, replicates, samples):
     scene = dict(cases()[case], type="scene", sensor=sensor(case, pixels, samples))
-    kind = "volpath" if case == "absorbing" else "path"
+    kind = {"absorbing": "volpath", PANEL: "ptracer"}.get(case, "path")  # path hardly ever meets the panel's cone
     scene["integrator"] = {"type": kind, "max_depth": 64, "rr_depth": 1000}
     loaded = mi.load_dict(scene)
     for replicate in range(replicates):
