@@ -179,7 +179,7 @@ static void note_curve(bench *b, const racer *x) {
 
 /* --- pictures at equal time ---------------------------------------------------------------------------------------- */
 
-enum { ZOOM = 2, GAP = 8, PICTURES = 3 };
+enum { ZOOM = 2, GAP = 8, PICTURES = 3, MOST_TIMES = 16 };
 static const double LOOK_SECONDS = 0.05;
 
 static void paste(const mcv_film *film, int place, mcv_image *page) {
@@ -220,17 +220,20 @@ static mcv_result time_film(const image_maker *m, mcv_film *film, double *second
     return MCV_OK;
 }
 
-/* The first number of samples of ours that takes LOOK_SECONDS, and one of theirs too, and as many of theirs as fit into that. */
+/* As many samples as take so long, one at least. */
+static double samples_in(const racer *x, double seconds) {
+    const double all = x->maker.samples, fixed = seconds_of(x, 0), slope = seconds_of(x, 1) - fixed;
+    return fmin(fmax((seconds - fixed) / fmax(slope, 0.1 * x->seconds[POINTS - 1]) * all, 1), MOST_TIMES * all);
+}
+
+/* The first power of two of ours that takes LOOK_SECONDS, and one of theirs too, and as many of theirs as fit into that. */
 static mcv_result draw_pictures(bench *b, const racer *ours, const racer *best, mcv_error *error) {
     image_maker makers[2] = {ours->maker, best->maker};
-    const double all = ours->maker.samples;
     mcv_film films[PICTURES] = {{0}, {0}, *ours->maker.truth};
     double seconds[2] = {0, 0};
-    uint32_t *samples[2] = {&makers[0].samples, &makers[1].samples};
-    for (*samples[0] = 1; seconds_of(ours, *samples[0] / all) < fmax(LOOK_SECONDS, seconds_of(best, 1 / all)); *samples[0] *= 2)
-        ;
-    for (*samples[1] = 1; seconds_of(best, (*samples[1] + 1) / all) <= seconds_of(ours, *samples[0] / all); ++*samples[1])
-        ;
+    const double all = ours->maker.samples, least = samples_in(ours, fmax(LOOK_SECONDS, seconds_of(best, 1 / all)));
+    makers[0].samples = 1u << (unsigned)ceil(log2(least));
+    makers[1].samples = (uint32_t)samples_in(best, seconds_of(ours, makers[0].samples / all));
     mcv_result result = MCV_OK;
     for (int i = 0; i < 2 && result == MCV_OK; ++i) result = time_film(makers + i, films + i, seconds + i, error);
     if (result == MCV_OK) {
@@ -238,7 +241,7 @@ static mcv_result draw_pictures(bench *b, const racer *ours, const racer *best, 
                      errors_against(films + 1, makers[1].truth).rmse / mcv_film_mean(makers[1].truth), "RMSE/mean", "%s, at equal time",
                      ours->maker.scene_name);
         for (int i = 0; i < 2; ++i) {
-            bench_more(b, i ? "peer_picture_samples" : "picture_samples", *samples[i]);
+            bench_more(b, i ? "peer_picture_samples" : "picture_samples", makers[i].samples);
             bench_more(b, i ? "peer_picture_seconds" : "picture_seconds", seconds[i]);
         }
         result = write_pictures(b, ours->maker.scene_name, films, error);
