@@ -28,14 +28,15 @@ class Parallel(mi.Emitter):
     def __init__(self, properties):
         super().__init__(properties)
         self.radiance = mi.Color3f(properties["radiance"])
-        self.cosine = float(numpy.cos(properties["half_angle"]))
+        self.sine = float(numpy.sin(properties["half_angle"]))  # in single precision a cosine is off by a thousandth of the cone
         self.m_flags = mi.EmitterFlags.Surface
 
-    def seen(self, cosine, active):
-        return dr.select(active & (cosine >= self.cosine), self.radiance, 0)
+    def seen(self, away, normal, active):
+        within = (dr.dot(away, normal) > 0) & (dr.squared_norm(dr.cross(away, normal)) <= self.sine**2)
+        return dr.select(active & within, self.radiance, 0)
 
     def eval(self, si, active=True):
-        return self.seen(mi.Frame3f.cos_theta(si.wi), active)
+        return self.seen(si.wi, mi.Normal3f(0, 0, 1), active)
 
     def sample_direction(self, it, sample, active=True):
         ds = self.get_shape().sample_direction(it, sample, active)
@@ -46,7 +47,7 @@ class Parallel(mi.Emitter):
         return dr.select(dr.dot(ds.d, ds.n) < 0, self.get_shape().pdf_direction(it, ds, active), 0)
 
     def eval_direction(self, it, ds, active=True):
-        return self.seen(-dr.dot(ds.d, ds.n), active)
+        return self.seen(-ds.d, ds.n, active)
 
     def sample_position(self, time, sample, active=True):
         ps = self.get_shape().sample_position(time, sample, active)
@@ -58,8 +59,9 @@ class Parallel(mi.Emitter):
     def sample_ray(self, time, sample1, sample2, sample3, active=True):
         ps, area = self.sample_position(time, sample2, active)
         si = mi.SurfaceInteraction3f(ps, dr.zeros(mi.Color0f))
-        local = mi.warp.square_to_uniform_cone(sample3, self.cosine)
-        flux = area * mi.Frame3f.cos_theta(local) / mi.warp.square_to_uniform_cone_pdf(local, self.cosine)
+        across = mi.warp.square_to_uniform_disk_concentric(sample3) * self.sine
+        local = mi.Vector3f(across.x, across.y, dr.sqrt(1 - dr.squared_norm(across)))
+        flux = area * float(numpy.pi) * self.sine**2  # uniform by projected solid angle
         return si.spawn_ray(si.to_world(local)), self.radiance * flux
 
     def bbox(self):
