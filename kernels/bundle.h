@@ -17,7 +17,7 @@
 #define MCV_BUNDLE_ROW (MCV_BUNDLE + 16) /* as of MCV_ROW */
 
 /* From so few rays on each goes on alone: nearest first is then worth more than company. */
-#define MCV_BUNDLE_FEW 3
+#define MCV_BUNDLE_FEW 5
 
 /* So many rays take turns where they are alone, and so many wait for that before they do. */
 #define MCV_INTERLEAVED 16

@@ -22,8 +22,9 @@
 #define MCV_BVH_STACK (MCV_BVH_LEVELS * (MCV_BVH_WIDTH - 1) + 1)
 
 /*
- * From here on the structure, some 80 bytes per triangle, is so much larger than the caches of a core, 1 or 2 MB, that rays which diffuse
- * surfaces send everywhere are faster in turns than one after the other (bench/README.md). Rays that are only refracted keep together.
+ * From here on the structure, some 80 bytes per triangle, is so much larger than the caches that rays which diffuse surfaces send
+ * everywhere, where they leave their bundle, are faster in turns than one after the other (bench/README.md). Rays that are only refracted
+ * keep together.
  */
 #define MCV_MANY_TRIANGLES 200000u
 

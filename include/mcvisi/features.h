@@ -39,7 +39,8 @@
     X(AIM, "aim", "a sensor sees a parallel emitter whose cone is narrower than its pupil") \
     X(LIGHT_TRACING, "light-tracing", "light of emitters reaches surfaces that spread it, or a beam the lens, through smooth ones") \
     X(MIXED, "mixed", "--precision mixed: where smooth surfaces are met and which way rays go on is worked out in double") \
-    X(INTERLEAVE, "interleave", "surfaces that spread light among so many triangles that rays take turns while others wait for memory")
+    X(INTERLEAVE, "interleave", \
+      "surfaces that spread light among so many triangles that rays which are left alone take turns while others wait for memory")
 
 enum {
 #define MCV_X(NAME, word, why) MCV_FEATURE_##NAME,
