@@ -18,7 +18,8 @@
 /* Whether the origins of the rays that go on are worked out for many paths at once, after all else. */
 #define MCV_LEAVES_TOGETHER (MCV_TILE && !MCV_WITH_CONTACT && !MCV_WITH_MIXED)
 
-/* A sample's path splits at the first smooth surfaces that it meets, so that it has at most so many branches: a power of two. */
+/* A sample's path splits at the first surfaces of glass, sheets and beam splitters that it meets, so that it has at most so many branches:
+ * a power of two. */
 #define MCV_BRANCHES (MCV_WITH_SPLIT ? 8 : 1)
 
 /* X(field, words): what a scene does not need has no words. Those before the hit go on with the path to its next surface. */

@@ -299,6 +299,9 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
             direction = mcv_choose_gloss_of(&from, &m, pair, MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE));
             const mcv_response response = mcv_respond_gloss_of(world, &meeting, &from, &m, direction);
             smooth = m.gloss.table == MCV_NONE;
+#if MCV_WITH_SPLIT
+            smooth |= (type == MCV_MATERIAL_DIELECTRIC) & (MCV_WORD(slot, branch, 0) + 1u < MCV_BRANCHES);
+#endif
             unmatched[i] = (uint)(!smooth & (m.near_media != media));
             density = response.density;
             reflects = density > 0.0f;

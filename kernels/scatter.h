@@ -213,7 +213,8 @@ typedef struct mcv_scattering {
     mcv_vec3 direction;
     mcv_color factor; /* of the throughput; all 0: the path ends */
     float density;    /* [1/sr], 0 for smooth surfaces */
-    float chance;     /* with which a smooth surface chose this way on of its two */
+    float chance;     /* with which a surface of glass, a sheet or a beam splitter chose this way on of its two */
+    float rest;       /* rough glass: what is left of the number that chose it */
     uint media;
     uint event; /* MCV_EVENT_… */
 } mcv_scattering;
@@ -541,7 +542,9 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_choose_gloss_of(const mcv_device_gloss *from, con
     return mcv_normalize(mcv_along(mcv_along(mcv_scale(m->z, i.z), i.y, m->y), i.x, m->x));
 }
 
-static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_meeting meeting, uint material, uint media, mcv_pair pair, float choice) {
+/* The microfacet of rough glass that has turned light one way turns it the other way, too: *other. */
+static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_meeting meeting, uint material, uint media, mcv_pair pair, float choice,
+                                        mcv_scattering *other) {
     mcv_scattering scattering;
     mcv_gloss_meeting room;
     const mcv_device_gloss from = world.gloss[material];
@@ -553,6 +556,23 @@ static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_meeting meeting, ui
     scattering.chance = 1.0f;
     scattering.media = response.media;
     scattering.event = MCV_EVENT_END;
+#if MCV_WITH_DIELECTRIC && MCV_WITH_SPLIT
+    if (m->gloss.type == MCV_MATERIAL_DIELECTRIC && choice < m->lobes.specular) {
+        const mcv_vec3 h = mcv_ggx_sample(m->gloss.alpha, m->o, pair.x, pair.y);
+        const float share = mcv_gloss_fresnel(&from, &m->gloss, mcv_dot(m->o, h)).c[0];
+        const int reflects = choice < m->lobes.specular * share;
+        scattering.chance = reflects ? share : 1.0f - share;
+        scattering.rest = choice / m->lobes.specular;
+        other->chance = 1.0f - scattering.chance;
+        other->direction = mcv_choose_gloss_of(&from, m, pair, reflects ? m->lobes.specular * (1.0f - MCV_UNIT_ROUNDOFF) : 0.0f);
+        const mcv_response beyond = mcv_respond_gloss(world, &meeting, material, m, other->direction);
+        other->factor = beyond.density > 0.0f ? mcv_dim(beyond.value, 1.0f / beyond.density) : mcv_grey(0.0f);
+        other->density = beyond.density;
+        other->media = beyond.media;
+    }
+#else
+    (void)other;
+#endif
     return scattering;
 }
 
@@ -719,7 +739,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, ui
 #if MCV_WITH_DIELECTRIC
         if (instance.medium != 0 && mcv_cross_surface(world, &meeting, media).before != media) *unmatched += 1u;
 #endif
-        return mcv_scatter_gloss(world, meeting, instance.material, media, pair, choice);
+        return mcv_scatter_gloss(world, meeting, instance.material, media, pair, choice, other);
     }
     if (material.type == MCV_MATERIAL_CONDUCTOR) return mcv_scatter_conductor(world, meeting, instance.material, media);
 #else

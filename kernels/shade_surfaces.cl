@@ -141,8 +141,8 @@ typedef struct mcv_parting {
 /*
  * The path takes the likelier one of two ways on instead of that which chance has chosen, and a branch the other one, each weighed by its
  * own chance: R + T. The branch has to survive roulette. Where an environment shines from all sides both ways bring about the same: the
- * path then stands in for what roulette ends, so that both carry as much as before. xi: the number that has chosen, which has no other use
- * any more.
+ * path then stands in for what roulette ends, so that both carry as much as before. xi: the number that has chosen, or what is left of it,
+ * which has no other use any more.
  */
 MCV_LOOP_FUNCTION mcv_parting mcv_part(mcv_slot slot, float xi, mcv_color throughput, mcv_scattering on, mcv_scattering other) {
     mcv_parting parting;
@@ -231,7 +231,7 @@ static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, u
     mcv_scattering on = mcv_scatter(world, meeting, media, pair, chosen, unmatched, &other);
 #if MCV_WITH_SPLIT
     if (other.chance > 0.0f) {
-        const mcv_parting parting = mcv_part(slot, pair.x, throughput, on, other);
+        const mcv_parting parting = mcv_part(slot, on.density > 0.0f ? on.rest : pair.x, throughput, on, other);
         on = parting.on;
         MCV_WORD(slot, branch, 0) += (uint)parting.splits;
         if (parting.branches) {

@@ -136,7 +136,7 @@ static mcv_scene *load_coarse(const char *name, uint32_t width, uint32_t height)
     return scene;
 }
 
-static const char *const mixed[] = {"report-exact.gltf", "lens", "absorbing", "loupe.gltf", "caustic.gltf", "window.gltf"};
+static const char *const mixed[] = {"report-exact.gltf", "lens", "absorbing", "rough glass", "loupe.gltf", "caustic.gltf", "window.gltf"};
 enum { MIXED = sizeof mixed / sizeof mixed[0] };
 
 static mcv_scene *make_mixed(int i, uint32_t pixels) {

@@ -580,7 +580,7 @@ static uint32_t find_features(const mcv_scene *scene) {
             feature(MCV_FEATURE_DIFFUSE, material->type == MCV_MATERIAL_DIFFUSE) | feature(MCV_FEATURE_DIELECTRIC, glass) |
             feature(MCV_FEATURE_TRANSLUCENT, material->type == MCV_MATERIAL_DIFFUSE && largest(material->as.diffuse.transmittance) > 0) |
             feature(MCV_FEATURE_COATING, glass && glass->coating > 0) | feature(MCV_FEATURE_DISPERSION, glass && !mcv_is_grey(glass->ior)) |
-            feature(MCV_FEATURE_SHEET, sheet) | feature(MCV_FEATURE_SPLIT, sheet || (glass && !mcv_material_is_rough(material))) |
+            feature(MCV_FEATURE_SHEET, sheet) | feature(MCV_FEATURE_SPLIT, sheet || glass) |
             feature(MCV_FEATURE_MIRROR, material->type == MCV_MATERIAL_MIRROR) |
             feature(MCV_FEATURE_GLOSS, mcv_material_is_rough(material) || material->type == MCV_MATERIAL_CONDUCTOR) |
             feature(MCV_FEATURE_RETROREFLECTOR, material->type == MCV_MATERIAL_RETROREFLECTOR) |

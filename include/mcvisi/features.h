@@ -16,7 +16,7 @@
     X(COATING, "coating", "a coating changes how much a body reflects") \
     X(DISPERSION, "dispersion", "a body refracts colours differently") \
     X(SPLIT, "split", \
-      "smooth bodies, sheets and beam splitters both reflect and pass light: paths follow both ways from the first of them") \
+      "bodies of glass, sheets and beam splitters both reflect and pass light: paths follow both ways from the first of them") \
     X(SHEET, "sheet", "a thin sheet or a beam splitter transmits") \
     X(MIRROR, "mirror", "a mirror reflects") \
     X(GLOSS, "gloss", "a metal reflects, or a surface of microfacets") \
