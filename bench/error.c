@@ -20,7 +20,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-enum { SCENES = 5, ADAPTIVE_REPLICATES = 4 };
+enum { SCENES = 5 };
 
 static const char *const scene_files[SCENES] = {"report-clean.glb", "part-backlight.gltf", "caustic.gltf", "glasses.gltf",
                                                 "telecentric-edge.gltf"};
@@ -100,7 +100,7 @@ static int first_like(const plot *p, int s) {
 
 static mcv_render_options options_of(int s) {
     mcv_render_options o = mcv_render_defaults();
-    o.replicates = series[s].adaptive ? ADAPTIVE_REPLICATES : 1;
+    o.replicates = 1;
     o.precision = series[s].precision;
     o.sampler = series[s].sampler;
     o.no_split = series[s].no_split;
@@ -242,7 +242,7 @@ static mcv_result measure_series(bench *b, plot *p, const mcv_scene *scene, cons
         MCV_TRY(warm(scene, s, error));
         MCV_TRY(converge_with(scene, options_of(s), truth, steps, points, error));
         for (int i = 0; i < steps; ++i) {
-            if (points[i].samples != (uint64_t)1 << 2 * i) continue; /* fewer than replicates */
+            if (points[i].samples != (uint64_t)1 << 2 * i) continue;
             c->x[0][c->steps] = (double)points[i].samples;
             c->x[1][c->steps] = points[i].seconds;
             c->y[c->steps++] = points[i].errors.rmse / mcv_film_mean(truth);

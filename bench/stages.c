@@ -348,6 +348,7 @@ static mcv_result render_half(half_render *h, bench_seconds *seconds, mcv_error 
     options.replicates = DRIVE_REPLICATES;
     options.no_light_paths = options.no_split = true; /* as the launches */
     options.last = h->samples;
+    options.seconds = 1e6; /* never; a render that samples alone may end would make one round of both halves */
     options.progress = note_progress;
     options.user = h;
     MCV_TRY(mcv_render(h->scene, 0, &options, &film, &h->stats, error));
