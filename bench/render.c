@@ -286,7 +286,8 @@ static mcv_result race_all_sides(bench *b, race *r, int scene, racer *racers, si
         bench_mean_add(&r->time, time_ratio(adaptive, best));
         bench_mean_add(&r->uniform_time, time_ratio(uniform, racers + uniform_first));
     }
-    return draw_pictures(b, adaptive, best, error);
+    /* So early that there is no look yet. */
+    return draw_pictures(b, uniform, best, error);
 }
 
 /* --- who takes part ------------------------------------------------------------------------------------------------ */
