@@ -338,8 +338,15 @@ static double share_lost(const char *name) {
 }
 
 /*
- * Whether both pictures are the same: by their noise, or where microfacets are rough, which give the light back that they send on to each
- * other here and lose it there, by their means as if all light had met such a surface once.
+ * Mitsuba starts rays (1 + |p|) 1500 roundings off surfaces, so that its light is not the same at each scale: the assembly's mean is
+ * 0.046979, 0.046997 and 0.047064 at 1, 1/10 and 1/50 of its size (each ± 0.000002), which without an offset, by a line, would be 0.046974
+ * to 0.046975: ours. That bends its means at most so much, twice what was found at size 1.
+ */
+static const double OFFSETS = 2e-4;
+
+/*
+ * Whether both pictures are the same: by their noise, or by their means but for what offsets bring, and where microfacets are rough, which
+ * give the light back that they send on to each other here and lose it there, as if all light had met such a surface once.
  */
 static mcv_result compare_truths(bench *b, const char *name, const mcv_film truths[2], bool *agree, mcv_error *error) {
     const double lost = share_lost(name);
@@ -347,9 +354,9 @@ static mcv_result compare_truths(bench *b, const char *name, const mcv_film trut
     mcv_comparison c;
     MCV_TRY(mcv_compare_films(truths, truths + 1, &c, error));
     printf("%s: means %.6g and %.6g; %s\n", name, c.mean_x, c.mean_y, c.reason);
-    *agree = !c.different || (c.mean_y <= c.mean_x && c.mean_y >= (1 - lost) * c.mean_x);
+    *agree = !c.different || (c.mean_y <= (1 + OFFSETS) * c.mean_x && c.mean_y >= (1 - lost - OFFSETS) * c.mean_x);
     if (!c.different) snprintf(words, sizeof words, "pictures agree");
-    if (c.different && *agree) snprintf(words, sizeof words, "means agree but for %.2g %% that microfacets may lose", 100 * lost);
+    if (c.different && *agree) snprintf(words, sizeof words, "means agree but for %.2g %%", 100 * (lost + OFFSETS));
     bench_number(b, c.mean_x, c.mean_y, "mean", "%s, %s", name, words);
     return MCV_OK;
 }
