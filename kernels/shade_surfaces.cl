@@ -221,6 +221,11 @@ static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, u
         MCV_STORE_COLOR(slot, radiance, radiance);
     }
 
+#if MCV_WITH_REACH && MCV_WITH_NEXT_EVENT
+    /* After what this surface emits, which those of the surface before are for, and before a branch takes them over. */
+    for (uint i = 0; i < 2; ++i) MCV_WORD(slot, reach, i) = MCV_WORD(slot, reach_here, i);
+#endif
+
     const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_SCATTER);
     float chosen = 0.0f;
 #if MCV_WITH_GLOSS || MCV_WITH_RETROREFLECTOR || MCV_WITH_TRANSLUCENT
@@ -254,9 +259,6 @@ static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, u
         throughput = mcv_dim(throughput, 1.0f / lives);
     }
 
-#if MCV_WITH_REACH && MCV_WITH_NEXT_EVENT
-    for (uint i = 0; i < 2; ++i) MCV_WORD(slot, reach, i) = MCV_WORD(slot, reach_here, i);
-#endif
     mcv_send_on(world, slot, meeting, media, on, throughput);
     return ways | MCV_GOES_ON;
 }

@@ -136,10 +136,25 @@ static mcv_scene *load_coarse(const char *name, uint32_t width, uint32_t height)
     return scene;
 }
 
-static const char *const mixed[] = {"report-exact.gltf", "lens", "absorbing", "rough glass", "loupe.gltf", "caustic.gltf", "window.gltf"};
+static const char *const mixed[] = {"report-exact.gltf", "lens",       "absorbing",    "rough glass",
+                                    "two lamps",         "loupe.gltf", "caustic.gltf", "window.gltf"};
 enum { MIXED = sizeof mixed / sizeof mixed[0] };
 
+/* Balls of two rough glasses, and lamps among which surfaces choose by what these may bring: by another one's choice a branch is wrong. */
+static mcv_scene *make_two_lamps(uint32_t pixels) {
+    mcv_scene *scene = make_peer_scene("rough glass", pixels, true, NULL);
+    const double at[3] = {-0.9, 0, 0.6}, forward[3] = {1, 0, 0}, up[3] = {0, 1, 0};
+    mcv_solid ball = sphere(0.3);
+    const uint32_t glass = add_rough_glass(scene);
+    scene->materials[glass].as.dielectric.roughness = 2 * PEER_SATIN;
+    ball.to_world = looking_down_z(0.3, -0.65, 0.5);
+    add_solid(scene, &ball, glass, glass);
+    add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 0.3, 0.3, add_absorber(scene), looking(at, forward, up)), 10, 0);
+    return scene;
+}
+
 static mcv_scene *make_mixed(int i, uint32_t pixels) {
+    if (strcmp(mixed[i], "two lamps") == 0) return make_two_lamps(pixels);
     if (strstr(mixed[i], "report")) return load(mixed[i]);
     return strstr(mixed[i], ".gltf") ? load_coarse(mixed[i], pixels, pixels) : make_peer_scene(mixed[i], pixels, true, NULL);
 }
