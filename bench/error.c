@@ -242,7 +242,6 @@ static mcv_result measure_series(bench *b, plot *p, const mcv_scene *scene, cons
         MCV_TRY(warm(scene, s, error));
         MCV_TRY(converge_with(scene, options_of(s), truth, steps, points, error));
         for (int i = 0; i < steps; ++i) {
-            if (points[i].samples != (uint64_t)1 << 2 * i) continue;
             c->x[0][c->steps] = (double)points[i].samples;
             c->x[1][c->steps] = points[i].seconds;
             c->y[c->steps++] = points[i].errors.rmse / mcv_film_mean(truth);
@@ -336,7 +335,7 @@ static mcv_result measure_edges(bench *b, plot *p, mcv_error *error) {
         result = warm(scene, s, error);
         for (int i = 0; i < steps && result == MCV_OK; ++i) {
             const uint64_t samples = (uint64_t)4 << 2 * i;
-            options.last = samples / options.replicates;
+            options.last = samples;
             result = measure_edge(scene, options, &c->y[i], &c->x[1][i], error);
             if (result != MCV_OK) break;
             c->x[0][i] = (double)samples;

@@ -80,7 +80,7 @@ typedef struct race {
     char left_out[256];
 } race;
 
-/* What counts is what the program does unless told otherwise. */
+/* Our two ways, then Mitsuba's. */
 enum { UNIFORM, ADAPTIVE, MOST_RACERS = ADAPTIVE + 1 + VARIANTS * (SAMPLERS + 1) };
 
 /* The exponent of RMSE ~ samples^-exponent between a quarter of the samples and all. It cannot be below that of random numbers: what

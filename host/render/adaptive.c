@@ -24,16 +24,13 @@ static size_t pixels_of(const plan *p) { return (size_t)p->width * p->height; }
 /* Between every second replicate, from the first of them on; the mean over the channels. */
 static void measure_variance(const mcv_film *look, uint32_t first, double *variances) {
     const size_t pixels = (size_t)look->width * look->height, stride = pixels * look->channels;
-    const uint32_t count = (look->replicates - first + 1) / 2;
     for (size_t i = 0; i < pixels; ++i) {
         variances[i] = 0;
         for (uint32_t c = 0; c < look->channels; ++c) {
-            const double *values = look->sums + first * stride + c * pixels + i;
-            double mean = 0, squares = 0;
-            for (uint32_t r = 0; r < count; ++r) mean += values[2 * r * stride];
-            mean /= count;
-            for (uint32_t r = 0; r < count; ++r) squares += (values[2 * r * stride] - mean) * (values[2 * r * stride] - mean);
-            variances[i] += squares / (count - 1) / look->channels;
+            double values[MCV_MAX_REPLICATES];
+            uint32_t count = 0;
+            for (uint32_t r = first; r < look->replicates; r += 2) values[count++] = look->sums[r * stride + c * pixels + i];
+            variances[i] += mcv_estimate_replicates(values, count).variance * count / look->channels;
         }
     }
 }

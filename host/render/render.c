@@ -68,8 +68,8 @@ static uint32_t floor_log2(uint64_t x) {
 
 static const uint32_t LOOK_SEED = 0x7f4a7c15u, ADAPTIVE_SEED = 0x2545f491u; /* change the user's seed for a first look, and after it */
 static const double SOBOL_FALL = 1.25; /* power by which the variance falls with the samples; 1 of random numbers */
-static const double WORTH =
-    0.9; /* adaptive sampling must take less of the samples that all pixels would need alike: noisy pixels cost more */
+/* Adaptive sampling must take less of the samples that all pixels would need alike: noisy pixels cost more. */
+static const double WORTH = 0.9;
 
 static const uint64_t MOST_SAMPLES = 0x80000000u, MOST_ADAPTIVE = 0x80000000u >> MCV_HIGHEST_LEVEL;
 
