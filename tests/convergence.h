@@ -100,17 +100,16 @@ typedef struct convergence_point {
     image_errors errors;
 } convergence_point;
 
-/* One image for each number of samples, rendered with these options but their samples and seed. */
+/* One image for each number of samples, rendered with these options, of one replicate, but their samples and seed. */
 static inline mcv_result converge_with(const mcv_scene *scene, mcv_render_options options, const mcv_film *truth, int steps,
                                        convergence_point *points, mcv_error *error) {
     for (int i = 0; i < steps; ++i) {
         mcv_render_stats stats = {0};
         mcv_film film = {0};
-        const uint64_t samples = (uint64_t)1 << 2 * i;
-        options.last = samples > options.replicates ? samples / options.replicates : 1;
+        options.last = (uint64_t)1 << 2 * i;
         options.seed = (uint32_t)i + 1;
         MCV_TRY((options.precision == MCV_PRECISION_DOUBLE ? mcv_reference_render : mcv_render)(scene, 0, &options, &film, &stats, error));
-        points[i] = (convergence_point){options.last * options.replicates, stats.seconds_render, errors_against(&film, truth)};
+        points[i] = (convergence_point){options.last, stats.seconds_render, errors_against(&film, truth)};
         mcv_film_free(&film);
     }
     return MCV_OK;
