@@ -9,9 +9,16 @@
 
 /*
  * Before a loop whose turns do not read what others write. PoCL's front end cannot vectorise it before its back end has inlined fma. Left
- * to itself the compiler takes four turns at once where a loop divides integers.
+ * to itself the compiler takes four turns at once where a loop divides integers. It stands where a statement may.
  */
-#ifdef __clang__
+#if defined(__clang__) && defined(__AVX512F__)
+#pragma clang diagnostic ignored "-Wpass-failed"
+/* Clang prefers registers of eight lanes but in functions that take a vector of sixteen, and in whatever these are inlined into. */
+static inline __attribute__((always_inline)) void mcv_take_sixteen(float16 lanes) { (void)lanes; }
+#define MCV_PARALLEL \
+    mcv_take_sixteen((float16)(0.0f)); \
+    _Pragma("clang loop vectorize(assume_safety) vectorize_width(16)")
+#elif defined(__clang__)
 #pragma clang diagnostic ignored "-Wpass-failed"
 #define MCV_PARALLEL _Pragma("clang loop vectorize(assume_safety) vectorize_width(8)")
 #else

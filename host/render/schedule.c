@@ -5,9 +5,9 @@
 #include <string.h>
 
 enum {
-    DEFAULT_SLICE = 256,
-    MAX_SLICES = 2048, /* enough for both an even load and a bounded state */
-    MAX_SLOTS = 4096,  /* of a slice: its state is on a thread's stack */
+    DEFAULT_SLICE = 1024, /* the last turns of a loop over few paths are not vectorised */
+    MAX_SLICES = 1024,    /* enough for both an even load and a bounded state */
+    MAX_SLOTS = 4096,     /* of a slice: its state is on a thread's stack */
     MAX_STREAM_PATHS = 1 << 20,
     MAX_STREAM_SLOTS = 1 << 22, /* few paths have all of their branches */
     STREAM_GROUP = 64,          /* as in kernels/stream.cl */
