@@ -35,6 +35,9 @@ MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_
     MCV_STORE_COLOR(slot, radiance, radiance);
 }
 
+/* Whether shadow rays may have to meet their emitter. */
+#define MCV_WITH_TARGETS (MCV_WITH_PARALLEL || MCV_WITH_BEAM)
+
 /* A ray without target ends at the emitter's point, t = 1, or nowhere; one with a target must meet it first. */
 static int mcv_shadow_is_any(mcv_slot slot) { return MCV_WORD(slot, shadow_target, 0) >= MCV_SKY; }
 

@@ -33,29 +33,51 @@ enum {
 /* Instead of MCV_GOES_ON …: the path is left to mcv_shade_surface. */
 enum { MCV_IS_LEFT = 4 };
 
-MCV_LOOP_FUNCTION uint mcv_kind_met(mcv_world world, uint met) {
-    uint exact = 0, shading = MCV_SHADED_ALONE;
-    if (met == MCV_NONE) return MCV_MET_NOTHING;
+/* Where a ray has met nothing or the other sort of surface, the first one is read instead; `triangles` may be read there. */
+MCV_LOOP_FUNCTION uint mcv_kind_met(mcv_world world, __global const uint *triangles, uint met) {
+    const int nothing = met == MCV_NONE;
+    int exact = 0;
+    uint shading = MCV_SHADED_ALONE;
 #if MCV_WITH_SURFACES
-    exact = met >= MCV_EXACT;
+    exact = !nothing & (met >= MCV_EXACT);
 #endif
 #if MCV_WITH_PLAIN || MCV_WITH_SMOOTH
-    shading = world.instances[mcv_instance_of(world, met)].shading;
-#else
-    (void)world;
+    uint instance = triangles[4u * (nothing | exact ? 0u : met) + 3u];
+#if MCV_WITH_SURFACES
+    const uint solid = exact ? (met & ~MCV_EXACT) >> 2 : 0u, piece = exact ? met & 3u : 0u;
+    instance = exact ? world.solids[solid].instance[piece] : instance;
 #endif
-    if (MCV_WITH_SMOOTH && shading == MCV_SHADED_SMOOTH) return exact ? MCV_MET_SMOOTH_EXACT : MCV_MET_SMOOTH_TRIANGLE;
-    if (MCV_WITH_PLAIN && shading == MCV_SHADED_DIFFUSE) return exact ? MCV_MET_DIFFUSE_EXACT : MCV_MET_DIFFUSE_TRIANGLE;
-    if (MCV_WITH_PLAIN && MCV_WITH_GLOSS && shading == MCV_SHADED_GLOSSY) return exact ? MCV_MET_GLOSS_EXACT : MCV_MET_GLOSS_TRIANGLE;
-    return exact ? MCV_MET_EXACT : MCV_MET_TRIANGLE;
+    shading = world.instances[nothing ? 0u : instance].shading;
+#else
+    (void)world, (void)triangles;
+#endif
+    uint kind = exact ? MCV_MET_EXACT : MCV_MET_TRIANGLE;
+#if MCV_WITH_SMOOTH
+    kind = shading == MCV_SHADED_SMOOTH ? (exact ? MCV_MET_SMOOTH_EXACT : MCV_MET_SMOOTH_TRIANGLE) : kind;
+#endif
+#if MCV_WITH_PLAIN
+    kind = shading == MCV_SHADED_DIFFUSE ? (exact ? MCV_MET_DIFFUSE_EXACT : MCV_MET_DIFFUSE_TRIANGLE) : kind;
+#if MCV_WITH_GLOSS
+    kind = shading == MCV_SHADED_GLOSSY ? (exact ? MCV_MET_GLOSS_EXACT : MCV_MET_GLOSS_TRIANGLE) : kind;
+#endif
+#endif
+    return nothing ? MCV_MET_NOTHING : kind;
 }
 
 /* What the paths have met. */
 static __attribute__((noinline)) void mcv_find_kinds(mcv_world world, const uint *paths, uint count, uint *kinds, uint *gloss) {
     const uint *met = paths + (MCV_PATH_hit + 3) * MCV_ROW;
-    MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) kinds[i] = mcv_kind_met(world, met[i]);
+    __global const uint *triangles = (__global const uint *)world.triangles;
+#if MCV_WITH_SURFACES
+    if (!triangles) triangles = (__global const uint *)world.solids;
+#endif
     *gloss = MCV_NONE;
+    if (!triangles) {
+        for (uint i = 0; i < count; ++i) kinds[i] = MCV_MET_NOTHING;
+        return;
+    }
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) kinds[i] = mcv_kind_met(world, triangles, met[i]);
 #if MCV_WITH_PLAIN && MCV_WITH_GLOSS
     for (uint i = 0; i < count; ++i) {
         if (kinds[i] != MCV_MET_GLOSS_TRIANGLE && kinds[i] != MCV_MET_GLOSS_EXACT) continue;
@@ -72,27 +94,28 @@ static __attribute__((noinline)) void mcv_find_kinds(mcv_world world, const uint
  * MCV_SLOTS.
  */
 static __attribute__((noinline)) uint mcv_plan_moves(uint *kinds, uint count, uint *ends, uint *from, uint *to) {
-    uint homes[MCV_SLOTS], astray[MCV_SLOTS], next[MCV_SLOTS]; /* kinds whose slots they are, who is not where it belongs, the next such */
+    uint homes[MCV_SLOTS];                                      /* kinds whose slots they are */
+    uint strays[MCV_SLOTS], astray[MCV_SLOTS], next[MCV_SLOTS]; /* who is not where it belongs, in a list, and the next such of its kind */
     uint first[MCV_MET_COUNT];
-    uint strays = 0, moves = 0;
+    uint moves = 0;
     for (uint kind = 0, end = 0; kind < MCV_MET_COUNT; ++kind) {
         uint i = end;
+        MCV_PARALLEL
         for (uint k = 0; k < count; ++k) end += kinds[k] == kind;
         ends[kind] = end;
         first[kind] = MCV_NONE;
         for (; i < end; ++i) homes[i] = kind;
     }
-    for (uint i = 0; i < count; ++i) {
-        astray[strays] = i;
-        strays += kinds[i] != homes[i];
-    }
-    for (uint k = 0; k < strays; ++k) {
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) strays[i] = kinds[i] != homes[i];
+    const uint stray_count = mcv_list(strays, count, astray);
+    for (uint k = 0; k < stray_count; ++k) {
         const uint i = astray[k];
         next[i] = first[kinds[i]];
         first[kinds[i]] = i;
     }
     for (uint pass = 0; pass < 2; ++pass) {
-        for (uint k = 0; k < strays; ++k) {
+        for (uint k = 0; k < stray_count; ++k) {
             const uint begin = astray[k];
             if (homes[begin] == kinds[begin] || homes[begin] == MCV_MET_NOTHING) continue;
             if ((kinds[begin] == MCV_MET_NOTHING) == pass) continue;
@@ -236,8 +259,7 @@ MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint
 
 /* Lists those of the plain paths that have a shadow ray to follow; returns how many. */
 static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, uint *paths, const uint *ends, uint gloss, uint *shadows) {
-    uint casts[MCV_SLOTS];
-    uint listed = 0;
+    uint casts[MCV_ROW];
     const uint first = ends[MCV_MET_DIFFUSE_EXACT], last = ends[MCV_MET_GLOSS_TRIANGLE];
     (void)gloss, (void)first;
     mcv_cast_plain_shadows(world, paths, last, ends[MCV_MET_DIFFUSE_TRIANGLE], 0, MCV_MATERIAL_DIFFUSE, MCV_NONE, casts);
@@ -255,10 +277,9 @@ static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, ui
         mcv_cast_plain_shadows(world, paths, first, last, MCV_WITH_SURFACES, MCV_MATERIAL_DIELECTRIC, gloss, casts);
 #endif
 #endif
-    for (uint i = ends[MCV_MET_SMOOTH_EXACT]; i < ends[MCV_MET_DIFFUSE_TRIANGLE]; ++i) {
-        shadows[listed] = i;
-        listed += casts[i];
-    }
+    const uint begin = ends[MCV_MET_SMOOTH_EXACT];
+    const uint listed = mcv_list(casts + begin, ends[MCV_MET_DIFFUSE_TRIANGLE] - begin, shadows);
+    for (uint i = 0; i < listed; ++i) shadows[i] += begin;
     return listed;
 }
 #endif

@@ -94,11 +94,10 @@ static __attribute__((noinline)) uint mcv_shade_smooth_surfaces(mcv_world world,
 #endif
     for (uint i = 0; i < ends[MCV_MET_SMOOTH_EXACT]; ++i) *unmatched += differs[i];
 #if MCV_WITH_SPLIT
-    uint listed[MCV_SLOTS];
-    for (uint i = 0; i < ends[MCV_MET_SMOOTH_EXACT]; ++i) {
-        listed[count] = i;
-        count += (ways[i] & MCV_BRANCHES_OFF) != 0u;
-    }
+    uint branches[MCV_SLOTS], listed[MCV_SLOTS];
+    MCV_PARALLEL
+    for (uint i = 0; i < ends[MCV_MET_SMOOTH_EXACT]; ++i) branches[i] = ways[i] & MCV_BRANCHES_OFF;
+    count = mcv_list(branches, ends[MCV_MET_SMOOTH_EXACT], listed);
     mcv_branch_off_together(world, paths, listed, count, begin);
 #endif
     return begin + count;

@@ -26,6 +26,7 @@ static inline __attribute__((always_inline)) void mcv_take_sixteen(float16 lanes
 #endif
 
 #include "world.h"
+#include "list.h"
 #include "ways.h"
 #if MCV_WITH_AIM
 #include "aim_pupils.cl"
@@ -58,62 +59,60 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_one_of(const uint *rows, uint i) {
     return mcv_vec(as_float(rows[i]), as_float(rows[MCV_ROW + i]), as_float(rows[2 * MCV_ROW + i]));
 }
 
-/* The chosen rays with one solid, of a shape that is known to the compiler. */
-MCV_LOOP_FUNCTION void mcv_meet_together(mcv_world world, mcv_side_by_side rays, uint number, uint shape, const uint *chosen, uint count,
-                                         float *t, uint *pieces) {
+/* Rays with one solid, of a shape that is known to the compiler. */
+MCV_LOOP_FUNCTION void mcv_meet_together(mcv_world world, mcv_side_by_side rays, uint number, uint shape, uint count, float *t,
+                                         uint *pieces) {
     __global const mcv_device_solid *solid = world.solids + number;
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i) {
-        const uint k = chosen[i];
-        const mcv_approach ray = mcv_approach_solid(world, number, mcv_one_of(rays.origin, k), mcv_one_of(rays.direction, k), rays.left[k]);
+        const mcv_approach ray = mcv_approach_solid(world, number, mcv_one_of(rays.origin, i), mcv_one_of(rays.direction, i), rays.left[i]);
         const mcv_piece_met met = mcv_meet_shape(solid, shape, ray);
         t[i] = met.t;
         pieces[i] = met.piece;
     }
 }
 
-/* The rays that may meet a solid; returns how many. */
+/* Lists the rays that may meet a solid, and sets them side by side in `rows`; returns how many. */
 static __attribute__((noinline)) uint mcv_list_approaching(mcv_world world, mcv_side_by_side rays, uint count, uint number,
-                                                           const mcv_hit *hits, uint *chosen) {
+                                                           const mcv_hit *hits, uint *chosen, uint *rows) {
     __global const mcv_device_solid *solid = world.solids + number;
     uint reaches[MCV_SLOTS];
-    uint listed = 0;
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i)
         reaches[i] = (uint)mcv_reaches_solid(solid, mcv_one_of(rays.origin, i), mcv_one_of(rays.direction, i), hits[i].t);
-    for (uint i = 0; i < count; ++i) {
-        chosen[listed] = i;
-        listed += reaches[i];
+    for (uint axis = 0; axis < 3; ++axis) {
+        mcv_pack_row(reaches, rays.origin + axis * MCV_ROW, count, rows + axis * MCV_ROW);
+        mcv_pack_row(reaches, rays.direction + axis * MCV_ROW, count, rows + (3 + axis) * MCV_ROW);
     }
-    return listed;
+    mcv_pack_row(reaches, rays.left, count, rows + 6 * MCV_ROW);
+    return mcv_list(reaches, count, chosen);
 }
 
 /* What many rays meet of the exact surfaces, if that is closer than the given hits (or misses, with their t_max). */
 static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, mcv_side_by_side rays, uint count, mcv_hit *hits) {
-    uint chosen[MCV_SLOTS], pieces[MCV_SLOTS];
+    uint chosen[MCV_SLOTS], pieces[MCV_SLOTS], rows[7 * MCV_ROW];
     float t[MCV_SLOTS];
+    const mcv_side_by_side near = {rows, rows + 3 * MCV_ROW, rows + 6 * MCV_ROW};
     for (uint number = 0; number < world.frame->solid_count; ++number) {
         const uint shape = mcv_shape(world.solids + number);
-        const uint listed = mcv_list_approaching(world, rays, count, number, hits, chosen);
-        if (shape == MCV_SHAPE_OTHER) {
-            for (uint i = 0; i < listed; ++i) {
-                const uint k = chosen[i];
-                mcv_intersect_solid(world, number, mcv_one_of(rays.origin, k), mcv_one_of(rays.direction, k), rays.left[k], hits + k);
-            }
-            continue;
-        }
+        const uint listed = mcv_list_approaching(world, rays, count, number, hits, chosen, rows);
         switch (shape) {
+        case MCV_SHAPE_OTHER:
+            for (uint i = 0; i < listed; ++i)
+                mcv_intersect_solid(world, number, mcv_one_of(near.origin, i), mcv_one_of(near.direction, i), near.left[i],
+                                    hits + chosen[i]);
+            continue;
         case MCV_SHAPE_DISC:
-            mcv_meet_together(world, rays, number, MCV_SHAPE_DISC, chosen, listed, t, pieces);
+            mcv_meet_together(world, near, number, MCV_SHAPE_DISC, listed, t, pieces);
             break;
         case MCV_SHAPE_BALL:
-            mcv_meet_together(world, rays, number, MCV_SHAPE_BALL, chosen, listed, t, pieces);
+            mcv_meet_together(world, near, number, MCV_SHAPE_BALL, listed, t, pieces);
             break;
         case MCV_SHAPE_BOX:
-            mcv_meet_together(world, rays, number, MCV_SHAPE_BOX, chosen, listed, t, pieces);
+            mcv_meet_together(world, near, number, MCV_SHAPE_BOX, listed, t, pieces);
             break;
         default:
-            mcv_meet_together(world, rays, number, MCV_SHAPE_CONICS, chosen, listed, t, pieces);
+            mcv_meet_together(world, near, number, MCV_SHAPE_CONICS, listed, t, pieces);
         }
         for (uint i = 0; i < listed; ++i) mcv_take_exact_hit(world, t[i], number, pieces[i], hits + chosen[i]);
     }
@@ -135,7 +134,6 @@ MCV_FUNCTION float mcv_most_lane(float8 lanes) {
 static __attribute__((noinline)) uint mcv_list_near_triangles(mcv_world world, uint *paths, uint count, const mcv_hit *ends, uint *chosen) {
     uint meets[MCV_SLOTS];
     float low[3], high[3];
-    uint listed = 0;
     mcv_slot slot;
     const float extent = world.nodes->extent;
     slot.base = paths;
@@ -149,11 +147,7 @@ static __attribute__((noinline)) uint mcv_list_near_triangles(mcv_world world, u
         const mcv_vec3 o = MCV_LOAD_3(slot, origin), d = MCV_LOAD_3(slot, direction);
         meets[i] = (uint)mcv_meets_box(low, high, extent, o, d, ends[i].t);
     }
-    for (uint i = 0; i < count; ++i) {
-        chosen[listed] = i;
-        listed += meets[i];
-    }
-    return listed;
+    return mcv_list(meets, count, chosen);
 }
 #endif
 
@@ -191,12 +185,9 @@ static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count) {
     MCV_CLOSEST_MANY(world.nodes, world.leaves, origins, directions, chosen, listed, hits);
 #if MCV_WITH_SURFACES
     for (uint i = 0; i < listed; ++i) {
-        mcv_hit *hit = exact + chosen[i];
-        const int met = hits[i].triangle != MCV_NONE;
-        hit->t = met ? hits[i].t : hit->t;
-        hit->u = met ? hits[i].u : hit->u;
-        hit->v = met ? hits[i].v : hit->v;
-        hit->triangle = met ? hits[i].triangle : hit->triangle;
+        const int4 met = (int4)(hits[i].triangle != MCV_NONE ? -1 : 0);
+        int *hit = (int *)(exact + chosen[i]);
+        vstore4(met ? vload4(0, (const int *)(hits + i)) : vload4(0, hit), 0, hit);
     }
     mcv_arrive_together(world, slot.base, exact, count);
 #else
@@ -209,14 +200,12 @@ static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count) {
 /* What the shadow rays of the chosen paths meet, of triangles (the given hits) and exact surfaces (mcv_shadow_past_solids). */
 static __attribute__((noinline)) void mcv_shadows_past_solids(mcv_world world, const uint *paths, const uint *chosen, uint count, int any,
                                                               mcv_hit *hits) {
-    uint rows[7 * MCV_ROW], open[MCV_SLOTS];
+    uint rows[7 * MCV_ROW], goes_on[MCV_SLOTS], open[MCV_SLOTS];
     float lengths[MCV_SLOTS];
     mcv_hit exact[MCV_SLOTS];
-    uint listed = 0;
-    for (uint i = 0; i < count; ++i) {
-        open[listed] = i;
-        listed += !any || hits[i].triangle == MCV_NONE;
-    }
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) goes_on[i] = (uint)(!any | (hits[i].triangle == MCV_NONE));
+    const uint listed = mcv_list(goes_on, count, open);
     MCV_PARALLEL
     for (uint i = 0; i < listed; ++i) {
         const uint k = chosen[open[i]];
@@ -247,32 +236,41 @@ static __attribute__((noinline)) void mcv_shadows_past_solids(mcv_world world, c
 }
 #endif
 
-/* The light of shadow rays that nothing blocks. */
-static __attribute__((noinline)) void mcv_add_shadow_lights(mcv_world world, uint *paths, const uint *lit, const mcv_hit *hits,
-                                                            uint count) {
+/* The light of the listed ones of the chosen paths' shadow rays, which nothing blocks. */
+static __attribute__((noinline)) void mcv_add_shadow_lights(mcv_world world, uint *paths, const uint *chosen, const mcv_hit *hits,
+                                                            const uint *listed, uint count) {
     mcv_slot slot;
     slot.base = paths;
 #if !((MCV_WITH_PARALLEL || MCV_WITH_BEAM) && MCV_WITH_TEXTURE)
     MCV_PARALLEL
 #endif
     for (uint i = 0; i < count; ++i) {
-        slot.index = lit[i];
-        const mcv_hit hit = {hits[i].t, hits[i].u, hits[i].v, hits[i].triangle};
+        const uint k = listed[i];
+        slot.index = chosen[k];
+        const mcv_hit hit = {hits[k].t, hits[k].u, hits[k].v, hits[k].triangle};
         mcv_add_shadow_light(world, slot, hit);
     }
 }
 
 static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *paths, uint count) {
     const mcv_rows origins = MCV_ROWS(slot, shadow_origin), directions = MCV_ROWS(slot, shadow_direction);
-    for (int any = 0; any < 2; ++any) {
-        uint chosen[MCV_SLOTS];
+    for (int any = !MCV_WITH_TARGETS; any < 2; ++any) {
+        uint flags[MCV_SLOTS], listed[MCV_SLOTS], chosen[MCV_SLOTS];
         mcv_hit hits[MCV_SLOTS];
-        uint chosen_count = 0;
+        uint chosen_count = count;
+#if MCV_WITH_TARGETS
         for (uint i = 0; i < count; ++i) {
             slot.index = paths[i];
-            if (mcv_shadow_is_any(slot) != any) continue;
-            hits[chosen_count] = mcv_miss(mcv_shadow_end(slot));
-            chosen[chosen_count++] = paths[i];
+            flags[i] = mcv_shadow_is_any(slot) == any;
+        }
+        chosen_count = mcv_list(flags, count, listed);
+        for (uint i = 0; i < chosen_count; ++i) chosen[i] = paths[listed[i]];
+#else
+        for (uint i = 0; i < count; ++i) chosen[i] = paths[i];
+#endif
+        for (uint i = 0; i < chosen_count; ++i) {
+            slot.index = chosen[i];
+            hits[i] = mcv_miss(mcv_shadow_end(slot));
         }
         if (any)
             MCV_ANY_MANY(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
@@ -281,16 +279,11 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
 #if MCV_WITH_SURFACES
         mcv_shadows_past_solids(world, slot.base, chosen, chosen_count, any, hits);
 #endif
-        uint lit = 0;
         for (uint i = 0; i < chosen_count; ++i) {
             slot.index = chosen[i];
-            const int arrives = any ? hits[i].triangle == MCV_NONE : mcv_meets_target(world, slot, hits[i]);
-            const mcv_hit hit = {hits[i].t, hits[i].u, hits[i].v, hits[i].triangle};
-            chosen[lit] = chosen[i];
-            hits[lit] = hit;
-            lit += arrives != 0;
+            flags[i] = any ? hits[i].triangle == MCV_NONE : (uint)mcv_meets_target(world, slot, hits[i]);
         }
-        mcv_add_shadow_lights(world, slot.base, chosen, hits, lit);
+        mcv_add_shadow_lights(world, slot.base, chosen, hits, listed, mcv_list(flags, chosen_count, listed));
     }
 }
 #endif
@@ -566,8 +559,7 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
 static __attribute__((noinline)) uint mcv_begin_paths(mcv_world world, mcv_slot slot, uint first, uint count) {
     uint columns[MCV_SLOTS];
     uint rows[MCV_SLOTS];
-    uint begun[MCV_SLOTS];
-    uint alive = 0;
+    uint begins[MCV_SLOTS], begun[MCV_SLOTS];
     const uint samples = 1u << world.frame->log2_samples;
     mcv_identity id = mcv_identify(world, first);
     for (slot.index = 0; slot.index < count; ++slot.index) {
@@ -589,11 +581,9 @@ static __attribute__((noinline)) uint mcv_begin_paths(mcv_world world, mcv_slot 
         begun_by.sample = MCV_WORD(slot, sample, 0);
         mcv_generate_ray(world, slot, begun_by);
         MCV_WORD(slot, value, 0) = i;
+        begins[i] = MCV_LOAD(slot, weight, 0) > 0.0f;
     }
-    for (slot.index = 0; slot.index < count; ++slot.index) {
-        begun[alive] = slot.index;
-        alive += MCV_LOAD(slot, weight, 0) > 0.0f;
-    }
+    const uint alive = mcv_list(begins, count, begun);
     if (alive < count) mcv_move_paths(slot.base, begun, alive);
     return alive;
 }
@@ -618,14 +608,12 @@ static __attribute__((noinline)) uint mcv_end_paths(mcv_world world, uint *paths
 
 /* Those of the paths end that have met nothing; returns how many values are not finite. */
 static __attribute__((noinline)) uint mcv_leave_scenes(mcv_world world, uint *paths, const uint *kinds, uint count, float *values) {
-    uint listed[MCV_SLOTS];
-    uint leave = 0;
+    uint leaves[MCV_SLOTS], listed[MCV_SLOTS];
     mcv_slot slot;
     slot.base = paths;
-    for (uint i = 0; i < count; ++i) {
-        listed[leave] = i;
-        leave += kinds[i] == MCV_MET_NOTHING;
-    }
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) leaves[i] = kinds[i] == MCV_MET_NOTHING;
+    const uint leave = mcv_list(leaves, count, listed);
 #if !MCV_WITH_ENVIRONMENT_IMAGE
     MCV_PARALLEL
 #endif
@@ -644,7 +632,7 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
     uint paths[MCV_PATH_WORDS * MCV_ROW];
     float values[MCV_CHANNELS * MCV_SLOTS];
     uint chosen[MCV_SLOTS];
-    uint kinds[MCV_SLOTS], ends[MCV_MET_COUNT], ways[MCV_SLOTS], ended[MCV_SLOTS], gloss;
+    uint kinds[MCV_SLOTS], ends[MCV_MET_COUNT], ways[MCV_SLOTS], flags[MCV_SLOTS], ended[MCV_SLOTS], gloss;
     uint counts[MCV_COUNTER_COUNT] = {0};
     mcv_slot slot;
     slot.base = paths;
@@ -683,7 +671,6 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
 #if MCV_WITH_DIFFUSE
         mcv_choose_bounces(paths, ends[MCV_MET_SMOOTH_EXACT], alive);
 #endif
-        uint next = 0, ends_here = 0;
         mcv_slot beside = slot;
         beside.index = alive;
         for (uint i = 0; i < alive; ++i) ways[i] = MCV_IS_LEFT;
@@ -694,16 +681,17 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
         beside.index = mcv_shade_smooth_surfaces(world, paths, ends, alive, depth, ways, &counts[MCV_COUNTER_unmatched]);
 #endif
         for (slot.index = 0; slot.index < alive; ++slot.index) {
-            if (ways[slot.index] == MCV_IS_LEFT) {
-                ways[slot.index] = mcv_shade_surface(world, slot, beside, depth, &counts[MCV_COUNTER_unmatched]);
-                beside.index += (ways[slot.index] & MCV_BRANCHES_OFF) != 0u;
-            }
-            const uint on = ways[slot.index] & MCV_GOES_ON;
-            chosen[next] = ended[ends_here] = slot.index;
-            next += on;
-            ends_here += 1u - on;
+            if (ways[slot.index] != MCV_IS_LEFT) continue;
+            ways[slot.index] = mcv_shade_surface(world, slot, beside, depth, &counts[MCV_COUNTER_unmatched]);
+            beside.index += (ways[slot.index] & MCV_BRANCHES_OFF) != 0u;
         }
+        MCV_PARALLEL
+        for (uint i = 0; i < alive; ++i) flags[i] = (ways[i] & MCV_GOES_ON) == 0u;
+        const uint ends_here = mcv_list(flags, alive, ended);
         counts[MCV_COUNTER_nonfinite] += mcv_end_paths(world, paths, ended, ends_here, values);
+        MCV_PARALLEL
+        for (uint i = 0; i < alive; ++i) flags[i] = ways[i] & MCV_GOES_ON;
+        uint next = mcv_list(flags, alive, chosen);
 #if MCV_LEAVES_TOGETHER
         mcv_leave_surfaces(paths, alive);
 #endif

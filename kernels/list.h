@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Which paths of a slice go where: the tile schedule's lists of slots. */
+#ifndef MCVISI_KERNELS_LIST_H
+#define MCVISI_KERNELS_LIST_H
+
+#include "mcvisi/dialect.h"
+
+/* clang knows the builtins on any x86, but can only emit them with AVX-512. */
+#if defined(__AVX512F__) && defined(__has_builtin)
+#if __has_builtin(__builtin_ia32_compresssi512_mask) && __has_builtin(__builtin_ia32_ucmpd512_mask)
+#define MCV_AVX512_BUILTINS 1
+/* A bit for each of 16 flags that is not 0 (4: "not equal"), of those within a mask. */
+#define MCV_SET_FLAGS(flags, within) __builtin_ia32_ucmpd512_mask(as_int16(vload16(0, flags)), (int16)(0), 4, within)
+#endif
+#endif
+
+/*
+ * Lists the numbers i < count with flags[i] != 0, in their order; returns how many. Both rows have room for the next multiple of 16:
+ * what lies beyond is read and written, and counts for nothing.
+ */
+static __attribute__((noinline)) uint mcv_list(const uint *flags, uint count, uint *listed) {
+    uint n = 0;
+#ifdef MCV_AVX512_BUILTINS
+    enum { LESS = 1 };
+    int16 numbers = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    for (uint i = 0; i < count; i += 16) {
+        const ushort within = __builtin_ia32_ucmpd512_mask(numbers, (int16)((int)count), LESS, (ushort)0xffff);
+        const ushort set = MCV_SET_FLAGS(flags + i, within);
+        vstore16(as_uint16(__builtin_ia32_compresssi512_mask(numbers, numbers, set)), 0, listed + n);
+        n += popcount((uint)set);
+        numbers += 16;
+    }
+#else
+    for (uint i = 0; i < count; ++i) {
+        listed[n] = i;
+        n += flags[i] != 0u;
+    }
+#endif
+    return n;
+}
+
+/* The words of a row whose flags are not 0, side by side; the same room. */
+static __attribute__((noinline)) void mcv_pack_row(const uint *flags, const uint *row, uint count, uint *packed) {
+#ifdef MCV_AVX512_BUILTINS
+    for (uint i = 0, n = 0; i < count; i += 16) {
+        const ushort set = MCV_SET_FLAGS(flags + i, 0xffff);
+        const int16 words = as_int16(vload16(0, row + i));
+        vstore16(as_uint16(__builtin_ia32_compresssi512_mask(words, words, set)), 0, packed + n);
+        n += popcount((uint)set);
+    }
+#else
+    for (uint i = 0, n = 0; i < count; ++i) {
+        packed[n] = row[i];
+        n += flags[i] != 0u;
+    }
+#endif
+}
+
+#endif
