@@ -61,8 +61,8 @@ static mcv_result our_image(const image_maker *m, uint32_t replicates, mcv_film 
     options.last = m->samples;
     options.seed = m->seed;
     options.depth = SURFACES;
-    if (m->is_plain) options.sampler = MCV_SAMPLER_RANDOM;
-    options.no_light_paths = options.no_split = m->is_plain;
+    if (m->is_random) options.sampler = MCV_SAMPLER_RANDOM;
+    options.no_light_paths = options.no_split = m->is_single;
     options.adaptive = m->is_adaptive && replicates == m->replicates; /* not the truth */
     return mcv_renderer_render(m->renderer, m->scene, 0, &options, film, &stats, error);
 }

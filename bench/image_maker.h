@@ -23,7 +23,8 @@ typedef struct image_maker {
     const char *scene_name, *integrator, *sampler;
     mcv_renderer *renderer;
     const mcv_scene *scene;
-    bool is_plain; /* random numbers, no light paths, no splitting */
+    bool is_random; /* numbers in place of Sobol' points */
+    bool is_single; /* a sample is one path: no branches, no light paths */
     bool is_adaptive;
     uint32_t replicates;   /* of ours */
     const mcv_film *truth; /* of its own renderer */

@@ -5,7 +5,8 @@
  *
  * Scenes that both describe (tests/peer_scenes.h, tests/mitsuba_peer.py), three channels, 32 surfaces a path, all cores, wall clock; scene
  * loaded and kernels compiled before. Mitsuba takes part with each variant, sampler and integrator that fits, of which the best
- * counts: for `samples_per_second` the fastest, for `time_to_rmse` the one that reaches the error first.
+ * counts: for `samples_per_second` the fastest, for `time_to_rmse` the one that reaches the error first. A sample of Mitsuba's is one path
+ * from the camera; in `paths_per_second` ours is, too, without the light paths and branches that a usual sample has.
  *
  * Each renderer's truth is its own, of 64 times the samples and another seed, after mcv_compare_films has found no difference between
  * both; the truth's own variance is taken off the mean squared error. The error that both are to reach is the geometric mean of
@@ -76,12 +77,12 @@ typedef struct racer {
 typedef struct race {
     peer peers[VARIANTS];
     mcv_mesh assembly;
-    bench_mean speed, time, uniform_time, time_of[GROUPS];
+    bench_mean speed, single_speed, time, uniform_time, time_of[GROUPS];
     char left_out[256];
 } race;
 
-/* Our two ways, then Mitsuba's. */
-enum { UNIFORM, ADAPTIVE, MOST_RACERS = ADAPTIVE + 1 + VARIANTS * (SAMPLERS + 1) };
+/* Our ways, then Mitsuba's. */
+enum { UNIFORM, ADAPTIVE, SINGLE, MOST_RACERS = SINGLE + 1 + VARIANTS * (SAMPLERS + 1) };
 
 /* The exponent of RMSE ~ samples^-exponent between a quarter of the samples and all. It cannot be below that of random numbers: what
  * seems to be is the noise of rare paths. */
@@ -283,6 +284,7 @@ static mcv_result race_all_sides(bench *b, race *r, int scene, racer *racers, si
     bench_mean_add(&r->time_of[scenes[scene].group], time_ratio(adaptive, best));
     if (scenes[scene].group != CONE) {
         bench_mean_add(&r->speed, racers[fastest].seconds[POINTS - 1] / uniform->seconds[POINTS - 1]);
+        bench_mean_add(&r->single_speed, racers[fastest].seconds[POINTS - 1] / racers[SINGLE].seconds[POINTS - 1]);
         bench_mean_add(&r->time, time_ratio(adaptive, best));
         bench_mean_add(&r->uniform_time, time_ratio(uniform, racers + uniform_first));
     }
@@ -385,6 +387,9 @@ static mcv_result race_scene(bench *b, race *r, int scene, const image_maker *ba
     add_racer(racers, &count, &ours, "MC ViSi");
     ours.is_adaptive = true;
     add_racer(racers, &count, &ours, "MC ViSi adaptive");
+    ours.is_adaptive = false;
+    ours.is_single = true;
+    add_racer(racers, &count, &ours, "MC ViSi single paths");
     add_peers(r, scene, theirs, racers, &count);
     return race_all_sides(b, r, scene, racers, count, error);
 }
@@ -432,7 +437,7 @@ static mcv_result measure_gain_on(bench *b, mcv_scene *scene, image_maker usual,
     mcv_result result = usual.renderer ? make_truth(usual, &truth, error) : mcv_fail(error, MCV_FAILED, "no memory for a renderer");
     usual.truth = &truth;
     image_maker other = usual;
-    other.is_plain = !usual.is_adaptive;
+    other.is_random = other.is_single = !usual.is_adaptive;
     other.is_adaptive = false;
     if (result == MCV_OK) result = measure_gain(b, &usual, &other, what, key, error);
     mcv_film_free(&truth);
@@ -487,6 +492,7 @@ static mcv_result race_all(bench *b, race *r, const mesh *assembly, mcv_error *e
     for (int i = 0; i < SCENES; ++i)
         if (!b->only || strstr(scenes[i].name, b->only)) MCV_TRY(open_scene(b, r, i, error));
     note_mean(b, "samples_per_second", &r->speed);
+    note_mean(b, "paths_per_second", &r->single_speed);
     note_mean(b, "time_to_rmse", &r->time);
     note_mean(b, "time_to_rmse_uniform", &r->uniform_time);
     note_mean(b, "time_to_rmse_optics", r->time_of + OPTICS);
