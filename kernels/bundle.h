@@ -3,7 +3,7 @@
  * Many rays through the hierarchy together (J. A. Tsakok, Faster Incoherent Rays: Multi-BVH Ray Stream Tracing, HPG 2009): a node or a
  * leaf is met once, with a list of all rays that come to it. Rays from places close to each other come to much the same ones, whichever
  * way they go then. They share the branches that no processor foresees, which is where a ray alone spends its time, and a leaf is tested
- * with eight of them side by side.
+ * with many of them side by side.
  *
  * They find what they find alone, to the last bit: a triangle is tested by the same arithmetic, and boxes only leave out what cannot be
  * hit (kernels/traverse.h; any superset of the leaves in any order gives the same hit).
@@ -23,54 +23,75 @@
 #define MCV_INTERLEAVED 16
 #define MCV_LONE 64
 
-/* Eight rays as the tests of triangles need them (mcv_shear), and what they have hit so far. */
+/* Rays side by side: as many as the processor's registers hold. */
+#ifdef __AVX512F__
+#define MCV_LANES 16
+typedef float16 mcv_floats;
+typedef int16 mcv_ints;
+typedef uint16 mcv_uints;
+#define mcv_load_lanes(from) vload16(0, from)
+#define mcv_store_lanes(lanes, to) vstore16(lanes, 0, to)
+#define mcv_mask_lanes mcv_mask16
+#define mcv_meet_lanes mcv_meet_sheared16
+MCV_MEET_SHEARED(mcv_meet_sheared16, mcv_edge_function16, mcv_edge_rises16, float16, int16, mcv_mask16)
+#else
+#define MCV_LANES 8
+typedef float8 mcv_floats;
+typedef int8 mcv_ints;
+typedef uint8 mcv_uints;
+#define mcv_load_lanes(from) vload8(0, from)
+#define mcv_store_lanes(lanes, to) vstore8(lanes, 0, to)
+#define mcv_mask_lanes mcv_mask8
+#define mcv_meet_lanes mcv_meet_sheared8
+#endif
+
+/* Rays as the tests of triangles need them (mcv_shear), and what they have hit so far. */
 typedef struct mcv_lanes {
-    float8 origin_x, origin_y, origin_z, shear_x, shear_y, scale_z;
-    int8 main_z, main_y; /* whether that is the main axis; else it is x */
-    float8 t, u, v;
-    uint8 triangle;
+    mcv_floats origin_x, origin_y, origin_z, shear_x, shear_y, scale_z;
+    mcv_ints main_z, main_y; /* whether that is the main axis; else it is x */
+    mcv_floats t, b, c, det; /* as of mcv_meet_sheared8 */
+    mcv_uints triangle;
 } mcv_lanes;
 
 /* The components of a vector along the axes x, y, z of the rays. */
-#define MCV_LANES_OF(rays, if_z, if_y, if_x) ((rays)->main_z ? (float8)(if_z) : (rays)->main_y ? (float8)(if_y) : (float8)(if_x))
+#define MCV_LANES_OF(rays, if_z, if_y, if_x) \
+    ((rays)->main_z ? (mcv_floats)(if_z) : (rays)->main_y ? (mcv_floats)(if_y) : (mcv_floats)(if_x))
 
-#define MCV_EIGHT(row, i) (row[i[0]], row[i[1]], row[i[2]], row[i[3]], row[i[4]], row[i[5]], row[i[6]], row[i[7]])
-
-/* The slabs of eight rays, as in mcv_ray_frame. */
+/* The slabs of the rays, as in mcv_ray_frame. */
 typedef struct mcv_slabs {
-    float8 inverse[3], near_offset[3], far_offset[3];
+    mcv_floats inverse[3], near_offset[3], far_offset[3];
 } mcv_slabs;
 
-/* Eight of the rays indices[0 … count - 1] from the first on, the last one in place of those that are not there; mcv_ray_setup. */
+/* The rays indices[first …], the last one in place of those that are not there; mcv_ray_setup. */
 static inline __attribute__((always_inline)) void mcv_lanes_setup(mcv_rows origins, mcv_rows directions, const uint *indices, uint first,
                                                                   uint count, float extent, mcv_slabs *slabs, mcv_lanes *rays) {
-    float o[3][8], d[3][8];
+    float o[3][MCV_LANES], d[3][MCV_LANES];
     /* Unrolled, or the compiler makes a loop of gathers, which are slower. */
 #pragma unroll
-    for (uint i = 0; i < 8; ++i) {
+    for (uint i = 0; i < MCV_LANES; ++i) {
         const uint ray = indices[min(first + i, count - 1u)];
         const mcv_vec3 origin = mcv_row(origins, ray), direction = mcv_row(directions, ray);
         o[0][i] = origin.x, o[1][i] = origin.y, o[2][i] = origin.z;
         d[0][i] = direction.x, d[1][i] = direction.y, d[2][i] = direction.z;
     }
-    const float8 ox = vload8(0, o[0]), oy = vload8(0, o[1]), oz = vload8(0, o[2]);
-    const float8 x = vload8(0, d[0]), y = vload8(0, d[1]), z = vload8(0, d[2]);
-    const float8 dx = fabs(x), dy = fabs(y), dz = fabs(z);
-    const float8 reach = max(fabs(ox), max(fabs(oy), fabs(oz))) + extent;
-    const float8 margin = 32.0f * MCV_UNIT_ROUNDOFF * reach;
-    const float8 least = max(dx, max(dy, dz)) * 0x1p-64f;
+    const mcv_floats ox = mcv_load_lanes(o[0]), oy = mcv_load_lanes(o[1]), oz = mcv_load_lanes(o[2]);
+    const mcv_floats x = mcv_load_lanes(d[0]), y = mcv_load_lanes(d[1]), z = mcv_load_lanes(d[2]);
+    const mcv_floats dx = fabs(x), dy = fabs(y), dz = fabs(z);
+    const mcv_floats reach = max(fabs(ox), max(fabs(oy), fabs(oz))) + extent;
+    const mcv_floats margin = 32.0f * MCV_UNIT_ROUNDOFF * reach;
+    const mcv_floats least = max(dx, max(dy, dz)) * 0x1p-64f;
 #pragma unroll
     for (int axis = 0; axis < 3; ++axis) {
-        const float8 origin = axis == 0 ? ox : axis == 1 ? oy : oz, direction = axis == 0 ? x : axis == 1 ? y : z;
-        const float8 inverse = 1.0f / (fabs(direction) < least ? copysign(least, direction) : direction);
-        const float8 spread = margin * fabs(inverse);
+        const mcv_floats origin = axis == 0 ? ox : axis == 1 ? oy : oz, direction = axis == 0 ? x : axis == 1 ? y : z;
+        const mcv_floats inverse = 1.0f / (fabs(direction) < least ? copysign(least, direction) : direction);
+        const mcv_floats spread = margin * fabs(inverse);
         slabs->inverse[axis] = inverse;
         slabs->near_offset[axis] = -origin * inverse - spread;
         slabs->far_offset[axis] = -origin * inverse + spread;
     }
     rays->main_z = (dz >= dx) & (dz >= dy);
     rays->main_y = dy >= dx;
-    const float8 along = MCV_LANES_OF(rays, z, y, x);
+    const mcv_floats along = MCV_LANES_OF(rays, z, y, x);
     rays->origin_x = MCV_LANES_OF(rays, ox, oz, oy);
     rays->origin_y = MCV_LANES_OF(rays, oy, ox, oz);
     rays->origin_z = MCV_LANES_OF(rays, oz, oy, ox);
@@ -84,9 +105,9 @@ static inline __attribute__((always_inline)) void mcv_lanes_setup(mcv_rows origi
  * any hit will do. Returns those that have hit, one bit each.
  */
 static inline __attribute__((always_inline)) uint mcv_lanes_meet(__global const mcv_leaf *leaf, uint lane, int any, mcv_lanes *rays) {
-    const uint8 triangle = (uint8)(leaf->triangle[lane]);
-    float8 x[3], y[3], z[3], t, b, c, det;
-    int8 met;
+    const mcv_uints triangle = (mcv_uints)(leaf->triangle[lane]);
+    mcv_floats x[3], y[3], z[3], t, b, c, det;
+    mcv_ints met;
 #pragma unroll
     for (int corner = 0; corner < 3; ++corner) {
         const float p = leaf->vertex[corner][0][lane], q = leaf->vertex[corner][1][lane], r = leaf->vertex[corner][2][lane];
@@ -94,18 +115,19 @@ static inline __attribute__((always_inline)) uint mcv_lanes_meet(__global const 
         x[corner] = fma(-rays->shear_x, z[corner], MCV_LANES_OF(rays, p, r, q) - rays->origin_x);
         y[corner] = fma(-rays->shear_y, z[corner], MCV_LANES_OF(rays, q, p, r) - rays->origin_y);
     }
-    if (!mcv_meet_sheared8(x, y, z, rays->shear_x, rays->shear_y, rays->scale_z, rays->t, &met, &t, &b, &c, &det)) return 0;
+    if (!mcv_meet_lanes(x, y, z, rays->shear_x, rays->shear_y, rays->scale_z, rays->t, &met, &t, &b, &c, &det)) return 0;
     if (any) {
         rays->triangle = met ? triangle : rays->triangle;
-        rays->t = met ? (float8)(-1.0f) : rays->t;
-        return mcv_mask8(met);
+        rays->t = met ? (mcv_floats)(-1.0f) : rays->t;
+        return mcv_mask_lanes(met);
     }
     met &= (t < rays->t) | ((t == rays->t) & (rays->triangle != MCV_NONE) & (triangle < rays->triangle));
     rays->t = met ? t : rays->t;
-    rays->u = met ? b / det : rays->u;
-    rays->v = met ? c / det : rays->v;
+    rays->b = met ? b : rays->b;
+    rays->c = met ? c : rays->c;
+    rays->det = met ? det : rays->det;
     rays->triangle = met ? triangle : rays->triangle;
-    return mcv_mask8(met);
+    return mcv_mask_lanes(met);
 }
 
 /* ---- few triangles ---------------------------------------------------------------------------------------------- */
@@ -120,36 +142,37 @@ static inline int mcv_is_flat(__global const mcv_node *root) {
 static inline __attribute__((always_inline)) void mcv_take_flat(__global const mcv_node *root, __global const mcv_leaf *leaves,
                                                                 mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
                                                                 int any, mcv_hit *hits) {
-    for (uint first = 0; first < count; first += 8) {
-        const uint used = min(count - first, 8u);
+    for (uint first = 0; first < count; first += MCV_LANES) {
+        const uint used = min(count - first, (uint)MCV_LANES);
         mcv_slabs slabs;
         mcv_lanes rays;
-        float t[8], u[8], v[8];
-        uint triangle[8];
+        float t[MCV_LANES], u[MCV_LANES], v[MCV_LANES];
+        uint triangle[MCV_LANES];
         mcv_lanes_setup(origins, directions, indices, first, count, root->extent, &slabs, &rays);
-        for (uint i = 0; i < 8; ++i) t[i] = i < used ? hits[first + i].t : -1.0f;
-        rays.t = vload8(0, t);
-        rays.u = rays.v = (float8)(0.0f);
-        rays.triangle = (uint8)(MCV_NONE);
+        for (uint i = 0; i < MCV_LANES; ++i) t[i] = i < used ? hits[first + i].t : -1.0f;
+        rays.t = mcv_load_lanes(t);
+        rays.b = rays.c = (mcv_floats)(0.0f);
+        rays.det = (mcv_floats)(1.0f);
+        rays.triangle = (mcv_uints)(MCV_NONE);
         for (uint child = 0; child < MCV_BVH_WIDTH; ++child) {
             if (root->child[child] == MCV_NONE) continue;
             __global const mcv_leaf *leaf = leaves + (root->child[child] & ~MCV_CHILD_LEAF);
-            float8 near = (float8)(0.0f), far = rays.t;
+            mcv_floats near = (mcv_floats)(0.0f), far = rays.t;
 #pragma unroll
             for (int axis = 0; axis < 3; ++axis) {
-                const float8 lower = root->bounds[axis][0][child] * slabs.inverse[axis];
-                const float8 upper = root->bounds[axis][1][child] * slabs.inverse[axis];
+                const mcv_floats lower = root->bounds[axis][0][child] * slabs.inverse[axis];
+                const mcv_floats upper = root->bounds[axis][1][child] * slabs.inverse[axis];
                 near = max(near, min(lower, upper) + slabs.near_offset[axis]);
                 far = min(far, max(lower, upper) + slabs.far_offset[axis]);
             }
-            if (!mcv_mask8(near <= far)) continue;
-            for (uint lane = 0; lane < MCV_LEAF_TRIANGLES; ++lane)
-                if (leaf->triangle[lane] != MCV_NONE) mcv_lanes_meet(leaf, lane, any, &rays);
+            if (!mcv_mask_lanes(near <= far)) continue;
+            for (uint lane = 0; lane < MCV_LEAF_TRIANGLES && leaf->triangle[lane] != MCV_NONE; ++lane)
+                mcv_lanes_meet(leaf, lane, any, &rays);
         }
-        vstore8(rays.t, 0, t);
-        vstore8(rays.u, 0, u);
-        vstore8(rays.v, 0, v);
-        vstore8(rays.triangle, 0, triangle);
+        mcv_store_lanes(rays.t, t);
+        mcv_store_lanes(rays.b / rays.det, u);
+        mcv_store_lanes(rays.c / rays.det, v);
+        mcv_store_lanes(rays.triangle, triangle);
         for (uint i = 0; i < used; ++i) {
             hits[first + i].triangle = triangle[i];
             if (any) continue;
@@ -172,23 +195,23 @@ typedef struct mcv_bundle {
 
 static inline __attribute__((always_inline)) void mcv_bundle_setup(mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
                                                                    float extent, const mcv_hit *hits, mcv_bundle *b) {
-    for (uint first = 0; first < count; first += 8) {
+    for (uint first = 0; first < count; first += MCV_LANES) {
         mcv_slabs slabs;
         mcv_lanes rays;
         mcv_lanes_setup(origins, directions, indices, first, count, extent, &slabs, &rays);
 #pragma unroll
         for (int axis = 0; axis < 3; ++axis) {
-            vstore8(slabs.inverse[axis], 0, b->inverse[axis] + first);
-            vstore8(slabs.near_offset[axis], 0, b->near_offset[axis] + first);
-            vstore8(slabs.far_offset[axis], 0, b->far_offset[axis] + first);
+            mcv_store_lanes(slabs.inverse[axis], b->inverse[axis] + first);
+            mcv_store_lanes(slabs.near_offset[axis], b->near_offset[axis] + first);
+            mcv_store_lanes(slabs.far_offset[axis], b->far_offset[axis] + first);
         }
-        vstore8(rays.origin_x, 0, b->origin[0] + first);
-        vstore8(rays.origin_y, 0, b->origin[1] + first);
-        vstore8(rays.origin_z, 0, b->origin[2] + first);
-        vstore8(rays.shear_x, 0, b->shear[0] + first);
-        vstore8(rays.shear_y, 0, b->shear[1] + first);
-        vstore8(rays.scale_z, 0, b->scale + first);
-        vstore8(rays.main_z ? (uint8)(2u) : rays.main_y ? (uint8)(1u) : (uint8)(0u), 0, b->main_axis + first);
+        mcv_store_lanes(rays.origin_x, b->origin[0] + first);
+        mcv_store_lanes(rays.origin_y, b->origin[1] + first);
+        mcv_store_lanes(rays.origin_z, b->origin[2] + first);
+        mcv_store_lanes(rays.shear_x, b->shear[0] + first);
+        mcv_store_lanes(rays.shear_y, b->shear[1] + first);
+        mcv_store_lanes(rays.scale_z, b->scale + first);
+        mcv_store_lanes(rays.main_z ? (mcv_uints)(2u) : rays.main_y ? (mcv_uints)(1u) : (mcv_uints)(0u), b->main_axis + first);
     }
     for (uint i = 0; i < count; ++i) b->t[i] = hits[i].t;
 }
@@ -234,34 +257,41 @@ static inline uint mcv_bundle_boxes(__global const mcv_node *node, const mcv_bun
 /* A leaf against the rays of a list. */
 static inline __attribute__((noinline)) void mcv_bundle_leaf(__global const mcv_leaf *leaf, mcv_bundle *b, const uchar *list, uint count,
                                                              int any, mcv_hit *hits) {
-    for (uint first = 0; first < count; first += 8) {
-        uint i[8], triangles[8];
+    for (uint first = 0; first < count; first += MCV_LANES) {
+        uint i[MCV_LANES], main_axis[MCV_LANES], triangles[MCV_LANES];
+        float o[3][MCV_LANES], shear[2][MCV_LANES], scale[MCV_LANES], t[MCV_LANES], u[MCV_LANES], v[MCV_LANES];
         mcv_lanes rays;
         uint changed = 0;
 #pragma unroll
-        for (uint k = 0; k < 8; ++k) {
-            i[k] = list[min(first + k, count - 1u)];
-            triangles[k] = hits[i[k]].triangle;
+        for (uint k = 0; k < MCV_LANES; ++k) {
+            const uint ray = list[min(first + k, count - 1u)];
+            i[k] = ray;
+            triangles[k] = hits[ray].triangle;
+            main_axis[k] = b->main_axis[ray];
+            o[0][k] = b->origin[0][ray], o[1][k] = b->origin[1][ray], o[2][k] = b->origin[2][ray];
+            shear[0][k] = b->shear[0][ray], shear[1][k] = b->shear[1][ray];
+            scale[k] = b->scale[ray];
+            t[k] = b->t[ray];
         }
-        const uint8 main_axis = (uint8)MCV_EIGHT(b->main_axis, i);
-        rays.main_z = main_axis == 2u;
-        rays.main_y = main_axis == 1u;
-        rays.origin_x = (float8)MCV_EIGHT(b->origin[0], i);
-        rays.origin_y = (float8)MCV_EIGHT(b->origin[1], i);
-        rays.origin_z = (float8)MCV_EIGHT(b->origin[2], i);
-        rays.shear_x = (float8)MCV_EIGHT(b->shear[0], i);
-        rays.shear_y = (float8)MCV_EIGHT(b->shear[1], i);
-        rays.scale_z = (float8)MCV_EIGHT(b->scale, i);
-        rays.t = (float8)MCV_EIGHT(b->t, i);
-        rays.triangle = vload8(0, triangles);
+        const mcv_uints axis = mcv_load_lanes(main_axis);
+        rays.main_z = axis == 2u;
+        rays.main_y = axis == 1u;
+        rays.origin_x = mcv_load_lanes(o[0]);
+        rays.origin_y = mcv_load_lanes(o[1]);
+        rays.origin_z = mcv_load_lanes(o[2]);
+        rays.shear_x = mcv_load_lanes(shear[0]);
+        rays.shear_y = mcv_load_lanes(shear[1]);
+        rays.scale_z = mcv_load_lanes(scale);
+        rays.t = mcv_load_lanes(t);
+        rays.b = rays.c = rays.det = (mcv_floats)(1.0f);
+        rays.triangle = mcv_load_lanes(triangles);
         for (uint lane = 0; lane < MCV_LEAF_TRIANGLES && leaf->triangle[lane] != MCV_NONE; ++lane)
             changed |= mcv_lanes_meet(leaf, lane, any, &rays);
         if (!changed) continue;
-        float t[8], u[8], v[8];
-        vstore8(rays.t, 0, t);
-        vstore8(rays.u, 0, u);
-        vstore8(rays.v, 0, v);
-        vstore8(rays.triangle, 0, triangles);
+        mcv_store_lanes(rays.t, t);
+        mcv_store_lanes(rays.b / rays.det, u);
+        mcv_store_lanes(rays.c / rays.det, v);
+        mcv_store_lanes(rays.triangle, triangles);
         do {
             const uint k = mcv_pop_bit(&changed);
             mcv_hit *hit = hits + i[k];

@@ -49,6 +49,16 @@ static inline uint mcv_mask8(int8 lanes) {
 #endif
 }
 
+#ifdef __AVX512F__
+static inline uint mcv_mask16(int16 lanes) {
+#if defined(MCV_AVX_BUILTINS) && defined(__AVX512DQ__)
+    return (uint)__builtin_ia32_cvtd2mask512(lanes) & 0xffffu;
+#else
+    return mcv_mask8(lanes.lo) | mcv_mask8(lanes.hi) << 8;
+#endif
+}
+#endif
+
 static inline uint mcv_mask4(int4 lanes) {
 #ifdef MCV_AVX_BUILTINS
     return (uint)__builtin_ia32_movmskps(as_float4(lanes));
