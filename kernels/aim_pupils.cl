@@ -49,7 +49,7 @@ static mcv_aimed mcv_follow(mcv_world world, mcv_film_sample film, float p_x, fl
             return aimed;
         }
         mcv_scattering other;
-        const mcv_scattering on = mcv_scatter(world, meeting, media, always_refract, 1.0f, &unmatched, &other);
+        const mcv_scattering on = mcv_scatter(world, meeting, media, always_refract, 1.0f, 0, &unmatched, &other);
         if (on.event == MCV_EVENT_END) return aimed;
         origin = mcv_onward_origin(meeting, on.direction);
         direction = on.direction;

@@ -284,11 +284,12 @@ static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, ui
 }
 #endif
 
-/* mcv_shade_surface. `type` is known to the compiler; `gloss`: the glossy material. */
-MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first, uint last, uint depth, int exact, uint type, uint gloss,
-                                       uint *ways, uint *unmatched) {
+/* mcv_shade_surface; into `parted` how branches go on. `type`, and whether it is glass whose paths may part, are known to the compiler;
+ * `gloss`: the glossy material. */
+MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first, uint last, uint depth, int exact, uint type, int parts,
+                                       uint gloss, uint *ways, uint *unmatched) {
     const int roulette = depth >= MCV_ROULETTE_DEPTH;
-    (void)exact, (void)gloss, (void)unmatched;
+    (void)exact, (void)parts, (void)gloss, (void)unmatched;
     mcv_slot slot;
     slot.base = paths;
 #if MCV_WITH_GLOSS
@@ -301,9 +302,11 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
         mcv_vec3 direction;
         mcv_color factor;
         float density = 0.0f;
-        uint media = mcv_path_media(slot);
+        uint media = mcv_path_media(slot), branches = 0u;
         int reflects, smooth = 0;
         (void)media;
+        mcv_color before, throughput;
+        MCV_LOAD_COLOR(slot, throughput, before);
         if (type == MCV_MATERIAL_DIFFUSE) {
             __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
             direction = MCV_LOAD_3(slot, bounce);
@@ -317,22 +320,28 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
             mcv_pair pair;
             pair.x = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
             pair.y = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER + 1);
-            direction = mcv_choose_gloss_of(&from, &m, pair, MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE));
-            const mcv_response response = mcv_respond_gloss_of(world, &meeting, &from, &m, direction);
+            const float chosen = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE);
+            mcv_scattering on;
             smooth = m.gloss.table == MCV_NONE;
-#if MCV_WITH_SPLIT
-            smooth |= (type == MCV_MATERIAL_DIELECTRIC) & (MCV_WORD(slot, branch, 0) + 1u < MCV_BRANCHES);
+#if MCV_WITH_SPLIT && MCV_WITH_SMOOTH
+            if (parts) {
+                mcv_scattering other;
+                on = mcv_part_by_gloss(world, &meeting, &from, &m, pair, chosen, &other);
+                other.chance = smooth ? 0.0f : other.chance;
+                const mcv_parting parting = mcv_part(slot, on.rest, before, on, other);
+                on = parting.on;
+                branches = mcv_keep_parting(slot, parting);
+            } else
 #endif
+                on = mcv_turn_by_gloss(world, &meeting, &from, &m, mcv_choose_gloss_of(&from, &m, pair, chosen));
             unmatched[i] = (uint)(!smooth & (m.near_media != media));
-            density = response.density;
+            density = on.density;
             reflects = density > 0.0f;
-            factor = mcv_dim(response.value, 1.0f / density);
-            direction = mcv_choose(smooth, MCV_LOAD_3(slot, direction), direction);
-            media = smooth ? media : response.media;
+            factor = on.factor;
+            direction = mcv_choose(smooth, MCV_LOAD_3(slot, direction), on.direction);
+            media = smooth ? media : on.media;
 #endif
         }
-        mcv_color before, throughput;
-        MCV_LOAD_COLOR(slot, throughput, before);
         throughput = mcv_tint(before, factor);
         const float brightest = mcv_brightest(throughput);
         const int plays = roulette & (brightest < MCV_ROULETTE_WEIGHT);
@@ -365,7 +374,7 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
         MCV_WORD(slot, trail, 0) = smooth ? trail : MCV_WORD(slot, trail, 0);
 #endif
         const int on = reflects & (brightest > 0.0f) & !(plays & (choice >= lives));
-        ways[i] = smooth ? MCV_IS_LEFT : on ? MCV_GOES_ON : 0u;
+        ways[i] = smooth ? MCV_IS_LEFT : branches | (on ? MCV_GOES_ON : 0u);
     }
 }
 
@@ -374,19 +383,19 @@ static __attribute__((noinline)) void mcv_shade_plain_surfaces(mcv_world world, 
                                                                uint *ways, uint *unmatched) {
     const uint first = ends[MCV_MET_DIFFUSE_EXACT], last = ends[MCV_MET_GLOSS_TRIANGLE];
     uint differs[MCV_SLOTS];
-    mcv_shade_plain(world, paths, last, ends[MCV_MET_DIFFUSE_TRIANGLE], depth, 0, MCV_MATERIAL_DIFFUSE, MCV_NONE, ways, differs);
+    mcv_shade_plain(world, paths, last, ends[MCV_MET_DIFFUSE_TRIANGLE], depth, 0, MCV_MATERIAL_DIFFUSE, 0, MCV_NONE, ways, differs);
 #if MCV_WITH_SURFACES
-    mcv_shade_plain(world, paths, ends[MCV_MET_SMOOTH_EXACT], first, depth, 1, MCV_MATERIAL_DIFFUSE, MCV_NONE, ways, differs);
+    mcv_shade_plain(world, paths, ends[MCV_MET_SMOOTH_EXACT], first, depth, 1, MCV_MATERIAL_DIFFUSE, 0, MCV_NONE, ways, differs);
 #endif
 #if MCV_WITH_GLOSS
     const uint type = gloss == MCV_NONE ? MCV_NONE : world.materials[gloss].type;
     if (type == MCV_MATERIAL_CONDUCTOR)
-        mcv_shade_plain(world, paths, first, last, depth, MCV_WITH_SURFACES, MCV_MATERIAL_CONDUCTOR, gloss, ways, differs);
+        mcv_shade_plain(world, paths, first, last, depth, MCV_WITH_SURFACES, MCV_MATERIAL_CONDUCTOR, 0, gloss, ways, differs);
     if (type == MCV_MATERIAL_METALLIC_ROUGHNESS)
-        mcv_shade_plain(world, paths, first, last, depth, MCV_WITH_SURFACES, MCV_MATERIAL_METALLIC_ROUGHNESS, gloss, ways, differs);
+        mcv_shade_plain(world, paths, first, last, depth, MCV_WITH_SURFACES, MCV_MATERIAL_METALLIC_ROUGHNESS, 0, gloss, ways, differs);
 #if MCV_WITH_DIELECTRIC
     if (type == MCV_MATERIAL_DIELECTRIC)
-        mcv_shade_plain(world, paths, first, last, depth, MCV_WITH_SURFACES, MCV_MATERIAL_DIELECTRIC, gloss, ways, differs);
+        mcv_shade_plain(world, paths, first, last, depth, MCV_WITH_SURFACES, MCV_MATERIAL_DIELECTRIC, MCV_WITH_SPLIT, gloss, ways, differs);
 #endif
     for (uint i = first; i < last; ++i) *unmatched += differs[i];
 #endif

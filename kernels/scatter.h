@@ -542,38 +542,44 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_choose_gloss_of(const mcv_device_gloss *from, con
     return mcv_normalize(mcv_along(mcv_along(mcv_scale(m->z, i.z), i.y, m->y), i.x, m->x));
 }
 
-/* The microfacet of rough glass that has turned light one way turns it the other way, too: *other. */
-static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_meeting meeting, uint material, uint media, mcv_pair pair, float choice,
-                                        mcv_scattering *other) {
+/* A way on in a direction that has been chosen. */
+MCV_LOOP_FUNCTION mcv_scattering mcv_turn_by_gloss(mcv_world world, const mcv_meeting *meeting, const mcv_device_gloss *from,
+                                                   const mcv_gloss_meeting *m, mcv_vec3 direction) {
     mcv_scattering scattering;
+    const mcv_response response = mcv_respond_gloss_of(world, meeting, from, m, direction);
+    const float scale = 1.0f / response.density;
+    MCV_EACH_CHANNEL(c) scattering.factor.c[c] = response.density > 0.0f ? response.value.c[c] * scale : 0.0f;
+    scattering.direction = direction;
+    scattering.density = response.density;
+    scattering.chance = 1.0f;
+    scattering.rest = 0.0f;
+    scattering.media = response.media;
+    scattering.event = MCV_EVENT_END;
+    return scattering;
+}
+
+/* The microfacet of rough glass that has turned light one way turns it the other way, too: *other, whose chance is 0 where it does not. */
+MCV_LOOP_FUNCTION mcv_scattering mcv_part_by_gloss(mcv_world world, const mcv_meeting *meeting, const mcv_device_gloss *from,
+                                                   const mcv_gloss_meeting *m, mcv_pair pair, float choice, mcv_scattering *other) {
+    mcv_scattering on = mcv_turn_by_gloss(world, meeting, from, m, mcv_choose_gloss_of(from, m, pair, choice));
+    const mcv_vec3 h = mcv_ggx_sample(m->gloss.alpha, m->o, pair.x, pair.y);
+    const float specular = m->lobes.specular, share = mcv_gloss_fresnel(from, &m->gloss, mcv_dot(m->o, h)).c[0];
+    const int turns = choice < specular, reflects = choice < specular * share;
+    on.chance = turns ? (reflects ? share : 1.0f - share) : 1.0f;
+    on.rest = choice / specular;
+    *other = mcv_turn_by_gloss(world, meeting, from, m,
+                               mcv_choose_gloss_of(from, m, pair, reflects ? specular * (1.0f - MCV_UNIT_ROUNDOFF) : 0.0f));
+    other->chance = 1.0f - on.chance;
+    return on;
+}
+
+static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_meeting meeting, uint material, uint media, mcv_pair pair, float choice,
+                                        int parts, mcv_scattering *other) {
     mcv_gloss_meeting room;
     const mcv_device_gloss from = world.gloss[material];
     const mcv_gloss_meeting *m = mcv_known_gloss(world, &meeting, material, media, &room);
-    scattering.direction = mcv_choose_gloss_of(&from, m, pair, choice);
-    const mcv_response response = mcv_respond_gloss(world, &meeting, material, m, scattering.direction);
-    scattering.factor = response.density > 0.0f ? mcv_dim(response.value, 1.0f / response.density) : mcv_grey(0.0f);
-    scattering.density = response.density;
-    scattering.chance = 1.0f;
-    scattering.media = response.media;
-    scattering.event = MCV_EVENT_END;
-#if MCV_WITH_DIELECTRIC && MCV_WITH_SPLIT
-    if (m->gloss.type == MCV_MATERIAL_DIELECTRIC && choice < m->lobes.specular) {
-        const mcv_vec3 h = mcv_ggx_sample(m->gloss.alpha, m->o, pair.x, pair.y);
-        const float share = mcv_gloss_fresnel(&from, &m->gloss, mcv_dot(m->o, h)).c[0];
-        const int reflects = choice < m->lobes.specular * share;
-        scattering.chance = reflects ? share : 1.0f - share;
-        scattering.rest = choice / m->lobes.specular;
-        other->chance = 1.0f - scattering.chance;
-        other->direction = mcv_choose_gloss_of(&from, m, pair, reflects ? m->lobes.specular * (1.0f - MCV_UNIT_ROUNDOFF) : 0.0f);
-        const mcv_response beyond = mcv_respond_gloss(world, &meeting, material, m, other->direction);
-        other->factor = beyond.density > 0.0f ? mcv_dim(beyond.value, 1.0f / beyond.density) : mcv_grey(0.0f);
-        other->density = beyond.density;
-        other->media = beyond.media;
-    }
-#else
-    (void)other;
-#endif
-    return scattering;
+    if (parts && m->gloss.type == MCV_MATERIAL_DIELECTRIC) return mcv_part_by_gloss(world, &meeting, &from, m, pair, choice, other);
+    return mcv_turn_by_gloss(world, &meeting, &from, m, mcv_choose_gloss_of(&from, m, pair, choice));
 }
 
 /* A smooth metal. */
@@ -719,10 +725,10 @@ MCV_FUNCTION mcv_color mcv_emission_met(mcv_world world, mcv_meeting meeting, ui
 #endif
 }
 
-/* Chooses how the path goes on from the surface it met. *other: how it would have by the other way on of a smooth surface that has two;
- * elsewhere its chance is 0. */
-MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, uint media, mcv_pair pair, float choice, uint *unmatched,
-                                        mcv_scattering *other) {
+/* Chooses how the path goes on from the surface it met. *other: how it would have by the other way on of a smooth surface that has two, and
+ * if the path may part there, of rough glass; elsewhere its chance is 0. */
+MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, uint media, mcv_pair pair, float choice, int parts,
+                                        uint *unmatched, mcv_scattering *other) {
     mcv_scattering scattering;
     const mcv_device_instance instance = world.instances[meeting.surface.instance];
     const mcv_device_material material = world.materials[instance.material];
@@ -739,11 +745,11 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, ui
 #if MCV_WITH_DIELECTRIC
         if (instance.medium != 0 && mcv_cross_surface(world, &meeting, media).before != media) *unmatched += 1u;
 #endif
-        return mcv_scatter_gloss(world, meeting, instance.material, media, pair, choice, other);
+        return mcv_scatter_gloss(world, meeting, instance.material, media, pair, choice, parts, other);
     }
     if (material.type == MCV_MATERIAL_CONDUCTOR) return mcv_scatter_conductor(world, meeting, instance.material, media);
 #else
-    (void)choice;
+    (void)choice, (void)parts;
 #endif
 #if MCV_WITH_DIELECTRIC
     if (material.type == MCV_MATERIAL_DIELECTRIC) return mcv_scatter_dielectric(world, meeting, media, pair.x, unmatched, other);

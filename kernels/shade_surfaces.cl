@@ -131,6 +131,8 @@ MCV_FUNCTION void mcv_send_on(mcv_world world, mcv_slot slot, mcv_meeting meetin
 }
 
 #if MCV_WITH_SPLIT
+MCV_LOOP_FUNCTION int mcv_may_part(mcv_slot slot) { return MCV_WORD(slot, branch, 0) + 1u < MCV_BRANCHES; }
+
 /* How a path splits. */
 typedef struct mcv_parting {
     mcv_scattering on, other; /* the path's and the branch's way, */
@@ -153,7 +155,7 @@ MCV_LOOP_FUNCTION mcv_parting mcv_part(mcv_slot slot, float xi, mcv_color throug
     const float wanted = parting.other.chance * (effort > 1.0f ? effort : 1.0f);
     const float lives = wanted < 1.0f ? wanted : 1.0f;
     float weight = likelier.chance;
-    parting.splits = (other.chance > 0.0f) & (MCV_WORD(slot, branch, 0) + 1u < MCV_BRANCHES);
+    parting.splits = (other.chance > 0.0f) & mcv_may_part(slot);
 #if MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE
     /* What roulette would soon play for is left to chance: light from all sides keeps being found without noise. */
     const float branches = parting.other.chance / lives, goes_on = lives < 1.0f ? 1.0f - branches : likelier.chance;
@@ -167,6 +169,18 @@ MCV_LOOP_FUNCTION mcv_parting mcv_part(mcv_slot slot, float xi, mcv_color throug
     parting.branches = parting.splits & (xi < lives) & (mcv_brightest(parting.carried) > 0.0f);
     return parting;
 }
+
+#if MCV_TILE
+/* Puts into `parted` how a branch goes on; whether there is one. */
+MCV_LOOP_FUNCTION uint mcv_keep_parting(mcv_slot slot, mcv_parting parting) {
+    MCV_WORD(slot, branch, 0) += (uint)parting.splits;
+    MCV_STORE_3(slot, parted, parting.other.direction);
+    MCV_WORD(slot, parted, 3) = parting.other.media;
+    MCV_STORE(slot, parted, 4, parting.other.density);
+    MCV_EACH_CHANNEL(c) MCV_STORE(slot, parted, 5 + c, parting.carried.c[c]);
+    return parting.branches ? MCV_BRANCHES_OFF : 0u;
+}
+#endif
 
 /* A path's branch begins in the slot beside, with random numbers of its own, as a copy of what the path is before it goes on. */
 MCV_LOOP_FUNCTION void mcv_name_branch(mcv_slot slot, mcv_slot beside) {
@@ -232,11 +246,15 @@ static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, u
     /* The other number of this pair plays roulette; this one has chosen an emitter, which is another estimate. */
     chosen = mcv_draw(slot, depth, MCV_PAIR_CHOICE).x;
 #endif
+    int parts = 0;
+#if MCV_WITH_SPLIT
+    parts = mcv_may_part(slot);
+#endif
     mcv_scattering other;
-    mcv_scattering on = mcv_scatter(world, meeting, media, pair, chosen, unmatched, &other);
+    mcv_scattering on = mcv_scatter(world, meeting, media, pair, chosen, parts, unmatched, &other);
 #if MCV_WITH_SPLIT
     if (other.chance > 0.0f) {
-        const mcv_parting parting = mcv_part(slot, on.density > 0.0f ? on.rest : pair.x, throughput, on, other);
+        const mcv_parting parting = mcv_part(slot, on.event == MCV_EVENT_END ? on.rest : pair.x, throughput, on, other);
         on = parting.on;
         MCV_WORD(slot, branch, 0) += (uint)parting.splits;
         if (parting.branches) {

@@ -23,11 +23,7 @@ MCV_LOOP_FUNCTION void mcv_shade_smooth(mcv_world world, uint *paths, uint first
         MCV_LOAD_COLOR(slot, throughput, throughput);
 #if MCV_WITH_SPLIT
         const mcv_parting parting = mcv_part(slot, xi, throughput, on, other);
-        MCV_WORD(slot, branch, 0) += (uint)parting.splits;
-        MCV_STORE_3(slot, parted, parting.other.direction);
-        MCV_WORD(slot, parted, 3) = parting.other.media;
-        MCV_EACH_CHANNEL(c) MCV_STORE(slot, parted, 4 + c, parting.carried.c[c]);
-        branches = parting.branches ? MCV_BRANCHES_OFF : 0u;
+        branches = mcv_keep_parting(slot, parting);
         on = parting.on;
 #endif
         throughput = mcv_tint(throughput, on.factor);
@@ -55,11 +51,16 @@ MCV_LOOP_FUNCTION void mcv_shade_smooth(mcv_world world, uint *paths, uint first
 }
 
 #if MCV_WITH_SPLIT
-/* The branches of the listed paths, which have gone on, in the slots from the given one: the same but for where they go. */
-static __attribute__((noinline)) void mcv_branch_off_together(mcv_world world, uint *paths, const uint *listed, uint count, uint begin) {
+/* The branches of the first `last` paths, which have gone on, in the slots from the given one: the same but for where they go. Returns
+ * where they end. */
+static __attribute__((noinline)) uint mcv_branch_off_together(mcv_world world, uint *paths, const uint *ways, uint last, uint begin) {
+    uint branches[MCV_SLOTS], listed[MCV_SLOTS];
     mcv_slot slot, beside;
     slot.base = beside.base = paths;
     (void)world;
+    MCV_PARALLEL
+    for (uint i = 0; i < last; ++i) branches[i] = ways[i] & MCV_BRANCHES_OFF;
+    const uint count = mcv_list(branches, last, listed);
     for (uint word = MCV_PATH_weight; word < MCV_PATH_hit; ++word) {
         uint *row = paths + word * MCV_ROW;
         MCV_PARALLEL
@@ -75,32 +76,27 @@ static __attribute__((noinline)) void mcv_branch_off_together(mcv_world world, u
         const mcv_vec3 origin = mcv_offset_origin(MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error), MCV_LOAD_3(slot, face), direction);
         MCV_STORE_3(beside, origin, origin);
         MCV_WORD(beside, media, 0) = MCV_WORD(slot, parted, 3);
-        MCV_EACH_CHANNEL(c) MCV_WORD(beside, throughput, c) = MCV_WORD(slot, parted, 4 + c);
+        MCV_EACH_CHANNEL(c) MCV_WORD(beside, throughput, c) = MCV_WORD(slot, parted, 5 + c);
+#if MCV_WITH_NEXT_EVENT
+        MCV_WORD(beside, density, 0) = MCV_WORD(slot, parted, 4);
+#endif
 #if MCV_WITH_SURFACES
         MCV_WORD(beside, left, 0) = mcv_leave_plain(world, slot, direction, 1);
 #endif
     }
+    return begin + count;
 }
 #endif
 
-/* All smooth surfaces of a slice: how their paths go on. Branches begin in the slots from `begin`; returns where they end. */
-static __attribute__((noinline)) uint mcv_shade_smooth_surfaces(mcv_world world, uint *paths, const uint *ends, uint begin, uint depth,
-                                                                uint *ways, uint *unmatched) {
+/* All smooth surfaces of a slice: how their paths go on. */
+static __attribute__((noinline)) void mcv_shade_smooth_surfaces(mcv_world world, uint *paths, const uint *ends, uint depth, uint *ways,
+                                                                uint *unmatched) {
     uint differs[MCV_SLOTS];
-    uint count = 0;
     mcv_shade_smooth(world, paths, 0, ends[MCV_MET_SMOOTH_TRIANGLE], depth, 0, ways, differs);
 #if MCV_WITH_SURFACES
     mcv_shade_smooth(world, paths, ends[MCV_MET_SMOOTH_TRIANGLE], ends[MCV_MET_SMOOTH_EXACT], depth, 1, ways, differs);
 #endif
     for (uint i = 0; i < ends[MCV_MET_SMOOTH_EXACT]; ++i) *unmatched += differs[i];
-#if MCV_WITH_SPLIT
-    uint branches[MCV_SLOTS], listed[MCV_SLOTS];
-    MCV_PARALLEL
-    for (uint i = 0; i < ends[MCV_MET_SMOOTH_EXACT]; ++i) branches[i] = ways[i] & MCV_BRANCHES_OFF;
-    count = mcv_list(branches, ends[MCV_MET_SMOOTH_EXACT], listed);
-    mcv_branch_off_together(world, paths, listed, count, begin);
-#endif
-    return begin + count;
 }
 #endif
 

@@ -678,7 +678,10 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
         mcv_shade_plain_surfaces(world, paths, ends, gloss, depth, ways, &counts[MCV_COUNTER_unmatched]);
 #endif
 #if MCV_WITH_SMOOTH
-        beside.index = mcv_shade_smooth_surfaces(world, paths, ends, alive, depth, ways, &counts[MCV_COUNTER_unmatched]);
+        mcv_shade_smooth_surfaces(world, paths, ends, depth, ways, &counts[MCV_COUNTER_unmatched]);
+#if MCV_WITH_SPLIT
+        beside.index = mcv_branch_off_together(world, paths, ways, ends[MCV_MET_GLOSS_TRIANGLE], alive);
+#endif
 #endif
         for (slot.index = 0; slot.index < alive; ++slot.index) {
             if (ways[slot.index] != MCV_IS_LEFT) continue;

@@ -100,7 +100,7 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         radiance = emitter == MCV_NONE ? 0.0f : mcv_emission_met(world, meeting, emitter, on.media, 0.0f, 0.0f).c[0];
         const uint before = on.media;
         mcv_scattering other;
-        on = mcv_scatter(world, meeting, before, always_refract, 1.0f, &unmatched, &other);
+        on = mcv_scatter(world, meeting, before, always_refract, 1.0f, 0, &unmatched, &other);
         point = meeting.surface.point;
         normal = meeting.normal;
         point_rest = nothing;

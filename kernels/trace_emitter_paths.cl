@@ -226,7 +226,7 @@ static mcv_color mcv_pass_plates(mcv_world world, mcv_vec3 origin, uint begun, m
         const mcv_meeting meeting = mcv_meet_at(mcv_surface_met(world, origin, way, hit), mcv_normalize(way));
         if (plates == 0 || !mcv_is_plate(world, meeting)) return mcv_grey(0.0f);
         mcv_scattering other;
-        const mcv_scattering on = mcv_scatter(world, meeting, media, never_reflect, 0.0f, &counts[MCV_COUNTER_unmatched], &other);
+        const mcv_scattering on = mcv_scatter(world, meeting, media, never_reflect, 0.0f, 0, &counts[MCV_COUNTER_unmatched], &other);
         left = on.event == MCV_EVENT_PASS ? mcv_dim(mcv_tint(left, on.factor), on.chance) : mcv_grey(0.0f);
         if (!(mcv_brightest(left) > 0.0f)) return left;
         origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, way);
@@ -344,7 +344,7 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
 #endif
         const mcv_pair pair = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_SCATTER));
         mcv_scattering other;
-        const mcv_scattering on = mcv_scatter(seen, meeting, path.media, pair, choice.x, &counts[MCV_COUNTER_unmatched], &other);
+        const mcv_scattering on = mcv_scatter(seen, meeting, path.media, pair, choice.x, 0, &counts[MCV_COUNTER_unmatched], &other);
         path.throughput = mcv_tint(path.throughput, on.factor);
         const float brightest = mcv_brightest(path.throughput);
         if (!(brightest > 0.0f)) return;
