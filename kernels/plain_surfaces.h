@@ -205,7 +205,7 @@ MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint
     mcv_device_gloss from;
     if (type != MCV_MATERIAL_DIFFUSE) from = mcv_plain_gloss(world, gloss);
 #endif
-    MCV_PARALLEL
+    MCV_PARALLEL_MASKED
     for (uint i = first; i < last; ++i) {
         slot.index = i;
         const mcv_vec3 way = MCV_LOAD_3(slot, shadow_direction), back = mcv_scale(MCV_LOAD_3(slot, way), -1.0f);
@@ -296,7 +296,7 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
     mcv_device_gloss from;
     if (type != MCV_MATERIAL_DIFFUSE) from = mcv_plain_gloss(world, gloss);
 #endif
-    MCV_PARALLEL
+    MCV_PARALLEL_MASKED
     for (uint i = first; i < last; ++i) {
         slot.index = i;
         mcv_vec3 direction;

@@ -10,7 +10,7 @@ MCV_LOOP_FUNCTION void mcv_shade_smooth(mcv_world world, uint *paths, uint first
     const int roulette = depth >= MCV_ROULETTE_DEPTH;
     mcv_slot slot;
     slot.base = paths;
-    MCV_PARALLEL
+    MCV_PARALLEL_MASKED
     for (uint i = first; i < last; ++i) {
         slot.index = i;
         const mcv_meeting meeting = mcv_meet_surface(world, slot);

@@ -18,11 +18,17 @@ static inline __attribute__((always_inline)) void mcv_take_sixteen(float16 lanes
 #define MCV_PARALLEL \
     mcv_take_sixteen((float16)(0.0f)); \
     _Pragma("clang loop vectorize(assume_safety) vectorize_width(16)")
+/* The same where a turn takes long: the last, too, run together, as masks leave out what is too much. */
+#define MCV_PARALLEL_MASKED \
+    mcv_take_sixteen((float16)(0.0f)); \
+    _Pragma("clang loop vectorize(assume_safety) vectorize_width(16) vectorize_predicate(enable)")
 #elif defined(__clang__)
 #pragma clang diagnostic ignored "-Wpass-failed"
 #define MCV_PARALLEL _Pragma("clang loop vectorize(assume_safety) vectorize_width(8)")
+#define MCV_PARALLEL_MASKED MCV_PARALLEL
 #else
 #define MCV_PARALLEL
+#define MCV_PARALLEL_MASKED
 #endif
 
 #include "world.h"
@@ -63,7 +69,7 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_one_of(const uint *rows, uint i) {
 MCV_LOOP_FUNCTION void mcv_meet_together(mcv_world world, mcv_side_by_side rays, uint number, uint shape, uint count, float *t,
                                          uint *pieces) {
     __global const mcv_device_solid *solid = world.solids + number;
-    MCV_PARALLEL
+    MCV_PARALLEL_MASKED
     for (uint i = 0; i < count; ++i) {
         const mcv_approach ray = mcv_approach_solid(world, number, mcv_one_of(rays.origin, i), mcv_one_of(rays.direction, i), rays.left[i]);
         const mcv_piece_met met = mcv_meet_shape(solid, shape, ray);
@@ -336,7 +342,7 @@ static __attribute__((noinline)) void mcv_move_paths(uint *paths, const uint *ch
 static __attribute__((noinline)) void mcv_draw_pairs(uint *paths, uint first, uint last, uint depth, uint pair) {
     mcv_slot slot;
     slot.base = paths;
-    MCV_PARALLEL
+    MCV_PARALLEL_MASKED
     for (uint i = first; i < last; ++i) {
         slot.index = i;
         const mcv_pair drawn = mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0), MCV_SURFACE_PAIR(depth, pair));
@@ -350,7 +356,7 @@ static __attribute__((noinline)) void mcv_draw_pairs(uint *paths, uint first, ui
 static __attribute__((noinline)) void mcv_choose_bounces(uint *paths, uint first, uint last) {
     mcv_slot slot;
     slot.base = paths;
-    MCV_PARALLEL
+    MCV_PARALLEL_MASKED
     for (uint i = first; i < last; ++i) {
         slot.index = i;
         const float xi = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
@@ -379,7 +385,7 @@ static __attribute__((noinline)) void mcv_leave_surfaces(uint *paths, uint count
 #endif
 
 MCV_LOOP_FUNCTION void mcv_find_triangles(mcv_world world, mcv_slot slot, uint first, uint last) {
-    MCV_PARALLEL
+    MCV_PARALLEL_MASKED
     for (uint i = first; i < last; ++i) {
         slot.index = i;
         mcv_find_triangle(world, slot);
@@ -396,13 +402,13 @@ static __attribute__((noinline)) void mcv_find_exacts(mcv_world world, mcv_slot 
         quadrics += mcv_is_quadric(world.solids + ((met[i] & ~MCV_EXACT) >> 2), met[i] & 3u);
     }
     if (quadrics > 0 && same == last - first) {
-        MCV_PARALLEL
+        MCV_PARALLEL_MASKED
         for (uint i = first; i < last; ++i) {
             slot.index = i;
             mcv_find_exact(world, slot, piece, 1);
         }
     } else if (quadrics > 0) {
-        MCV_PARALLEL
+        MCV_PARALLEL_MASKED
         for (uint i = first; i < last; ++i) {
             slot.index = i;
             mcv_find_exact(world, slot, met[i], 1);
@@ -458,7 +464,7 @@ static __attribute__((noinline)) void mcv_find_ways(mcv_world world, uint *paths
     uint alike[MCV_SLOTS];
     mcv_slot slot;
     slot.base = paths;
-    MCV_PARALLEL
+    MCV_PARALLEL_MASKED
     for (uint i = first; i < last; ++i) {
         slot.index = i;
         mcv_find_way(world, slot, 0u);
@@ -473,7 +479,7 @@ static __attribute__((noinline)) void mcv_find_ways(mcv_world world, uint *paths
             listed += is_alike;
             others += !is_alike;
         }
-        MCV_PARALLEL
+        MCV_PARALLEL_MASKED
         for (uint i = 0; i < listed; ++i) {
             slot.index = alike[i];
             mcv_find_way(world, slot, emitter);
