@@ -40,13 +40,11 @@ __kernel void sample_towards(MCV_WORLD_PARAMETERS uint emitter, __global const f
     const uint i = get_global_id(0);
     __global const float *in = cases + 8 * i;
     __global float *out = results + 8 * i;
-    mcv_meeting at;
+    mcv_receiver at;
     mcv_pair pair;
-    at.surface.point = mcv_vec(in[0], in[1], in[2]);
-    at.surface.error = mcv_vec(0.0f, 0.0f, 0.0f);
-    at.face = at.normal = mcv_vec(in[3], in[4], in[5]);
-    at.direction = mcv_scale(at.face, -1.0f);
-    at.inside = 0;
+    at.point = mcv_vec(in[0], in[1], in[2]);
+    at.error = mcv_vec(0.0f, 0.0f, 0.0f);
+    at.face = mcv_vec(in[3], in[4], in[5]);
     pair.x = in[6];
     pair.y = in[7];
     const mcv_shadow shadow = mcv_sample_towards(world, at, emitter, pair);
@@ -56,7 +54,7 @@ __kernel void sample_towards(MCV_WORLD_PARAMETERS uint emitter, __global const f
     out[2] = direction.z;
     out[3] = shadow.light.c[0];
     out[4] = shadow.density;
-    mcv_meet_emitter(world, at.surface.point, direction, emitter, out + 5);
+    mcv_meet_emitter(world, at.point, direction, emitter, out + 5);
 }
 
 /* cases: receiver, unit direction, two words of no account; results as above, the first five of no account. */

@@ -53,15 +53,12 @@
     X(normal, 3 * MCV_TILE) \
     X(gloss_known, MCV_TILE *MCV_WITH_GLOSS) \
     X(parted, (5 + MCV_CHANNELS) * MCV_TILE * MCV_WITH_SPLIT) /* direction, media, density and throughput of a branch */ \
-    X(bounce, 4 * MCV_TILE)                      /* the direction in which the surface reflects if it is diffuse, and its density */ \
-    X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT)    /* that the path looks for, or MCV_NONE, */ \
-    X(place, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT) /* a place on it (triangle, u, v) */ \
-    X(way, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT)   /* and the way there, as in mcv_way */ \
-    X(way_density, MCV_TILE *MCV_WITH_NEXT_EVENT) \
-    X(way_face, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT) \
-    X(way_normal, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT * MCV_WITH_NORMALS) \
-    X(reach_here, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* at this surface */ \
-    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)               /* ray to the emitter */ \
+    X(bounce, 4 * MCV_TILE)                   /* the direction in which the surface reflects if it is diffuse, and its density */ \
+    X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path looks for, or MCV_NONE */ \
+    X(place, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT * MCV_WITH_TEXTURE) /* and where there (triangle, u, v) */ \
+    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)                /* as in mcv_shadow */ \
+    X(reach_here, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH)         /* at this surface */ \
+    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)                       /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS *MCV_WITH_DIELECTRIC) /* that it leaves the surface in */ \
     X(shadow_left, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \

@@ -13,9 +13,6 @@
 #define MCV_WITH_PLAIN (MCV_WITH_DIFFUSE && MCV_LEAVES_TOGETHER && !MCV_WITH_TRANSLUCENT && !MCV_WITH_DISPERSION)
 #define MCV_WITH_SMOOTH (MCV_WITH_DIELECTRIC && MCV_LEAVES_TOGETHER && !MCV_WITH_DISPERSION)
 
-/* Where there may be no more than one emitter. */
-#define MCV_WITH_PLAIN_EMITTERS (MCV_WITH_PLAIN && MCV_WITH_NEXT_EVENT && MCV_WITH_AREA && MCV_WITH_RECTANGLE && !MCV_WITH_REACH)
-
 /* What paths have met. The paths of a kind lie side by side in this order; ends[kind] is where the next kind begins. */
 enum {
     MCV_MET_SMOOTH_TRIANGLE,
@@ -181,23 +178,10 @@ MCV_LOOP_FUNCTION mcv_gloss_meeting mcv_meet_plain_gloss(mcv_world world, const 
 }
 #endif
 
-#if MCV_WITH_PLAIN_EMITTERS
-/* Whether all paths look for one rectangle that emits alike in all directions, everywhere. */
-MCV_FUNCTION int mcv_has_plain_emitter(mcv_world world) {
-    __global const mcv_device_emitter *e = world.emitters;
-    return world.frame->emitter_count == 1u && e->type == MCV_EMITTER_AREA && e->rectangle.width > 0.0f && e->texture == MCV_NONE;
-}
-
-/* mcv_choose_emitter */
-static __attribute__((noinline)) void mcv_choose_plain_emitter(uint *paths, uint first, uint last) {
-    for (uint i = first; i < last; ++i) paths[MCV_PATH_emitter * MCV_ROW + i] = 0u;
-}
-
-/* mcv_shadow_along, mcv_cast_shadow: whether there is a shadow ray to follow. `type` is known to the compiler; `gloss`: the glossy
- * material. */
+#if MCV_WITH_NEXT_EVENT
+/* mcv_cast_shadow: whether there is a shadow ray to follow. `type` is known to the compiler; `gloss`: the glossy material. */
 MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint first, uint last, int exact, uint type, uint gloss,
                                               uint *casts) {
-    __global const mcv_device_emitter *e = world.emitters;
     mcv_slot slot;
     slot.base = paths;
     (void)exact, (void)gloss;
@@ -208,13 +192,9 @@ MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint
     MCV_PARALLEL_MASKED
     for (uint i = first; i < last; ++i) {
         slot.index = i;
-        const mcv_vec3 way = MCV_LOAD_3(slot, shadow_direction), back = mcv_scale(MCV_LOAD_3(slot, way), -1.0f);
-        const float density = MCV_LOAD(slot, way_density, 0);
-        const mcv_vec3 direction = mcv_normalize(way);
-        int lit = (density > 0.0f) & (density < INFINITY) & (mcv_dot(back, MCV_LOAD_3(slot, way_face)) > 0.0f);
-#if MCV_WITH_NORMALS
-        lit &= mcv_dot(back, MCV_LOAD_3(slot, way_normal)) > 0.0f;
-#endif
+        const mcv_vec3 way = MCV_LOAD_3(slot, shadow_direction), direction = mcv_normalize(way);
+        const float density = MCV_LOAD(slot, shadow_density, 0);
+        int lit = 1;
         mcv_response response;
         response.media = mcv_path_media(slot);
         if (type == MCV_MATERIAL_DIFFUSE) {
@@ -229,18 +209,19 @@ MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint
             const mcv_gloss_meeting m = mcv_meet_plain_gloss(world, &meeting, &from, gloss, type, response.media);
             response = mcv_respond_gloss_of(world, &meeting, &from, &m, direction);
             lit &= m.gloss.table != MCV_NONE;
-            lit &= !mcv_leaves_to_light_paths(world, slot, 0u, (int)world.materials[gloss].sharp);
+            const uint emitter = MCV_WORD(slot, emitter, 0);
+            lit &= !mcv_leaves_to_light_paths(world, slot, emitter == MCV_NONE ? 0u : emitter, (int)world.materials[gloss].sharp);
 #endif
         }
-        const float weight = mcv_choice_weight(density, response.density);
+        const float weight = density > 0.0f ? mcv_choice_weight(density, response.density) : 1.0f;
         float most_sent = 0.0f, most_reflected = 0.0f;
-        mcv_color light;
+        mcv_color sent, light;
         MCV_LOAD_COLOR(slot, throughput, light);
+        MCV_LOAD_COLOR(slot, shadow_light, sent);
         MCV_EACH_CHANNEL(c) {
-            const float sent = e->radiance[c] * (1.0f / density);
-            most_sent = sent > most_sent ? sent : most_sent;
+            most_sent = sent.c[c] > most_sent ? sent.c[c] : most_sent;
             most_reflected = response.value.c[c] > most_reflected ? response.value.c[c] : most_reflected;
-            light.c[c] = light.c[c] * response.value.c[c] * sent * weight;
+            light.c[c] = light.c[c] * response.value.c[c] * sent.c[c] * weight;
         }
 #if MCV_WITH_DIELECTRIC
         light = mcv_dim(light, world.media[mcv_filling_medium(response.media)].inverse_index_squared);
@@ -251,7 +232,6 @@ MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint
 #if MCV_WITH_SURFACES
         MCV_WORD(slot, shadow_left, 0) = mcv_leave_plain(world, slot, way, exact);
 #endif
-        MCV_WORD(slot, shadow_target, 0) = MCV_NONE;
         MCV_STORE_COLOR(slot, shadow_light, light);
         casts[i] = (uint)(lit & (most_sent > 0.0f) & (most_reflected > 0.0f));
     }

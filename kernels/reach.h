@@ -14,39 +14,37 @@
 #if MCV_WITH_REACH
 
 /* How far a flat emitter stretches along a direction, r times the sine of the angle to its normal; without a normal, r. */
-MCV_FUNCTION float mcv_stretch(__global const mcv_device_emitter *e, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION float mcv_stretch(__global const mcv_device_emitter *e, mcv_vec3 direction) {
     const float cosine = mcv_dot(mcv_vec(e->facing[0], e->facing[1], e->facing[2]), direction);
     const float squared = 1.0f - cosine * cosine;
     return squared > 0.0f ? e->radius * mcv_sqrt(squared) : 0.0f;
 }
 
 /* `sides` of the receiver that spread light: one, which all of the normals show, or both. */
-MCV_FUNCTION int mcv_reaches(__global const mcv_device_emitter *e, mcv_vec3 receiver, mcv_vec3 face, mcv_vec3 normal, uint sides) {
+MCV_LOOP_FUNCTION int mcv_reaches(__global const mcv_device_emitter *e, mcv_vec3 receiver, mcv_vec3 face, mcv_vec3 normal, uint sides) {
     const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
     const mcv_vec3 axis = mcv_vec(e->facing[0], e->facing[1], e->facing[2]);
-    const float depth = -mcv_dot(axis, way);
-    if (!(e->probability > 0.0f)) return 0;
-    if (e->radius < 0.0f) return 1; /* it is nowhere */
-    if (depth < 0.0f) return 0;
-    if (sides == 1u && mcv_dot(face, way) < -mcv_stretch(e, face) && mcv_dot(normal, way) < -mcv_stretch(e, normal)) return 0;
+    const int behind_it = -mcv_dot(axis, way) < 0.0f;
+    const int behind = (sides == 1u) & (mcv_dot(face, way) < -mcv_stretch(e, face)) & (mcv_dot(normal, way) < -mcv_stretch(e, normal));
+    int lit = 1;
 #if MCV_WITH_PARALLEL
-    if (e->type == MCV_EMITTER_PARALLEL && e->parallel.from_receiver) {
-        const float ahead = -mcv_dot(mcv_vec(e->parallel.axis[0], e->parallel.axis[1], e->parallel.axis[2]), way);
-        const float reach = e->radius + (ahead + e->radius) * mcv_sqrt(e->parallel.tangent_squared);
-        return ahead + e->radius > 0.0f && mcv_dot(way, way) - ahead * ahead <= reach * reach;
-    }
+    const float ahead = -mcv_dot(mcv_vec(e->parallel.axis[0], e->parallel.axis[1], e->parallel.axis[2]), way);
+    const float reach = e->radius + (ahead + e->radius) * mcv_sqrt(e->parallel.tangent_squared);
+    const int in_cone = (ahead + e->radius > 0.0f) & (mcv_dot(way, way) - ahead * ahead <= reach * reach);
+    lit &= (e->type != MCV_EMITTER_PARALLEL) | !e->parallel.from_receiver | in_cone;
 #endif
 #if MCV_WITH_BEAM
-    if (e->type == MCV_EMITTER_COLLIMATED_BEAM) return mcv_collimated_beam_covers(&e->beam, mcv_scale(way, -1.0f));
+    lit &= (e->type != MCV_EMITTER_COLLIMATED_BEAM) | mcv_collimated_beam_covers(&e->beam, mcv_scale(way, -1.0f));
 #endif
 #if MCV_WITH_PUNCTUAL
-    if (e->type == MCV_EMITTER_SPOT) return mcv_spot_evaluate(&e->spot, mcv_normalize(mcv_scale(way, -1.0f))) > 0.0f;
+    lit &= (e->type != MCV_EMITTER_SPOT) | (mcv_spot_evaluate(&e->spot, mcv_normalize(mcv_scale(way, -1.0f))) > 0.0f);
 #endif
-    return 1;
+    const int nowhere = e->radius < 0.0f;
+    return (e->probability > 0.0f) & (nowhere | (!behind_it & !behind & lit));
 }
 
 /* The share of an emitter's power that the receiver may get, up to a factor. */
-MCV_FUNCTION float mcv_promise(__global const mcv_device_emitter *e, mcv_vec3 receiver) {
+MCV_LOOP_FUNCTION float mcv_promise(__global const mcv_device_emitter *e, mcv_vec3 receiver) {
     const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
     return e->power / mcv_fma(e->widening, mcv_dot(way, way), e->narrowest);
 }
@@ -56,10 +54,16 @@ typedef struct mcv_reach {
     float scale, least;
 } mcv_reach;
 
-/*
- * The emitter at xi of all that reach the receiver, MCV_NONE where nothing does. A sixteenth of all choices goes to them in equal parts:
- * what promises most may be hidden.
- */
+/* From the sum of the promises of so many emitters that reach it. A sixteenth of all choices goes to them in equal parts: what promises
+ * most may be hidden. */
+MCV_LOOP_FUNCTION mcv_reach mcv_share_reach(float sum, float reaching) {
+    mcv_reach reach;
+    reach.scale = sum > 0.0f ? 0.9375f / sum : 0.0f;
+    reach.least = (sum > 0.0f ? 0.0625f : 1.0f) / reaching;
+    return reach;
+}
+
+/* The emitter at xi of all that reach the receiver, MCV_NONE where nothing does. */
 static uint mcv_choose_by_reach(mcv_world world, mcv_vec3 receiver, mcv_vec3 face, mcv_vec3 normal, uint sides, float xi,
                                 mcv_reach *reach) {
     float promises[MCV_MOST_REACHING];
@@ -71,8 +75,7 @@ static uint mcv_choose_by_reach(mcv_world world, mcv_vec3 receiver, mcv_vec3 fac
         sum += promises[i];
         reaching += 1.0f;
     }
-    reach->scale = sum > 0.0f ? 0.9375f / sum : 0.0f;
-    reach->least = (sum > 0.0f ? 0.0625f : 1.0f) / reaching;
+    *reach = mcv_share_reach(sum, reaching);
     uint chosen = MCV_NONE;
     float before = 0.0f;
     for (uint i = 0; i < world.frame->emitter_count && (chosen == MCV_NONE || before <= xi); ++i) {
@@ -84,7 +87,7 @@ static uint mcv_choose_by_reach(mcv_world world, mcv_vec3 receiver, mcv_vec3 fac
 }
 
 /* How much more often than at large, where its chance is e->probability, such a receiver chooses an emitter. */
-MCV_FUNCTION float mcv_preference(__global const mcv_device_emitter *e, mcv_vec3 receiver, mcv_reach reach) {
+MCV_LOOP_FUNCTION float mcv_preference(__global const mcv_device_emitter *e, mcv_vec3 receiver, mcv_reach reach) {
     return mcv_fma(mcv_promise(e, receiver), reach.scale, reach.least) / e->probability;
 }
 

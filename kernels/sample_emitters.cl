@@ -14,6 +14,16 @@
 #include "meet_surface.h"
 #include "reach.h"
 
+/* Where an emitter is looked for from. */
+typedef struct mcv_receiver {
+    mcv_vec3 point, error, face;
+} mcv_receiver;
+
+MCV_LOOP_FUNCTION mcv_receiver mcv_receiver_of(mcv_meeting meeting) {
+    const mcv_receiver at = {meeting.surface.point, meeting.surface.error, meeting.face};
+    return at;
+}
+
 typedef struct mcv_shadow {
     mcv_vec3 origin, direction;
     uint target;
@@ -23,11 +33,11 @@ typedef struct mcv_shadow {
 
 #if MCV_WITH_BEAM
 /* Back along the beam, where it goes through the receiver: the emitter must then be the closest hit. */
-static mcv_shadow mcv_sample_beam_of(mcv_meeting at, __global const mcv_device_emitter *e) {
+static mcv_shadow mcv_sample_beam_of(mcv_receiver at, __global const mcv_device_emitter *e) {
     mcv_shadow shadow;
-    const mcv_vec3 from_middle = mcv_sub(at.surface.point, mcv_vec(e->middle[0], e->middle[1], e->middle[2]));
+    const mcv_vec3 from_middle = mcv_sub(at.point, mcv_vec(e->middle[0], e->middle[1], e->middle[2]));
     shadow.direction = mcv_vec(-e->beam.axis[0], -e->beam.axis[1], -e->beam.axis[2]);
-    shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, shadow.direction);
+    shadow.origin = mcv_offset_origin(at.point, at.error, at.face, shadow.direction);
     shadow.target = e->instance;
     shadow.density = 0.0f;
     shadow.light = mcv_grey(0.0f);
@@ -37,12 +47,12 @@ static mcv_shadow mcv_sample_beam_of(mcv_meeting at, __global const mcv_device_e
 #endif
 
 #if MCV_WITH_PUNCTUAL
-static mcv_shadow mcv_sample_spot_of(mcv_meeting at, __global const mcv_device_emitter *e) {
+static mcv_shadow mcv_sample_spot_of(mcv_receiver at, __global const mcv_device_emitter *e) {
     mcv_shadow shadow;
     const mcv_vec3 position = mcv_vec(e->spot.position[0], e->spot.position[1], e->spot.position[2]);
-    const mcv_vec3 towards = mcv_sub(position, at.surface.point);
+    const mcv_vec3 towards = mcv_sub(position, at.point);
     const mcv_vec3 direction = mcv_normalize(towards);
-    shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, direction);
+    shadow.origin = mcv_offset_origin(at.point, at.error, at.face, direction);
     shadow.direction = mcv_sub(position, shadow.origin);
     shadow.target = MCV_NONE;
     shadow.density = 0.0f;
@@ -52,10 +62,10 @@ static mcv_shadow mcv_sample_spot_of(mcv_meeting at, __global const mcv_device_e
     return shadow;
 }
 
-static mcv_shadow mcv_sample_directional_of(mcv_meeting at, __global const mcv_device_emitter *e) {
+static mcv_shadow mcv_sample_directional_of(mcv_receiver at, __global const mcv_device_emitter *e) {
     mcv_shadow shadow;
     const mcv_vec3 direction = mcv_vec(-e->directional.axis[0], -e->directional.axis[1], -e->directional.axis[2]);
-    shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, direction);
+    shadow.origin = mcv_offset_origin(at.point, at.error, at.face, direction);
     shadow.direction = direction;
     shadow.target = MCV_SKY;
     shadow.density = 0.0f;
@@ -66,13 +76,13 @@ static mcv_shadow mcv_sample_directional_of(mcv_meeting at, __global const mcv_d
 
 #if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
 /* What rounding puts into a neighbouring pixel counts as that one's. */
-static mcv_shadow mcv_sample_environment_of(mcv_world world, mcv_meeting at, __global const mcv_device_emitter *e, mcv_pair pair) {
+static mcv_shadow mcv_sample_environment_of(mcv_world world, mcv_receiver at, __global const mcv_device_emitter *e, mcv_pair pair) {
     mcv_shadow shadow;
     float xi, eta;
     const uint row = mcv_search_cdf(world.emitter_cdf + e->cdf, e->environment.height, pair.y, pair.x, &eta);
     const uint column = mcv_search_cdf(mcv_environment_row(world, e, row), e->environment.width, pair.x, pair.y, &xi);
     shadow.direction = mcv_environment_sample(&e->environment, column, row, xi, eta);
-    shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, shadow.direction);
+    shadow.origin = mcv_offset_origin(at.point, at.error, at.face, shadow.direction);
     shadow.target = MCV_SKY;
     const mcv_sky_pixel pixel = mcv_sky_pixel_at(e, shadow.direction);
     shadow.density = mcv_environment_density(world, e, pixel);
@@ -83,11 +93,11 @@ static mcv_shadow mcv_sample_environment_of(mcv_world world, mcv_meeting at, __g
 #endif
 
 #if MCV_WITH_PARALLEL
-static mcv_shadow mcv_sample_cone_of(mcv_meeting at, __global const mcv_device_emitter *e, mcv_pair pair) {
+MCV_LOOP_FUNCTION mcv_shadow mcv_sample_cone_of(mcv_receiver at, __global const mcv_device_emitter *e, mcv_pair pair) {
     mcv_shadow shadow;
     const mcv_vec3 axis = mcv_vec(e->parallel.axis[0], e->parallel.axis[1], e->parallel.axis[2]);
     shadow.direction = mcv_scale(mcv_from_frame(mcv_sample_cone(e->parallel.sin_half, pair.x, pair.y), axis), -1.0f);
-    shadow.origin = mcv_offset_origin(at.surface.point, at.surface.error, at.face, shadow.direction);
+    shadow.origin = mcv_offset_origin(at.point, at.error, at.face, shadow.direction);
     shadow.target = e->instance;
     shadow.density = e->probability / e->parallel.solid_angle;
     MCV_EACH_CHANNEL(i) shadow.light.c[i] = e->radiance[i] / shadow.density;
@@ -97,60 +107,99 @@ static mcv_shadow mcv_sample_cone_of(mcv_meeting at, __global const mcv_device_e
 
 #if MCV_WITH_EMISSION
 /*
- * Bound of the error with which a ray from the receiver meets the triangle of `there`, per coordinate. The traversal works on the corners
- * relative to the ray's origin, of which R is the largest coordinate: shearing them rounds by γ(6) R, the depth by 12 u R
- * (mcv_intersect_leaf), the ray's end and t itself by 4 u R. Close to the world's origin this is more than the error of the point.
+ * Bound of the error with which a ray from the receiver meets the triangle of a place that has an error itself, per coordinate. The
+ * traversal works on the corners relative to the ray's origin, of which R is the largest coordinate: shearing them rounds by γ(6) R, the
+ * depth by 12 u R (mcv_intersect_leaf), the ray's end and t itself by 4 u R. Close to the world's origin this is more than the error of
+ * the point.
  */
-MCV_LOOP_FUNCTION mcv_vec3 mcv_meeting_error(mcv_world world, mcv_vec3 receiver, mcv_surface there) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_meeting_error(mcv_vec3 receiver, mcv_facet facet, mcv_vec3 error) {
     float largest = 0.0f;
-    const uint vertices[3] = {there.corners.x, there.corners.y, there.corners.z};
+    const mcv_vec3 corners[3] = {facet.a, facet.b, facet.c};
 #pragma unroll
     for (int i = 0; i < 3; ++i) {
-        const mcv_vec3 way = mcv_sub(mcv_vertex_vector(world.positions, vertices[i]), receiver);
+        const mcv_vec3 way = mcv_sub(corners[i], receiver);
         const float flat = mcv_abs(way.x) > mcv_abs(way.y) ? mcv_abs(way.x) : mcv_abs(way.y);
         const float far = mcv_abs(way.z) > flat ? mcv_abs(way.z) : flat;
         largest = far > largest ? far : largest;
     }
     const float more = MCV_GAMMA(16) * largest;
-    return mcv_vec(there.error.x + more, there.error.y + more, there.error.z + more);
+    return mcv_vec(error.x + more, error.y + more, error.z + more);
 }
 
-/* A place on an emitter: the triangle, and where on it. */
-typedef struct mcv_chosen_place {
-    uint triangle;
+/* A place on an emitter. */
+typedef struct mcv_place {
+    mcv_facet facet;
     float u, v;
-} mcv_chosen_place;
+    float share;   /* of the choices by area, the facet's */
+    float density; /* with which it is chosen [1/sr]; 0: by area */
+} mcv_place;
 
-/* Uniform by area (the unit square to a triangle by area). */
-MCV_FUNCTION mcv_chosen_place mcv_choose_place(mcv_world world, uint emitter, mcv_pair pair) {
-    __global const mcv_device_emitter *e = world.emitters + emitter;
-    mcv_chosen_place place;
-    float xi;
-    place.triangle =
-        world.instances[e->instance].first_triangle + mcv_search_cdf(world.emitter_cdf + e->cdf, e->triangle_count, pair.x, pair.y, &xi);
+/* The place (xi, eta) of the unit square on a triangle, uniform by area. */
+MCV_LOOP_FUNCTION mcv_place mcv_place_on(mcv_facet facet, float share, float xi, float eta) {
+    mcv_place place;
     const float root = mcv_sqrt(xi);
-    place.u = root * (1.0f - pair.y);
-    place.v = root * pair.y;
+    place.facet = facet;
+    place.u = root * (1.0f - eta);
+    place.v = root * eta;
+    place.share = share;
+    place.density = 0.0f;
     return place;
 }
 
-/* The way from a receiver to a place on an emitter. */
-typedef struct mcv_way {
-    mcv_vec3 origin, direction; /* of the shadow ray */
-    mcv_vec3 towards;           /* the same, unit and from the receiver itself */
-    float density;
-    mcv_vec3 face, normal; /* there */
-} mcv_way;
+/* Uniform by area. */
+MCV_FUNCTION mcv_place mcv_choose_place(mcv_world world, __global const mcv_device_emitter *e, mcv_pair pair) {
+    float xi;
+    const uint triangle =
+        world.instances[e->instance].first_triangle + mcv_search_cdf(world.emitter_cdf + e->cdf, e->triangle_count, pair.x, pair.y, &xi);
+    return mcv_place_on(mcv_facet_of(world, triangle), mcv_triangle_share(world, e, triangle), xi, pair.y);
+}
 
 #if MCV_WITH_RECTANGLE
+/* The two triangles of a rectangle, and their shares. */
+typedef struct mcv_facets {
+    mcv_facet first, second;
+    float first_share, second_share;
+} mcv_facets;
+
+MCV_LOOP_FUNCTION mcv_facets mcv_facets_of(mcv_world world, __global const mcv_device_emitter *e) {
+    mcv_facets two;
+    const uint first = world.instances[e->instance].first_triangle;
+    two.first = mcv_facet_of(world, first);
+    two.second = mcv_facet_of(world, first + 1u);
+    two.first_share = mcv_triangle_share(world, e, first);
+    two.second_share = mcv_triangle_share(world, e, first + 1u);
+    return two;
+}
+
+MCV_LOOP_FUNCTION mcv_facet mcv_choose_facet(int first, const mcv_facets *of) {
+    mcv_facet facet;
+    facet.a = mcv_choose(first, of->first.a, of->second.a);
+    facet.b = mcv_choose(first, of->first.b, of->second.b);
+    facet.c = mcv_choose(first, of->first.c, of->second.c);
+    facet.face = mcv_choose(first, of->first.face, of->second.face);
+    facet.area = first ? of->first.area : of->second.area;
+#if MCV_WITH_NORMALS
+    facet.normal_a = mcv_choose(first, of->first.normal_a, of->second.normal_a);
+    facet.normal_b = mcv_choose(first, of->first.normal_b, of->second.normal_b);
+    facet.normal_c = mcv_choose(first, of->first.normal_c, of->second.normal_c);
+#endif
+    facet.triangle = first ? of->first.triangle : of->second.triangle;
+    facet.corners.x = first ? of->first.corners.x : of->second.corners.x;
+    facet.corners.y = first ? of->first.corners.y : of->second.corners.y;
+    facet.corners.z = first ? of->first.corners.z : of->second.corners.z;
+    facet.corners.w = of->first.corners.w;
+    return facet;
+}
+
 MCV_LOOP_FUNCTION float mcv_on_triangle(__global const float *map, float s, float t) {
     return mcv_fma(map[1], s, mcv_fma(map[2], t, map[0]));
 }
 
-/* A place on a rectangle that the receiver sees: uniform in solid angle, from afar by area; the density [1/sr], or 0: by area. */
-MCV_LOOP_FUNCTION float mcv_choose_on_rectangle(__global const mcv_device_emitter *e, mcv_vec3 receiver, mcv_pair pair, uint first_triangle,
-                                                mcv_chosen_place *place) {
+/* A place on a rectangle that the receiver sees: uniform in solid angle, from afar by area. */
+MCV_LOOP_FUNCTION mcv_place mcv_choose_on_rectangle(__global const mcv_device_emitter *e, const mcv_facets *of, mcv_vec3 receiver,
+                                                    mcv_pair pair) {
     __global const mcv_rectangle *r = &e->rectangle;
+    mcv_place place;
     const mcv_rectangle_view view = mcv_view_emitter(e, receiver);
     const int close = mcv_samples_solid_angle(view);
     float s, t;
@@ -161,75 +210,71 @@ MCV_LOOP_FUNCTION float mcv_choose_on_rectangle(__global const mcv_device_emitte
     const float least = u < v ? u : v, other = 1.0f - u - v;
     const int first = (least < other ? least : other) >= 0.0f;
     const float second_u = mcv_on_triangle(r->to_triangle[1], s, t), second_v = mcv_on_triangle(r->to_triangle[1] + 3, s, t);
-    place->triangle = first_triangle + (first ? 0u : 1u);
-    place->u = first ? u : second_u;
-    place->v = first ? v : second_v;
-    return close ? e->probability / view.solid_angle : 0.0f;
+    place.facet = mcv_choose_facet(first, of);
+    place.u = first ? u : second_u;
+    place.v = first ? v : second_v;
+    place.share = first ? of->first_share : of->second_share;
+    place.density = close ? e->probability / view.solid_angle : 0.0f;
+    return place;
 }
 #endif
 
-/* *place has been chosen by area; on a rectangle it is chosen here. */
-MCV_LOOP_FUNCTION mcv_way mcv_way_to(mcv_world world, mcv_vec3 point, mcv_vec3 error, mcv_vec3 face, uint emitter, mcv_pair pair,
-                                     mcv_chosen_place *chosen) {
-    mcv_way way;
-    mcv_chosen_place place = *chosen;
-    float density = 0.0f;
-    (void)pair;
-#if MCV_WITH_RECTANGLE
-    __global const mcv_device_emitter *e = world.emitters + emitter;
-    const int flat = mcv_is_rectangle(e);
-    mcv_chosen_place seen;
-    const float seen_density = mcv_choose_on_rectangle(e, point, pair, world.instances[e->instance].first_triangle, &seen);
-    density = flat ? seen_density : 0.0f;
-    place.triangle = flat ? seen.triangle : place.triangle;
-    place.u = flat ? seen.u : place.u;
-    place.v = flat ? seen.v : place.v;
-    *chosen = place;
-#endif
-    const mcv_surface there = mcv_surface_at(world, place.triangle, place.u, place.v);
-    const mcv_vec3 towards = mcv_sub(there.point, point);
-    const float distance = mcv_sqrt(mcv_dot(towards, towards));
-    way.towards = mcv_normalize(towards);
-    way.origin = mcv_offset_origin(point, error, face, way.towards);
-    const mcv_vec3 reach = mcv_meeting_error(world, point, there);
-    way.direction = mcv_sub(mcv_offset_origin(there.point, reach, there.face, mcv_scale(way.towards, -1.0f)), way.origin);
-    const float by_area = mcv_area_density(world, there, emitter, way.towards, distance);
-    way.density = density > 0.0f ? density : by_area;
-    way.face = there.face;
-    way.normal = there.normal;
-    return way;
-}
-
-/* What comes that way. */
-MCV_LOOP_FUNCTION mcv_shadow mcv_shadow_along(mcv_world world, mcv_way way, uint emitter, mcv_chosen_place place) {
+/* What comes from there; of an emitter with an image as without. */
+MCV_LOOP_FUNCTION mcv_shadow mcv_sample_place_of(mcv_receiver at, __global const mcv_device_emitter *e, mcv_place place, mcv_surface *there,
+                                                 mcv_vec3 *direction) {
     mcv_shadow shadow;
-    shadow.origin = way.origin;
-    shadow.direction = way.direction;
+    *there = mcv_surface_on(place.facet, place.u, place.v);
+    const mcv_vec3 way = mcv_sub(there->point, at.point);
+    const float distance = mcv_sqrt(mcv_dot(way, way));
+    const mcv_vec3 towards = mcv_normalize(way), back = mcv_scale(towards, -1.0f);
+    shadow.origin = mcv_offset_origin(at.point, at.error, at.face, towards);
+    const mcv_vec3 error = mcv_meeting_error(at.point, place.facet, there->error);
+    shadow.direction = mcv_sub(mcv_offset_origin(there->point, error, there->face, back), shadow.origin);
     shadow.target = MCV_NONE;
-    shadow.density = way.density;
-    shadow.light = mcv_grey(0.0f);
+    const float by_area = mcv_area_density(e, place.share, *there, towards, distance);
+    shadow.density = place.density > 0.0f ? place.density : by_area;
     /* Only a face seen exactly edge-on has no finite density. */
-    if (!(way.density > 0.0f && way.density < INFINITY)) return shadow;
-    mcv_surface there;
-    there.face = way.face;
-    there.normal = way.normal;
-    there.u = place.u;
-    there.v = place.v;
-    there.corners = mcv_triangle_corners(world, place.triangle);
-    shadow.light = mcv_dim(mcv_emitted(world, there, emitter, mcv_scale(way.towards, -1.0f)), 1.0f / way.density);
+    const int lit = (shadow.density > 0.0f) & (shadow.density < INFINITY) & mcv_shines(e, there->face, there->normal, back);
+    const float scale = 1.0f / shadow.density;
+    MCV_EACH_CHANNEL(i) shadow.light.c[i] = lit ? e->radiance[i] * scale : 0.0f;
+    *direction = back;
     return shadow;
 }
 
-MCV_FUNCTION mcv_shadow mcv_sample_area_of(mcv_world world, mcv_meeting at, uint emitter, mcv_pair pair) {
-    mcv_chosen_place place = {0u, 0.0f, 0.0f};
-    if (!mcv_is_rectangle(world.emitters + emitter)) place = mcv_choose_place(world, emitter, pair);
-    const mcv_way way = mcv_way_to(world, at.surface.point, at.surface.error, at.face, emitter, pair, &place);
-    return mcv_shadow_along(world, way, emitter, place);
+#if MCV_WITH_TEXTURE
+/* Whether what an emitter sends varies over its surface, or in more ways than mcv_shines knows. */
+MCV_FUNCTION int mcv_has_image(__global const mcv_device_emitter *e) { return e->texture != MCV_NONE; }
+
+/* The light of an emitter with an image. */
+MCV_FUNCTION void mcv_light_by_image(mcv_world world, mcv_surface there, uint emitter, mcv_vec3 back, mcv_shadow *shadow) {
+    shadow->light = mcv_grey(0.0f);
+    if (shadow->density > 0.0f && shadow->density < INFINITY)
+        shadow->light = mcv_dim(mcv_emitted(world, there, emitter, back), 1.0f / shadow->density);
+}
+#endif
+
+MCV_FUNCTION mcv_shadow mcv_sample_area_of(mcv_world world, mcv_receiver at, uint emitter, mcv_pair pair) {
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    mcv_surface there;
+    mcv_vec3 back;
+    mcv_place place;
+#if MCV_WITH_RECTANGLE
+    if (mcv_is_rectangle(e)) {
+        const mcv_facets two = mcv_facets_of(world, e);
+        place = mcv_choose_on_rectangle(e, &two, at.point, pair);
+    } else
+#endif
+        place = mcv_choose_place(world, e, pair);
+    mcv_shadow shadow = mcv_sample_place_of(at, e, place, &there, &back);
+#if MCV_WITH_TEXTURE
+    if (mcv_has_image(e)) mcv_light_by_image(world, there, emitter, back, &shadow);
+#endif
+    return shadow;
 }
 #endif
 
 /* A direction from the receiver towards one emitter. */
-static mcv_shadow mcv_sample_towards(mcv_world world, mcv_meeting at, uint emitter, mcv_pair pair) {
+static mcv_shadow mcv_sample_towards(mcv_world world, mcv_receiver at, uint emitter, mcv_pair pair) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     (void)e;
 #if MCV_WITH_BEAM
@@ -243,7 +288,7 @@ static mcv_shadow mcv_sample_towards(mcv_world world, mcv_meeting at, uint emitt
     if (e->type == MCV_EMITTER_ENVIRONMENT) return mcv_sample_environment_of(world, at, e, pair);
 #endif
 #if MCV_WITH_PARALLEL
-    if (mcv_samples_cone(e, at.surface.point)) return mcv_sample_cone_of(at, e, pair);
+    if (mcv_samples_cone(e, at.point)) return mcv_sample_cone_of(at, e, pair);
 #endif
 #if MCV_WITH_EMISSION
     return mcv_sample_area_of(world, at, emitter, pair);
@@ -252,22 +297,6 @@ static mcv_shadow mcv_sample_towards(mcv_world world, mcv_meeting at, uint emitt
     none.light = mcv_grey(0.0f);
     (void)at, (void)pair;
     return none;
-#endif
-}
-
-/* Whether next-event estimation at a receiver chooses a place on the emitter, uniform by area. */
-MCV_FUNCTION int mcv_samples_area(__global const mcv_device_emitter *e, mcv_vec3 receiver) {
-    (void)e, (void)receiver;
-#if MCV_WITH_EMISSION
-#if MCV_WITH_BEAM
-    if (e->type == MCV_EMITTER_COLLIMATED_BEAM) return 0;
-#endif
-#if MCV_WITH_PARALLEL
-    if (mcv_samples_cone(e, receiver)) return 0;
-#endif
-    return e->instance != MCV_NONE;
-#else
-    return 0;
 #endif
 }
 
@@ -317,15 +346,15 @@ MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth)
 
 #if MCV_WITH_REACH
 /* The shadow, of an emitter that is chosen by its share of the power, as that of one chosen by what reaches the path's surface. */
-MCV_LOOP_FUNCTION mcv_shadow mcv_prefer(mcv_world world, mcv_slot slot, mcv_meeting meeting, uint emitter, mcv_shadow shadow) {
+MCV_LOOP_FUNCTION mcv_shadow mcv_prefer(mcv_world world, mcv_slot slot, mcv_vec3 point, uint emitter, mcv_shadow shadow) {
     const mcv_reach reach = {MCV_LOAD(slot, reach_here, 0), MCV_LOAD(slot, reach_here, 1)};
-    const float preference = mcv_preference(world.emitters + emitter, meeting.surface.point, reach);
+    const float preference = mcv_preference(world.emitters + emitter, point, reach);
     shadow.density *= preference;
     shadow.light = mcv_dim(shadow.light, 1.0f / preference);
     return shadow;
 }
 #else
-#define mcv_prefer(world, slot, meeting, emitter, shadow) (shadow)
+#define mcv_prefer(world, slot, point, emitter, shadow) (shadow)
 #endif
 
 /* What the surface makes of it, and the power heuristic against its own choice: 1 if there is a shadow ray to follow. */
@@ -361,6 +390,7 @@ MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) 
     const uint emitter = mcv_choose_emitter(world, slot, depth);
     if (emitter == MCV_NONE) return 0;
     const mcv_meeting meeting = mcv_meet_surface(world, slot);
-    const mcv_shadow shadow = mcv_sample_towards(world, meeting, emitter, mcv_draw(slot, depth, MCV_PAIR_EMITTER));
-    return mcv_cast_shadow(world, slot, meeting, mcv_prefer(world, slot, meeting, emitter, shadow));
+    const mcv_receiver at = mcv_receiver_of(meeting);
+    const mcv_shadow shadow = mcv_sample_towards(world, at, emitter, mcv_draw(slot, depth, MCV_PAIR_EMITTER));
+    return mcv_cast_shadow(world, slot, meeting, mcv_prefer(world, slot, at.point, emitter, shadow));
 }

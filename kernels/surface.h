@@ -52,31 +52,59 @@ MCV_FUNCTION mcv_vec3 mcv_interpolate(mcv_vec3 a, mcv_vec3 b, mcv_vec3 c, float 
 }
 #endif
 
-/* The place (u, v) on a triangle. */
-MCV_LOOP_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, float u, float v) {
-    mcv_surface surface;
+/* What all places on a triangle share. */
+typedef struct mcv_facet {
+    mcv_vec3 a, b, c; /* its corners [m] */
+    mcv_vec3 face;
+    float area;
+#if MCV_WITH_NORMALS
+    mcv_vec3 normal_a, normal_b, normal_c; /* there */
+#endif
+    uint triangle;
+    mcv_corners corners;
+} mcv_facet;
+
+MCV_LOOP_FUNCTION mcv_facet mcv_facet_of(mcv_world world, uint triangle) {
+    mcv_facet facet;
     const mcv_corners corners = mcv_triangle_corners(world, triangle);
-    const mcv_vec3 a = mcv_vertex_vector(world.positions, corners.x);
-    const mcv_vec3 b = mcv_vertex_vector(world.positions, corners.y);
-    const mcv_vec3 c = mcv_vertex_vector(world.positions, corners.z);
-    const mcv_vec3 doubled = mcv_cross(mcv_sub(b, a), mcv_sub(c, a));
-    surface.triangle = triangle;
-    surface.instance = corners.w;
-    surface.corners = corners;
+    facet.triangle = triangle;
+    facet.corners = corners;
+    facet.a = mcv_vertex_vector(world.positions, corners.x);
+    facet.b = mcv_vertex_vector(world.positions, corners.y);
+    facet.c = mcv_vertex_vector(world.positions, corners.z);
+    const mcv_vec3 doubled = mcv_cross(mcv_sub(facet.b, facet.a), mcv_sub(facet.c, facet.a));
+    facet.face = mcv_normalize(doubled);
+    facet.area = 0.5f * mcv_sqrt(mcv_dot(doubled, doubled));
+#if MCV_WITH_NORMALS
+    facet.normal_a = mcv_vertex_vector(world.normals, corners.x);
+    facet.normal_b = mcv_vertex_vector(world.normals, corners.y);
+    facet.normal_c = mcv_vertex_vector(world.normals, corners.z);
+#endif
+    return facet;
+}
+
+/* The place (u, v) on it. */
+MCV_LOOP_FUNCTION mcv_surface mcv_surface_on(mcv_facet facet, float u, float v) {
+    mcv_surface surface;
+    surface.triangle = facet.triangle;
+    surface.instance = facet.corners.w;
+    surface.corners = facet.corners;
     surface.u = u;
     surface.v = v;
-    surface.point = mcv_hit_point(a, b, c, u, v, &surface.error);
-    surface.face = mcv_normalize(doubled);
-    surface.area = 0.5f * mcv_sqrt(mcv_dot(doubled, doubled));
+    surface.point = mcv_hit_point(facet.a, facet.b, facet.c, u, v, &surface.error);
+    surface.face = facet.face;
+    surface.area = facet.area;
     surface.normal = surface.face;
 #if MCV_WITH_NORMALS
-    const mcv_vec3 n =
-        mcv_normalize(mcv_interpolate(mcv_vertex_vector(world.normals, corners.x), mcv_vertex_vector(world.normals, corners.y),
-                                      mcv_vertex_vector(world.normals, corners.z), u, v));
+    const mcv_vec3 n = mcv_normalize(mcv_interpolate(facet.normal_a, facet.normal_b, facet.normal_c, u, v));
     /* Opposite vertex normals may cancel, and those of a flat mesh are 0: the face's then. */
     surface.normal = mcv_choose(mcv_dot(n, n) > 0.5f, n, surface.face);
 #endif
     return surface;
+}
+
+MCV_LOOP_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, float u, float v) {
+    return mcv_surface_on(mcv_facet_of(world, triangle), u, v);
 }
 
 #if MCV_WITH_TEXTURE
@@ -177,14 +205,25 @@ MCV_LOOP_FUNCTION mcv_color mcv_full_radiance(mcv_world world, mcv_surface surfa
     return radiance;
 }
 
+/* Whether an emitter of a type that sends its full radiance or nothing shines in a direction (unit, away from the surface). */
+MCV_LOOP_FUNCTION int mcv_shines(__global const mcv_device_emitter *e, mcv_vec3 face, mcv_vec3 normal, mcv_vec3 direction) {
+    float share = 0.0f;
+    (void)e, (void)normal;
+#if MCV_WITH_PARALLEL
+    const float parallel = mcv_parallel_evaluate(&e->parallel, direction, normal);
+    share = e->type == MCV_EMITTER_PARALLEL ? parallel : share;
+#endif
+#if MCV_WITH_AREA
+    const float everywhere = mcv_area_evaluate(direction, normal);
+    share = e->type == MCV_EMITTER_AREA ? everywhere : share;
+#endif
+    return (share > 0.0f) & (mcv_dot(direction, face) > 0.0f);
+}
+
 /* Radiance that an emitter's surface sends in a direction (unit, away from the surface), in its medium. */
 MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint emitter, mcv_vec3 direction) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
-    float share = 0.0f;
     if (!(mcv_dot(direction, surface.face) > 0.0f)) return mcv_grey(0.0f);
-#if MCV_WITH_PARALLEL
-    if (e->type == MCV_EMITTER_PARALLEL) share = mcv_parallel_evaluate(&e->parallel, direction, surface.normal);
-#endif
 #if MCV_WITH_LIGHT_FIELD && MCV_WITH_TEXTURE
     if (e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) {
         mcv_color radiance = mcv_light_field_value(world, surface, e, direction);
@@ -199,10 +238,7 @@ MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, ui
         return radiance;
     }
 #endif
-#if MCV_WITH_AREA
-    if (e->type == MCV_EMITTER_AREA) share = mcv_area_evaluate(direction, surface.normal);
-#endif
-    return share > 0.0f ? mcv_full_radiance(world, surface, emitter) : mcv_grey(0.0f);
+    return mcv_shines(e, surface.face, surface.normal, direction) ? mcv_full_radiance(world, surface, emitter) : mcv_grey(0.0f);
 }
 #endif
 
@@ -213,17 +249,22 @@ MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, ui
  * solid angle. The receiver is known up to rounding here and there, so the answer may differ where both are equal to 1e-6: there both
  * are as good, and too few to matter.
  */
-MCV_FUNCTION int mcv_samples_cone(__global const mcv_device_emitter *e, mcv_vec3 receiver) {
+MCV_LOOP_FUNCTION int mcv_samples_cone(__global const mcv_device_emitter *e, mcv_vec3 receiver) {
     const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
-    return e->type == MCV_EMITTER_PARALLEL && e->parallel.from_receiver && e->area > e->parallel.solid_angle * mcv_dot(way, way);
+    const int wide = e->area > e->parallel.solid_angle * mcv_dot(way, way);
+    return (e->type == MCV_EMITTER_PARALLEL) & (e->parallel.from_receiver != 0u) & wide;
 }
 #endif
 
+/* Of the choices on an emitter those of a triangle. */
+MCV_LOOP_FUNCTION float mcv_triangle_share(mcv_world world, __global const mcv_device_emitter *e, uint triangle) {
+    __global const uint *cdf = world.emitter_cdf + e->cdf + (triangle - world.instances[e->instance].first_triangle);
+    return (float)(cdf[1] - cdf[0]) * 4.656612873077393e-10f; /* 2^-31 */
+}
+
 /* The density [1/sr] of directions to a place on an emitter at the given distance, chosen uniform by area. */
-MCV_LOOP_FUNCTION float mcv_area_density(mcv_world world, mcv_surface surface, uint emitter, mcv_vec3 direction, float distance) {
-    __global const mcv_device_emitter *e = world.emitters + emitter;
-    __global const uint *cdf = world.emitter_cdf + e->cdf + (surface.triangle - world.instances[e->instance].first_triangle);
-    const float share = (float)(cdf[1] - cdf[0]) * 4.656612873077393e-10f; /* 2^-31 */
+MCV_LOOP_FUNCTION float mcv_area_density(__global const mcv_device_emitter *e, float share, mcv_surface surface, mcv_vec3 direction,
+                                         float distance) {
     return e->probability * share * distance * distance / (surface.area * mcv_abs(mcv_dot(direction, surface.face)));
 }
 
@@ -251,7 +292,7 @@ MCV_FUNCTION float mcv_emitter_density(mcv_world world, mcv_vec3 receiver, mcv_s
         if (mcv_samples_solid_angle(view)) return e->probability / view.solid_angle;
     }
 #endif
-    return mcv_area_density(world, surface, emitter, direction, distance);
+    return mcv_area_density(e, mcv_triangle_share(world, e, surface.triangle), surface, direction, distance);
 }
 #endif
 

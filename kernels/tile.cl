@@ -45,6 +45,9 @@ static inline __attribute__((always_inline)) void mcv_take_sixteen(float16 lanes
 #endif
 #include "shade_surfaces.cl"
 #include "plain_surfaces.h"
+#if MCV_WITH_NEXT_EVENT
+#include "look_for_emitters.h"
+#endif
 #include "smooth_surfaces.h"
 #include "accumulate_film.cl"
 #if MCV_WITH_LIGHT_TRACING
@@ -435,127 +438,23 @@ static __attribute__((noinline)) void mcv_find_surfaces(mcv_world world, uint *p
 }
 
 #if MCV_WITH_NEXT_EVENT
-#if MCV_WITH_EMISSION
-/* The way of a path to the place that it has chosen on an emitter. */
-MCV_LOOP_FUNCTION void mcv_find_way(mcv_world world, mcv_slot slot, uint emitter) {
-    mcv_chosen_place place = {MCV_WORD(slot, place, 0), MCV_LOAD(slot, place, 1), MCV_LOAD(slot, place, 2)};
-    const mcv_pair pair = {MCV_LOAD(slot, drawn, 2 * MCV_PAIR_EMITTER), MCV_LOAD(slot, drawn, 2 * MCV_PAIR_EMITTER + 1)};
-    const mcv_way way = mcv_way_to(world, MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error), MCV_LOAD_3(slot, face), emitter, pair, &place);
-#if MCV_WITH_RECTANGLE
-    MCV_WORD(slot, place, 0) = place.triangle;
-    MCV_STORE(slot, place, 1, place.u);
-    MCV_STORE(slot, place, 2, place.v);
-#endif
-    MCV_STORE_3(slot, shadow_origin, way.origin);
-    MCV_STORE_3(slot, shadow_direction, way.direction);
-    MCV_STORE_3(slot, way, way.towards);
-    MCV_STORE(slot, way_density, 0, way.density);
-    MCV_STORE_3(slot, way_face, way.face);
-#if MCV_WITH_NORMALS
-    MCV_STORE_3(slot, way_normal, way.normal);
-#endif
-}
-
-/*
- * Those of the paths in the slots first … last - 1, which look for emitter 0, and of the chosen ones: by emitters, as long as it takes few
- * turns, so that what is known of one is read once.
- */
-static __attribute__((noinline)) void mcv_find_ways(mcv_world world, uint *paths, uint first, uint last, uint *chosen, uint count) {
-    uint alike[MCV_SLOTS];
-    mcv_slot slot;
-    slot.base = paths;
-    MCV_PARALLEL_MASKED
-    for (uint i = first; i < last; ++i) {
-        slot.index = i;
-        mcv_find_way(world, slot, 0u);
-    }
-    for (uint turn = 0; count > 0 && turn < MCV_MOST_REACHING; ++turn) {
-        const uint emitter = paths[MCV_PATH_emitter * MCV_ROW + chosen[0]];
-        uint listed = 0, others = 0;
-        for (uint i = 0; i < count; ++i) {
-            const uint k = chosen[i];
-            const int is_alike = paths[MCV_PATH_emitter * MCV_ROW + k] == emitter;
-            alike[listed] = chosen[others] = k;
-            listed += is_alike;
-            others += !is_alike;
-        }
-        MCV_PARALLEL_MASKED
-        for (uint i = 0; i < listed; ++i) {
-            slot.index = alike[i];
-            mcv_find_way(world, slot, emitter);
-        }
-        count = others;
-    }
-    for (uint i = 0; i < count; ++i) {
-        slot.index = chosen[i];
-        mcv_find_way(world, slot, MCV_WORD(slot, emitter, 0));
-    }
-}
-#endif
-
-/* What comes to a path from its emitter. */
-MCV_FUNCTION mcv_shadow mcv_shadow_of(mcv_world world, mcv_slot slot, mcv_meeting meeting, uint depth) {
-    const uint emitter = MCV_WORD(slot, emitter, 0);
-#if MCV_WITH_EMISSION
-    if (mcv_samples_area(world.emitters + emitter, meeting.surface.point)) {
-        const mcv_chosen_place place = {MCV_WORD(slot, place, 0), MCV_LOAD(slot, place, 1), MCV_LOAD(slot, place, 2)};
-        mcv_way way;
-        way.origin = MCV_LOAD_3(slot, shadow_origin);
-        way.direction = MCV_LOAD_3(slot, shadow_direction);
-        way.towards = MCV_LOAD_3(slot, way);
-        way.density = MCV_LOAD(slot, way_density, 0);
-        way.face = MCV_LOAD_3(slot, way_face);
-#if MCV_WITH_NORMALS
-        way.normal = MCV_LOAD_3(slot, way_normal);
-#else
-        way.normal = way.face;
-#endif
-        return mcv_shadow_along(world, way, emitter, place);
-    }
-#endif
-    return mcv_sample_towards(world, meeting, emitter, mcv_draw(slot, depth, MCV_PAIR_EMITTER));
-}
-
 /* Lists the paths that have a shadow ray to follow; returns how many. */
 static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_slot slot, const uint *ends, uint gloss, uint depth,
                                                           uint *shadows) {
-    const uint first = ends[MCV_MET_SMOOTH_EXACT], alive = ends[MCV_MET_EXACT];
-    uint shadow_count = 0, plain = first; /* where those begin that are not worked out together */
+    const uint alive = ends[MCV_MET_EXACT];
+    uint shadow_count = 0, first = ends[MCV_MET_SMOOTH_EXACT];
     (void)gloss;
-#if MCV_WITH_EMISSION
-    uint chosen[MCV_SLOTS];
-    uint count = 0;
+#if MCV_WITH_PLAIN
+    mcv_choose_plain_emitters(world, slot.base, ends, gloss);
+    mcv_look_for_emitters(world, slot.base, first, ends[MCV_MET_DIFFUSE_TRIANGLE]);
+    shadow_count = mcv_list_plain_shadows(world, slot.base, ends, gloss, shadows);
+    first = ends[MCV_MET_DIFFUSE_TRIANGLE];
 #endif
-#if MCV_WITH_PLAIN_EMITTERS
-    if (mcv_has_plain_emitter(world)) {
-        plain = ends[MCV_MET_DIFFUSE_TRIANGLE];
-        mcv_choose_plain_emitter(slot.base, first, plain);
-    }
-#endif
-    for (slot.index = plain; slot.index < alive; ++slot.index) {
-        const uint emitter = mcv_choose_emitter(world, slot, depth);
-        MCV_WORD(slot, emitter, 0) = emitter;
-#if MCV_WITH_EMISSION
-        if (emitter == MCV_NONE || !mcv_samples_area(world.emitters + emitter, MCV_LOAD_3(slot, point))) continue;
-        chosen[count++] = slot.index;
-        if (mcv_is_rectangle(world.emitters + emitter)) continue; /* mcv_way_to */
-        const mcv_chosen_place place = mcv_choose_place(world, emitter, mcv_draw(slot, depth, MCV_PAIR_EMITTER));
-        MCV_WORD(slot, place, 0) = place.triangle;
-        MCV_STORE(slot, place, 1, place.u);
-        MCV_STORE(slot, place, 2, place.v);
-#endif
-    }
-#if MCV_WITH_EMISSION
-    mcv_find_ways(world, slot.base, first, plain, chosen, count);
-#endif
-#if MCV_WITH_PLAIN_EMITTERS
-    if (plain > first) shadow_count = mcv_list_plain_shadows(world, slot.base, ends, gloss, shadows);
-#endif
-    for (slot.index = plain; slot.index < alive; ++slot.index) {
+    for (slot.index = first; slot.index < alive; ++slot.index) MCV_WORD(slot, emitter, 0) = mcv_choose_emitter(world, slot, depth);
+    mcv_look_for_emitters(world, slot.base, first, alive);
+    for (slot.index = first; slot.index < alive; ++slot.index) {
         if (MCV_WORD(slot, emitter, 0) == MCV_NONE) continue;
-        const mcv_meeting meeting = mcv_meet_surface(world, slot);
-        const mcv_shadow shadow = mcv_prefer(world, slot, meeting, MCV_WORD(slot, emitter, 0), mcv_shadow_of(world, slot, meeting, depth));
-        if (mcv_cast_shadow(world, slot, meeting, shadow)) shadows[shadow_count++] = slot.index;
+        if (mcv_cast_shadow(world, slot, mcv_meet_surface(world, slot), mcv_shadow_in(slot))) shadows[shadow_count++] = slot.index;
     }
     return shadow_count;
 }

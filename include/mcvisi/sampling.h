@@ -100,7 +100,7 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_sample_cosine(float xi, float eta) {
  * A direction about +z, uniform in the solid angle 4π sin²(β/2) of a cone of half-angle β; sin_half = sin(β/2).
  * Stable down to the smallest cones: a float32 cosine cannot tell 0.02° from 0.
  */
-MCV_FUNCTION mcv_vec3 mcv_sample_cone(float sin_half, float xi, float eta) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_sample_cone(float sin_half, float xi, float eta) {
     float cosine, sine;
     const float s = sin_half * mcv_disk(xi, eta, &cosine, &sine);
     const float sin_theta = 2.0f * s * mcv_sqrt(mcv_fma(-s, s, 1.0f));

@@ -29,7 +29,8 @@ MCV_ASSERT_SIZE(mcv_parallel, 32);
 MCV_FUNCTION float mcv_parallel_evaluate(MCV_GLOBAL const mcv_parallel *emitter, mcv_vec3 direction, mcv_vec3 normal) {
     const float c = mcv_dot(direction, normal);
     const mcv_vec3 s = mcv_cross(direction, normal);
-    return c > 0.0f && mcv_dot(s, s) <= emitter->tangent_squared * c * c ? 1.0f : 0.0f;
+    const int within = (c > 0.0f) & (mcv_dot(s, s) <= emitter->tangent_squared * c * c);
+    return within ? 1.0f : 0.0f;
 }
 
 #endif
