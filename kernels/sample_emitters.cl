@@ -93,6 +93,19 @@ static mcv_shadow mcv_sample_environment_of(mcv_world world, mcv_receiver at, __
 #endif
 
 #if MCV_WITH_PARALLEL
+/*
+ * Whether a ray, of unit direction, may meet an emitter: it passes the middle at |way × direction|, which rounds by γ(4) |way|, within its
+ * radius. The traversal rounds by γ(6) of the corners' coordinates from the ray's origin (mcv_meeting_error).
+ */
+MCV_LOOP_FUNCTION int mcv_may_meet(__global const mcv_device_emitter *e, mcv_vec3 origin, mcv_vec3 direction) {
+    const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), origin);
+    const mcv_vec3 beside = mcv_cross(way, direction);
+    const float distance = mcv_abs(way.x) + mcv_abs(way.y) + mcv_abs(way.z);
+    const float within = mcv_fma(MCV_GAMMA(32), distance + e->radius, e->radius);
+    return (mcv_dot(beside, beside) <= within * within) & (mcv_dot(way, direction) >= -within);
+}
+
+/* Most rays from beside a parallel beam pass the emitter by: they bring nothing. */
 MCV_LOOP_FUNCTION mcv_shadow mcv_sample_cone_of(mcv_receiver at, __global const mcv_device_emitter *e, mcv_pair pair) {
     mcv_shadow shadow;
     const mcv_vec3 axis = mcv_vec(e->parallel.axis[0], e->parallel.axis[1], e->parallel.axis[2]);
@@ -100,7 +113,8 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_sample_cone_of(mcv_receiver at, __global const 
     shadow.origin = mcv_offset_origin(at.point, at.error, at.face, shadow.direction);
     shadow.target = e->instance;
     shadow.density = e->probability / e->parallel.solid_angle;
-    MCV_EACH_CHANNEL(i) shadow.light.c[i] = e->radiance[i] / shadow.density;
+    const int lit = mcv_may_meet(e, shadow.origin, shadow.direction);
+    MCV_EACH_CHANNEL(i) shadow.light.c[i] = lit ? e->radiance[i] / shadow.density : 0.0f;
     return shadow;
 }
 #endif

@@ -127,7 +127,7 @@ static void check_sampling(const char *what, const mcv_scene *scene, const doubl
     world_on_device w;
     float *in = malloc(8 * sizeof(float) * CASES), *out = malloc(8 * sizeof(float) * CASES);
     static double counts[BINS], expected[BINS];
-    size_t brought = 0, unmatched = 0;
+    size_t brought = 0, unmatched = 0, lost = 0;
     chart c = {.widest = 0};
     assert_non_null(in);
     assert_non_null(out);
@@ -144,6 +144,7 @@ static void check_sampling(const char *what, const mcv_scene *scene, const doubl
     run_world(&w, "sample_towards", in, out);
     for (size_t i = 0; i < CASES; ++i) {
         const float *s = out + 8 * i;
+        lost += !(s[3] > 0) && s[6] > 0 && s[4] == s[7]; /* nothing expected of a direction in the cone that meets light */
         if (!brings(s)) {
             unmatched += s[3] > 0 && s[7] > 0; /* met, but dark: at an edge; a direction past the emitter claims nothing */
             continue;
@@ -154,6 +155,7 @@ static void check_sampling(const char *what, const mcv_scene *scene, const doubl
         if (!(fabs(s[3] * (double)s[4] / radiance - 1) <= 1e-4) || !(fabs((double)s[4] / s[7] - 1) <= 1e-4 + 100 * u / s[5])) ++unmatched;
     }
     if (!(unmatched <= 1e-4 * CASES)) fail_msg("%s: %zu of %zu samples are not what is met", what, unmatched, brought);
+    if (!(lost <= 1e-4 * CASES)) fail_msg("%s: %zu samples meet light that they do not expect", what, lost);
     assert_true(brought > CASES / 100);
     c.axis = ref_unit(c.axis);
     ref_frame(c.axis, &c.x, &c.y);
@@ -206,6 +208,7 @@ static void test_panels(void **state) {
     check_panel(MCV_EMITTER_PARALLEL, 1, 1, (const double[]){0.1, 0.1, 0.5});
     check_panel(MCV_EMITTER_PARALLEL, 0.3, 1, (const double[]){0.4, 0.1, 0.5}); /* a cone that is cut by the panel's edge */
     check_panel(MCV_EMITTER_PARALLEL, 0.01, 0.5, (const double[]){0.2, 0.1, 0});
+    check_panel(MCV_EMITTER_PARALLEL, 0.01, 0.5, (const double[]){0.345, 0.37, 0}); /* opposite a corner */
     check_panel(MCV_EMITTER_PARALLEL, 2e-4, 0.5, (const double[]){0.2, 0.1, 0});
     check_panel(MCV_EMITTER_PARALLEL, 0.02, 0.001, (const double[]){0.1, 0.2, 0.9}); /* smaller than its cone: by area */
 }
