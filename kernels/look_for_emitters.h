@@ -45,7 +45,8 @@ static __attribute__((noinline)) void mcv_choose_by_reach_together(mcv_world wor
         for (uint i = first; i < last; ++i) {
             slot.index = i;
             const mcv_vec3 point = MCV_LOAD_3(slot, point);
-            const uint sides = (i >= two_sided) & (i < two_sided_end) ? 2u : 1u;
+            const int is_two_sided = (i >= two_sided) & (i < two_sided_end);
+            const uint sides = is_two_sided ? 2u : 1u;
             const int reaches = mcv_reaches(e, point, MCV_LOAD_3(slot, face), MCV_LOAD_3(slot, normal), sides);
             const float promise = mcv_promise(e, point);
             of_emitter[i] = reaches ? promise : -1.0f;
@@ -142,9 +143,26 @@ static __attribute__((noinline)) void mcv_look_alone(mcv_world world, uint *path
 /* Whether chosen paths, in ascending order, lie side by side: these are then read as rows. */
 MCV_FUNCTION int mcv_is_row(const uint *chosen, uint count) { return chosen[count - 1u] - chosen[0] == count - 1u; }
 
+/* Towards an emitter that is looked for without a choice of places; its `type` is known to the compiler. */
+MCV_LOOP_FUNCTION mcv_shadow mcv_sample_way_of(mcv_receiver at, __global const mcv_device_emitter *e, uint type, mcv_pair pair) {
+    mcv_shadow none;
+    none.light = mcv_grey(0.0f);
+    (void)at, (void)e, (void)type, (void)pair;
 #if MCV_WITH_PARALLEL
-/* `row`, known to the compiler: whether they are. */
-MCV_LOOP_FUNCTION void mcv_look_into_cone(mcv_world world, uint *paths, uint emitter, const uint *chosen, uint count, int row) {
+    if (type == MCV_EMITTER_PARALLEL) return mcv_sample_cone_of(at, e, pair);
+#endif
+#if MCV_WITH_BEAM
+    if (type == MCV_EMITTER_COLLIMATED_BEAM) return mcv_sample_beam_of(at, e);
+#endif
+#if MCV_WITH_PUNCTUAL
+    if (type == MCV_EMITTER_SPOT) return mcv_sample_spot_of(at, e);
+    if (type == MCV_EMITTER_DIRECTIONAL) return mcv_sample_directional_of(at, e);
+#endif
+    return none;
+}
+
+/* `row`, known to the compiler: whether the paths are one. */
+MCV_LOOP_FUNCTION void mcv_look_that_way(mcv_world world, uint *paths, uint emitter, uint type, const uint *chosen, uint count, int row) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     const uint first = chosen[0];
     mcv_slot slot;
@@ -153,15 +171,20 @@ MCV_LOOP_FUNCTION void mcv_look_into_cone(mcv_world world, uint *paths, uint emi
     for (uint i = 0; i < count; ++i) {
         slot.index = row ? first + i : chosen[i];
         const mcv_receiver at = mcv_receiver_in(slot);
-        mcv_put_shadow(slot, mcv_prefer(world, slot, at.point, emitter, mcv_sample_cone_of(at, e, mcv_drawn_in(slot))));
+        mcv_put_shadow(slot, mcv_prefer(world, slot, at.point, emitter, mcv_sample_way_of(at, e, type, mcv_drawn_in(slot))));
     }
 }
 
-static __attribute__((noinline)) void mcv_look_into_cones(mcv_world world, uint *paths, uint emitter, const uint *chosen, uint count) {
+MCV_LOOP_FUNCTION void mcv_look_one_way(mcv_world world, uint *paths, uint emitter, uint type, const uint *chosen, uint count) {
     if (mcv_is_row(chosen, count))
-        mcv_look_into_cone(world, paths, emitter, chosen, count, 1);
+        mcv_look_that_way(world, paths, emitter, type, chosen, count, 1);
     else
-        mcv_look_into_cone(world, paths, emitter, chosen, count, 0);
+        mcv_look_that_way(world, paths, emitter, type, chosen, count, 0);
+}
+
+#if MCV_WITH_PARALLEL
+static __attribute__((noinline)) void mcv_look_into_cones(mcv_world world, uint *paths, uint emitter, const uint *chosen, uint count) {
+    mcv_look_one_way(world, paths, emitter, MCV_EMITTER_PARALLEL, chosen, count);
 }
 
 /* Those that choose a direction in the emitter's cone; returns how many, and leaves the others as chosen ones. */
@@ -169,19 +192,19 @@ static __attribute__((noinline)) uint mcv_list_cones(mcv_world world, const uint
                                                      uint *cones) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     const uint *x = paths + MCV_PATH_point * MCV_ROW, *y = x + MCV_ROW, *z = y + MCV_ROW;
-    uint is_cone[MCV_SLOTS];
-    uint listed = 0, others = 0;
+    uint by_cone[MCV_ROW], by_area[MCV_ROW];
+    uint listed = 0;
     MCV_PARALLEL
     for (uint i = 0; i < *count; ++i) {
         const uint k = chosen[i];
-        is_cone[i] = (uint)mcv_samples_cone(e, mcv_vec(as_float(x[k]), as_float(y[k]), as_float(z[k])));
+        const int is_cone = mcv_samples_cone(e, mcv_vec(as_float(x[k]), as_float(y[k]), as_float(z[k])));
+        by_cone[i] = (uint)is_cone;
+        by_area[i] = (uint)!is_cone;
+        listed += (uint)is_cone;
     }
-    for (uint i = 0; i < *count; ++i) {
-        cones[listed] = chosen[others] = chosen[i];
-        listed += is_cone[i];
-        others += 1u - is_cone[i];
-    }
-    *count = others;
+    mcv_pack_row(by_cone, chosen, *count, cones);
+    mcv_pack_row(by_area, chosen, *count, chosen);
+    *count -= listed;
     return listed;
 }
 #endif
@@ -265,16 +288,31 @@ static __attribute__((noinline)) void mcv_look_at_mesh(mcv_world world, uint *pa
 #endif
 
 /* The chosen paths look for one emitter; *chosen is of no account afterwards. */
-static void mcv_look_for(mcv_world world, uint *paths, uint emitter, uint *chosen, uint count) {
+static __attribute__((noinline)) void mcv_look_for(mcv_world world, uint *paths, uint emitter, uint *chosen, uint count) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
-    const int is_place = MCV_WITH_EMISSION ? e->instance != MCV_NONE && e->type != MCV_EMITTER_COLLIMATED_BEAM : 0;
-    if (!is_place) {
+#if MCV_WITH_BEAM
+    if (e->type == MCV_EMITTER_COLLIMATED_BEAM) {
+        mcv_look_one_way(world, paths, emitter, MCV_EMITTER_COLLIMATED_BEAM, chosen, count);
+        return;
+    }
+#endif
+#if MCV_WITH_PUNCTUAL
+    if (e->type == MCV_EMITTER_SPOT) {
+        mcv_look_one_way(world, paths, emitter, MCV_EMITTER_SPOT, chosen, count);
+        return;
+    }
+    if (e->type == MCV_EMITTER_DIRECTIONAL) {
+        mcv_look_one_way(world, paths, emitter, MCV_EMITTER_DIRECTIONAL, chosen, count);
+        return;
+    }
+#endif
+    if (e->instance == MCV_NONE) {
         for (uint i = 0; i < count; ++i) mcv_look_alone(world, paths, chosen[i]);
         return;
     }
 #if MCV_WITH_PARALLEL
     if (e->type == MCV_EMITTER_PARALLEL && e->parallel.from_receiver) {
-        uint cones[MCV_SLOTS];
+        uint cones[MCV_ROW];
         const uint listed = mcv_list_cones(world, paths, emitter, chosen, &count, cones);
         if (listed > 0) mcv_look_into_cones(world, paths, emitter, cones, listed);
     }
@@ -293,30 +331,25 @@ static void mcv_look_for(mcv_world world, uint *paths, uint emitter, uint *chose
 #endif
 }
 
-/* What comes to the paths in the slots first … last - 1 from the emitters that they look for: as many of these as take few turns at once.
- */
+/* What comes to the paths in the slots first … last - 1 from the emitters that they look for: together, unless these are so many that few
+ * paths look for the same one. */
 static __attribute__((noinline)) void mcv_look_for_emitters(mcv_world world, uint *paths, uint first, uint last) {
     const uint *emitters = paths + MCV_PATH_emitter * MCV_ROW;
-    uint chosen[MCV_SLOTS], alike[MCV_SLOTS];
-    uint count = 0;
-    for (uint i = first; i < last; ++i) {
-        chosen[count] = i;
-        count += emitters[i] != MCV_NONE;
+    const uint count = world.frame->emitter_count;
+    uint looks[MCV_ROW], chosen[MCV_ROW];
+    if (count > MCV_SLICE / 16u) {
+        for (uint i = first; i < last; ++i)
+            if (emitters[i] != MCV_NONE) mcv_look_alone(world, paths, i);
+        return;
     }
-    for (uint turn = 0; count > 0 && turn < MCV_MOST_REACHING; ++turn) {
-        const uint emitter = emitters[chosen[0]];
-        uint listed = 0, others = 0;
-        for (uint i = 0; i < count; ++i) {
-            const uint k = chosen[i];
-            const int is_alike = emitters[k] == emitter;
-            alike[listed] = chosen[others] = k;
-            listed += is_alike;
-            others += !is_alike;
-        }
-        mcv_look_for(world, paths, emitter, alike, listed);
-        count = others;
+    for (uint emitter = 0; first < last && emitter < count; ++emitter) {
+        MCV_PARALLEL
+        for (uint i = first; i < last; ++i) looks[i - first] = emitters[i] == emitter;
+        const uint listed = mcv_list(looks, last - first, chosen);
+        MCV_PARALLEL
+        for (uint i = 0; i < listed; ++i) chosen[i] += first;
+        if (listed > 0) mcv_look_for(world, paths, emitter, chosen, listed);
     }
-    for (uint i = 0; i < count; ++i) mcv_look_alone(world, paths, chosen[i]);
 }
 
 #endif

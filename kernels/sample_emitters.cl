@@ -33,21 +33,21 @@ typedef struct mcv_shadow {
 
 #if MCV_WITH_BEAM
 /* Back along the beam, where it goes through the receiver: the emitter must then be the closest hit. */
-static mcv_shadow mcv_sample_beam_of(mcv_receiver at, __global const mcv_device_emitter *e) {
+MCV_LOOP_FUNCTION mcv_shadow mcv_sample_beam_of(mcv_receiver at, __global const mcv_device_emitter *e) {
     mcv_shadow shadow;
     const mcv_vec3 from_middle = mcv_sub(at.point, mcv_vec(e->middle[0], e->middle[1], e->middle[2]));
     shadow.direction = mcv_vec(-e->beam.axis[0], -e->beam.axis[1], -e->beam.axis[2]);
     shadow.origin = mcv_offset_origin(at.point, at.error, at.face, shadow.direction);
     shadow.target = e->instance;
     shadow.density = 0.0f;
-    shadow.light = mcv_grey(0.0f);
-    if (mcv_collimated_beam_covers(&e->beam, from_middle)) MCV_EACH_CHANNEL(i) shadow.light.c[i] = e->radiance[i] / e->probability;
+    const int lit = mcv_collimated_beam_covers(&e->beam, from_middle);
+    MCV_EACH_CHANNEL(i) shadow.light.c[i] = lit ? e->radiance[i] / e->probability : 0.0f;
     return shadow;
 }
 #endif
 
 #if MCV_WITH_PUNCTUAL
-static mcv_shadow mcv_sample_spot_of(mcv_receiver at, __global const mcv_device_emitter *e) {
+MCV_LOOP_FUNCTION mcv_shadow mcv_sample_spot_of(mcv_receiver at, __global const mcv_device_emitter *e) {
     mcv_shadow shadow;
     const mcv_vec3 position = mcv_vec(e->spot.position[0], e->spot.position[1], e->spot.position[2]);
     const mcv_vec3 towards = mcv_sub(position, at.point);
@@ -62,7 +62,7 @@ static mcv_shadow mcv_sample_spot_of(mcv_receiver at, __global const mcv_device_
     return shadow;
 }
 
-static mcv_shadow mcv_sample_directional_of(mcv_receiver at, __global const mcv_device_emitter *e) {
+MCV_LOOP_FUNCTION mcv_shadow mcv_sample_directional_of(mcv_receiver at, __global const mcv_device_emitter *e) {
     mcv_shadow shadow;
     const mcv_vec3 direction = mcv_vec(-e->directional.axis[0], -e->directional.axis[1], -e->directional.axis[2]);
     shadow.origin = mcv_offset_origin(at.point, at.error, at.face, direction);

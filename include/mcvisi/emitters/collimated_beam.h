@@ -38,7 +38,7 @@ typedef struct mcv_collimated_beam {
 MCV_ASSERT_SIZE(mcv_collimated_beam, 48);
 
 /* 1 if the beam goes through a place, given from the middle of the emitter. */
-MCV_FUNCTION int mcv_collimated_beam_covers(MCV_GLOBAL const mcv_collimated_beam *beam, mcv_vec3 from_middle) {
+MCV_LOOP_FUNCTION int mcv_collimated_beam_covers(MCV_GLOBAL const mcv_collimated_beam *beam, mcv_vec3 from_middle) {
     const float across = mcv_dot(from_middle, mcv_vec(beam->x[0], beam->x[1], beam->x[2]));
     const float up = mcv_dot(from_middle, mcv_vec(beam->y[0], beam->y[1], beam->y[2]));
     return (mcv_abs(across) <= beam->half_width) & (mcv_abs(up) <= beam->half_height) &

@@ -34,7 +34,7 @@ typedef struct mcv_spot {
 MCV_ASSERT_SIZE(mcv_spot, 48);
 
 /* The share of I that is sent in a direction (unit, away from the light). */
-MCV_FUNCTION float mcv_spot_evaluate(MCV_GLOBAL const mcv_spot *light, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION float mcv_spot_evaluate(MCV_GLOBAL const mcv_spot *light, mcv_vec3 direction) {
     /* sin²(θ/2) by the chord: a float32 cosine cannot tell 0.02° from 0. */
     const mcv_vec3 chord = mcv_sub(direction, mcv_vec(light->axis[0], light->axis[1], light->axis[2]));
     const float a = (light->edge - 0.25f * mcv_dot(chord, chord)) * light->slope;
@@ -42,7 +42,7 @@ MCV_FUNCTION float mcv_spot_evaluate(MCV_GLOBAL const mcv_spot *light, mcv_vec3 
 }
 
 /* What distance leaves of an intensity: irradiance over intensity [1/m²]. */
-MCV_FUNCTION float mcv_spot_attenuation(MCV_GLOBAL const mcv_spot *light, float distance_squared) {
+MCV_LOOP_FUNCTION float mcv_spot_attenuation(MCV_GLOBAL const mcv_spot *light, float distance_squared) {
     const float left = mcv_fma(-light->inverse_range_4 * distance_squared, distance_squared, 1.0f);
     return left > 0.0f ? left / distance_squared : 0.0f;
 }
