@@ -307,20 +307,6 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void aim_pupils(MCV_WORL
 }
 #endif
 
-#if MCV_WITH_LIGHT_TRACING
-/* One work-item per slice of paths. */
-__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_emitter_paths(MCV_WORLD_PARAMETERS __global uint *splats,
-                                                                                 __global uint *counters) {
-    MCV_MAKE_WORLD(world)
-    const uint slice = get_group_id(0);
-    const uint first = slice * MCV_SLICE;
-    const uint last = min(first + MCV_SLICE, world.frame->path_count);
-    uint counts[MCV_COUNTER_COUNT] = {0};
-    for (uint path = first; path < last; ++path) mcv_trace_emitter_path(world, path, splats, counts);
-    for (uint i = 0; i < MCV_COUNTER_COUNT; ++i) counters[slice * MCV_COUNTER_COUNT + i] += counts[i];
-}
-#endif
-
 /* The paths in the slots chosen[0 … count - 1], in ascending order, go on in the slots 0 … count - 1: the last ones where others ended. */
 static __attribute__((noinline)) void mcv_move_paths(uint *paths, const uint *chosen, uint count) {
     uint from[MCV_SLOTS];
@@ -457,6 +443,20 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
         if (mcv_cast_shadow(world, slot, mcv_meet_surface(world, slot), mcv_shadow_in(slot))) shadows[shadow_count++] = slot.index;
     }
     return shadow_count;
+}
+#endif
+
+#if MCV_WITH_LIGHT_TRACING
+#include "light_slices.h"
+
+/* One work-item per 2^log2_thinning slices of paths: as many light paths as a slice has. */
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_emitter_paths(MCV_WORLD_PARAMETERS __global uint *splats,
+                                                                                 __global uint *counters) {
+    MCV_MAKE_WORLD(world)
+    const uint slice = get_group_id(0), count = world.frame->path_count, span = (uint)MCV_SLICE << world.frame->log2_thinning;
+    uint counts[MCV_COUNTER_COUNT] = {0};
+    mcv_trace_lights(world, slice * span, min(slice * span + min(span, count), count), splats, counts);
+    for (uint i = 0; i < MCV_COUNTER_COUNT; ++i) counters[slice * MCV_COUNTER_COUNT + i] += counts[i];
 }
 #endif
 

@@ -44,12 +44,20 @@ typedef struct mcv_light_path {
     float etendue;        /* one over the density of its start; 0: camera paths do not find it */
     uint left;            /* the exact surface that it starts on (mcv_leave) */
     uint media;
-    int carried;  /* has met a smooth or sharp surface, */
-    int open;     /* and no other one yet */
-    int spread;   /* has met a surface that spreads light */
-    int found;    /* camera paths find it, too */
+    uint emitter;
+    uint trail;   /* MCV_LIGHT_… */
     float length; /* so far [m] */
 } mcv_light_path;
+
+enum {
+    MCV_LIGHT_CARRIED = 1, /* has met a smooth or sharp surface, */
+    MCV_LIGHT_OPEN = 2,    /* and no other one yet */
+    MCV_LIGHT_SPREAD = 4,  /* has met a surface that spreads light */
+    MCV_LIGHT_FOUND = 8    /* camera paths find it, too */
+};
+
+/* Surfaces that a light path meets before roulette may end it. */
+#define MCV_LIGHT_ROULETTE_DEPTH 5u
 
 #if MCV_WITH_EMISSION || MCV_WITH_PUNCTUAL
 /* Towards one of the balls; *own becomes the cone that was chosen. */
@@ -153,9 +161,9 @@ static mcv_light_path mcv_leave_emitter(mcv_world world, uint emitter, mcv_pair 
     path.throughput = mcv_grey(1.0f);
     path.left = MCV_NONE;
     path.media = e->media;
+    path.emitter = emitter;
     path.etendue = 0.0f;
-    path.carried = path.spread = 0;
-    path.open = 1;
+    path.trail = MCV_LIGHT_OPEN;
     path.length = 0.0f;
 #if MCV_WITH_PUNCTUAL
     if (e->type == MCV_EMITTER_SPOT) {
@@ -249,39 +257,45 @@ static mcv_color mcv_pass_plates(mcv_world world, mcv_vec3 origin, uint begun, m
     return left;
 }
 
-/* Sends what arrives at a surface that spreads light to a place on the lens; `rival`: if camera paths find it, too, one over the density of
- * its start, else 0.
- */
-static void mcv_connect(mcv_world world, mcv_meeting meeting, mcv_color flux, float rival, uint media, uint plates, mcv_pair pair,
-                        __global uint *splats, uint replicate, float xi, uint counts[MCV_COUNTER_COUNT]) {
+/* What a surface may send to a place on the lens. */
+typedef struct mcv_connection {
+    mcv_vec3 origin, end;
+    uint begun, media; /* the surface, as mcv_leave tells it, and what the light is in */
+    mcv_film_place place;
+    mcv_color value; /* that it brings there, if nothing is between */
+} mcv_connection;
+
+/* 0: none. `rival`: if camera paths find what arrives, too, one over the density of its start, else 0. */
+MCV_FUNCTION int mcv_connect(mcv_world world, mcv_meeting meeting, mcv_color flux, float rival, uint media, mcv_pair pair,
+                             mcv_connection *connection) {
     mcv_sight sight;
     mcv_film_place place;
     const mcv_vec3 point = mcv_point_to_optical(world.frame, meeting.surface.point);
-    if (!(point.z > 0.0f)) return;
+    if (!(point.z > 0.0f)) return 0;
     const float area = mcv_sensor_connect(world.sensor, point, pair.x, pair.y, &sight);
     const float importance = mcv_sensor_invert(world.sensor, sight, &place) * area;
-    if (!(importance > 0.0f)) return;
+    if (!(importance > 0.0f)) return 0;
     if (!(place.column >= 0.0f && place.column < (float)world.frame->width && place.row >= 0.0f && place.row < (float)world.frame->height))
-        return;
+        return 0;
     const mcv_ray seen = mcv_place_sight(world.frame, sight);
     const mcv_vec3 out = mcv_scale(seen.direction, -1.0f);
     const mcv_response response = mcv_respond(world, meeting, media, out);
-    if (!(mcv_brightest(response.value) > 0.0f)) return;
-    const mcv_vec3 origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, out);
-    uint begun = MCV_NONE;
-#if MCV_WITH_SURFACES
-    begun = mcv_leave_meeting(world, meeting, out);
-#endif
-    const mcv_color left = mcv_pass_plates(world, origin, begun, seen.origin, response.media, plates, counts);
-    if (!(mcv_brightest(left) > 0.0f)) return;
     const float d = mcv_sqrt(mcv_dot(sight.direction, sight.direction));
-    mcv_color value = mcv_tint(mcv_tint(flux, response.value), left);
-    value = mcv_dim(value, mcv_flux_correction(meeting, out) * importance * d / (point.z * point.z));
+    mcv_color value = mcv_dim(mcv_tint(flux, response.value), mcv_flux_correction(meeting, out) * importance * d / (point.z * point.z));
     if (rival > 0.0f) value = mcv_dim(value, mcv_light_share(world, rival, mcv_sensor_footprint(world.sensor, point.z)));
 #if MCV_WITH_ABSORPTION
     value = mcv_tint(value, mcv_medium_transmittance(world, response.media, point.z * d));
 #endif
-    mcv_splat(world, splats, replicate, place, value, xi, counts);
+    connection->origin = mcv_offset_origin(meeting.surface.point, meeting.surface.error, meeting.face, out);
+    connection->end = seen.origin;
+    connection->begun = MCV_NONE;
+#if MCV_WITH_SURFACES
+    connection->begun = mcv_leave_meeting(world, meeting, out);
+#endif
+    connection->media = response.media;
+    connection->place = place;
+    connection->value = value;
+    return mcv_brightest(response.value) > 0.0f;
 }
 #endif
 
@@ -294,26 +308,100 @@ MCV_FUNCTION float mcv_within_range(__global const mcv_device_emitter *e, float 
     return 1.0f;
 }
 
+/* What the depth limit cuts, in units of 2^-11. */
+MCV_FUNCTION uint mcv_lost_light(mcv_color throughput) { return (uint)(fmin(mcv_brightest(throughput), 1.0f) * 2048.0f + 0.5f); }
+
+static mcv_light_path mcv_begin_light(mcv_world world, mcv_pair which, mcv_pair place, mcv_pair turn) {
+    /* The emitter takes the place of surface 0. */
+    float unused;
+    __global const uint *cdf = world.emitter_cdf + world.frame->light_cdf;
+    const uint emitter = mcv_search_cdf(cdf, world.frame->emitter_count, which.x, which.y, &unused);
+    mcv_light_path path = mcv_leave_emitter(world, emitter, place, turn);
+    if (path.etendue > 0.0f) path.trail |= MCV_LIGHT_FOUND;
+    return path;
+}
+
+#if MCV_WITH_DISPERSION
+/* Keeps one channel at a dielectric; the world as the path's light meets it. */
+MCV_FUNCTION mcv_world mcv_disperse_light(mcv_world world, mcv_light_identity id, mcv_meeting meeting, mcv_light_path *path) {
+    if (world.materials[world.instances[meeting.surface.instance].material].type == MCV_MATERIAL_DIELECTRIC) {
+        float chance;
+        const float xi = mcv_sample_pair(id.stream, id.sample, MCV_PAIR_CHANNEL).x;
+        const uint channel = mcv_choose_channel(mcv_tint(path->flux, path->throughput), xi, &chance);
+        path->throughput = mcv_keep_channel(path->throughput, channel, chance);
+    }
+    return mcv_in_channel(world, mcv_kept_channel(path->throughput));
+}
+#endif
+
+/* Is what comes to the surface left to camera paths? */
+MCV_FUNCTION int mcv_is_left_to_camera(mcv_world world, mcv_meeting meeting, uint trail) {
+    return (trail & MCV_LIGHT_FOUND) != 0u && !mcv_is_wide(world, meeting);
+}
+
+#if MCV_WITH_NEXT_EVENT
+/* Sends what arrives at a surface that spreads light to a place on the lens: mcv_connect. */
+MCV_FUNCTION int mcv_connect_light(mcv_world world, mcv_meeting meeting, mcv_light_path path, mcv_pair pair, mcv_connection *connection) {
+    if (!(path.trail & MCV_LIGHT_CARRIED) || mcv_is_left_to_camera(world, meeting, path.trail)) return 0;
+    if (!world.materials[world.instances[meeting.surface.instance].material].spreads) return 0;
+    const float share = path.trail & MCV_LIGHT_SPREAD ? 1.0f : mcv_within_range(world.emitters + path.emitter, path.length);
+    return mcv_connect(world, meeting, mcv_dim(mcv_tint(path.flux, path.throughput), share), path.etendue, path.media, pair, connection);
+}
+#endif
+
+/* Whether the path goes on from the surface, and how. */
+MCV_FUNCTION int mcv_send_light_on(mcv_world world, mcv_meeting meeting, mcv_pair pair, mcv_pair choice, uint depth, uint *unmatched,
+                                   mcv_light_path *path) {
+    mcv_scattering other;
+    /* What comes straight from the emitter, next-event estimation has. */
+    if (!(path->trail & MCV_LIGHT_CARRIED) && mcv_is_wide(world, meeting)) return 0;
+    const mcv_scattering on = mcv_scatter(world, meeting, path->media, pair, choice.x, 0, unmatched, &other);
+    path->throughput = mcv_tint(path->throughput, on.factor);
+    const float brightest = mcv_brightest(path->throughput);
+    if (!(brightest > 0.0f)) return 0;
+    const int spreads = on.density > 0.0f;
+    if (spreads && !(path->trail & MCV_LIGHT_OPEN && mcv_is_sharp(world, meeting))) {
+        /* What comes to a glossy surface, camera paths have. */
+        if (!(path->trail & MCV_LIGHT_CARRIED)) return 0;
+        if (path->trail & MCV_LIGHT_OPEN && mcv_is_left_to_camera(world, meeting, path->trail)) return 0;
+        path->throughput = mcv_dim(path->throughput, mcv_flux_correction(meeting, on.direction));
+        path->trail &= ~(uint)MCV_LIGHT_OPEN;
+    } else {
+        /* The first surface finds the emitter by next-event estimation. */
+        if (spreads && !(path->trail & MCV_LIGHT_CARRIED)) path->trail |= MCV_LIGHT_FOUND;
+        path->trail |= MCV_LIGHT_CARRIED;
+    }
+    if (spreads && !(path->trail & MCV_LIGHT_SPREAD)) {
+        path->throughput = mcv_dim(path->throughput, mcv_within_range(world.emitters + path->emitter, path->length));
+        path->trail |= MCV_LIGHT_SPREAD;
+    }
+    if (depth >= MCV_LIGHT_ROULETTE_DEPTH && brightest < 1.0f) {
+        if (choice.y >= brightest) return 0;
+        path->throughput = mcv_dim(path->throughput, 1.0f / brightest);
+    }
+    path->origin = mcv_onward_origin(meeting, on.direction);
+#if MCV_WITH_SURFACES
+    path->left = mcv_leave_meeting(world, meeting, on.direction);
+#endif
+    path->direction = on.direction;
+    path->media = on.media;
+    return 1;
+}
+
 static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *splats, uint counts[MCV_COUNTER_COUNT]) {
     mcv_light_identity id;
     if (!mcv_identify_light(world.frame, index, &id)) return;
-    /* The emitter takes the place of surface 0. */
-    float unused;
-    const mcv_pair which = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_CHOICE));
-    __global const uint *cdf = world.emitter_cdf + world.frame->light_cdf;
-    const uint emitter = mcv_search_cdf(cdf, world.frame->emitter_count, which.x, which.y, &unused);
-    __global const mcv_device_emitter *e = world.emitters + emitter;
-    mcv_light_path path = mcv_leave_emitter(world, emitter, mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_EMITTER)),
-                                            mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_SCATTER)));
+    mcv_light_path path = mcv_begin_light(world, mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_CHOICE)),
+                                          mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_EMITTER)),
+                                          mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_SCATTER)));
     if (!(mcv_brightest(path.flux) > 0.0f)) return;
-    path.found = path.etendue > 0.0f;
 
     for (uint depth = 1; depth < world.frame->depth; ++depth) {
         const mcv_pair choice = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_CHOICE));
         const mcv_hit hit = mcv_closest(world, path.origin, path.direction, path.left);
         ++counts[MCV_COUNTER_rays];
 #if MCV_WITH_BEAM
-        if (e->type == MCV_EMITTER_COLLIMATED_BEAM && !path.spread)
+        if (world.emitters[path.emitter].type == MCV_EMITTER_COLLIMATED_BEAM && !(path.trail & MCV_LIGHT_SPREAD))
             mcv_enter_lens(world, path, hit.t, splats, id.replicate, choice.x, counts);
 #endif
         if (hit.triangle == MCV_NONE) return;
@@ -323,57 +411,23 @@ static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *s
 #endif
         const mcv_meeting meeting = mcv_meet(world, path.origin, path.direction, hit);
 #if MCV_WITH_DISPERSION
-        if (world.materials[world.instances[meeting.surface.instance].material].type == MCV_MATERIAL_DIELECTRIC) {
-            float chance;
-            const float xi = mcv_sample_pair(id.stream, id.sample, MCV_PAIR_CHANNEL).x;
-            const uint channel = mcv_choose_channel(mcv_tint(path.flux, path.throughput), xi, &chance);
-            path.throughput = mcv_keep_channel(path.throughput, channel, chance);
-        }
-        const mcv_world seen = mcv_in_channel(world, mcv_kept_channel(path.throughput));
+        const mcv_world seen = mcv_disperse_light(world, id, meeting, &path);
 #else
         const mcv_world seen = world;
 #endif
-        const int left_to_camera = path.found && !mcv_is_wide(world, meeting);
 #if MCV_WITH_NEXT_EVENT
-        if (path.carried && !left_to_camera && world.materials[world.instances[meeting.surface.instance].material].spreads) {
-            const mcv_pair pupil = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_EMITTER));
-            const float share = path.spread ? 1.0f : mcv_within_range(e, path.length);
-            mcv_connect(seen, meeting, mcv_dim(mcv_tint(path.flux, path.throughput), share), path.etendue, path.media,
-                        world.frame->depth - 1u - depth, pupil, splats, id.replicate, choice.x, counts);
+        mcv_connection connection;
+        const mcv_pair pupil = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_EMITTER));
+        if (mcv_connect_light(seen, meeting, path, pupil, &connection)) {
+            const mcv_color left = mcv_pass_plates(seen, connection.origin, connection.begun, connection.end, connection.media,
+                                                   world.frame->depth - 1u - depth, counts);
+            if (mcv_brightest(left) > 0.0f)
+                mcv_splat(world, splats, id.replicate, connection.place, mcv_tint(connection.value, left), choice.x, counts);
         }
 #endif
         const mcv_pair pair = mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, MCV_PAIR_SCATTER));
-        mcv_scattering other;
-        const mcv_scattering on = mcv_scatter(seen, meeting, path.media, pair, choice.x, 0, &counts[MCV_COUNTER_unmatched], &other);
-        path.throughput = mcv_tint(path.throughput, on.factor);
-        const float brightest = mcv_brightest(path.throughput);
-        if (!(brightest > 0.0f)) return;
-        const int spreads = on.density > 0.0f;
-        if (spreads && !(path.open && mcv_is_sharp(world, meeting))) {
-            /* What comes straight from the emitter, next-event estimation has; what comes to a glossy surface, camera paths. */
-            if (!path.carried || (path.open && left_to_camera)) return;
-            path.throughput = mcv_dim(path.throughput, mcv_flux_correction(meeting, on.direction));
-            path.open = 0;
-        } else {
-            /* The first surface finds the emitter by next-event estimation. */
-            path.found |= spreads & !path.carried;
-            path.carried = 1;
-        }
-        if (spreads && !path.spread) {
-            path.throughput = mcv_dim(path.throughput, mcv_within_range(e, path.length));
-            path.spread = 1;
-        }
-        if (depth > 4u && brightest < 1.0f) {
-            if (choice.y >= brightest) return;
-            path.throughput = mcv_dim(path.throughput, 1.0f / brightest);
-        }
-        path.origin = mcv_onward_origin(meeting, on.direction);
-#if MCV_WITH_SURFACES
-        path.left = mcv_leave_meeting(world, meeting, on.direction);
-#endif
-        path.direction = on.direction;
-        path.media = on.media;
+        if (!mcv_send_light_on(seen, meeting, pair, choice, depth, &counts[MCV_COUNTER_unmatched], &path)) return;
     }
     ++counts[MCV_COUNTER_depth_cut];
-    counts[MCV_COUNTER_lost] += (uint)(fmin(mcv_brightest(path.throughput), 1.0f) * 2048.0f + 0.5f);
+    counts[MCV_COUNTER_lost] += mcv_lost_light(path.throughput);
 }

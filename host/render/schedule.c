@@ -267,8 +267,9 @@ static mcv_result start_light(mcv_schedule *s, const mcv_frame *frame, mcv_error
     arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->scene->splats);
     arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->counters);
     const bool tile = s->kind == MCV_SCHEDULE_TILE;
-    return launch(s, MCV_KERNEL_trace_emitter_paths, tile ? s->counter_sets : frame->path_count, tile ? 1 : STREAM_GROUP, arguments,
-                  MCV_SCENE_ARGUMENTS + 2, error);
+    const size_t span = (size_t)s->slice << frame->log2_thinning; /* of one work-item of the tile schedule */
+    return launch(s, MCV_KERNEL_trace_emitter_paths, tile ? (frame->path_count + span - 1) / span : frame->path_count,
+                  tile ? 1 : STREAM_GROUP, arguments, MCV_SCENE_ARGUMENTS + 2, error);
 }
 
 mcv_result mcv_schedule_start(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {

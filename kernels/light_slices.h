@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The tile schedule's light paths, a slice of them at once in the stages of camera paths: what mcv_trace_emitter_path does for one, to the
+ * last bit. In the fields of a slot: radiance, the flux that started; weight, the start's etendue; footprint, the length; trail,
+ * MCV_LIGHT_…; value, the emitter; density, the replicate; shadow_light, what a connection brings, way, where on the film.
+ */
+#ifndef MCVISI_KERNELS_LIGHT_SLICES_H
+#define MCVISI_KERNELS_LIGHT_SLICES_H
+
+/* Where beams come to the lens by themselves, colours part or surfaces touch, light paths go one by one. */
+#define MCV_LIGHT_TOGETHER (MCV_LEAVES_TOGETHER && MCV_WITH_NEXT_EVENT && !MCV_WITH_BEAM && !MCV_WITH_DISPERSION)
+
+#if MCV_LIGHT_TOGETHER
+MCV_FUNCTION mcv_light_path mcv_load_light(mcv_slot slot) {
+    mcv_light_path path;
+    path.origin = MCV_LOAD_3(slot, origin);
+    path.direction = MCV_LOAD_3(slot, direction);
+    MCV_LOAD_COLOR(slot, radiance, path.flux);
+    MCV_LOAD_COLOR(slot, throughput, path.throughput);
+    path.etendue = MCV_LOAD(slot, weight, 0);
+    path.left = MCV_NONE;
+#if MCV_WITH_SURFACES
+    path.left = MCV_WORD(slot, left, 0);
+#endif
+    path.media = mcv_path_media(slot);
+    path.emitter = MCV_WORD(slot, value, 0);
+    path.trail = MCV_WORD(slot, trail, 0);
+    path.length = MCV_LOAD(slot, footprint, 0);
+    return path;
+}
+
+MCV_FUNCTION void mcv_store_light(mcv_slot slot, mcv_light_path path) {
+    MCV_STORE_3(slot, origin, path.origin);
+    MCV_STORE_3(slot, direction, path.direction);
+    MCV_STORE_COLOR(slot, radiance, path.flux);
+    MCV_STORE_COLOR(slot, throughput, path.throughput);
+    MCV_STORE(slot, weight, 0, path.etendue);
+#if MCV_WITH_SURFACES
+    MCV_WORD(slot, left, 0) = path.left;
+#endif
+#if MCV_WITH_DIELECTRIC
+    MCV_WORD(slot, media, 0) = path.media;
+#endif
+    MCV_WORD(slot, value, 0) = path.emitter;
+    MCV_WORD(slot, trail, 0) = path.trail;
+    MCV_STORE(slot, footprint, 0, path.length);
+}
+
+/* Begins the next light paths of the launch's paths *next … last - 1, as many as there is room for; returns how many. */
+static __attribute__((noinline)) uint mcv_begin_lights(mcv_world world, uint *paths, uint *next, uint last) {
+    const uint samples = 1u << world.frame->log2_samples;
+    mcv_slot slot;
+    uint count = 0, begun = 0;
+    slot.base = paths;
+    for (; *next < last && count < MCV_SLICE;) {
+        mcv_light_identity id;
+        if (!mcv_identify_light(world.frame, *next, &id)) {
+            *next = (*next | (samples - 1u)) + 1u;
+            continue;
+        }
+        slot.index = count++;
+        MCV_WORD(slot, stream, 0) = id.stream;
+        MCV_WORD(slot, sample, 0) = id.sample;
+        MCV_WORD(slot, density, 0) = id.replicate;
+        ++*next;
+    }
+    mcv_draw_pairs(paths, 0, count, 0, MCV_PAIR_CHOICE);
+    mcv_draw_pairs(paths, 0, count, 0, MCV_PAIR_EMITTER);
+    mcv_draw_pairs(paths, 0, count, 0, MCV_PAIR_SCATTER);
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        const mcv_light_path path = mcv_begin_light(world, mcv_draw(slot, 0, MCV_PAIR_CHOICE), mcv_draw(slot, 0, MCV_PAIR_EMITTER),
+                                                    mcv_draw(slot, 0, MCV_PAIR_SCATTER));
+        if (!(mcv_brightest(path.flux) > 0.0f)) continue;
+        const uint stream = MCV_WORD(slot, stream, 0), sample = MCV_WORD(slot, sample, 0), replicate = MCV_WORD(slot, density, 0);
+        slot.index = begun++;
+        MCV_WORD(slot, stream, 0) = stream;
+        MCV_WORD(slot, sample, 0) = sample;
+        MCV_WORD(slot, density, 0) = replicate;
+        mcv_store_light(slot, path);
+    }
+    return begun;
+}
+
+/* The paths end that have met nothing or come straight from the emitter to a diffuse surface; the others lie in the order of what they have
+ * met. */
+static __attribute__((noinline)) void mcv_meet_lights(mcv_world world, uint *paths, uint count, uint *ends) {
+    uint kinds[MCV_SLOTS], gloss;
+    mcv_slot slot;
+    slot.base = paths;
+    mcv_find_kinds(world, paths, count, kinds, &gloss);
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        const uint kind = kinds[i];
+        const int diffuse = (kind == MCV_MET_DIFFUSE_TRIANGLE) | (kind == MCV_MET_DIFFUSE_EXACT);
+        kinds[i] = diffuse & ((MCV_WORD(slot, trail, 0) & MCV_LIGHT_CARRIED) == 0u) ? (uint)MCV_MET_NOTHING : kind;
+        MCV_STORE(slot, footprint, 0, MCV_LOAD(slot, footprint, 0) + MCV_LOAD(slot, hit, 0));
+    }
+    mcv_order_paths(paths, kinds, count, ends);
+    mcv_find_surfaces(world, paths, ends);
+}
+
+/* Lists the paths that have a connection to the lens, and their shadow rays; returns how many. */
+static __attribute__((noinline)) uint mcv_list_connections(mcv_world world, mcv_slot slot, uint first, uint last, uint depth,
+                                                           uint *connected) {
+    uint count = 0;
+    for (slot.index = first; slot.index < last; ++slot.index) {
+        mcv_connection connection;
+        if (!mcv_connect_light(world, mcv_meet_surface(world, slot), mcv_load_light(slot), mcv_draw(slot, depth, MCV_PAIR_EMITTER),
+                               &connection))
+            continue;
+        MCV_STORE_3(slot, shadow_origin, connection.origin);
+        MCV_STORE_3(slot, shadow_direction, mcv_sub(connection.end, connection.origin));
+#if MCV_WITH_SHEET
+        MCV_STORE_3(slot, way_face, connection.end);
+        MCV_WORD(slot, emitter, 0) = connection.media;
+#endif
+#if MCV_WITH_SURFACES
+        MCV_WORD(slot, shadow_left, 0) = connection.begun;
+#endif
+        MCV_STORE_COLOR(slot, shadow_light, connection.value);
+        MCV_STORE(slot, way, 0, connection.place.column);
+        MCV_STORE(slot, way, 1, connection.place.row);
+        connected[count++] = slot.index;
+    }
+    return count;
+}
+
+/* Adds what comes to the lens by connections that nothing blocks. */
+static __attribute__((noinline)) void mcv_follow_connections(mcv_world world, mcv_slot slot, const uint *connected, uint count, uint depth,
+                                                             __global uint *splats, uint counts[MCV_COUNTER_COUNT]) {
+#if !MCV_WITH_SHEET
+    const mcv_rows origins = MCV_ROWS(slot, shadow_origin), directions = MCV_ROWS(slot, shadow_direction);
+    mcv_hit hits[MCV_SLOTS];
+    for (uint i = 0; i < count; ++i) hits[i] = mcv_miss(1.0f);
+    MCV_ANY_MANY(world.nodes, world.leaves, origins, directions, connected, count, hits);
+#if MCV_WITH_SURFACES
+    mcv_shadows_past_solids(world, slot.base, connected, count, 1, hits);
+#endif
+    counts[MCV_COUNTER_shadow_rays] += count;
+#endif
+    for (uint i = 0; i < count; ++i) {
+        slot.index = connected[i];
+        const mcv_film_place place = {MCV_LOAD(slot, way, 0), MCV_LOAD(slot, way, 1)};
+        mcv_color value;
+        MCV_LOAD_COLOR(slot, shadow_light, value);
+#if MCV_WITH_SHEET
+        uint begun = MCV_NONE;
+#if MCV_WITH_SURFACES
+        begun = MCV_WORD(slot, shadow_left, 0);
+#endif
+        const mcv_color left = mcv_pass_plates(world, MCV_LOAD_3(slot, shadow_origin), begun, MCV_LOAD_3(slot, way_face),
+                                               MCV_WORD(slot, emitter, 0), world.frame->depth - 1u - depth, counts);
+        if (!(mcv_brightest(left) > 0.0f)) continue;
+        value = mcv_tint(value, left);
+#else
+        if (hits[i].triangle != MCV_NONE) continue;
+#endif
+        mcv_splat(world, splats, MCV_WORD(slot, density, 0), place, value, mcv_draw(slot, depth, MCV_PAIR_CHOICE).x, counts);
+    }
+}
+
+#if MCV_WITH_SMOOTH
+/* mcv_send_light_on */
+MCV_LOOP_FUNCTION void mcv_send_smooth_lights_on(mcv_world world, uint *paths, uint first, uint last, uint depth, int exact, uint *ways,
+                                                 uint *unmatched) {
+    const int roulette = depth >= MCV_LIGHT_ROULETTE_DEPTH;
+    mcv_slot slot;
+    slot.base = paths;
+    MCV_PARALLEL
+    for (uint i = first; i < last; ++i) {
+        slot.index = i;
+        mcv_color throughput;
+        mcv_scattering other;
+        uint differs = 0u;
+        const mcv_meeting meeting = mcv_meet_surface(world, slot);
+        const mcv_scattering on =
+            mcv_scatter_dielectric(world, meeting, MCV_WORD(slot, media, 0), MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER), &differs, &other);
+        unmatched[i] = differs;
+        MCV_LOAD_COLOR(slot, throughput, throughput);
+        throughput = mcv_tint(throughput, on.factor);
+        const float brightest = mcv_brightest(throughput);
+        const int plays = roulette & (brightest < 1.0f);
+        const float choice = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE + 1);
+        const float more = 1.0f / brightest;
+        MCV_EACH_CHANNEL(c) MCV_STORE(slot, throughput, c, plays ? throughput.c[c] * more : throughput.c[c]);
+        MCV_STORE_3(slot, direction, on.direction);
+        MCV_WORD(slot, media, 0) = on.media;
+#if MCV_WITH_SURFACES
+        MCV_WORD(slot, left, 0) = mcv_leave_plain(world, slot, on.direction, exact);
+#endif
+        MCV_WORD(slot, trail, 0) |= MCV_LIGHT_CARRIED;
+        ways[i] = (uint)((brightest > 0.0f) & !(plays & (choice >= brightest)));
+    }
+    (void)exact;
+}
+#endif
+
+/* Sends the paths on from the surfaces that they have met; returns how many go on. */
+static __attribute__((noinline)) uint mcv_send_lights_on(mcv_world world, mcv_slot slot, const uint *ends, uint depth, uint *unmatched) {
+    const uint alive = ends[MCV_MET_EXACT], smooth = ends[MCV_MET_SMOOTH_EXACT];
+    uint ways[MCV_SLOTS], chosen[MCV_SLOTS];
+    uint next = 0;
+#if MCV_WITH_SMOOTH
+    uint differs[MCV_SLOTS];
+    mcv_send_smooth_lights_on(world, slot.base, 0, ends[MCV_MET_SMOOTH_TRIANGLE], depth, 0, ways, differs);
+#if MCV_WITH_SURFACES
+    mcv_send_smooth_lights_on(world, slot.base, ends[MCV_MET_SMOOTH_TRIANGLE], smooth, depth, 1, ways, differs);
+#endif
+    for (uint i = 0; i < smooth; ++i) *unmatched += differs[i];
+#endif
+    for (slot.index = smooth; slot.index < alive; ++slot.index) {
+        mcv_light_path path = mcv_load_light(slot);
+        ways[slot.index] = (uint)mcv_send_light_on(world, mcv_meet_surface(world, slot), mcv_draw(slot, depth, MCV_PAIR_SCATTER),
+                                                   mcv_draw(slot, depth, MCV_PAIR_CHOICE), depth, unmatched, &path);
+        mcv_store_light(slot, path);
+    }
+    mcv_leave_surfaces(slot.base, alive);
+    for (uint i = 0; i < alive; ++i) {
+        chosen[next] = i;
+        next += ways[i];
+    }
+    if (next < alive) mcv_move_paths(slot.base, chosen, next);
+    return next;
+}
+
+/* The light paths of the launch's paths first … last - 1. */
+static __attribute__((noinline)) void mcv_trace_lights(mcv_world world, uint first, uint last, __global uint *splats,
+                                                       uint counts[MCV_COUNTER_COUNT]) {
+    uint paths[MCV_PATH_WORDS * MCV_ROW];
+    uint ends[MCV_MET_COUNT], connected[MCV_SLOTS];
+    mcv_slot slot;
+    slot.base = paths;
+#if MCV_WITH_GLOSS
+    mcv_gloss_meeting glosses[MCV_SLOTS];
+    slot.glosses = glosses;
+#endif
+    while (first < last) {
+        uint alive = mcv_begin_lights(world, paths, &first, last);
+        for (uint depth = 1; depth < world.frame->depth && alive > 0; ++depth) {
+            counts[MCV_COUNTER_rays] += alive;
+            mcv_intersect_paths(world, slot, alive);
+            mcv_meet_lights(world, paths, alive, ends);
+            alive = ends[MCV_MET_EXACT];
+            mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_CHOICE);
+            mcv_draw_pairs(paths, ends[MCV_MET_SMOOTH_EXACT], alive, depth, MCV_PAIR_EMITTER);
+            const uint count = mcv_list_connections(world, slot, ends[MCV_MET_SMOOTH_EXACT], alive, depth, connected);
+            mcv_follow_connections(world, slot, connected, count, depth, splats, counts);
+            mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_SCATTER);
+#if MCV_WITH_DIFFUSE
+            mcv_choose_bounces(paths, ends[MCV_MET_SMOOTH_EXACT], alive);
+#endif
+            alive = mcv_send_lights_on(world, slot, ends, depth, &counts[MCV_COUNTER_unmatched]);
+        }
+        counts[MCV_COUNTER_depth_cut] += alive;
+        for (slot.index = 0; slot.index < alive; ++slot.index) {
+            mcv_color throughput;
+            MCV_LOAD_COLOR(slot, throughput, throughput);
+            counts[MCV_COUNTER_lost] += mcv_lost_light(throughput);
+        }
+    }
+}
+#else
+static __attribute__((noinline)) void mcv_trace_lights(mcv_world world, uint first, uint last, __global uint *splats,
+                                                       uint counts[MCV_COUNTER_COUNT]) {
+    for (; first < last; ++first) mcv_trace_emitter_path(world, first, splats, counts);
+}
+#endif
+
+#endif
