@@ -84,11 +84,11 @@ static __attribute__((noinline)) uint mcv_begin_lights(mcv_world world, uint *pa
 
 /* The paths end that have met nothing or come straight from the emitter to a diffuse surface; the others lie in the order of what they have
  * met. */
-static __attribute__((noinline)) void mcv_meet_lights(mcv_world world, uint *paths, uint count, uint *ends) {
-    uint kinds[MCV_SLOTS], gloss;
+static __attribute__((noinline)) void mcv_meet_lights(mcv_world world, uint *paths, uint count, uint *ends, uint *gloss) {
+    uint kinds[MCV_SLOTS];
     mcv_slot slot;
     slot.base = paths;
-    mcv_find_kinds(world, paths, count, kinds, &gloss);
+    mcv_find_kinds(world, paths, count, kinds, gloss);
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i) {
         slot.index = i;
@@ -163,9 +163,8 @@ static __attribute__((noinline)) void mcv_follow_connections(mcv_world world, mc
 
 #if MCV_WITH_SMOOTH
 /* mcv_send_light_on */
-MCV_LOOP_FUNCTION void mcv_send_smooth_lights_on(mcv_world world, uint *paths, uint first, uint last, uint depth, int exact, uint *ways,
-                                                 uint *unmatched) {
-    const int roulette = depth >= MCV_LIGHT_ROULETTE_DEPTH;
+MCV_LOOP_FUNCTION void mcv_send_smooth_on(mcv_world world, uint *paths, uint first, uint last, int roulette, int exact, uint *ways,
+                                          uint *unmatched) {
     mcv_slot slot;
     slot.base = paths;
     MCV_PARALLEL
@@ -179,38 +178,125 @@ MCV_LOOP_FUNCTION void mcv_send_smooth_lights_on(mcv_world world, uint *paths, u
             mcv_scatter_dielectric(world, meeting, MCV_WORD(slot, media, 0), MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER), &differs, &other);
         unmatched[i] = differs;
         MCV_LOAD_COLOR(slot, throughput, throughput);
-        throughput = mcv_tint(throughput, on.factor);
-        const float brightest = mcv_brightest(throughput);
-        const int plays = roulette & (brightest < 1.0f);
-        const float choice = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE + 1);
-        const float more = 1.0f / brightest;
-        MCV_EACH_CHANNEL(c) MCV_STORE(slot, throughput, c, plays ? throughput.c[c] * more : throughput.c[c]);
+        const mcv_light_passed passed = mcv_pass_light(MCV_WORD(slot, trail, 0), 0, 0, mcv_tint(throughput, on.factor), 0.0f, 1.0f, 1.0f,
+                                                       roulette, MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE + 1));
+        MCV_STORE_COLOR(slot, throughput, passed.throughput);
+        MCV_WORD(slot, trail, 0) = passed.trail;
         MCV_STORE_3(slot, direction, on.direction);
         MCV_WORD(slot, media, 0) = on.media;
 #if MCV_WITH_SURFACES
         MCV_WORD(slot, left, 0) = mcv_leave_plain(world, slot, on.direction, exact);
 #endif
-        MCV_WORD(slot, trail, 0) |= MCV_LIGHT_CARRIED;
-        ways[i] = (uint)((brightest > 0.0f) & !(plays & (choice >= brightest)));
+        ways[i] = (uint)passed.goes_on;
     }
     (void)exact;
 }
 #endif
 
-/* Sends the paths on from the surfaces that they have met; returns how many go on. */
-static __attribute__((noinline)) uint mcv_send_lights_on(mcv_world world, mcv_slot slot, const uint *ends, uint depth, uint *unmatched) {
-    const uint alive = ends[MCV_MET_EXACT], smooth = ends[MCV_MET_SMOOTH_EXACT];
-    uint ways[MCV_SLOTS], chosen[MCV_SLOTS];
-    uint next = 0;
-#if MCV_WITH_SMOOTH
-    uint differs[MCV_SLOTS];
-    mcv_send_smooth_lights_on(world, slot.base, 0, ends[MCV_MET_SMOOTH_TRIANGLE], depth, 0, ways, differs);
+#if MCV_WITH_PLAIN
+/* The same; `type` is known to the compiler; `gloss`: the glossy material. */
+MCV_LOOP_FUNCTION void mcv_send_plain_on(mcv_world world, uint *paths, uint first, uint last, int roulette, int exact, uint type,
+                                         uint gloss, uint *ways, uint *unmatched) {
+    mcv_slot slot;
+    slot.base = paths;
+    (void)exact, (void)gloss;
+#if MCV_WITH_GLOSS
+    mcv_device_gloss from;
+    if (type != MCV_MATERIAL_DIFFUSE) from = mcv_plain_gloss(world, gloss);
+#endif
+    MCV_PARALLEL
+    for (uint i = first; i < last; ++i) {
+        slot.index = i;
+        mcv_vec3 direction;
+        mcv_color factor, throughput;
+        float density = 0.0f;
+        uint media = mcv_path_media(slot), differs = 0u;
+        int reflects, smooth = 0;
+        const mcv_meeting meeting = mcv_meet_surface(world, slot);
+        __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
+        (void)media;
+        if (type == MCV_MATERIAL_DIFFUSE) {
+            direction = MCV_LOAD_3(slot, bounce);
+            density = MCV_LOAD(slot, bounce, 3);
+            reflects = mcv_dot(direction, meeting.face) > 0.0f;
+            MCV_EACH_CHANNEL(c) factor.c[c] = material->value[c];
+        } else {
+#if MCV_WITH_GLOSS
+            const mcv_gloss_meeting m = mcv_meet_plain_gloss(world, &meeting, &from, gloss, type, media);
+            mcv_pair pair;
+            pair.x = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
+            pair.y = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER + 1);
+            direction = mcv_choose_gloss_of(&from, &m, pair, MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE));
+            const mcv_response response = mcv_respond_gloss_of(world, &meeting, &from, &m, direction);
+            smooth = m.gloss.table == MCV_NONE;
+            differs = (uint)(!smooth & (m.near_media != media));
+            density = response.density;
+            reflects = density > 0.0f;
+            factor = mcv_dim(response.value, 1.0f / density);
+            direction = mcv_choose(smooth, meeting.direction, direction);
+            media = smooth ? media : response.media;
+#endif
+        }
+        unmatched[i] = differs;
+        MCV_LOAD_COLOR(slot, throughput, throughput);
+        const uint before = MCV_WORD(slot, trail, 0);
+        const int left = ((before & MCV_LIGHT_FOUND) != 0u) & (material->wide == 0u);
+        const float within = mcv_within_range(world.emitters + MCV_WORD(slot, value, 0), MCV_LOAD(slot, footprint, 0));
+        const mcv_light_passed passed =
+            mcv_pass_light(before, left, material->sharp != 0u, mcv_tint(throughput, factor), density,
+                           mcv_flux_correction(meeting, direction), within, roulette, MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE + 1));
+        MCV_EACH_CHANNEL(c) MCV_STORE(slot, throughput, c, smooth ? throughput.c[c] : passed.throughput.c[c]);
+        MCV_WORD(slot, trail, 0) = smooth ? before : passed.trail;
+        MCV_STORE_3(slot, direction, direction);
+#if MCV_WITH_DIELECTRIC
+        MCV_WORD(slot, media, 0) = media;
+#endif
 #if MCV_WITH_SURFACES
-    mcv_send_smooth_lights_on(world, slot.base, ends[MCV_MET_SMOOTH_TRIANGLE], smooth, depth, 1, ways, differs);
+        MCV_WORD(slot, left, 0) = smooth ? MCV_WORD(slot, left, 0) : mcv_leave_plain(world, slot, direction, exact);
 #endif
-    for (uint i = 0; i < smooth; ++i) *unmatched += differs[i];
+        ways[i] = smooth ? (uint)MCV_IS_LEFT : (uint)(reflects & passed.goes_on);
+    }
+}
 #endif
+
+/* Sends the paths on from the surfaces that they have met; returns how many go on. */
+static __attribute__((noinline)) uint mcv_send_lights_on(mcv_world world, mcv_slot slot, const uint *ends, uint gloss, uint depth,
+                                                         uint *unmatched) {
+    const uint alive = ends[MCV_MET_EXACT], smooth = ends[MCV_MET_SMOOTH_EXACT];
+    const int roulette = depth >= MCV_LIGHT_ROULETTE_DEPTH;
+    uint ways[MCV_SLOTS], chosen[MCV_SLOTS], differs[MCV_SLOTS];
+    uint next = 0, alone = smooth; /* where those begin that are sent on one by one */
+#if MCV_WITH_SMOOTH
+    mcv_send_smooth_on(world, slot.base, 0, ends[MCV_MET_SMOOTH_TRIANGLE], roulette, 0, ways, differs);
+#if MCV_WITH_SURFACES
+    mcv_send_smooth_on(world, slot.base, ends[MCV_MET_SMOOTH_TRIANGLE], smooth, roulette, 1, ways, differs);
+#endif
+#endif
+#if MCV_WITH_PLAIN
+    const uint first = ends[MCV_MET_DIFFUSE_EXACT], last = ends[MCV_MET_GLOSS_TRIANGLE];
+    alone = ends[MCV_MET_DIFFUSE_TRIANGLE];
+    mcv_send_plain_on(world, slot.base, last, alone, roulette, 0, MCV_MATERIAL_DIFFUSE, MCV_NONE, ways, differs);
+#if MCV_WITH_SURFACES
+    mcv_send_plain_on(world, slot.base, smooth, first, roulette, 1, MCV_MATERIAL_DIFFUSE, MCV_NONE, ways, differs);
+#endif
+#if MCV_WITH_GLOSS
+    const uint type = gloss == MCV_NONE ? MCV_NONE : world.materials[gloss].type;
+    if (type == MCV_MATERIAL_CONDUCTOR)
+        mcv_send_plain_on(world, slot.base, first, last, roulette, MCV_WITH_SURFACES, MCV_MATERIAL_CONDUCTOR, gloss, ways, differs);
+    if (type == MCV_MATERIAL_METALLIC_ROUGHNESS)
+        mcv_send_plain_on(world, slot.base, first, last, roulette, MCV_WITH_SURFACES, MCV_MATERIAL_METALLIC_ROUGHNESS, gloss, ways,
+                          differs);
+#if MCV_WITH_DIELECTRIC
+    if (type == MCV_MATERIAL_DIELECTRIC)
+        mcv_send_plain_on(world, slot.base, first, last, roulette, MCV_WITH_SURFACES, MCV_MATERIAL_DIELECTRIC, gloss, ways, differs);
+#endif
+#endif
+    (void)first;
+#endif
+    for (uint i = 0; i < alone; ++i) *unmatched += differs[i];
+    for (uint i = alone; i < alive; ++i) ways[i] = MCV_IS_LEFT;
     for (slot.index = smooth; slot.index < alive; ++slot.index) {
+        if (ways[slot.index] != MCV_IS_LEFT) continue;
         mcv_light_path path = mcv_load_light(slot);
         ways[slot.index] = (uint)mcv_send_light_on(world, mcv_meet_surface(world, slot), mcv_draw(slot, depth, MCV_PAIR_SCATTER),
                                                    mcv_draw(slot, depth, MCV_PAIR_CHOICE), depth, unmatched, &path);
@@ -229,7 +315,7 @@ static __attribute__((noinline)) uint mcv_send_lights_on(mcv_world world, mcv_sl
 static __attribute__((noinline)) void mcv_trace_lights(mcv_world world, uint first, uint last, __global uint *splats,
                                                        uint counts[MCV_COUNTER_COUNT]) {
     uint paths[MCV_PATH_WORDS * MCV_ROW];
-    uint ends[MCV_MET_COUNT], connected[MCV_SLOTS];
+    uint ends[MCV_MET_COUNT], connected[MCV_SLOTS], gloss;
     mcv_slot slot;
     slot.base = paths;
 #if MCV_WITH_GLOSS
@@ -241,7 +327,7 @@ static __attribute__((noinline)) void mcv_trace_lights(mcv_world world, uint fir
         for (uint depth = 1; depth < world.frame->depth && alive > 0; ++depth) {
             counts[MCV_COUNTER_rays] += alive;
             mcv_intersect_paths(world, slot, alive);
-            mcv_meet_lights(world, paths, alive, ends);
+            mcv_meet_lights(world, paths, alive, ends, &gloss);
             alive = ends[MCV_MET_EXACT];
             mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_CHOICE);
             mcv_draw_pairs(paths, ends[MCV_MET_SMOOTH_EXACT], alive, depth, MCV_PAIR_EMITTER);
@@ -251,7 +337,7 @@ static __attribute__((noinline)) void mcv_trace_lights(mcv_world world, uint fir
 #if MCV_WITH_DIFFUSE
             mcv_choose_bounces(paths, ends[MCV_MET_SMOOTH_EXACT], alive);
 #endif
-            alive = mcv_send_lights_on(world, slot, ends, depth, &counts[MCV_COUNTER_unmatched]);
+            alive = mcv_send_lights_on(world, slot, ends, gloss, depth, &counts[MCV_COUNTER_unmatched]);
         }
         counts[MCV_COUNTER_depth_cut] += alive;
         for (slot.index = 0; slot.index < alive; ++slot.index) {

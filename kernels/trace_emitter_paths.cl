@@ -182,7 +182,7 @@ static mcv_light_path mcv_leave_emitter(mcv_world world, uint emitter, mcv_pair 
 }
 
 /* The flux that goes on from a surface about another normal than its triangle's, over what is carried: see above. */
-MCV_FUNCTION float mcv_flux_correction(mcv_meeting meeting, mcv_vec3 out) {
+MCV_LOOP_FUNCTION float mcv_flux_correction(mcv_meeting meeting, mcv_vec3 out) {
 #if MCV_WITH_NORMALS
     const float in_face = mcv_dot(meeting.direction, meeting.face);
     const float out_normal = mcv_dot(out, meeting.normal);
@@ -300,7 +300,7 @@ MCV_FUNCTION int mcv_connect(mcv_world world, mcv_meeting meeting, mcv_color flu
 #endif
 
 /* What the `range` of a point or spot light leaves, by the way to the first surface that spreads light. */
-MCV_FUNCTION float mcv_within_range(__global const mcv_device_emitter *e, float length) {
+MCV_LOOP_FUNCTION float mcv_within_range(__global const mcv_device_emitter *e, float length) {
 #if MCV_WITH_PUNCTUAL
     if (e->type == MCV_EMITTER_SPOT) return mcv_spot_attenuation(&e->spot, length * length) * length * length;
 #endif
@@ -349,36 +349,54 @@ MCV_FUNCTION int mcv_connect_light(mcv_world world, mcv_meeting meeting, mcv_lig
 }
 #endif
 
+/* What goes on from a surface. */
+typedef struct mcv_light_passed {
+    mcv_color throughput;
+    uint trail;
+    int goes_on;
+} mcv_light_passed;
+
+/*
+ * `before`: MCV_LIGHT_… of what comes; `left`: mcv_is_left_to_camera; density: 0 if the surface has not spread the light; correction:
+ * mcv_flux_correction; within: mcv_within_range; roulette: it may end the path, if xi tells so.
+ */
+MCV_LOOP_FUNCTION mcv_light_passed mcv_pass_light(uint before, int left, int sharp, mcv_color throughput, float density, float correction,
+                                                  float within, int roulette, float xi) {
+    mcv_light_passed passed;
+    const int carried = (before & MCV_LIGHT_CARRIED) != 0u, open = (before & MCV_LIGHT_OPEN) != 0u;
+    const int spreads = density > 0.0f, parts = spreads & !(open & sharp), first = spreads & ((before & MCV_LIGHT_SPREAD) == 0u);
+    const float brightest = mcv_brightest(throughput);
+    const int plays = roulette & (brightest < 1.0f);
+    const float more = 1.0f / brightest;
+    /* What comes straight from the emitter, next-event estimation has; what comes to a glossy surface, camera paths. */
+    const int ends = parts & (!carried | (open & left));
+    /* The first surface finds the emitter by next-event estimation. */
+    const uint on = before | MCV_LIGHT_CARRIED | (spreads & !carried ? (uint)MCV_LIGHT_FOUND : 0u);
+    MCV_EACH_CHANNEL(c) {
+        float carries = throughput.c[c];
+        carries = parts ? carries * correction : carries;
+        carries = first ? carries * within : carries;
+        passed.throughput.c[c] = plays ? carries * more : carries;
+    }
+    passed.trail = (parts ? before & ~(uint)MCV_LIGHT_OPEN : on) | (spreads ? (uint)MCV_LIGHT_SPREAD : 0u);
+    passed.goes_on = (brightest > 0.0f) & !ends & !(plays & (xi >= brightest));
+    return passed;
+}
+
 /* Whether the path goes on from the surface, and how. */
 MCV_FUNCTION int mcv_send_light_on(mcv_world world, mcv_meeting meeting, mcv_pair pair, mcv_pair choice, uint depth, uint *unmatched,
                                    mcv_light_path *path) {
     mcv_scattering other;
-    /* What comes straight from the emitter, next-event estimation has. */
+    /* It would end there: mcv_pass_light. */
     if (!(path->trail & MCV_LIGHT_CARRIED) && mcv_is_wide(world, meeting)) return 0;
     const mcv_scattering on = mcv_scatter(world, meeting, path->media, pair, choice.x, 0, unmatched, &other);
-    path->throughput = mcv_tint(path->throughput, on.factor);
-    const float brightest = mcv_brightest(path->throughput);
-    if (!(brightest > 0.0f)) return 0;
-    const int spreads = on.density > 0.0f;
-    if (spreads && !(path->trail & MCV_LIGHT_OPEN && mcv_is_sharp(world, meeting))) {
-        /* What comes to a glossy surface, camera paths have. */
-        if (!(path->trail & MCV_LIGHT_CARRIED)) return 0;
-        if (path->trail & MCV_LIGHT_OPEN && mcv_is_left_to_camera(world, meeting, path->trail)) return 0;
-        path->throughput = mcv_dim(path->throughput, mcv_flux_correction(meeting, on.direction));
-        path->trail &= ~(uint)MCV_LIGHT_OPEN;
-    } else {
-        /* The first surface finds the emitter by next-event estimation. */
-        if (spreads && !(path->trail & MCV_LIGHT_CARRIED)) path->trail |= MCV_LIGHT_FOUND;
-        path->trail |= MCV_LIGHT_CARRIED;
-    }
-    if (spreads && !(path->trail & MCV_LIGHT_SPREAD)) {
-        path->throughput = mcv_dim(path->throughput, mcv_within_range(world.emitters + path->emitter, path->length));
-        path->trail |= MCV_LIGHT_SPREAD;
-    }
-    if (depth >= MCV_LIGHT_ROULETTE_DEPTH && brightest < 1.0f) {
-        if (choice.y >= brightest) return 0;
-        path->throughput = mcv_dim(path->throughput, 1.0f / brightest);
-    }
+    const mcv_light_passed passed =
+        mcv_pass_light(path->trail, mcv_is_left_to_camera(world, meeting, path->trail), mcv_is_sharp(world, meeting),
+                       mcv_tint(path->throughput, on.factor), on.density, mcv_flux_correction(meeting, on.direction),
+                       mcv_within_range(world.emitters + path->emitter, path->length), depth >= MCV_LIGHT_ROULETTE_DEPTH, choice.y);
+    if (!passed.goes_on) return 0;
+    path->throughput = passed.throughput;
+    path->trail = passed.trail;
     path->origin = mcv_onward_origin(meeting, on.direction);
 #if MCV_WITH_SURFACES
     path->left = mcv_leave_meeting(world, meeting, on.direction);
