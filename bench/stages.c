@@ -41,6 +41,7 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 #define MCV_WITH_MIXED (features >> MCV_FEATURE_MIXED & 1)
 #define MCV_WITH_REACH (features >> MCV_FEATURE_REACH & 1)
 #define MCV_WITH_TEXTURE (features >> MCV_FEATURE_TEXTURE & 1)
+#define MCV_WITH_SHEET (features >> MCV_FEATURE_SHEET & 1)
 #define MCV_WITH_NORMALS (features >> MCV_FEATURE_NORMALS & 1)
 #define MCV_WITH_MIXED (features >> MCV_FEATURE_MIXED & 1)
 #define MCV_X(field, count) words[FIELD_##field] = (count);
@@ -55,6 +56,7 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 #undef MCV_WITH_MIXED
 #undef MCV_WITH_REACH
 #undef MCV_WITH_TEXTURE
+#undef MCV_WITH_SHEET
 #undef MCV_WITH_NORMALS
 #undef MCV_WITH_MIXED
 #undef MCV_WITH_SPLIT

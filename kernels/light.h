@@ -20,13 +20,19 @@ MCV_FUNCTION mcv_cone mcv_own_cone(__global const mcv_device_emitter *e, mcv_vec
     return own;
 }
 
-/* One over the density, in étendue, with which light paths start at a place on an emitter in a direction [m² sr]; 0: none do. */
+/* One over the density, in étendue, with which light paths start in a direction [m² sr]; 0: none do. `face`: of the emitter. */
+MCV_FUNCTION float mcv_etendue_of(__global const mcv_device_emitter *e, mcv_aiming aimed, mcv_vec3 face, mcv_vec3 direction) {
+    if (e->type == MCV_EMITTER_PROJECTOR) return e->light_flux;
+    return aimed.within > 0u ? e->light_flux * aimed.angle / (float)aimed.within * mcv_dot(direction, face) : 0.0f;
+}
+
+/* The same at a place on an emitter. */
 MCV_FUNCTION float mcv_light_etendue(mcv_world world, mcv_surface surface, uint emitter, mcv_vec3 direction) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     if (e->type == MCV_EMITTER_PROJECTOR) return e->light_flux;
     const mcv_aiming aimed =
         mcv_aim_at(world.frame->balls, world.frame->ball_count, surface.point, mcv_own_cone(e, surface.normal), direction);
-    return aimed.within > 0u ? e->light_flux * aimed.angle / (float)aimed.within * mcv_dot(direction, surface.face) : 0.0f;
+    return mcv_etendue_of(e, aimed, surface.face, direction);
 }
 #endif
 

@@ -2,7 +2,7 @@
 /*
  * The tile schedule's light paths, a slice of them at once in the stages of camera paths: what mcv_trace_emitter_path does for one, to the
  * last bit. In the fields of a slot: radiance, the flux that started; weight, the start's etendue; footprint, the length; trail,
- * MCV_LIGHT_…; value, the emitter; density, the replicate; shadow_light, what a connection brings, way, where on the film.
+ * MCV_LIGHT_…; value, the emitter; density, the replicate; shadow_light, what a connection brings.
  */
 #ifndef MCVISI_KERNELS_LIGHT_SLICES_H
 #define MCVISI_KERNELS_LIGHT_SLICES_H
@@ -113,15 +113,17 @@ static __attribute__((noinline)) uint mcv_list_connections(mcv_world world, mcv_
         MCV_STORE_3(slot, shadow_origin, connection.origin);
         MCV_STORE_3(slot, shadow_direction, mcv_sub(connection.end, connection.origin));
 #if MCV_WITH_SHEET
-        MCV_STORE_3(slot, way_face, connection.end);
+        MCV_STORE(slot, sight, 2, connection.end.x);
+        MCV_STORE(slot, sight, 3, connection.end.y);
+        MCV_STORE(slot, sight, 4, connection.end.z);
         MCV_WORD(slot, emitter, 0) = connection.media;
 #endif
 #if MCV_WITH_SURFACES
         MCV_WORD(slot, shadow_left, 0) = connection.begun;
 #endif
         MCV_STORE_COLOR(slot, shadow_light, connection.value);
-        MCV_STORE(slot, way, 0, connection.place.column);
-        MCV_STORE(slot, way, 1, connection.place.row);
+        MCV_STORE(slot, sight, 0, connection.place.column);
+        MCV_STORE(slot, sight, 1, connection.place.row);
         connected[count++] = slot.index;
     }
     return count;
@@ -142,7 +144,7 @@ static __attribute__((noinline)) void mcv_follow_connections(mcv_world world, mc
 #endif
     for (uint i = 0; i < count; ++i) {
         slot.index = connected[i];
-        const mcv_film_place place = {MCV_LOAD(slot, way, 0), MCV_LOAD(slot, way, 1)};
+        const mcv_film_place place = {MCV_LOAD(slot, sight, 0), MCV_LOAD(slot, sight, 1)};
         mcv_color value;
         MCV_LOAD_COLOR(slot, shadow_light, value);
 #if MCV_WITH_SHEET
@@ -150,7 +152,8 @@ static __attribute__((noinline)) void mcv_follow_connections(mcv_world world, mc
 #if MCV_WITH_SURFACES
         begun = MCV_WORD(slot, shadow_left, 0);
 #endif
-        const mcv_color left = mcv_pass_plates(world, MCV_LOAD_3(slot, shadow_origin), begun, MCV_LOAD_3(slot, way_face),
+        const mcv_color left = mcv_pass_plates(world, MCV_LOAD_3(slot, shadow_origin), begun,
+                                               mcv_vec(MCV_LOAD(slot, sight, 2), MCV_LOAD(slot, sight, 3), MCV_LOAD(slot, sight, 4)),
                                                MCV_WORD(slot, emitter, 0), world.frame->depth - 1u - depth, counts);
         if (!(mcv_brightest(left) > 0.0f)) continue;
         value = mcv_tint(value, left);

@@ -63,7 +63,8 @@
     X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS *MCV_WITH_DIELECTRIC) /* that it leaves the surface in */ \
     X(shadow_left, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
     X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing before t = 1; MCV_SKY: nothing at all */ \
-    X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */
+    X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS)                     /* what it brings; 0: no ray */ \
+    X(sight, (2 + 3 * MCV_WITH_SHEET) * MCV_TILE * MCV_WITH_LIGHT_TRACING) /* light paths: where on the film, and on the lens */
 
 /*
  * What a camera path has met; diffuse is what is `wide`. Light paths bring the light of their emitters that comes from smooth and `sharp`

@@ -60,11 +60,10 @@ enum {
 #define MCV_LIGHT_ROULETTE_DEPTH 5u
 
 #if MCV_WITH_EMISSION || MCV_WITH_PUNCTUAL
-/* Towards one of the balls; *own becomes the cone that was chosen. */
-static mcv_vec3 mcv_aim(mcv_world world, mcv_vec3 from, mcv_cone *own, mcv_pair turn) {
-    const float angle = mcv_aim_at(world.frame->balls, world.frame->ball_count, from, *own, own->axis).angle;
-    *own = mcv_choose_cone(world.frame->balls, world.frame->ball_count, from, *own, angle, &turn.x);
-    return mcv_from_frame(mcv_sample_cone(mcv_sqrt(own->squared), turn.x, turn.y), own->axis);
+/* Towards one of the balls. */
+MCV_FUNCTION mcv_vec3 mcv_aim(mcv_world world, mcv_vec3 from, mcv_cone *own, mcv_pair turn, mcv_aiming *aimed) {
+    mcv_cone cones[MCV_MAX_BALLS];
+    return mcv_aim_anywhere(world.frame->balls, world.frame->ball_count, from, own, turn.x, turn.y, cones, aimed);
 }
 #endif
 
@@ -94,6 +93,7 @@ static void mcv_leave_surface(mcv_world world, uint emitter, mcv_pair place, mcv
 #if MCV_WITH_EMISSION
     float share = 1.0f;
     mcv_cone cone = mcv_own_cone(e, surface.normal);
+    mcv_aiming aimed = {0.0f, 0u};
 #if MCV_WITH_PROJECTOR
     if (e->type == MCV_EMITTER_PROJECTOR) {
         float cosine;
@@ -102,8 +102,8 @@ static void mcv_leave_surface(mcv_world world, uint emitter, mcv_pair place, mcv
         share = cosine * cosine * cosine * cosine;
     } else
 #endif
-        path->direction = mcv_aim(world, surface.point, &cone, turn);
-    path->etendue = mcv_light_etendue(world, surface, emitter, path->direction);
+        path->direction = mcv_aim(world, surface.point, &cone, turn, &aimed);
+    path->etendue = mcv_etendue_of(e, aimed, surface.face, path->direction);
     if (!(path->etendue > 0.0f)) share = 0.0f;
     /* What was chosen in the emitter's own cone is in it, wherever rounding puts it. */
     path->flux = mcv_dim(cone.own && e->type == MCV_EMITTER_PARALLEL ? mcv_full_radiance(world, surface, emitter)
@@ -121,9 +121,8 @@ static void mcv_leave_spot(mcv_world world, __global const mcv_device_emitter *e
     own.squared = e->spot.edge < 1.0f ? e->spot.edge : 1.0f;
     own.own = 1;
     path->origin = mcv_vec(e->spot.position[0], e->spot.position[1], e->spot.position[2]);
-    mcv_cone aimed = own;
-    path->direction = mcv_aim(world, path->origin, &aimed, turn);
-    const mcv_aiming all = mcv_aim_at(world.frame->balls, world.frame->ball_count, path->origin, own, path->direction);
+    mcv_aiming all;
+    path->direction = mcv_aim(world, path->origin, &own, turn, &all);
     const float angle = all.within > 0u ? all.angle / (float)all.within : 0.0f;
     path->flux = mcv_dim(path->flux, angle * mcv_spot_evaluate(&e->spot, path->direction));
 }

@@ -94,6 +94,7 @@ uint32_t mcv_path_words(uint32_t features, uint32_t channels) {
 #define MCV_WITH_SPLIT (features >> MCV_FEATURE_SPLIT & 1)
 #define MCV_WITH_SURFACES (features >> MCV_FEATURE_SURFACES & 1)
 #define MCV_WITH_TEXTURE (features >> MCV_FEATURE_TEXTURE & 1)
+#define MCV_WITH_SHEET (features >> MCV_FEATURE_SHEET & 1)
 #define MCV_WITH_NORMALS (features >> MCV_FEATURE_NORMALS & 1)
 #define MCV_WITH_MIXED (features >> MCV_FEATURE_MIXED & 1)
 #define MCV_X(field, words) +(words)

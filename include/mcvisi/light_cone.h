@@ -9,6 +9,7 @@
 #ifndef MCVISI_LIGHT_CONE_H
 #define MCVISI_LIGHT_CONE_H
 
+#include "mcvisi/sampling.h"
 #include "mcvisi/tables.h"
 #include "mcvisi/vector.h"
 
@@ -63,21 +64,34 @@ MCV_FUNCTION mcv_aiming mcv_aim_at(MCV_CONSTANT const mcv_ball *balls, uint coun
     return aimed;
 }
 
-/* By a number in [0, 1), of which what is left is as good; angle: of all cones. */
-MCV_FUNCTION mcv_cone mcv_choose_cone(MCV_CONSTANT const mcv_ball *balls, uint count, mcv_vec3 from, mcv_cone own, float angle, float *xi) {
-    mcv_cone chosen = own;
-    float sum = 0.25f / MCV_PI * angle * *xi;
-    float rest = 0.0f;
+/*
+ * A direction to one of the balls, and what is known of it (mcv_aim_at); *own becomes the cone that was chosen. `cones`: room for one of
+ * each ball; xi, eta: in [0, 1).
+ */
+MCV_FUNCTION mcv_vec3 mcv_aim_anywhere(MCV_CONSTANT const mcv_ball *balls, uint count, mcv_vec3 from, mcv_cone *own, float xi, float eta,
+                                       mcv_cone *cones, mcv_aiming *aimed) {
+    mcv_cone chosen = *own;
+    float sum = 0.0f, rest = 0.0f;
+    for (uint i = 0; i < count; ++i) {
+        cones[i] = mcv_cone_to(balls[i], from, *own);
+        sum += cones[i].squared;
+    }
+    aimed->angle = 4.0f * MCV_PI * sum;
+    sum *= xi;
     chosen.squared = 0.0f;
     for (uint i = 0; i < count && sum >= 0.0f; ++i) {
-        const mcv_cone cone = mcv_cone_to(balls[i], from, own);
-        if (!(cone.squared > 0.0f)) continue;
-        chosen = cone;
-        rest = sum / cone.squared;
-        sum -= cone.squared;
+        if (!(cones[i].squared > 0.0f)) continue;
+        chosen = cones[i];
+        rest = sum / cones[i].squared;
+        sum -= cones[i].squared;
     }
-    *xi = rest < 0.99999994f ? rest : 0.99999994f;
-    return chosen;
+    /* What is left of the number is as good as a new one. */
+    const mcv_vec3 direction =
+        mcv_from_frame(mcv_sample_cone(mcv_sqrt(chosen.squared), rest < 0.99999994f ? rest : 0.99999994f, eta), chosen.axis);
+    aimed->within = 0;
+    for (uint i = 0; i < count; ++i) aimed->within += (uint)mcv_is_in_cone(cones[i], direction);
+    *own = chosen;
+    return direction;
 }
 
 #endif
