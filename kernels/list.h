@@ -18,7 +18,7 @@
  * Lists the numbers i < count with flags[i] != 0, in their order; returns how many. Both rows have room for the next multiple of 16:
  * what lies beyond is read and written, and counts for nothing.
  */
-static __attribute__((noinline)) uint mcv_list(const uint *flags, uint count, uint *listed) {
+static inline __attribute__((noinline)) uint mcv_list(const uint *flags, uint count, uint *listed) {
     uint n = 0;
 #ifdef MCV_AVX512_BUILTINS
     enum { LESS = 1 };
@@ -40,7 +40,7 @@ static __attribute__((noinline)) uint mcv_list(const uint *flags, uint count, ui
 }
 
 /* The words of a row whose flags are not 0, side by side; the same room. */
-static __attribute__((noinline)) void mcv_pack_row(const uint *flags, const uint *row, uint count, uint *packed) {
+static inline __attribute__((noinline)) void mcv_pack_row(const uint *flags, const uint *row, uint count, uint *packed) {
 #ifdef MCV_AVX512_BUILTINS
     for (uint i = 0, n = 0; i < count; i += 16) {
         const ushort set = MCV_SET_FLAGS(flags + i, 0xffff);

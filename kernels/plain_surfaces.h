@@ -46,7 +46,7 @@ MCV_LOOP_FUNCTION uint mcv_kind_met(mcv_world world, __global const uint *triang
 #endif
     shading = world.instances[nothing ? 0u : instance].shading;
 #else
-    (void)world, (void)triangles;
+    (void)world, (void)triangles, (void)shading;
 #endif
     uint kind = exact ? MCV_MET_EXACT : MCV_MET_TRIANGLE;
 #if MCV_WITH_SMOOTH

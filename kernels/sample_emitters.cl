@@ -102,7 +102,8 @@ MCV_LOOP_FUNCTION int mcv_may_meet(__global const mcv_device_emitter *e, mcv_vec
     const mcv_vec3 beside = mcv_cross(way, direction);
     const float distance = mcv_abs(way.x) + mcv_abs(way.y) + mcv_abs(way.z);
     const float within = mcv_fma(MCV_GAMMA(32), distance + e->radius, e->radius);
-    return (mcv_dot(beside, beside) <= within * within) & (mcv_dot(way, direction) >= -within);
+    const int close = mcv_dot(beside, beside) <= within * within, ahead = mcv_dot(way, direction) >= -within;
+    return close & ahead;
 }
 
 /* Most rays from beside a parallel beam pass the emitter by: they bring nothing. */

@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DEFINES_SLICE = 256 }; /* of the tile schedule, as the renderer chooses it */
+enum { DEFINES_SLICE = 512 }; /* of the tile schedule, as the renderer chooses it where paths split */
 
 /* --- scene ------------------------------------------------------------------------------------------------------ */
 
