@@ -8,7 +8,7 @@
 
 #if MCV_WITH_EMISSION
 /* What an emitter's surface shines into, or more. */
-MCV_FUNCTION mcv_cone mcv_own_cone(__global const mcv_device_emitter *e, mcv_vec3 normal) {
+MCV_LOOP_FUNCTION mcv_cone mcv_own_cone(__global const mcv_device_emitter *e, mcv_vec3 normal) {
     mcv_cone own;
     own.axis = normal;
     own.squared = 0.5f;
@@ -21,7 +21,7 @@ MCV_FUNCTION mcv_cone mcv_own_cone(__global const mcv_device_emitter *e, mcv_vec
 }
 
 /* One over the density, in étendue, with which light paths start in a direction [m² sr]; 0: none do. `face`: of the emitter. */
-MCV_FUNCTION float mcv_etendue_of(__global const mcv_device_emitter *e, mcv_aiming aimed, mcv_vec3 face, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION float mcv_etendue_of(__global const mcv_device_emitter *e, mcv_aiming aimed, mcv_vec3 face, mcv_vec3 direction) {
     if (e->type == MCV_EMITTER_PROJECTOR) return e->light_flux;
     return aimed.within > 0u ? e->light_flux * aimed.angle / (float)aimed.within * mcv_dot(direction, face) : 0.0f;
 }

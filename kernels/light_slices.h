@@ -46,13 +46,162 @@ MCV_FUNCTION void mcv_store_light(mcv_slot slot, mcv_light_path path) {
     MCV_STORE(slot, footprint, 0, path.length);
 }
 
+/* Whether all emitters that light paths start at are areas that shine alike everywhere. */
+#define MCV_WITH_LAMPS \
+    (MCV_WITH_AREA && !MCV_WITH_TEXTURE && !MCV_WITH_PARALLEL && !MCV_WITH_LIGHT_FIELD && !MCV_WITH_PROJECTOR && !MCV_WITH_PUNCTUAL)
+
+#if MCV_WITH_LAMPS
+/* mcv_aim_anywhere, from the places on their lamps that are stored as surfaces: angle and within as in mcv_aiming. */
+static __attribute__((noinline)) void mcv_aim_together(mcv_world world, uint *paths, uint count, float *angle, uint *within) {
+    float left[MCV_SLOTS], rest[MCV_SLOTS], squared[MCV_SLOTS];
+    const uint balls = world.frame->ball_count;
+    mcv_slot slot;
+    slot.base = paths;
+    for (uint i = 0; i < count; ++i) {
+        angle[i] = rest[i] = squared[i] = 0.0f;
+        within[i] = 0u;
+    }
+    for (uint ball = 0; ball < balls; ++ball) {
+        const mcv_ball at = world.frame->balls[ball];
+        MCV_PARALLEL
+        for (uint i = 0; i < count; ++i) {
+            slot.index = i;
+            const mcv_vec3 point = MCV_LOAD_3(slot, point), normal = MCV_LOAD_3(slot, normal);
+            angle[i] += mcv_cone_to(at, point, mcv_own_cone(world.emitters, normal)).squared;
+        }
+    }
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        const mcv_vec3 normal = MCV_LOAD_3(slot, normal);
+        left[i] = angle[i] * MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
+        MCV_STORE_3(slot, way, normal);
+    }
+    for (uint ball = 0; ball < balls; ++ball) {
+        const mcv_ball at = world.frame->balls[ball];
+        MCV_PARALLEL
+        for (uint i = 0; i < count; ++i) {
+            slot.index = i;
+            const mcv_vec3 point = MCV_LOAD_3(slot, point), normal = MCV_LOAD_3(slot, normal), before = MCV_LOAD_3(slot, way);
+            const mcv_cone cone = mcv_cone_to(at, point, mcv_own_cone(world.emitters, normal));
+            const int takes = (left[i] >= 0.0f) & (cone.squared > 0.0f);
+            const mcv_vec3 axis = mcv_choose(takes, cone.axis, before);
+            const float part = left[i] / cone.squared;
+            MCV_STORE_3(slot, way, axis);
+            squared[i] = takes ? cone.squared : squared[i];
+            rest[i] = takes ? part : rest[i];
+            left[i] -= takes ? cone.squared : 0.0f;
+        }
+    }
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        const float xi = rest[i] < 0.99999994f ? rest[i] : 0.99999994f, eta = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER + 1);
+        const mcv_vec3 direction = mcv_from_frame(mcv_sample_cone(mcv_sqrt(squared[i]), xi, eta), MCV_LOAD_3(slot, way));
+        MCV_STORE_3(slot, direction, direction);
+        angle[i] *= 4.0f * MCV_PI;
+    }
+    for (uint ball = 0; ball < balls; ++ball) {
+        const mcv_ball at = world.frame->balls[ball];
+        MCV_PARALLEL
+        for (uint i = 0; i < count; ++i) {
+            slot.index = i;
+            const mcv_vec3 point = MCV_LOAD_3(slot, point), normal = MCV_LOAD_3(slot, normal), direction = MCV_LOAD_3(slot, direction);
+            within[i] += (uint)mcv_is_in_cone(mcv_cone_to(at, point, mcv_own_cone(world.emitters, normal)), direction);
+        }
+    }
+}
+
+/* mcv_begin_light; returns how many paths carry anything. */
+static __attribute__((noinline)) uint mcv_leave_lamps(mcv_world world, uint *paths, uint count) {
+    float angle[MCV_SLOTS];
+    uint within[MCV_SLOTS], begun[MCV_SLOTS];
+    uint next = 0;
+    mcv_slot slot;
+    slot.base = paths;
+    for (slot.index = 0; slot.index < count; ++slot.index) {
+        float xi;
+        const mcv_pair which = mcv_draw(slot, 0, MCV_PAIR_CHOICE), place = mcv_draw(slot, 0, MCV_PAIR_EMITTER);
+        __global const uint *cdf = world.emitter_cdf;
+        const uint emitter = mcv_search_cdf(cdf + world.frame->light_cdf, world.frame->emitter_count, which.x, which.y, &xi);
+        __global const mcv_device_emitter *e = world.emitters + emitter;
+        const uint triangle = mcv_search_cdf(cdf + e->cdf, e->triangle_count, place.x, place.y, &xi);
+        MCV_WORD(slot, value, 0) = emitter;
+        MCV_WORD(slot, hit, 3) = world.instances[e->instance].first_triangle + triangle;
+        MCV_STORE(slot, hit, 1, xi);
+    }
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        const float root = mcv_sqrt(MCV_LOAD(slot, hit, 1)), share = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_EMITTER + 1);
+        const mcv_surface surface = mcv_surface_at(world, MCV_WORD(slot, hit, 3), root * (1.0f - share), root * share);
+        MCV_STORE_3(slot, point, surface.point);
+        MCV_STORE_3(slot, error, surface.error);
+        MCV_STORE_3(slot, face, surface.face);
+        MCV_STORE_3(slot, normal, surface.normal);
+    }
+    mcv_aim_together(world, paths, count, angle, within);
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        __global const mcv_device_emitter *e = world.emitters + MCV_WORD(slot, value, 0);
+        const mcv_aiming aimed = {angle[i], within[i]};
+        const mcv_vec3 direction = MCV_LOAD_3(slot, direction), face = MCV_LOAD_3(slot, face);
+        const float etendue = mcv_etendue_of(e, aimed, face, direction);
+        const int leaves =
+            (etendue > 0.0f) & (mcv_dot(direction, face) > 0.0f) & (mcv_area_evaluate(direction, MCV_LOAD_3(slot, normal)) > 0.0f);
+        float most = 0.0f;
+        MCV_EACH_CHANNEL(c) {
+            const float flux = leaves ? e->radiance[c] * etendue : 0.0f;
+            MCV_STORE(slot, radiance, c, flux);
+            MCV_STORE(slot, throughput, c, 1.0f);
+            most = flux > most ? flux : most;
+        }
+        const mcv_vec3 origin = mcv_offset_origin(MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error), face, direction);
+        MCV_STORE_3(slot, origin, origin);
+        MCV_STORE(slot, weight, 0, etendue);
+#if MCV_WITH_SURFACES
+        MCV_WORD(slot, left, 0) = MCV_NONE;
+#endif
+#if MCV_WITH_DIELECTRIC
+        MCV_WORD(slot, media, 0) = e->media;
+#endif
+        MCV_WORD(slot, trail, 0) = MCV_LIGHT_OPEN | MCV_LIGHT_FOUND;
+        MCV_STORE(slot, footprint, 0, 0.0f);
+        within[i] = (uint)(most > 0.0f);
+    }
+    for (uint i = 0; i < count; ++i) {
+        begun[next] = i;
+        next += within[i];
+    }
+    if (next < count) mcv_move_paths(paths, begun, next);
+    return next;
+}
+#else
+static __attribute__((noinline)) uint mcv_leave_lamps(mcv_world world, uint *paths, uint count) {
+    uint begun[MCV_SLOTS];
+    uint next = 0;
+    mcv_slot slot;
+    slot.base = paths;
+    for (slot.index = 0; slot.index < count; ++slot.index) {
+        const mcv_light_path path = mcv_begin_light(world, mcv_draw(slot, 0, MCV_PAIR_CHOICE), mcv_draw(slot, 0, MCV_PAIR_EMITTER),
+                                                    mcv_draw(slot, 0, MCV_PAIR_SCATTER));
+        mcv_store_light(slot, path);
+        begun[next] = slot.index;
+        next += mcv_brightest(path.flux) > 0.0f;
+    }
+    if (next < count) mcv_move_paths(paths, begun, next);
+    return next;
+}
+#endif
+
 /* Begins the next light paths of the launch's paths *next … last - 1, as many as there is room for; returns how many. */
 static __attribute__((noinline)) uint mcv_begin_lights(mcv_world world, uint *paths, uint *next, uint last) {
     const uint samples = 1u << world.frame->log2_samples;
     mcv_slot slot;
-    uint count = 0, begun = 0;
+    uint count = 0;
     slot.base = paths;
-    for (; *next < last && count < MCV_SLICE;) {
+    while (*next < last && count < MCV_SLICE) {
         mcv_light_identity id;
         if (!mcv_identify_light(world.frame, *next, &id)) {
             *next = (*next | (samples - 1u)) + 1u;
@@ -67,19 +216,7 @@ static __attribute__((noinline)) uint mcv_begin_lights(mcv_world world, uint *pa
     mcv_draw_pairs(paths, 0, count, 0, MCV_PAIR_CHOICE);
     mcv_draw_pairs(paths, 0, count, 0, MCV_PAIR_EMITTER);
     mcv_draw_pairs(paths, 0, count, 0, MCV_PAIR_SCATTER);
-    for (uint i = 0; i < count; ++i) {
-        slot.index = i;
-        const mcv_light_path path = mcv_begin_light(world, mcv_draw(slot, 0, MCV_PAIR_CHOICE), mcv_draw(slot, 0, MCV_PAIR_EMITTER),
-                                                    mcv_draw(slot, 0, MCV_PAIR_SCATTER));
-        if (!(mcv_brightest(path.flux) > 0.0f)) continue;
-        const uint stream = MCV_WORD(slot, stream, 0), sample = MCV_WORD(slot, sample, 0), replicate = MCV_WORD(slot, density, 0);
-        slot.index = begun++;
-        MCV_WORD(slot, stream, 0) = stream;
-        MCV_WORD(slot, sample, 0) = sample;
-        MCV_WORD(slot, density, 0) = replicate;
-        mcv_store_light(slot, path);
-    }
-    return begun;
+    return mcv_leave_lamps(world, paths, count);
 }
 
 /* The paths end that have met nothing or come straight from the emitter to a diffuse surface; the others lie in the order of what they have

@@ -19,7 +19,7 @@ typedef struct mcv_cone {
     int own;       /* the light's own: that a direction is in it need not be asked */
 } mcv_cone;
 
-MCV_FUNCTION int mcv_is_in_cone(mcv_cone cone, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION int mcv_is_in_cone(mcv_cone cone, mcv_vec3 direction) {
     const mcv_vec3 chord = mcv_sub(direction, cone.axis);
     return cone.squared > 0.0f && (cone.own || 0.25f * mcv_dot(chord, chord) <= cone.squared);
 }
@@ -27,7 +27,7 @@ MCV_FUNCTION int mcv_is_in_cone(mcv_cone cone, mcv_vec3 direction) {
 /* The part of the light's own cone that a ball fills, or a larger one. Four roundings of unit vectors more: whatever meets the ball is in
  * it.
  */
-MCV_FUNCTION mcv_cone mcv_cone_to(mcv_ball ball, mcv_vec3 from, mcv_cone own) {
+MCV_LOOP_FUNCTION mcv_cone mcv_cone_to(mcv_ball ball, mcv_vec3 from, mcv_cone own) {
     mcv_cone cone;
     const mcv_vec3 way = mcv_sub(mcv_vec(ball.centre[0], ball.centre[1], ball.centre[2]), from);
     const float distance = mcv_sqrt(mcv_dot(way, way));
