@@ -33,6 +33,8 @@ typedef uint16 mcv_uints;
 #define mcv_store_lanes(lanes, to) vstore16(lanes, 0, to)
 #define mcv_mask_lanes mcv_mask16
 #define mcv_meet_lanes mcv_meet_sheared16
+#define mcv_as_floats as_float16
+#define mcv_as_uints as_uint16
 MCV_MEET_SHEARED(mcv_meet_sheared16, mcv_edge_function16, mcv_edge_rises16, float16, int16, mcv_mask16)
 #else
 #define MCV_LANES 8
@@ -43,7 +45,31 @@ typedef uint8 mcv_uints;
 #define mcv_store_lanes(lanes, to) vstore8(lanes, 0, to)
 #define mcv_mask_lanes mcv_mask8
 #define mcv_meet_lanes mcv_meet_sheared8
+#define mcv_as_floats as_float8
+#define mcv_as_uints as_uint8
 #endif
+
+/* Hits side by side: rows of their fields' bits. */
+typedef struct mcv_hits {
+    uint *t, *u, *v, *triangle;
+} mcv_hits;
+
+static inline mcv_hits mcv_hits_in(uint *rows, uint step) {
+    const mcv_hits hits = {rows, rows + step, rows + 2u * step, rows + 3u * step};
+    return hits;
+}
+
+static inline mcv_hit mcv_hit_of(mcv_hits hits, uint i) {
+    const mcv_hit hit = {as_float(hits.t[i]), as_float(hits.u[i]), as_float(hits.v[i]), hits.triangle[i]};
+    return hit;
+}
+
+static inline void mcv_put_hit(mcv_hits hits, uint i, mcv_hit hit) {
+    hits.t[i] = as_uint(hit.t);
+    hits.u[i] = as_uint(hit.u);
+    hits.v[i] = as_uint(hit.v);
+    hits.triangle[i] = hit.triangle;
+}
 
 /* Rays as the tests of triangles need them (mcv_shear), and what they have hit so far. */
 typedef struct mcv_lanes {
@@ -62,20 +88,38 @@ typedef struct mcv_slabs {
     mcv_floats inverse[3], near_offset[3], far_offset[3];
 } mcv_slabs;
 
-/* The rays indices[first …], the last one in place of those that are not there; mcv_ray_setup. */
-static inline __attribute__((always_inline)) void mcv_lanes_setup(mcv_rows origins, mcv_rows directions, const uint *indices, uint first,
-                                                                  uint count, float extent, mcv_slabs *slabs, mcv_lanes *rays) {
-    float o[3][MCV_LANES], d[3][MCV_LANES];
-    /* Unrolled, or the compiler makes a loop of gathers, which are slower. */
+/* One row of the given rays; neighbours: they follow each other. */
+#define MCV_TAKE_LANES(row, step, numbers, neighbours, lanes) \
+    do { \
+        if (neighbours) { \
+            (lanes) = mcv_load_lanes((row) + (numbers)[0]); \
+        } else { \
+            uint mcv_taken[MCV_LANES]; \
+            /* Unrolled, or the compiler makes a loop of gathers, which are slower. */ \
+            _Pragma("unroll") for (uint mcv_lane = 0; mcv_lane < MCV_LANES; ++mcv_lane) mcv_taken[mcv_lane] = \
+                (row)[(numbers)[mcv_lane] * (step)]; \
+            (lanes) = mcv_load_lanes(mcv_taken); \
+        } \
+    } while (0)
+
+/* Whether the numbers of the rays follow each other. */
+static inline int mcv_are_neighbours(const uint *numbers) {
+    uint apart = 0;
+    for (uint i = 0; i < MCV_LANES; ++i) apart |= numbers[i] ^ (numbers[0] + i);
+    return apart == 0;
+}
+
+/* mcv_ray_setup of the rays of these numbers; neighbours: they follow each other in rows. */
+static inline __attribute__((always_inline)) void mcv_lanes_setup(mcv_rows origins, mcv_rows directions, const uint *numbers,
+                                                                  int neighbours, float extent, mcv_slabs *slabs, mcv_lanes *rays) {
+    mcv_uints rows[6];
 #pragma unroll
-    for (uint i = 0; i < MCV_LANES; ++i) {
-        const uint ray = indices[min(first + i, count - 1u)];
-        const mcv_vec3 origin = mcv_row(origins, ray), direction = mcv_row(directions, ray);
-        o[0][i] = origin.x, o[1][i] = origin.y, o[2][i] = origin.z;
-        d[0][i] = direction.x, d[1][i] = direction.y, d[2][i] = direction.z;
+    for (uint k = 0; k < 3; ++k) {
+        MCV_TAKE_LANES(origins.base + k * origins.component, origins.step, numbers, neighbours, rows[k]);
+        MCV_TAKE_LANES(directions.base + k * directions.component, directions.step, numbers, neighbours, rows[3 + k]);
     }
-    const mcv_floats ox = mcv_load_lanes(o[0]), oy = mcv_load_lanes(o[1]), oz = mcv_load_lanes(o[2]);
-    const mcv_floats x = mcv_load_lanes(d[0]), y = mcv_load_lanes(d[1]), z = mcv_load_lanes(d[2]);
+    const mcv_floats ox = mcv_as_floats(rows[0]), oy = mcv_as_floats(rows[1]), oz = mcv_as_floats(rows[2]);
+    const mcv_floats x = mcv_as_floats(rows[3]), y = mcv_as_floats(rows[4]), z = mcv_as_floats(rows[5]);
     const mcv_floats dx = fabs(x), dy = fabs(y), dz = fabs(z);
     const mcv_floats reach = max(fabs(ox), max(fabs(oy), fabs(oz))) + extent;
     const mcv_floats margin = 32.0f * MCV_UNIT_ROUNDOFF * reach;
@@ -100,17 +144,21 @@ static inline __attribute__((always_inline)) void mcv_lanes_setup(mcv_rows origi
     rays->scale_z = 1.0f / along;
 }
 
+/* A triangle of a leaf: its first coordinate. */
+#define MCV_CORNERS_OF(leaf, lane) ((__global const float *)(leaf)->vertex + (lane))
+
 /*
- * One triangle of a leaf against all rays, as mcv_intersect_leaf does it with all of them and one ray; of a ray that has hit t is -1 where
+ * One triangle against all rays, as mcv_intersect_leaf does it with all of a leaf and one ray; of a ray that has hit t is -1 where
  * any hit will do. Returns those that have hit, one bit each.
  */
-static inline __attribute__((always_inline)) uint mcv_lanes_meet(__global const mcv_leaf *leaf, uint lane, int any, mcv_lanes *rays) {
-    const mcv_uints triangle = (mcv_uints)(leaf->triangle[lane]);
+static inline __attribute__((always_inline)) uint mcv_lanes_meet(__global const float *corners, uint number, int any, mcv_lanes *rays) {
+    const mcv_uints triangle = (mcv_uints)(number);
     mcv_floats x[3], y[3], z[3], t, b, c, det;
     mcv_ints met;
 #pragma unroll
     for (int corner = 0; corner < 3; ++corner) {
-        const float p = leaf->vertex[corner][0][lane], q = leaf->vertex[corner][1][lane], r = leaf->vertex[corner][2][lane];
+        __global const float *v = corners + 3 * MCV_LEAF_TRIANGLES * corner;
+        const float p = v[0], q = v[MCV_LEAF_TRIANGLES], r = v[2 * MCV_LEAF_TRIANGLES];
         z[corner] = MCV_LANES_OF(rays, r, q, p) - rays->origin_z;
         x[corner] = fma(-rays->shear_x, z[corner], MCV_LANES_OF(rays, p, r, q) - rays->origin_x);
         y[corner] = fma(-rays->shear_y, z[corner], MCV_LANES_OF(rays, q, p, r) - rays->origin_y);
@@ -140,46 +188,62 @@ static inline int mcv_is_flat(__global const mcv_node *root) {
 }
 
 static inline __attribute__((always_inline)) void mcv_take_flat(__global const mcv_node *root, __global const mcv_leaf *leaves,
-                                                                mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
-                                                                int any, mcv_hit *hits) {
+                                                                mcv_rows origins, mcv_rows directions, const uint *numbers, uint count,
+                                                                int any, mcv_hits hits) {
+    __global const float *corners[MCV_BVH_WIDTH * MCV_LEAF_TRIANGLES];
+    uint triangles[MCV_BVH_WIDTH * MCV_LEAF_TRIANGLES];
+    uint triangle_count = 0;
+    for (uint child = 0; child < MCV_BVH_WIDTH; ++child) {
+        if (root->child[child] == MCV_NONE) continue;
+        __global const mcv_leaf *leaf = leaves + (root->child[child] & ~MCV_CHILD_LEAF);
+        for (uint lane = 0; lane < MCV_LEAF_TRIANGLES && leaf->triangle[lane] != MCV_NONE; ++lane) {
+            corners[triangle_count] = MCV_CORNERS_OF(leaf, lane);
+            triangles[triangle_count++] = leaf->triangle[lane];
+        }
+    }
     for (uint first = 0; first < count; first += MCV_LANES) {
-        const uint used = min(count - first, (uint)MCV_LANES);
+        const uint *own = numbers + first;
+        uint last[MCV_LANES]; /* the last one in place of those that are not there */
         mcv_slabs slabs;
         mcv_lanes rays;
-        float t[MCV_LANES], u[MCV_LANES], v[MCV_LANES];
-        uint triangle[MCV_LANES];
-        mcv_lanes_setup(origins, directions, indices, first, count, root->extent, &slabs, &rays);
-        for (uint i = 0; i < MCV_LANES; ++i) t[i] = i < used ? hits[first + i].t : -1.0f;
-        rays.t = mcv_load_lanes(t);
-        rays.b = rays.c = (mcv_floats)(0.0f);
-        rays.det = (mcv_floats)(1.0f);
-        rays.triangle = (mcv_uints)(MCV_NONE);
-        for (uint child = 0; child < MCV_BVH_WIDTH; ++child) {
-            if (root->child[child] == MCV_NONE) continue;
-            __global const mcv_leaf *leaf = leaves + (root->child[child] & ~MCV_CHILD_LEAF);
-            mcv_floats near = (mcv_floats)(0.0f), far = rays.t;
-#pragma unroll
-            for (int axis = 0; axis < 3; ++axis) {
-                const mcv_floats lower = root->bounds[axis][0][child] * slabs.inverse[axis];
-                const mcv_floats upper = root->bounds[axis][1][child] * slabs.inverse[axis];
-                near = max(near, min(lower, upper) + slabs.near_offset[axis]);
-                far = min(far, max(lower, upper) + slabs.far_offset[axis]);
-            }
-            if (!mcv_mask_lanes(near <= far)) continue;
-            for (uint lane = 0; lane < MCV_LEAF_TRIANGLES && leaf->triangle[lane] != MCV_NONE; ++lane)
-                mcv_lanes_meet(leaf, lane, any, &rays);
+        mcv_uints start, t;
+        if (count - first < MCV_LANES) {
+            for (uint i = 0; i < MCV_LANES; ++i) last[i] = numbers[min(first + i, count - 1u)];
+            own = last;
         }
-        mcv_store_lanes(rays.t, t);
-        mcv_store_lanes(rays.b / rays.det, u);
-        mcv_store_lanes(rays.c / rays.det, v);
-        mcv_store_lanes(rays.triangle, triangle);
-        for (uint i = 0; i < used; ++i) {
-            hits[first + i].triangle = triangle[i];
+        const int neighbours = origins.step == 1u && mcv_are_neighbours(own);
+        mcv_lanes_setup(origins, directions, own, neighbours, root->extent, &slabs, &rays);
+        MCV_TAKE_LANES(hits.t, 1u, own, neighbours, t);
+        MCV_TAKE_LANES(hits.triangle, 1u, own, neighbours, start);
+        rays.t = mcv_as_floats(t);
+        rays.triangle = start;
+        rays.b = rays.c = rays.det = (mcv_floats)(1.0f);
+        uint changed = 0;
+        for (uint i = 0; i < triangle_count; ++i) changed |= mcv_lanes_meet(corners[i], triangles[i], any, &rays);
+        if (!changed) continue;
+        const mcv_uints u = mcv_as_uints(rays.b / rays.det), v = mcv_as_uints(rays.c / rays.det);
+        if (neighbours) {
+            mcv_store_lanes(rays.triangle, hits.triangle + own[0]);
             if (any) continue;
-            hits[first + i].t = t[i];
-            hits[first + i].u = u[i];
-            hits[first + i].v = v[i];
+            const mcv_ints met = rays.triangle != start;
+            mcv_store_lanes(mcv_as_uints(rays.t), hits.t + own[0]);
+            mcv_store_lanes(met ? u : mcv_load_lanes(hits.u + own[0]), hits.u + own[0]);
+            mcv_store_lanes(met ? v : mcv_load_lanes(hits.v + own[0]), hits.v + own[0]);
+            continue;
         }
+        uint met[4][MCV_LANES];
+        mcv_store_lanes(mcv_as_uints(rays.t), met[0]);
+        mcv_store_lanes(u, met[1]);
+        mcv_store_lanes(v, met[2]);
+        mcv_store_lanes(rays.triangle, met[3]);
+        do {
+            const uint k = mcv_pop_bit(&changed), i = own[k];
+            hits.triangle[i] = met[3][k];
+            if (any) continue;
+            hits.t[i] = met[0][k];
+            hits.u[i] = met[1][k];
+            hits.v[i] = met[2][k];
+        } while (changed);
     }
 }
 
@@ -193,12 +257,14 @@ typedef struct mcv_bundle {
     float t[MCV_BUNDLE_ROW]; /* nothing behind it is looked for; negative: the ray is done */
 } mcv_bundle;
 
-static inline __attribute__((always_inline)) void mcv_bundle_setup(mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
+static inline __attribute__((always_inline)) void mcv_bundle_setup(mcv_rows origins, mcv_rows directions, const uint *numbers, uint count,
                                                                    float extent, const mcv_hit *hits, mcv_bundle *b) {
     for (uint first = 0; first < count; first += MCV_LANES) {
+        uint own[MCV_LANES]; /* the last one in place of those that are not there */
         mcv_slabs slabs;
         mcv_lanes rays;
-        mcv_lanes_setup(origins, directions, indices, first, count, extent, &slabs, &rays);
+        for (uint i = 0; i < MCV_LANES; ++i) own[i] = numbers[min(first + i, count - 1u)];
+        mcv_lanes_setup(origins, directions, own, 0, extent, &slabs, &rays);
 #pragma unroll
         for (int axis = 0; axis < 3; ++axis) {
             mcv_store_lanes(slabs.inverse[axis], b->inverse[axis] + first);
@@ -286,7 +352,7 @@ static inline __attribute__((noinline)) void mcv_bundle_leaf(__global const mcv_
         rays.b = rays.c = rays.det = (mcv_floats)(1.0f);
         rays.triangle = mcv_load_lanes(triangles);
         for (uint lane = 0; lane < MCV_LEAF_TRIANGLES && leaf->triangle[lane] != MCV_NONE; ++lane)
-            changed |= mcv_lanes_meet(leaf, lane, any, &rays);
+            changed |= mcv_lanes_meet(MCV_CORNERS_OF(leaf, lane), leaf->triangle[lane], any, &rays);
         if (!changed) continue;
         mcv_store_lanes(rays.t, t);
         mcv_store_lanes(rays.b / rays.det, u);
@@ -401,15 +467,17 @@ typedef struct mcv_bundle_child {
  * the same order.
  */
 static inline __attribute__((always_inline)) void mcv_take_bundle(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                                                  mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
-                                                                  int any, int turns, mcv_hit *hits) {
+                                                                  mcv_rows origins, mcv_rows directions, const uint *numbers, uint count,
+                                                                  int any, int turns, mcv_hits all) {
     mcv_bundle b;
+    mcv_hit hits[MCV_BUNDLE];
     uchar lists[MCV_BVH_LEVELS + 2][MCV_BUNDLE + 8], masks[MCV_BVH_LEVELS + 1][MCV_BUNDLE + 8];
     uint counts[MCV_BVH_LEVELS + 1];
     mcv_bundle_child waiting[MCV_BVH_STACK + MCV_BVH_WIDTH];
     mcv_lone lone[MCV_LONE];
     uint depth = 0, lonely = 0, roots = 0;
-    mcv_bundle_setup(origins, directions, indices, count, nodes->extent, hits, &b);
+    for (uint i = 0; i < count; ++i) hits[i] = mcv_hit_of(all, numbers[i]);
+    mcv_bundle_setup(origins, directions, numbers, count, nodes->extent, hits, &b);
     for (uint i = 0; i < count; ++i) {
         uint octant = 0;
 #pragma unroll
@@ -469,32 +537,31 @@ static inline __attribute__((always_inline)) void mcv_take_bundle(__global const
             waiting[place] = (mcv_bundle_child){node->child[lane], level, lane};
         }
     }
+    for (uint i = 0; i < count; ++i) mcv_put_hit(all, numbers[i], hits[i]);
 }
 
 /* ---- any number of rays ----------------------------------------------------------------------------------------- */
 
 /*
- * The hits of the rays indices[0 … count - 1]: the closest or, where any hit will do, one of them. On entry hits[i] is the miss (mcv_miss)
- * that it stays where nothing is hit.
+ * The hits of the rays numbers[0 … count - 1]: the closest or, where any hit will do, one of them, of which only the triangle is known. On
+ * entry they are misses (mcv_miss) or what else the rays have met, which stays where nothing closer is hit.
  */
 static inline __attribute__((always_inline)) void mcv_take_bundles(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                                                   mcv_rows origins, mcv_rows directions, const uint *indices, uint count,
-                                                                   int any, int turns, mcv_hit *hits) {
+                                                                   mcv_rows origins, mcv_rows directions, const uint *numbers, uint count,
+                                                                   int any, int turns, mcv_hits hits) {
     if (mcv_is_flat(nodes)) {
-        mcv_take_flat(nodes, leaves, origins, directions, indices, count, any, hits);
+        mcv_take_flat(nodes, leaves, origins, directions, numbers, count, any, hits);
         return;
     }
-    for (uint first = 0; first < count; first += MCV_BUNDLE) {
-        mcv_take_bundle(nodes, leaves, origins, directions, indices + first, min(count - first, (uint)MCV_BUNDLE), any, turns,
-                        hits + first);
-    }
+    for (uint first = 0; first < count; first += MCV_BUNDLE)
+        mcv_take_bundle(nodes, leaves, origins, directions, numbers + first, min(count - first, (uint)MCV_BUNDLE), any, turns, hits);
 }
 
 /* A function for each way: the rays that are left alone go at once, or in turns. */
 #define MCV_INTERSECT_MANY(name, any, turns) \
     static inline __attribute__((noinline)) void name(__global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_rows origins, \
-                                                      mcv_rows directions, const uint *indices, uint count, mcv_hit *hits) { \
-        mcv_take_bundles(nodes, leaves, origins, directions, indices, count, any, turns, hits); \
+                                                      mcv_rows directions, const uint *numbers, uint count, mcv_hits hits) { \
+        mcv_take_bundles(nodes, leaves, origins, directions, numbers, count, any, turns, hits); \
     }
 MCV_INTERSECT_MANY(mcv_intersect_closest_bundles, 0, 0)
 MCV_INTERSECT_MANY(mcv_intersect_any_bundles, 1, 0)

@@ -48,15 +48,16 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_any(__glo
         const uint last = min(first + slice, count); \
         const uint step = sizeof(mcv_batch_ray) / sizeof(float); \
         uint indices[MCV_BATCH_LIST]; \
-        mcv_hit hits[MCV_BATCH_LIST]; \
+        uint rows[4 * MCV_BATCH_LIST]; \
+        const mcv_hits hits = mcv_hits_in(rows, MCV_BATCH_LIST); \
         for (uint i = 0; i < MCV_BATCH_LIST; ++i) indices[i] = i; \
         for (uint begin = first; begin < last; begin += MCV_BATCH_LIST) { \
             const uint listed = min(last - begin, (uint)MCV_BATCH_LIST); \
             const mcv_rows origins = {(__global const uint *)rays[begin].origin, step, 1}; \
             const mcv_rows directions = {(__global const uint *)rays[begin].direction, step, 1}; \
-            for (uint i = 0; i < listed; ++i) hits[i] = mcv_miss(rays[begin + i].t_max); \
+            for (uint i = 0; i < listed; ++i) mcv_put_hit(hits, i, mcv_miss(rays[begin + i].t_max)); \
             many(nodes, leaves, origins, directions, indices, listed, hits); \
-            for (uint i = 0; i < listed; ++i) out[begin + i] = hits[i] result; \
+            for (uint i = 0; i < listed; ++i) out[begin + i] = mcv_hit_of(hits, i) result; \
         } \
     }
 

@@ -271,8 +271,9 @@ static __attribute__((noinline)) void mcv_follow_connections(mcv_world world, mc
                                                              __global uint *splats, uint counts[MCV_COUNTER_COUNT]) {
 #if !MCV_WITH_SHEET
     const mcv_rows origins = MCV_ROWS(slot, shadow_origin), directions = MCV_ROWS(slot, shadow_direction);
-    mcv_hit hits[MCV_SLOTS];
-    for (uint i = 0; i < count; ++i) hits[i] = mcv_miss(1.0f);
+    uint rows[4 * MCV_ROW];
+    const mcv_hits hits = mcv_hits_in(rows, MCV_ROW);
+    for (uint i = 0; i < count; ++i) mcv_put_hit(hits, connected[i], mcv_miss(1.0f));
     MCV_ANY_MANY(world.nodes, world.leaves, origins, directions, connected, count, hits);
 #if MCV_WITH_SURFACES
     mcv_shadows_past_solids(world, slot.base, connected, count, 1, hits);
@@ -295,7 +296,7 @@ static __attribute__((noinline)) void mcv_follow_connections(mcv_world world, mc
         if (!(mcv_brightest(left) > 0.0f)) continue;
         value = mcv_tint(value, left);
 #else
-        if (hits[i].triangle != MCV_NONE) continue;
+        if (hits.triangle[slot.index] != MCV_NONE) continue;
 #endif
         mcv_splat(world, splats, MCV_WORD(slot, density, 0), place, value, mcv_draw(slot, depth, MCV_PAIR_CHOICE).x, counts);
     }

@@ -82,13 +82,13 @@ MCV_LOOP_FUNCTION void mcv_meet_together(mcv_world world, mcv_side_by_side rays,
 }
 
 /* Lists the rays that may meet a solid, and sets them side by side in `rows`; returns how many. */
-static __attribute__((noinline)) uint mcv_list_approaching(mcv_world world, mcv_side_by_side rays, uint count, uint number,
-                                                           const mcv_hit *hits, uint *chosen, uint *rows) {
+static __attribute__((noinline)) uint mcv_list_approaching(mcv_world world, mcv_side_by_side rays, uint count, uint number, mcv_hits hits,
+                                                           uint *chosen, uint *rows) {
     __global const mcv_device_solid *solid = world.solids + number;
     uint reaches[MCV_SLOTS];
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i)
-        reaches[i] = (uint)mcv_reaches_solid(solid, mcv_one_of(rays.origin, i), mcv_one_of(rays.direction, i), hits[i].t);
+        reaches[i] = (uint)mcv_reaches_solid(solid, mcv_one_of(rays.origin, i), mcv_one_of(rays.direction, i), as_float(hits.t[i]));
     for (uint axis = 0; axis < 3; ++axis) {
         mcv_pack_row(reaches, rays.origin + axis * MCV_ROW, count, rows + axis * MCV_ROW);
         mcv_pack_row(reaches, rays.direction + axis * MCV_ROW, count, rows + (3 + axis) * MCV_ROW);
@@ -98,7 +98,7 @@ static __attribute__((noinline)) uint mcv_list_approaching(mcv_world world, mcv_
 }
 
 /* What many rays meet of the exact surfaces, if that is closer than the given hits (or misses, with their t_max). */
-static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, mcv_side_by_side rays, uint count, mcv_hit *hits) {
+static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, mcv_side_by_side rays, uint count, mcv_hits hits) {
     uint chosen[MCV_SLOTS], pieces[MCV_SLOTS], rows[7 * MCV_ROW];
     float t[MCV_SLOTS];
     const mcv_side_by_side near = {rows, rows + 3 * MCV_ROW, rows + 6 * MCV_ROW};
@@ -107,9 +107,11 @@ static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, 
         const uint listed = mcv_list_approaching(world, rays, count, number, hits, chosen, rows);
         switch (shape) {
         case MCV_SHAPE_OTHER:
-            for (uint i = 0; i < listed; ++i)
-                mcv_intersect_solid(world, number, mcv_one_of(near.origin, i), mcv_one_of(near.direction, i), near.left[i],
-                                    hits + chosen[i]);
+            for (uint i = 0; i < listed; ++i) {
+                mcv_hit hit = mcv_hit_of(hits, chosen[i]);
+                mcv_intersect_solid(world, number, mcv_one_of(near.origin, i), mcv_one_of(near.direction, i), near.left[i], &hit);
+                mcv_put_hit(hits, chosen[i], hit);
+            }
             continue;
         case MCV_SHAPE_DISC:
             mcv_meet_together(world, near, number, MCV_SHAPE_DISC, listed, t, pieces);
@@ -123,7 +125,11 @@ static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, 
         default:
             mcv_meet_together(world, near, number, MCV_SHAPE_CONICS, listed, t, pieces);
         }
-        for (uint i = 0; i < listed; ++i) mcv_take_exact_hit(world, t[i], number, pieces[i], hits + chosen[i]);
+        for (uint i = 0; i < listed; ++i) {
+            mcv_hit hit = mcv_hit_of(hits, chosen[i]);
+            mcv_take_exact_hit(world, t[i], number, pieces[i], &hit);
+            mcv_put_hit(hits, chosen[i], hit);
+        }
     }
 }
 
@@ -140,7 +146,7 @@ MCV_FUNCTION float mcv_most_lane(float8 lanes) {
 }
 
 /* The rays that meet the box of all triangles before they end; returns how many. Margins as in kernels/traverse.h. */
-static __attribute__((noinline)) uint mcv_list_near_triangles(mcv_world world, uint *paths, uint count, const mcv_hit *ends, uint *chosen) {
+static __attribute__((noinline)) uint mcv_list_near_triangles(mcv_world world, uint *paths, uint count, uint *chosen) {
     uint meets[MCV_SLOTS];
     float low[3], high[3];
     mcv_slot slot;
@@ -154,52 +160,43 @@ static __attribute__((noinline)) uint mcv_list_near_triangles(mcv_world world, u
     for (uint i = 0; i < count; ++i) {
         slot.index = i;
         const mcv_vec3 o = MCV_LOAD_3(slot, origin), d = MCV_LOAD_3(slot, direction);
-        meets[i] = (uint)mcv_meets_box(low, high, extent, o, d, ends[i].t);
+        meets[i] = (uint)mcv_meets_box(low, high, extent, o, d, MCV_LOAD(slot, hit, 0));
     }
     return mcv_list(meets, count, chosen);
 }
 #endif
 
-static __attribute__((noinline)) void mcv_arrive_together(mcv_world world, uint *paths, const mcv_hit *hits, uint count) {
+#if MCV_WITH_ABSORPTION
+static __attribute__((noinline)) void mcv_arrive_together(mcv_world world, uint *paths, mcv_hits hits, uint count) {
     mcv_slot slot;
     slot.base = paths;
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i) {
         slot.index = i;
-        const mcv_hit hit = {hits[i].t, hits[i].u, hits[i].v, hits[i].triangle};
-        mcv_arrive(world, slot, hit);
+        mcv_arrive(world, slot, mcv_hit_of(hits, i));
     }
 }
+#endif
 
 /* The stages that intersect, over the paths of a slice. */
 static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count) {
     const mcv_rows origins = MCV_ROWS(slot, origin), directions = MCV_ROWS(slot, direction);
+    const mcv_hits hits = mcv_hits_in(slot.base + MCV_PATH_hit * MCV_ROW, MCV_ROW);
     uint chosen[MCV_SLOTS];
-    mcv_hit hits[MCV_SLOTS];
     uint listed = count;
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) {
+        mcv_put_hit(hits, i, mcv_miss(INFINITY));
+        chosen[i] = i;
+    }
 #if MCV_WITH_SURFACES
-    mcv_hit exact[MCV_SLOTS];
     const mcv_side_by_side rays = {slot.base + MCV_PATH_origin * MCV_ROW, slot.base + MCV_PATH_direction * MCV_ROW,
                                    slot.base + MCV_PATH_left * MCV_ROW};
-    for (uint i = 0; i < count; ++i) exact[i] = mcv_miss(INFINITY);
-    mcv_meet_solids_together(world, rays, count, exact);
-    listed = mcv_list_near_triangles(world, slot.base, count, exact, chosen);
-    for (uint i = 0; i < listed; ++i) hits[i] = mcv_miss(mcv_just_beyond(exact[chosen[i]]));
-#else
-    for (uint i = 0; i < count; ++i) {
-        chosen[i] = i;
-        hits[i] = mcv_miss(INFINITY);
-    }
+    mcv_meet_solids_together(world, rays, count, hits);
+    listed = mcv_list_near_triangles(world, slot.base, count, chosen);
 #endif
     MCV_CLOSEST_MANY(world.nodes, world.leaves, origins, directions, chosen, listed, hits);
-#if MCV_WITH_SURFACES
-    for (uint i = 0; i < listed; ++i) {
-        const int4 met = (int4)(hits[i].triangle != MCV_NONE ? -1 : 0);
-        int *hit = (int *)(exact + chosen[i]);
-        vstore4(met ? vload4(0, (const int *)(hits + i)) : vload4(0, hit), 0, hit);
-    }
-    mcv_arrive_together(world, slot.base, exact, count);
-#else
+#if MCV_WITH_ABSORPTION
     mcv_arrive_together(world, slot.base, hits, count);
 #endif
 }
@@ -208,12 +205,12 @@ static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count) {
 #if MCV_WITH_SURFACES
 /* What the shadow rays of the chosen paths meet, of triangles (the given hits) and exact surfaces (mcv_shadow_past_solids). */
 static __attribute__((noinline)) void mcv_shadows_past_solids(mcv_world world, const uint *paths, const uint *chosen, uint count, int any,
-                                                              mcv_hit *hits) {
-    uint rows[7 * MCV_ROW], goes_on[MCV_SLOTS], open[MCV_SLOTS];
+                                                              mcv_hits hits) {
+    uint rows[11 * MCV_ROW], goes_on[MCV_SLOTS], open[MCV_SLOTS];
     float lengths[MCV_SLOTS];
-    mcv_hit exact[MCV_SLOTS];
+    const mcv_hits exact = mcv_hits_in(rows + 7 * MCV_ROW, MCV_ROW);
     MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) goes_on[i] = (uint)(!any | (hits[i].triangle == MCV_NONE));
+    for (uint i = 0; i < count; ++i) goes_on[i] = (uint)(!any | (hits.triangle[chosen[i]] == MCV_NONE));
     const uint listed = mcv_list(goes_on, count, open);
     MCV_PARALLEL
     for (uint i = 0; i < listed; ++i) {
@@ -230,23 +227,25 @@ static __attribute__((noinline)) void mcv_shadows_past_solids(mcv_world world, c
         rows[5 * MCV_ROW + i] = as_uint(unit.z);
         rows[6 * MCV_ROW + i] = paths[MCV_PATH_shadow_left * MCV_ROW + k];
         lengths[i] = length;
-    }
-    for (uint i = 0; i < listed; ++i) {
-        exact[i] = hits[open[i]];
-        exact[i].t *= lengths[i];
+        exact.t[i] = as_uint(as_float(hits.t[k]) * length);
+        exact.u[i] = hits.u[k];
+        exact.v[i] = hits.v[k];
+        exact.triangle[i] = hits.triangle[k];
     }
     const mcv_side_by_side rays = {rows, rows + 3 * MCV_ROW, rows + 6 * MCV_ROW};
     mcv_meet_solids_together(world, rays, listed, exact);
     for (uint i = 0; i < listed; ++i) {
-        if (exact[i].triangle == hits[open[i]].triangle) continue;
-        exact[i].t /= lengths[i];
-        hits[open[i]] = exact[i];
+        const uint k = chosen[open[i]];
+        if (exact.triangle[i] == hits.triangle[k]) continue;
+        mcv_hit hit = mcv_hit_of(exact, i);
+        hit.t /= lengths[i];
+        mcv_put_hit(hits, k, hit);
     }
 }
 #endif
 
 /* The light of the listed ones of the chosen paths' shadow rays, which nothing blocks. */
-static __attribute__((noinline)) void mcv_add_shadow_lights(mcv_world world, uint *paths, const uint *chosen, const mcv_hit *hits,
+static __attribute__((noinline)) void mcv_add_shadow_lights(mcv_world world, uint *paths, const uint *chosen, mcv_hits hits,
                                                             const uint *listed, uint count) {
     mcv_slot slot;
     slot.base = paths;
@@ -254,18 +253,17 @@ static __attribute__((noinline)) void mcv_add_shadow_lights(mcv_world world, uin
     MCV_PARALLEL
 #endif
     for (uint i = 0; i < count; ++i) {
-        const uint k = listed[i];
-        slot.index = chosen[k];
-        const mcv_hit hit = {hits[k].t, hits[k].u, hits[k].v, hits[k].triangle};
-        mcv_add_shadow_light(world, slot, hit);
+        slot.index = chosen[listed[i]];
+        mcv_add_shadow_light(world, slot, mcv_hit_of(hits, slot.index));
     }
 }
 
 static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *paths, uint count) {
     const mcv_rows origins = MCV_ROWS(slot, shadow_origin), directions = MCV_ROWS(slot, shadow_direction);
+    uint rows[4 * MCV_ROW];
+    const mcv_hits hits = mcv_hits_in(rows, MCV_ROW);
     for (int any = !MCV_WITH_TARGETS; any < 2; ++any) {
         uint flags[MCV_SLOTS], listed[MCV_SLOTS], chosen[MCV_SLOTS];
-        mcv_hit hits[MCV_SLOTS];
         uint chosen_count = count;
 #if MCV_WITH_TARGETS
         for (uint i = 0; i < count; ++i) {
@@ -279,7 +277,7 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
 #endif
         for (uint i = 0; i < chosen_count; ++i) {
             slot.index = chosen[i];
-            hits[i] = mcv_miss(mcv_shadow_end(slot));
+            mcv_put_hit(hits, slot.index, mcv_miss(mcv_shadow_end(slot)));
         }
         if (any)
             MCV_ANY_MANY(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
@@ -290,7 +288,8 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
 #endif
         for (uint i = 0; i < chosen_count; ++i) {
             slot.index = chosen[i];
-            flags[i] = any ? hits[i].triangle == MCV_NONE : (uint)mcv_meets_target(world, slot, hits[i]);
+            const mcv_hit hit = mcv_hit_of(hits, slot.index);
+            flags[i] = any ? hit.triangle == MCV_NONE : (uint)mcv_meets_target(world, slot, hit);
         }
         mcv_add_shadow_lights(world, slot.base, chosen, hits, listed, mcv_list(flags, chosen_count, listed));
     }
