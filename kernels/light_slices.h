@@ -75,19 +75,19 @@ static __attribute__((noinline)) void mcv_aim_together(mcv_world world, uint *pa
         slot.index = i;
         const mcv_vec3 normal = MCV_LOAD_3(slot, normal);
         left[i] = angle[i] * MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
-        MCV_STORE_3(slot, way, normal);
+        MCV_STORE_3(slot, bounce, normal);
     }
     for (uint ball = 0; ball < balls; ++ball) {
         const mcv_ball at = world.frame->balls[ball];
         MCV_PARALLEL
         for (uint i = 0; i < count; ++i) {
             slot.index = i;
-            const mcv_vec3 point = MCV_LOAD_3(slot, point), normal = MCV_LOAD_3(slot, normal), before = MCV_LOAD_3(slot, way);
+            const mcv_vec3 point = MCV_LOAD_3(slot, point), normal = MCV_LOAD_3(slot, normal), before = MCV_LOAD_3(slot, bounce);
             const mcv_cone cone = mcv_cone_to(at, point, mcv_own_cone(world.emitters, normal));
             const int takes = (left[i] >= 0.0f) & (cone.squared > 0.0f);
             const mcv_vec3 axis = mcv_choose(takes, cone.axis, before);
             const float part = left[i] / cone.squared;
-            MCV_STORE_3(slot, way, axis);
+            MCV_STORE_3(slot, bounce, axis);
             squared[i] = takes ? cone.squared : squared[i];
             rest[i] = takes ? part : rest[i];
             left[i] -= takes ? cone.squared : 0.0f;
@@ -97,7 +97,7 @@ static __attribute__((noinline)) void mcv_aim_together(mcv_world world, uint *pa
     for (uint i = 0; i < count; ++i) {
         slot.index = i;
         const float xi = rest[i] < 0.99999994f ? rest[i] : 0.99999994f, eta = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER + 1);
-        const mcv_vec3 direction = mcv_from_frame(mcv_sample_cone(mcv_sqrt(squared[i]), xi, eta), MCV_LOAD_3(slot, way));
+        const mcv_vec3 direction = mcv_from_frame(mcv_sample_cone(mcv_sqrt(squared[i]), xi, eta), MCV_LOAD_3(slot, bounce));
         MCV_STORE_3(slot, direction, direction);
         angle[i] *= 4.0f * MCV_PI;
     }
