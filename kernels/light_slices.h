@@ -148,8 +148,9 @@ static __attribute__((noinline)) uint mcv_leave_lamps(mcv_world world, uint *pat
         const mcv_aiming aimed = {angle[i], within[i]};
         const mcv_vec3 direction = MCV_LOAD_3(slot, direction), face = MCV_LOAD_3(slot, face);
         const float etendue = mcv_etendue_of(e, aimed, face, direction);
-        const int leaves =
-            (etendue > 0.0f) & (mcv_dot(direction, face) > 0.0f) & (mcv_area_evaluate(direction, MCV_LOAD_3(slot, normal)) > 0.0f);
+        const int sends = etendue > 0.0f, before_face = mcv_dot(direction, face) > 0.0f;
+        const int shines = mcv_area_evaluate(direction, MCV_LOAD_3(slot, normal)) > 0.0f;
+        const int leaves = sends & before_face & shines;
         float most = 0.0f;
         MCV_EACH_CHANNEL(c) {
             const float flux = leaves ? e->radiance[c] * etendue : 0.0f;
@@ -231,7 +232,8 @@ static __attribute__((noinline)) void mcv_meet_lights(mcv_world world, uint *pat
         slot.index = i;
         const uint kind = kinds[i];
         const int diffuse = (kind == MCV_MET_DIFFUSE_TRIANGLE) | (kind == MCV_MET_DIFFUSE_EXACT);
-        kinds[i] = diffuse & ((MCV_WORD(slot, trail, 0) & MCV_LIGHT_CARRIED) == 0u) ? (uint)MCV_MET_NOTHING : kind;
+        const int carried = (MCV_WORD(slot, trail, 0) & MCV_LIGHT_CARRIED) != 0u;
+        kinds[i] = (diffuse & !carried) ? (uint)MCV_MET_NOTHING : kind;
         MCV_STORE(slot, footprint, 0, MCV_LOAD(slot, footprint, 0) + MCV_LOAD(slot, hit, 0));
     }
     mcv_order_paths(paths, kinds, count, ends);
@@ -407,6 +409,7 @@ static __attribute__((noinline)) uint mcv_send_lights_on(mcv_world world, mcv_sl
     const int roulette = depth >= MCV_LIGHT_ROULETTE_DEPTH;
     uint ways[MCV_SLOTS], chosen[MCV_SLOTS], differs[MCV_SLOTS];
     uint next = 0, alone = smooth; /* where those begin that are sent on one by one */
+    (void)gloss, (void)roulette;
 #if MCV_WITH_SMOOTH
     mcv_send_smooth_on(world, slot.base, 0, ends[MCV_MET_SMOOTH_TRIANGLE], roulette, 0, ways, differs);
 #if MCV_WITH_SURFACES

@@ -10,8 +10,8 @@
  * The i of mcv_search_cdf for many paths: the last one with cdf[i] <= bits, found from its highest binary digit down. The numbers are those
  * drawn for a pair; the paths the chosen ones.
  */
-static __attribute__((noinline)) void mcv_search_together(__global const uint *cdf, uint count, const uint *paths, uint pair,
-                                                          const uint *chosen, uint chosen_count, uint *found) {
+static inline __attribute__((noinline)) void mcv_search_together(__global const uint *cdf, uint count, const uint *paths, uint pair,
+                                                                 const uint *chosen, uint chosen_count, uint *found) {
     const uint *x = paths + (MCV_PATH_drawn + 2u * pair) * MCV_ROW, *y = x + MCV_ROW;
     uint step = 1;
     while (2 * step < count) step *= 2;

@@ -287,6 +287,7 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
         (void)media;
         mcv_color before, throughput;
         MCV_LOAD_COLOR(slot, throughput, before);
+        factor = mcv_grey(0.0f);
         if (type == MCV_MATERIAL_DIFFUSE) {
             __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
             direction = MCV_LOAD_3(slot, bounce);

@@ -25,7 +25,8 @@ MCV_LOOP_FUNCTION int mcv_reaches(__global const mcv_device_emitter *e, mcv_vec3
     const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
     const mcv_vec3 axis = mcv_vec(e->facing[0], e->facing[1], e->facing[2]);
     const int behind_it = -mcv_dot(axis, way) < 0.0f;
-    const int behind = (sides == 1u) & (mcv_dot(face, way) < -mcv_stretch(e, face)) & (mcv_dot(normal, way) < -mcv_stretch(e, normal));
+    const int behind_face = mcv_dot(face, way) < -mcv_stretch(e, face), behind_normal = mcv_dot(normal, way) < -mcv_stretch(e, normal);
+    const int behind = (sides == 1u) & behind_face & behind_normal;
     int lit = 1;
 #if MCV_WITH_PARALLEL
     const float ahead = -mcv_dot(mcv_vec(e->parallel.axis[0], e->parallel.axis[1], e->parallel.axis[2]), way);

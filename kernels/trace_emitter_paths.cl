@@ -370,7 +370,7 @@ MCV_LOOP_FUNCTION mcv_light_passed mcv_pass_light(uint before, int left, int sha
     /* What comes straight from the emitter, next-event estimation has; what comes to a glossy surface, camera paths. */
     const int ends = parts & (!carried | (open & left));
     /* The first surface finds the emitter by next-event estimation. */
-    const uint on = before | MCV_LIGHT_CARRIED | (spreads & !carried ? (uint)MCV_LIGHT_FOUND : 0u);
+    const uint on = before | MCV_LIGHT_CARRIED | ((spreads & !carried) ? (uint)MCV_LIGHT_FOUND : 0u);
     MCV_EACH_CHANNEL(c) {
         float carries = throughput.c[c];
         carries = parts ? carries * correction : carries;
@@ -405,7 +405,7 @@ MCV_FUNCTION int mcv_send_light_on(mcv_world world, mcv_meeting meeting, mcv_pai
     return 1;
 }
 
-static void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *splats, uint counts[MCV_COUNTER_COUNT]) {
+MCV_FUNCTION void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *splats, uint counts[MCV_COUNTER_COUNT]) {
     mcv_light_identity id;
     if (!mcv_identify_light(world.frame, index, &id)) return;
     mcv_light_path path = mcv_begin_light(world, mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(0u, MCV_PAIR_CHOICE)),
