@@ -165,6 +165,7 @@ static inline __attribute__((always_inline)) uint mcv_lanes_meet(__global const 
     }
     if (!mcv_meet_lanes(x, y, z, rays->shear_x, rays->shear_y, rays->scale_z, rays->t, &met, &t, &b, &c, &det)) return 0;
     if (any) {
+        met &= t < rays->t;
         rays->triangle = met ? triangle : rays->triangle;
         rays->t = met ? (mcv_floats)(-1.0f) : rays->t;
         return mcv_mask_lanes(met);

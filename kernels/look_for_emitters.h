@@ -135,7 +135,11 @@ static __attribute__((noinline)) void mcv_look_alone(mcv_world world, uint *path
     mcv_slot slot;
     slot.base = paths;
     slot.index = index;
+#if MCV_WITH_CONTACT
+    const mcv_receiver at = mcv_receiver_of(mcv_meet_surface(world, slot));
+#else
     const mcv_receiver at = mcv_receiver_in(slot);
+#endif
     const uint emitter = MCV_WORD(slot, emitter, 0);
     mcv_put_shadow(slot, mcv_prefer(world, slot, at.point, emitter, mcv_sample_towards(world, at, emitter, mcv_drawn_in(slot))));
 }
@@ -332,12 +336,12 @@ static __attribute__((noinline)) void mcv_look_for(mcv_world world, uint *paths,
 }
 
 /* What comes to the paths in the slots first … last - 1 from the emitters that they look for: together, unless these are so many that few
- * paths look for the same one. */
+ * paths look for the same one, or surfaces in the same place move where shadow rays begin. */
 static __attribute__((noinline)) void mcv_look_for_emitters(mcv_world world, uint *paths, uint first, uint last) {
     const uint *emitters = paths + MCV_PATH_emitter * MCV_ROW;
     const uint count = world.frame->emitter_count;
     uint looks[MCV_ROW], chosen[MCV_ROW];
-    if (count > MCV_SLICE / 16u) {
+    if (MCV_WITH_CONTACT || count > MCV_SLICE / 16u) {
         for (uint i = first; i < last; ++i)
             if (emitters[i] != MCV_NONE) mcv_look_alone(world, paths, i);
         return;

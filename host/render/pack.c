@@ -465,7 +465,8 @@ static void find_reach(const mcv_scene *scene, const mcv_packed *packed, const m
         for (int c = 0; c < 3; ++c) radius = fmax(radius, length(ways[c]));
         for (int k = 0; k < 3 && length(face) > 0; ++k) facing[k] += face[k] / length(face) / to->triangle_count;
     }
-    to->radius = nextafterf((float)radius, INFINITY);
+    /* The corners have been rounded, by less than a fourth of that. */
+    to->radius = nextafterf((float)(radius + mcv_packed_size(packed) * 0x1p-22), INFINITY);
     /* Flat as far as float coordinates can be: where normals differ, their mean is shorter than 1 by the square of the angle. */
     bool is_flat = length(facing) > 1 - 1e-12;
     for (uint32_t t = 0; is_flat && t < to->triangle_count; ++t) {
