@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* ctest: timeout 600 */
 /*
  * Light paths: light of emitters through smooth surfaces onto diffuse ones, and beams into lenses. Against closed forms, against
  * the same light without the smooth surface, and against camera paths that find it by chance.

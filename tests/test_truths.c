@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* ctest: label truth */
+/* ctest: timeout 600 */
 /* Closed forms that the device and the reference must both meet, beside those of test_surfaces.c and test_reference_*.c. */
 #include "reference_checks.h"
 
