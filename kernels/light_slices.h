@@ -116,7 +116,6 @@ static __attribute__((noinline)) void mcv_aim_together(mcv_world world, uint *pa
 static __attribute__((noinline)) uint mcv_leave_lamps(mcv_world world, uint *paths, uint count) {
     float angle[MCV_SLOTS];
     uint within[MCV_SLOTS], begun[MCV_SLOTS];
-    uint next = 0;
     mcv_slot slot;
     slot.base = paths;
     for (slot.index = 0; slot.index < count; ++slot.index) {
@@ -171,10 +170,7 @@ static __attribute__((noinline)) uint mcv_leave_lamps(mcv_world world, uint *pat
         MCV_STORE(slot, footprint, 0, 0.0f);
         within[i] = (uint)(most > 0.0f);
     }
-    for (uint i = 0; i < count; ++i) {
-        begun[next] = i;
-        next += within[i];
-    }
+    const uint next = mcv_list(within, count, begun);
     if (next < count) mcv_move_paths(paths, begun, next);
     return next;
 }
@@ -370,14 +366,14 @@ MCV_LOOP_FUNCTION void mcv_send_plain_on(mcv_world world, uint *paths, uint firs
             pair.x = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
             pair.y = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER + 1);
             direction = mcv_choose_gloss_of(&from, &m, pair, MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE));
-            const mcv_response response = mcv_respond_gloss_of(world, &meeting, &from, &m, direction);
+            const mcv_scattering on = mcv_turn_by_gloss(world, &meeting, &from, &m, direction);
             smooth = m.gloss.table == MCV_NONE;
             differs = (uint)(!smooth & (m.near_media != media));
-            density = response.density;
+            density = on.density;
             reflects = density > 0.0f;
-            factor = mcv_dim(response.value, 1.0f / density);
+            factor = on.factor;
             direction = mcv_choose(smooth, meeting.direction, direction);
-            media = smooth ? media : response.media;
+            media = smooth ? media : on.media;
 #endif
         }
         unmatched[i] = differs;
@@ -408,7 +404,7 @@ static __attribute__((noinline)) uint mcv_send_lights_on(mcv_world world, mcv_sl
     const uint alive = ends[MCV_MET_EXACT], smooth = ends[MCV_MET_SMOOTH_EXACT];
     const int roulette = depth >= MCV_LIGHT_ROULETTE_DEPTH;
     uint ways[MCV_SLOTS], chosen[MCV_SLOTS], differs[MCV_SLOTS];
-    uint next = 0, alone = smooth; /* where those begin that are sent on one by one */
+    uint alone = smooth; /* where those begin that are sent on one by one */
     (void)gloss, (void)roulette;
 #if MCV_WITH_SMOOTH
     mcv_send_smooth_on(world, slot.base, 0, ends[MCV_MET_SMOOTH_TRIANGLE], roulette, 0, ways, differs);
@@ -447,10 +443,7 @@ static __attribute__((noinline)) uint mcv_send_lights_on(mcv_world world, mcv_sl
         mcv_store_light(slot, path);
     }
     mcv_leave_surfaces(slot.base, alive);
-    for (uint i = 0; i < alive; ++i) {
-        chosen[next] = i;
-        next += ways[i];
-    }
+    const uint next = mcv_list(ways, alive, chosen);
     if (next < alive) mcv_move_paths(slot.base, chosen, next);
     return next;
 }

@@ -9,9 +9,16 @@
 #if defined(__AVX512F__) && defined(__has_builtin)
 #if __has_builtin(__builtin_ia32_compresssi512_mask) && __has_builtin(__builtin_ia32_ucmpd512_mask)
 #define MCV_AVX512_BUILTINS 1
-/* A bit for each of 16 flags that is not 0 (4: "not equal"), of those within a mask. */
-#define MCV_SET_FLAGS(flags, within) __builtin_ia32_ucmpd512_mask(as_int16(vload16(0, flags)), (int16)(0), 4, within)
 #endif
+#endif
+
+#ifdef MCV_AVX512_BUILTINS
+/* A bit for each of the flags i … i + 15 that is not 0, of those before count. */
+static inline ushort mcv_set_flags(const uint *flags, uint i, uint count) {
+    enum { NOT_EQUAL = 4 };
+    const ushort within = (ushort)(count - i < 16u ? (1u << (count - i)) - 1u : 0xffffu);
+    return __builtin_ia32_ucmpd512_mask(as_int16(vload16(0, flags + i)), (int16)(0), NOT_EQUAL, within);
+}
 #endif
 
 /*
@@ -21,11 +28,9 @@
 static inline __attribute__((noinline)) uint mcv_list(const uint *flags, uint count, uint *listed) {
     uint n = 0;
 #ifdef MCV_AVX512_BUILTINS
-    enum { LESS = 1 };
     int16 numbers = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     for (uint i = 0; i < count; i += 16) {
-        const ushort within = __builtin_ia32_ucmpd512_mask(numbers, (int16)((int)count), LESS, (ushort)0xffff);
-        const ushort set = MCV_SET_FLAGS(flags + i, within);
+        const ushort set = mcv_set_flags(flags, i, count);
         vstore16(as_uint16(__builtin_ia32_compresssi512_mask(numbers, numbers, set)), 0, listed + n);
         n += popcount((uint)set);
         numbers += 16;
@@ -39,21 +44,23 @@ static inline __attribute__((noinline)) uint mcv_list(const uint *flags, uint co
     return n;
 }
 
-/* The words of a row whose flags are not 0, side by side; the same room. */
-static inline __attribute__((noinline)) void mcv_pack_row(const uint *flags, const uint *row, uint count, uint *packed) {
+/* The words of a row whose flags are not 0, side by side, in the same row or another; returns how many. The same room. */
+static inline __attribute__((noinline)) uint mcv_pack_row(const uint *flags, const uint *row, uint count, uint *packed) {
+    uint n = 0;
 #ifdef MCV_AVX512_BUILTINS
-    for (uint i = 0, n = 0; i < count; i += 16) {
-        const ushort set = MCV_SET_FLAGS(flags + i, 0xffff);
+    for (uint i = 0; i < count; i += 16) {
+        const ushort set = mcv_set_flags(flags, i, count);
         const int16 words = as_int16(vload16(0, row + i));
         vstore16(as_uint16(__builtin_ia32_compresssi512_mask(words, words, set)), 0, packed + n);
         n += popcount((uint)set);
     }
 #else
-    for (uint i = 0, n = 0; i < count; ++i) {
+    for (uint i = 0; i < count; ++i) {
         packed[n] = row[i];
         n += flags[i] != 0u;
     }
 #endif
+    return n;
 }
 
 #endif

@@ -197,18 +197,15 @@ static __attribute__((noinline)) uint mcv_list_cones(mcv_world world, const uint
     __global const mcv_device_emitter *e = world.emitters + emitter;
     const uint *x = paths + MCV_PATH_point * MCV_ROW, *y = x + MCV_ROW, *z = y + MCV_ROW;
     uint by_cone[MCV_ROW], by_area[MCV_ROW];
-    uint listed = 0;
     MCV_PARALLEL
     for (uint i = 0; i < *count; ++i) {
         const uint k = chosen[i];
         const int is_cone = mcv_samples_cone(e, mcv_vec(as_float(x[k]), as_float(y[k]), as_float(z[k])));
         by_cone[i] = (uint)is_cone;
         by_area[i] = (uint)!is_cone;
-        listed += (uint)is_cone;
     }
-    mcv_pack_row(by_cone, chosen, *count, cones);
-    mcv_pack_row(by_area, chosen, *count, chosen);
-    *count -= listed;
+    const uint listed = mcv_pack_row(by_cone, chosen, *count, cones);
+    *count = mcv_pack_row(by_area, chosen, *count, chosen);
     return listed;
 }
 #endif

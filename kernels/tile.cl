@@ -167,13 +167,13 @@ static __attribute__((noinline)) uint mcv_list_near_triangles(mcv_world world, u
 #endif
 
 #if MCV_WITH_ABSORPTION
-static __attribute__((noinline)) void mcv_arrive_together(mcv_world world, uint *paths, mcv_hits hits, uint count) {
+static __attribute__((noinline)) void mcv_absorb_together(mcv_world world, uint *paths, uint count) {
     mcv_slot slot;
     slot.base = paths;
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i) {
         slot.index = i;
-        mcv_arrive(world, slot, mcv_hit_of(hits, i));
+        mcv_absorb(world, slot);
     }
 }
 #endif
@@ -197,7 +197,7 @@ static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count) {
 #endif
     MCV_CLOSEST_MANY(world.nodes, world.leaves, origins, directions, chosen, listed, hits);
 #if MCV_WITH_ABSORPTION
-    mcv_arrive_together(world, slot.base, hits, count);
+    mcv_absorb_together(world, slot.base, count);
 #endif
 }
 
@@ -211,10 +211,10 @@ static __attribute__((noinline)) void mcv_shadows_past_solids(mcv_world world, c
     const mcv_hits exact = mcv_hits_in(rows + 7 * MCV_ROW, MCV_ROW);
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i) goes_on[i] = (uint)(!any | (hits.triangle[chosen[i]] == MCV_NONE));
-    const uint listed = mcv_list(goes_on, count, open);
+    const uint listed = mcv_pack_row(goes_on, chosen, count, open);
     MCV_PARALLEL
     for (uint i = 0; i < listed; ++i) {
-        const uint k = chosen[open[i]];
+        const uint k = open[i];
         const mcv_vec3 origin = mcv_one_of(paths + MCV_PATH_shadow_origin * MCV_ROW, k);
         const mcv_vec3 way = mcv_one_of(paths + MCV_PATH_shadow_direction * MCV_ROW, k);
         const float length = mcv_sqrt(mcv_dot(way, way));
@@ -235,7 +235,7 @@ static __attribute__((noinline)) void mcv_shadows_past_solids(mcv_world world, c
     const mcv_side_by_side rays = {rows, rows + 3 * MCV_ROW, rows + 6 * MCV_ROW};
     mcv_meet_solids_together(world, rays, listed, exact);
     for (uint i = 0; i < listed; ++i) {
-        const uint k = chosen[open[i]];
+        const uint k = open[i];
         if (exact.triangle[i] == hits.triangle[k]) continue;
         mcv_hit hit = mcv_hit_of(exact, i);
         hit.t /= lengths[i];
@@ -244,16 +244,15 @@ static __attribute__((noinline)) void mcv_shadows_past_solids(mcv_world world, c
 }
 #endif
 
-/* The light of the listed ones of the chosen paths' shadow rays, which nothing blocks. */
-static __attribute__((noinline)) void mcv_add_shadow_lights(mcv_world world, uint *paths, const uint *chosen, mcv_hits hits,
-                                                            const uint *listed, uint count) {
+/* The light of shadow rays that nothing blocks. */
+static __attribute__((noinline)) void mcv_add_shadow_lights(mcv_world world, uint *paths, const uint *lit, mcv_hits hits, uint count) {
     mcv_slot slot;
     slot.base = paths;
 #if !((MCV_WITH_PARALLEL || MCV_WITH_BEAM) && MCV_WITH_TEXTURE)
     MCV_PARALLEL
 #endif
     for (uint i = 0; i < count; ++i) {
-        slot.index = chosen[listed[i]];
+        slot.index = lit[i];
         mcv_add_shadow_light(world, slot, mcv_hit_of(hits, slot.index));
     }
 }
@@ -263,17 +262,16 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
     uint rows[4 * MCV_ROW];
     const mcv_hits hits = mcv_hits_in(rows, MCV_ROW);
     for (int any = !MCV_WITH_TARGETS; any < 2; ++any) {
-        uint flags[MCV_SLOTS], listed[MCV_SLOTS], chosen[MCV_SLOTS];
+        uint flags[MCV_SLOTS], listed[MCV_SLOTS];
+        const uint *chosen = paths;
         uint chosen_count = count;
 #if MCV_WITH_TARGETS
         for (uint i = 0; i < count; ++i) {
             slot.index = paths[i];
             flags[i] = mcv_shadow_is_any(slot) == any;
         }
-        chosen_count = mcv_list(flags, count, listed);
-        for (uint i = 0; i < chosen_count; ++i) chosen[i] = paths[listed[i]];
-#else
-        for (uint i = 0; i < count; ++i) chosen[i] = paths[i];
+        chosen = listed;
+        chosen_count = mcv_pack_row(flags, paths, count, listed);
 #endif
         for (uint i = 0; i < chosen_count; ++i) {
             slot.index = chosen[i];
@@ -291,7 +289,7 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
             const mcv_hit hit = mcv_hit_of(hits, slot.index);
             flags[i] = any ? hit.triangle == MCV_NONE : (uint)mcv_meets_target(world, slot, hit);
         }
-        mcv_add_shadow_lights(world, slot.base, chosen, hits, listed, mcv_list(flags, chosen_count, listed));
+        mcv_add_shadow_lights(world, slot.base, listed, hits, mcv_pack_row(flags, chosen, chosen_count, listed));
     }
 }
 #endif
@@ -448,7 +446,7 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
 #if MCV_WITH_LIGHT_TRACING
 #include "light_slices.h"
 
-/* One work-item per 2^log2_thinning slices of paths: as many light paths as a slice has. */
+/* One work-item per 2^log2_thinning slices of paths: on average as many light paths as a slice has. */
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_emitter_paths(MCV_WORLD_PARAMETERS __global uint *splats,
                                                                                  __global uint *counters) {
     MCV_MAKE_WORLD(world)
