@@ -7,11 +7,18 @@
 #include "sampler.h"
 #include "world.h"
 
-/* Surfaces that a path meets before roulette may end it. */
+/*
+ * Surfaces that a path meets before roulette may end it, and what it carries if it need not survive that: a smaller weight would cost time, a
+ * larger one makes noise. Where every surface that spreads light has looked for all of it that comes by one way, what is left is little
+ * beside that, and its rays cost most in meshes. Light that is only met by chance, from all sides or through glass, needs the paths.
+ */
+#if MCV_WITH_NEXT_EVENT && !(MCV_WITH_ENVIRONMENT || MCV_WITH_DIELECTRIC || MCV_WITH_SHEET)
+#define MCV_ROULETTE_DEPTH 2u
+#define MCV_ROULETTE_WEIGHT 0.5f
+#else
 #define MCV_ROULETTE_DEPTH 4u
-
-/* A path that carries less has to survive it: a smaller weight would cost time, a larger one makes noise. */
 #define MCV_ROULETTE_WEIGHT 0.125f
+#endif
 
 /* Which sample of which pixel a path is. */
 typedef struct mcv_identity {

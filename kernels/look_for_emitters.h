@@ -250,7 +250,7 @@ MCV_LOOP_FUNCTION void mcv_look_at_rectangle(mcv_world world, uint *paths, uint 
     const uint first = chosen[0];
     mcv_slot slot;
     slot.base = paths;
-    MCV_PARALLEL
+    MCV_PARALLEL_MASKED
     for (uint i = 0; i < count; ++i) {
         slot.index = row ? first + i : chosen[i];
         const mcv_receiver at = mcv_receiver_in(slot);
