@@ -20,7 +20,7 @@
 
 /* A sample's path splits at the first surfaces of glass, sheets and beam splitters that it meets, so that it has at most so many branches:
  * a power of two. */
-#define MCV_BRANCHES (MCV_WITH_SPLIT ? 8 : 1)
+#define MCV_BRANCHES (MCV_WITH_SPLIT ? 4 : 1)
 
 /* X(field, words): what a scene does not need has no words. Those before the hit go on with the path to its next surface. */
 #define MCV_PATH_FIELDS(X) \
