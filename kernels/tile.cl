@@ -463,15 +463,17 @@ static __attribute__((noinline)) uint mcv_begin_paths(mcv_world world, mcv_slot 
     uint rows[MCV_SLOTS];
     uint begins[MCV_SLOTS], begun[MCV_SLOTS];
     const uint samples = 1u << world.frame->log2_samples;
-    mcv_identity id = mcv_identify(world, first);
-    for (slot.index = 0; slot.index < count; ++slot.index) {
-        const uint sample = (first + slot.index) & (samples - 1u);
-        if (sample == 0) id = mcv_identify(world, first + slot.index);
-        id.sample = world.frame->first_sample + sample;
-        columns[slot.index] = id.column;
-        rows[slot.index] = id.row;
-        MCV_WORD(slot, stream, 0) = id.stream;
-        MCV_WORD(slot, sample, 0) = id.sample;
+    for (uint from = 0, to; from < count; from = to) {
+        const mcv_identity id = mcv_identify(world, first + from);
+        to = min(count, from + samples - ((first + from) & (samples - 1u)));
+        MCV_PARALLEL
+        for (uint i = from; i < to; ++i) {
+            slot.index = i;
+            columns[i] = id.column;
+            rows[i] = id.row;
+            MCV_WORD(slot, stream, 0) = id.stream;
+            MCV_WORD(slot, sample, 0) = id.sample + (i - from);
+        }
     }
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i) {
