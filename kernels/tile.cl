@@ -49,6 +49,7 @@ static inline __attribute__((always_inline)) void mcv_take_sixteen(float16 lanes
 #include "look_for_emitters.h"
 #endif
 #include "smooth_surfaces.h"
+#include "few_triangles.h"
 #include "accumulate_film.cl"
 #if MCV_WITH_LIGHT_TRACING
 #include "trace_emitter_paths.cl"
@@ -411,8 +412,18 @@ static __attribute__((noinline)) void mcv_find_exacts(mcv_world world, mcv_slot 
 static __attribute__((noinline)) void mcv_find_surfaces(mcv_world world, uint *paths, const uint *ends) {
     mcv_slot slot;
     slot.base = paths;
-    mcv_find_triangles(world, slot, 0, ends[MCV_MET_SMOOTH_TRIANGLE]);
-    mcv_find_triangles(world, slot, ends[MCV_MET_GLOSS_EXACT], ends[MCV_MET_TRIANGLE]);
+#if MCV_FEW_TRIANGLES
+    if (world.frame->triangle_count - 1u < MCV_FEW_TRIANGLES && ends[MCV_MET_EXACT] >= 2 * MCV_FEW_TRIANGLES) {
+        mcv_facet_table table;
+        mcv_fill_facets(world, &table);
+        mcv_find_few_triangles(paths, &table, 0, ends[MCV_MET_SMOOTH_TRIANGLE]);
+        mcv_find_few_triangles(paths, &table, ends[MCV_MET_GLOSS_EXACT], ends[MCV_MET_TRIANGLE]);
+    } else
+#endif
+    {
+        mcv_find_triangles(world, slot, 0, ends[MCV_MET_SMOOTH_TRIANGLE]);
+        mcv_find_triangles(world, slot, ends[MCV_MET_GLOSS_EXACT], ends[MCV_MET_TRIANGLE]);
+    }
 #if MCV_WITH_SURFACES
     mcv_find_exacts(world, slot, ends[MCV_MET_SMOOTH_TRIANGLE], ends[MCV_MET_SMOOTH_EXACT]);
     mcv_find_exacts(world, slot, ends[MCV_MET_SMOOTH_EXACT], ends[MCV_MET_GLOSS_EXACT]);

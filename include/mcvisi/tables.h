@@ -76,7 +76,8 @@ typedef struct mcv_frame {
     uint listed;             /* sets are of the pixels that a list gives, one after the other */
     uint ball_count;
     mcv_ball balls[MCV_MAX_BALLS]; /* around all smooth surfaces */
-    uint padding[12];
+    uint triangle_count;
+    uint padding[11];
 } mcv_frame;
 MCV_ASSERT_SIZE(mcv_frame, 512);
 
