@@ -9,18 +9,12 @@
 #include "list.h"
 #include "meet_surface.h"
 
-#if defined(MCV_AVX512_BUILTINS) && !MCV_WITH_NORMALS
-#define MCV_FEW_TRIANGLES 32
-#else
-#define MCV_FEW_TRIANGLES 0
-#endif
-
-#if MCV_FEW_TRIANGLES
+#if MCV_FEW && !MCV_WITH_NORMALS
 enum { MCV_FACET_WORDS = 14, MCV_LOOKED_UP = 128 };
 
 /* Rows of what mcv_facet_of says: corners, normal, area; and the instance. */
 typedef struct mcv_facet_table {
-    uint words[MCV_FACET_WORDS][MCV_FEW_TRIANGLES];
+    uint words[MCV_FACET_WORDS][MCV_FEW];
 } mcv_facet_table;
 
 /* As of mcv_surface_on. */
@@ -42,22 +36,13 @@ MCV_LOOP_FUNCTION mcv_facet mcv_facet_in(const uint *words, uint row, uint i) {
 static __attribute__((noinline)) void mcv_fill_facets(mcv_world world, mcv_facet_table *table) {
     const uint count = world.frame->triangle_count;
     MCV_PARALLEL
-    for (uint i = 0; i < MCV_FEW_TRIANGLES; ++i) {
+    for (uint i = 0; i < MCV_FEW; ++i) {
         const mcv_facet facet = mcv_facet_of(world, i < count ? i : 0u);
         const float f[MCV_FACET_WORDS - 1] = {facet.a.x, facet.a.y, facet.a.z,    facet.b.x,    facet.b.y,    facet.b.z, facet.c.x,
                                               facet.c.y, facet.c.z, facet.face.x, facet.face.y, facet.face.z, facet.area};
 #pragma unroll
         for (uint k = 0; k < MCV_FACET_WORDS - 1; ++k) table->words[k][i] = as_uint(f[k]);
         table->words[MCV_FACET_WORDS - 1][i] = facet.corners.w;
-    }
-}
-
-/* found[i] = from[numbers[i]]; up to the next multiple of 16. */
-static inline void mcv_look_up(const uint *from, const uint *numbers, uint count, uint *found) {
-    const int16 low = as_int16(vload16(0, from)), high = as_int16(vload16(1, from));
-    for (uint i = 0; i < count; i += 16) {
-        const int16 chosen = as_int16(vload16(0, numbers + i));
-        vstore16(as_uint16(__builtin_ia32_vpermi2vard512(low, chosen, high)), 0, found + i);
     }
 }
 

@@ -63,4 +63,20 @@ static inline __attribute__((noinline)) uint mcv_pack_row(const uint *flags, con
     return n;
 }
 
+/* So many entries of a table can be looked up in registers; 0: none. */
+#ifdef MCV_AVX512_BUILTINS
+#define MCV_FEW 32
+
+/* found[i] = from[numbers[i]], of MCV_FEW; up to the next multiple of 16. */
+static inline void mcv_look_up(const uint *from, const uint *numbers, uint count, uint *found) {
+    const int16 low = as_int16(vload16(0, from)), high = as_int16(vload16(1, from));
+    for (uint i = 0; i < count; i += 16) {
+        const int16 chosen = as_int16(vload16(0, numbers + i));
+        vstore16(as_uint16(__builtin_ia32_vpermi2vard512(low, chosen, high)), 0, found + i);
+    }
+}
+#else
+#define MCV_FEW 0
+#endif
+
 #endif

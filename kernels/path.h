@@ -53,6 +53,7 @@
     X(normal, 3 * MCV_TILE) \
     X(gloss_known, MCV_TILE *MCV_WITH_GLOSS) \
     X(parted, (5 + MCV_CHANNELS) * MCV_TILE * MCV_WITH_SPLIT) /* direction, media, density and throughput of a branch */ \
+    X(reflectance, MCV_CHANNELS *MCV_TILE)                    /* of a plain diffuse surface */ \
     X(bounce, 4 * MCV_TILE)                   /* the direction in which the surface reflects if it is diffuse, and its density */ \
     X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path looks for, or MCV_NONE */ \
     X(place, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT * MCV_WITH_TEXTURE) /* and where there (triangle, u, v) */ \

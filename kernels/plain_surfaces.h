@@ -161,6 +161,37 @@ MCV_LOOP_FUNCTION uint mcv_leave_plain(mcv_world world, mcv_slot slot, mcv_vec3 
 #endif
 
 #if MCV_WITH_PLAIN
+MCV_LOOP_FUNCTION mcv_color mcv_reflectance_of(mcv_world world, uint instance) {
+    mcv_color reflectance;
+    MCV_EACH_CHANNEL(c) reflectance.c[c] = world.materials[world.instances[instance].material].value[c];
+    return reflectance;
+}
+
+/* What the diffuse surfaces reflect that the paths in the slots first … last - 1 have met. What follows in the row is of no account then.
+ */
+static __attribute__((noinline)) void mcv_find_reflectances(mcv_world world, uint *paths, uint first, uint last) {
+    const uint *instances = paths + MCV_PATH_instance * MCV_ROW;
+    uint *rows = paths + MCV_PATH_reflectance * MCV_ROW;
+#if MCV_FEW
+    const uint count = world.frame->instance_count;
+    if (count <= MCV_FEW && last - first >= 2 * MCV_FEW) {
+        uint of_each[MCV_CHANNELS][MCV_FEW];
+        MCV_PARALLEL
+        for (uint i = 0; i < MCV_FEW; ++i) {
+            const mcv_color reflectance = mcv_reflectance_of(world, i < count ? i : 0u);
+            MCV_EACH_CHANNEL(c) of_each[c][i] = as_uint(reflectance.c[c]);
+        }
+        for (uint c = 0; c < MCV_CHANNELS; ++c) mcv_look_up(of_each[c], instances + first, last - first, rows + c * MCV_ROW + first);
+        return;
+    }
+#endif
+    MCV_PARALLEL_MASKED
+    for (uint i = first; i < last; ++i) {
+        const mcv_color reflectance = mcv_reflectance_of(world, instances[i]);
+        MCV_EACH_CHANNEL(c) rows[c * MCV_ROW + i] = as_uint(reflectance.c[c]);
+    }
+}
+
 #if MCV_WITH_GLOSS
 /* What is known of a plain glossy material beforehand. */
 static mcv_device_gloss mcv_plain_gloss(mcv_world world, uint material) {
@@ -199,10 +230,9 @@ MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint
         response.media = mcv_path_media(slot);
         if (type == MCV_MATERIAL_DIFFUSE) {
             const float cosine = mcv_dot(direction, MCV_LOAD_3(slot, normal));
-            __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
             lit &= (cosine > 0.0f) & (mcv_dot(direction, MCV_LOAD_3(slot, face)) > 0.0f);
             response.density = mcv_diffuse_density(cosine);
-            MCV_EACH_CHANNEL(c) response.value.c[c] = material->value[c] * response.density;
+            MCV_EACH_CHANNEL(c) response.value.c[c] = MCV_LOAD(slot, reflectance, c) * response.density;
         } else {
 #if MCV_WITH_GLOSS
             const mcv_meeting meeting = mcv_meet_surface(world, slot);
@@ -289,11 +319,10 @@ MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first,
         MCV_LOAD_COLOR(slot, throughput, before);
         factor = mcv_grey(0.0f);
         if (type == MCV_MATERIAL_DIFFUSE) {
-            __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
             direction = MCV_LOAD_3(slot, bounce);
             density = MCV_LOAD(slot, bounce, 3);
             reflects = mcv_dot(direction, MCV_LOAD_3(slot, face)) > 0.0f;
-            MCV_EACH_CHANNEL(c) factor.c[c] = material->value[c];
+            MCV_LOAD_COLOR(slot, reflectance, factor);
         } else {
 #if MCV_WITH_GLOSS
             const mcv_meeting meeting = mcv_meet_surface(world, slot);

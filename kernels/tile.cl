@@ -412,8 +412,8 @@ static __attribute__((noinline)) void mcv_find_exacts(mcv_world world, mcv_slot 
 static __attribute__((noinline)) void mcv_find_surfaces(mcv_world world, uint *paths, const uint *ends) {
     mcv_slot slot;
     slot.base = paths;
-#if MCV_FEW_TRIANGLES
-    if (world.frame->triangle_count - 1u < MCV_FEW_TRIANGLES && ends[MCV_MET_EXACT] >= 2 * MCV_FEW_TRIANGLES) {
+#if MCV_FEW && !MCV_WITH_NORMALS
+    if (world.frame->triangle_count - 1u < MCV_FEW && ends[MCV_MET_EXACT] >= 2 * MCV_FEW) {
         mcv_facet_table table;
         mcv_fill_facets(world, &table);
         mcv_find_few_triangles(paths, &table, 0, ends[MCV_MET_SMOOTH_TRIANGLE]);
@@ -570,6 +570,10 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
         mcv_order_paths(paths, kinds, alive, ends);
         alive = ends[MCV_MET_EXACT];
         mcv_find_surfaces(world, paths, ends);
+#if MCV_WITH_PLAIN
+        mcv_find_reflectances(world, paths, ends[MCV_MET_SMOOTH_EXACT], ends[MCV_MET_DIFFUSE_EXACT]);
+        mcv_find_reflectances(world, paths, ends[MCV_MET_GLOSS_TRIANGLE], ends[MCV_MET_DIFFUSE_TRIANGLE]);
+#endif
         if (mcv_needs_choice(world.frame, depth)) mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_CHOICE);
 #if MCV_WITH_NEXT_EVENT
         /* An emitter is a surface too: the last surface a path may meet does not look for one. */

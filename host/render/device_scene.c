@@ -300,6 +300,7 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
     frame->emitter_count = packed->emitter_count;
     frame->solid_count = packed->solid_count;
     frame->triangle_count = packed->triangle_count;
+    frame->instance_count = packed->instance_count;
     frame->initial_media = mcv_media_around(scene, packed, from->to_world.m + 9);
     uint32_t filling = 0;
     while (filling < MCV_MAX_MEDIA && frame->initial_media >> filling != 0) ++filling;

@@ -77,7 +77,8 @@ typedef struct mcv_frame {
     uint ball_count;
     mcv_ball balls[MCV_MAX_BALLS]; /* around all smooth surfaces */
     uint triangle_count;
-    uint padding[11];
+    uint instance_count;
+    uint padding[10];
 } mcv_frame;
 MCV_ASSERT_SIZE(mcv_frame, 512);
 
