@@ -7,7 +7,8 @@
 
 /* clang knows the builtins on any x86, but can only emit them with AVX-512. */
 #if defined(__AVX512F__) && defined(__has_builtin)
-#if __has_builtin(__builtin_ia32_compresssi512_mask) && __has_builtin(__builtin_ia32_ucmpd512_mask)
+#if __has_builtin(__builtin_ia32_compresssi512_mask) && __has_builtin(__builtin_ia32_expandsi512_mask) && \
+    __has_builtin(__builtin_ia32_ucmpd512_mask)
 #define MCV_AVX512_BUILTINS 1
 #endif
 #endif
@@ -62,6 +63,27 @@ static inline __attribute__((noinline)) uint mcv_pack_row(const uint *flags, con
 #endif
     return n;
 }
+
+/* The words that mcv_pack_row has set side by side go back to where the flags are not 0; the others of the row are any. The same room. */
+static inline __attribute__((noinline)) void mcv_spread_row(const uint *flags, const uint *packed, uint count, uint *row) {
+    uint n = 0;
+#ifdef MCV_AVX512_BUILTINS
+    for (uint i = 0; i < count; i += 16) {
+        const ushort set = mcv_set_flags(flags, i, count);
+        const int16 words = as_int16(vload16(0, packed + n));
+        vstore16(as_uint16(__builtin_ia32_expandsi512_mask(words, words, set)), 0, row + i);
+        n += popcount((uint)set);
+    }
+#else
+    for (uint i = 0; i < count; ++i) {
+        row[i] = packed[n];
+        n += flags[i] != 0u;
+    }
+#endif
+}
+
+/* So many turns of a loop over rows fill the vectors: rows have the room, and what is beyond their words counts for nothing. */
+static inline uint mcv_fill_lanes(uint count) { return (count + 15u) & ~15u; }
 
 /* So many entries of a table can be looked up in registers; 0: none. */
 #ifdef MCV_AVX512_BUILTINS

@@ -59,6 +59,9 @@ static inline __attribute__((always_inline)) void mcv_take_sixteen(float16 lanes
 #define MCV_ROWS(slot, field) \
     { (slot).base + MCV_PATH_##field *MCV_ROW, 1u, MCV_ROW }
 
+#ifndef MCV_FEW_NEAR
+#define MCV_FEW_NEAR 3u
+#endif
 #if MCV_WITH_SURFACES
 /* Rays side by side: rows of MCV_ROW words for each component. The directions are unit. */
 typedef struct mcv_side_by_side {
@@ -82,55 +85,96 @@ MCV_LOOP_FUNCTION void mcv_meet_together(mcv_world world, mcv_side_by_side rays,
     }
 }
 
-/* Lists the rays that may meet a solid, and sets them side by side in `rows`; returns how many. */
-static __attribute__((noinline)) uint mcv_list_approaching(mcv_world world, mcv_side_by_side rays, uint count, uint number, mcv_hits hits,
-                                                           uint *chosen, uint *rows) {
+/* Which rays may meet a solid; returns how many. */
+static __attribute__((noinline)) uint mcv_find_approaching(mcv_world world, mcv_side_by_side rays, uint count, uint number, mcv_hits hits,
+                                                           uint *reaches) {
     __global const mcv_device_solid *solid = world.solids + number;
-    uint reaches[MCV_SLOTS];
+    uint near = 0;
     MCV_PARALLEL
-    for (uint i = 0; i < count; ++i)
-        reaches[i] = (uint)mcv_reaches_solid(solid, mcv_one_of(rays.origin, i), mcv_one_of(rays.direction, i), as_float(hits.t[i]));
-    for (uint axis = 0; axis < 3; ++axis) {
-        mcv_pack_row(reaches, rays.origin + axis * MCV_ROW, count, rows + axis * MCV_ROW);
-        mcv_pack_row(reaches, rays.direction + axis * MCV_ROW, count, rows + (3 + axis) * MCV_ROW);
+    for (uint i = 0; i < mcv_fill_lanes(count); ++i) {
+        const int meets = mcv_reaches_solid(solid, mcv_one_of(rays.origin, i), mcv_one_of(rays.direction, i), as_float(hits.t[i]));
+        reaches[i] = (uint)(meets & (i < count));
+        near += reaches[i];
     }
-    mcv_pack_row(reaches, rays.left, count, rows + 6 * MCV_ROW);
-    return mcv_list(reaches, count, chosen);
+    return near;
+}
+
+/* mcv_take_exact_hit of the rays that may meet a solid. */
+static __attribute__((noinline)) void mcv_take_exact_hits(mcv_world world, const float *t, const uint *pieces, uint number, uint count,
+                                                          const uint *reaches, mcv_hits hits) {
+    uint tied[MCV_ROW], ties = 0;
+    MCV_PARALLEL
+    for (uint i = 0; i < mcv_fill_lanes(count); ++i) {
+        const float before = as_float(hits.t[i]);
+        const uint triangle = hits.triangle[i];
+        const int closer = (reaches[i] != 0u) & (t[i] < before);
+        tied[i] = (reaches[i] != 0u) & (t[i] == before) & (triangle >= MCV_EXACT) & (triangle != MCV_NONE);
+        ties += tied[i];
+        hits.t[i] = as_uint(closer ? t[i] : before);
+        hits.u[i] = closer ? 0u : hits.u[i];
+        hits.v[i] = closer ? 0u : hits.v[i];
+        hits.triangle[i] = closer ? MCV_EXACT | 4u * number | pieces[i] : triangle;
+    }
+    for (uint i = 0; ties > 0 && i < count; ++i) {
+        if (!tied[i]) continue;
+        mcv_hit hit = mcv_hit_of(hits, i);
+        mcv_take_exact_hit(world, t[i], number, pieces[i], &hit);
+        mcv_put_hit(hits, i, hit);
+    }
 }
 
 /* What many rays meet of the exact surfaces, if that is closer than the given hits (or misses, with their t_max). */
 static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, mcv_side_by_side rays, uint count, mcv_hits hits) {
-    uint chosen[MCV_SLOTS], pieces[MCV_SLOTS], rows[7 * MCV_ROW];
-    float t[MCV_SLOTS];
-    const mcv_side_by_side near = {rows, rows + 3 * MCV_ROW, rows + 6 * MCV_ROW};
+    uint reaches[MCV_ROW], pieces[MCV_ROW], rows[7 * MCV_ROW], packed[2 * MCV_ROW];
+    float t[MCV_ROW];
     for (uint number = 0; number < world.frame->solid_count; ++number) {
-        const uint shape = mcv_shape(world.solids + number);
-        const uint listed = mcv_list_approaching(world, rays, count, number, hits, chosen, rows);
+        __global const mcv_device_solid *solid = world.solids + number;
+        const uint shape = mcv_shape(solid), near = mcv_find_approaching(world, rays, count, number, hits, reaches);
+        if (near == 0u) continue;
+        /* Where they are few they are set side by side. */
+        const int few = shape == MCV_SHAPE_OTHER || MCV_FEW_NEAR * near < count;
+        mcv_side_by_side own = rays;
+        float *own_t = t;
+        uint *own_pieces = pieces;
+        uint own_count = count;
+        if (few) {
+            for (uint axis = 0; axis < 3; ++axis) {
+                mcv_pack_row(reaches, rays.origin + axis * MCV_ROW, count, rows + axis * MCV_ROW);
+                mcv_pack_row(reaches, rays.direction + axis * MCV_ROW, count, rows + (3 + axis) * MCV_ROW);
+            }
+            mcv_pack_row(reaches, rays.left, count, rows + 6 * MCV_ROW);
+            own = (mcv_side_by_side){rows, rows + 3 * MCV_ROW, rows + 6 * MCV_ROW};
+            own_t = (float *)packed;
+            own_pieces = packed + MCV_ROW;
+            own_count = near;
+        }
         switch (shape) {
         case MCV_SHAPE_OTHER:
-            for (uint i = 0; i < listed; ++i) {
-                mcv_hit hit = mcv_hit_of(hits, chosen[i]);
-                mcv_intersect_solid(world, number, mcv_one_of(near.origin, i), mcv_one_of(near.direction, i), near.left[i], &hit);
-                mcv_put_hit(hits, chosen[i], hit);
+            for (uint i = 0; i < own_count; ++i) {
+                const mcv_approach ray =
+                    mcv_approach_solid(world, number, mcv_one_of(own.origin, i), mcv_one_of(own.direction, i), own.left[i]);
+                const mcv_piece_met met = mcv_meet_other(solid, &ray);
+                own_t[i] = met.t;
+                own_pieces[i] = met.piece;
             }
-            continue;
+            break;
         case MCV_SHAPE_DISC:
-            mcv_meet_together(world, near, number, MCV_SHAPE_DISC, listed, t, pieces);
+            mcv_meet_together(world, own, number, MCV_SHAPE_DISC, own_count, own_t, own_pieces);
             break;
         case MCV_SHAPE_BALL:
-            mcv_meet_together(world, near, number, MCV_SHAPE_BALL, listed, t, pieces);
+            mcv_meet_together(world, own, number, MCV_SHAPE_BALL, own_count, own_t, own_pieces);
             break;
         case MCV_SHAPE_BOX:
-            mcv_meet_together(world, near, number, MCV_SHAPE_BOX, listed, t, pieces);
+            mcv_meet_together(world, own, number, MCV_SHAPE_BOX, own_count, own_t, own_pieces);
             break;
         default:
-            mcv_meet_together(world, near, number, MCV_SHAPE_CONICS, listed, t, pieces);
+            mcv_meet_together(world, own, number, MCV_SHAPE_CONICS, own_count, own_t, own_pieces);
         }
-        for (uint i = 0; i < listed; ++i) {
-            mcv_hit hit = mcv_hit_of(hits, chosen[i]);
-            mcv_take_exact_hit(world, t[i], number, pieces[i], &hit);
-            mcv_put_hit(hits, chosen[i], hit);
+        if (few) {
+            mcv_spread_row(reaches, packed, count, (uint *)t);
+            mcv_spread_row(reaches, packed + MCV_ROW, count, pieces);
         }
+        mcv_take_exact_hits(world, t, pieces, number, count, reaches, hits);
     }
 }
 
