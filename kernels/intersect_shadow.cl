@@ -6,14 +6,14 @@
 #include "solids.h"
 #endif
 
-/* The light of the emitter at the hit arrives; a ray that ends at the emitter's point has no triangle. */
-MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_hit hit) {
+/* The light of the emitter at the hit arrives, if it is lit; a ray that ends at the emitter's point has no triangle. */
+MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_hit hit, int lit) {
     mcv_color light;
     mcv_color radiance;
     MCV_LOAD_COLOR(slot, shadow_light, light);
 #if (MCV_WITH_PARALLEL || MCV_WITH_BEAM) && MCV_WITH_TEXTURE
     /* What comes along a cone's or a beam's direction depends on where it was met. */
-    if (hit.triangle != MCV_NONE) {
+    if (lit && hit.triangle != MCV_NONE) {
         const mcv_surface there = mcv_surface_at(world, hit.triangle, hit.u, hit.v);
         const uint texture = world.emitters[world.instances[there.instance].emitter].texture;
         if (texture != MCV_NONE) light = mcv_tint(light, mcv_texture_at(world, there, texture));
@@ -26,12 +26,12 @@ MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_
 #else
     const uint media = MCV_WORD(slot, media, 0);
 #endif
-    light = mcv_tint(light, mcv_medium_transmittance(world, media, hit.t * mcv_sqrt(mcv_dot(direction, direction))));
+    light = mcv_tint(light, mcv_medium_transmittance(world, lit ? media : 0u, hit.t * mcv_sqrt(mcv_dot(direction, direction))));
 #else
     (void)world, (void)hit;
 #endif
     MCV_LOAD_COLOR(slot, radiance, radiance);
-    MCV_EACH_CHANNEL(i) radiance.c[i] += light.c[i];
+    MCV_EACH_CHANNEL(i) radiance.c[i] = lit ? radiance.c[i] + light.c[i] : radiance.c[i];
     MCV_STORE_COLOR(slot, radiance, radiance);
 }
 
@@ -65,10 +65,10 @@ MCV_FUNCTION void mcv_intersect_shadow(mcv_world world, mcv_slot slot) {
     if (mcv_shadow_is_any(slot)) {
         const mcv_hit end = mcv_shadow_past_solids(world, slot, mcv_miss(mcv_shadow_end(slot)));
         if (end.triangle == MCV_NONE && !mcv_intersect_any_ray(world.nodes, world.leaves, origin, direction, end.t))
-            mcv_add_shadow_light(world, slot, end);
+            mcv_add_shadow_light(world, slot, end, 1);
     } else {
         const mcv_hit hit =
             mcv_shadow_past_solids(world, slot, mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction, INFINITY));
-        if (mcv_meets_target(world, slot, hit)) mcv_add_shadow_light(world, slot, hit);
+        if (mcv_meets_target(world, slot, hit)) mcv_add_shadow_light(world, slot, hit, 1);
     }
 }

@@ -271,10 +271,12 @@ static __attribute__((noinline)) void mcv_follow_connections(mcv_world world, mc
     const mcv_rows origins = MCV_ROWS(slot, shadow_origin), directions = MCV_ROWS(slot, shadow_direction);
     uint rows[4 * MCV_ROW];
     const mcv_hits hits = mcv_hits_in(rows, MCV_ROW);
-    for (uint i = 0; i < count; ++i) mcv_put_hit(hits, connected[i], mcv_miss(1.0f));
+    const uint first = count > 0u ? connected[0] : 0u, last = count > 0u ? connected[count - 1u] + 1u : 0u;
+    mcv_begin_shadows(hits, first, last);
+    for (uint i = 0; i < count; ++i) hits.t[connected[i]] = as_uint(1.0f);
     MCV_ANY_MANY(world.nodes, world.leaves, origins, directions, connected, count, hits);
 #if MCV_WITH_SURFACES
-    mcv_shadows_past_solids(world, slot.base, connected, count, 1, hits);
+    mcv_shadows_past_solids(world, slot.base, first, last, 1, hits);
 #endif
     counts[MCV_COUNTER_shadow_rays] += count;
 #endif

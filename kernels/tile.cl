@@ -248,69 +248,78 @@ static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count) {
 
 #if MCV_WITH_NEXT_EVENT
 #if MCV_WITH_SURFACES
-/* What the shadow rays of the chosen paths meet, of triangles (the given hits) and exact surfaces (mcv_shadow_past_solids). */
-static __attribute__((noinline)) void mcv_shadows_past_solids(mcv_world world, const uint *paths, const uint *chosen, uint count, int any,
+/*
+ * What the shadow rays of the paths first … last - 1 meet, of triangles (the given hits) and exact surfaces (mcv_shadow_past_solids). A ray
+ * that ends at -INFINITY is none.
+ */
+static __attribute__((noinline)) void mcv_shadows_past_solids(mcv_world world, const uint *paths, uint first, uint last, int any,
                                                               mcv_hits hits) {
-    uint rows[11 * MCV_ROW], goes_on[MCV_SLOTS], open[MCV_SLOTS];
-    float lengths[MCV_SLOTS];
-    const mcv_hits exact = mcv_hits_in(rows + 7 * MCV_ROW, MCV_ROW);
+    uint rows[8 * MCV_ROW];
+    float lengths[MCV_ROW];
+    const uint count = last - first;
+    const mcv_hits exact = mcv_hits_in(rows + 4 * MCV_ROW, MCV_ROW);
+    const mcv_side_by_side ways = {paths + MCV_PATH_shadow_origin * MCV_ROW + first, paths + MCV_PATH_shadow_direction * MCV_ROW + first,
+                                   paths + MCV_PATH_shadow_left * MCV_ROW + first};
+    const mcv_side_by_side rays = {ways.origin, rows, rows + 3 * MCV_ROW};
     MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) goes_on[i] = (uint)(!any | (hits.triangle[chosen[i]] == MCV_NONE));
-    const uint listed = mcv_pack_row(goes_on, chosen, count, open);
-    MCV_PARALLEL
-    for (uint i = 0; i < listed; ++i) {
-        const uint k = open[i];
-        const mcv_vec3 origin = mcv_one_of(paths + MCV_PATH_shadow_origin * MCV_ROW, k);
-        const mcv_vec3 way = mcv_one_of(paths + MCV_PATH_shadow_direction * MCV_ROW, k);
+    for (uint i = 0; i < mcv_fill_lanes(count); ++i) {
+        const mcv_vec3 way = mcv_one_of(ways.direction, i);
         const float length = mcv_sqrt(mcv_dot(way, way));
         const mcv_vec3 unit = mcv_scale(way, 1.0f / length);
-        rows[i] = as_uint(origin.x);
-        rows[MCV_ROW + i] = as_uint(origin.y);
-        rows[2 * MCV_ROW + i] = as_uint(origin.z);
-        rows[3 * MCV_ROW + i] = as_uint(unit.x);
-        rows[4 * MCV_ROW + i] = as_uint(unit.y);
-        rows[5 * MCV_ROW + i] = as_uint(unit.z);
-        rows[6 * MCV_ROW + i] = paths[MCV_PATH_shadow_left * MCV_ROW + k];
+        const float end = as_float(hits.t[first + i]);
+        const uint met = hits.triangle[first + i];
+        rows[i] = as_uint(unit.x);
+        rows[MCV_ROW + i] = as_uint(unit.y);
+        rows[2 * MCV_ROW + i] = as_uint(unit.z);
+        rows[3 * MCV_ROW + i] = end > -INFINITY ? ways.left[i] : MCV_NONE;
         lengths[i] = length;
-        exact.t[i] = as_uint(as_float(hits.t[k]) * length);
-        exact.u[i] = hits.u[k];
-        exact.v[i] = hits.v[k];
-        exact.triangle[i] = hits.triangle[k];
+        exact.t[i] = as_uint((any & (met != MCV_NONE)) ? -INFINITY : end * length);
+        exact.u[i] = hits.u[first + i];
+        exact.v[i] = hits.v[first + i];
+        exact.triangle[i] = met;
     }
-    const mcv_side_by_side rays = {rows, rows + 3 * MCV_ROW, rows + 6 * MCV_ROW};
-    mcv_meet_solids_together(world, rays, listed, exact);
-    for (uint i = 0; i < listed; ++i) {
-        const uint k = open[i];
-        if (exact.triangle[i] == hits.triangle[k]) continue;
-        mcv_hit hit = mcv_hit_of(exact, i);
-        hit.t /= lengths[i];
-        mcv_put_hit(hits, k, hit);
+    mcv_meet_solids_together(world, rays, count, exact);
+    MCV_PARALLEL
+    for (uint i = 0; i < mcv_fill_lanes(count); ++i) {
+        const int closer = exact.triangle[i] != hits.triangle[first + i];
+        hits.t[first + i] = closer ? as_uint(as_float(exact.t[i]) / lengths[i]) : hits.t[first + i];
+        hits.u[first + i] = closer ? exact.u[i] : hits.u[first + i];
+        hits.v[first + i] = closer ? exact.v[i] : hits.v[first + i];
+        hits.triangle[first + i] = exact.triangle[i];
     }
 }
 #endif
 
-/* The light of shadow rays that nothing blocks. */
-static __attribute__((noinline)) void mcv_add_shadow_lights(mcv_world world, uint *paths, const uint *lit, mcv_hits hits, uint count) {
+/* No hits of the paths first … last - 1, and no rays. */
+static __attribute__((noinline)) void mcv_begin_shadows(mcv_hits hits, uint first, uint last) {
+    MCV_PARALLEL
+    for (uint i = 0; i < mcv_fill_lanes(last - first); ++i) mcv_put_hit(hits, first + i, mcv_miss(-INFINITY));
+}
+
+/* The light of shadow rays that nothing blocks; where any hit does they have not met one, else they have met their target. */
+static __attribute__((noinline)) void mcv_add_shadow_lights(mcv_world world, uint *paths, uint first, uint last, int any, mcv_hits hits) {
     mcv_slot slot;
     slot.base = paths;
 #if !((MCV_WITH_PARALLEL || MCV_WITH_BEAM) && MCV_WITH_TEXTURE)
     MCV_PARALLEL
 #endif
-    for (uint i = 0; i < count; ++i) {
-        slot.index = lit[i];
-        mcv_add_shadow_light(world, slot, mcv_hit_of(hits, slot.index));
+    for (uint i = 0; i < mcv_fill_lanes(last - first); ++i) {
+        slot.index = first + i;
+        const mcv_hit hit = mcv_hit_of(hits, slot.index);
+        mcv_add_shadow_light(world, slot, hit, (hit.t > -INFINITY) & (!any | (hit.triangle == MCV_NONE)));
     }
 }
 
+/* Of the paths in these slots, in ascending order. */
 static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *paths, uint count) {
     const mcv_rows origins = MCV_ROWS(slot, shadow_origin), directions = MCV_ROWS(slot, shadow_direction);
     uint rows[4 * MCV_ROW];
     const mcv_hits hits = mcv_hits_in(rows, MCV_ROW);
     for (int any = !MCV_WITH_TARGETS; any < 2; ++any) {
-        uint flags[MCV_SLOTS], listed[MCV_SLOTS];
         const uint *chosen = paths;
         uint chosen_count = count;
 #if MCV_WITH_TARGETS
+        uint flags[MCV_SLOTS], listed[MCV_SLOTS];
         for (uint i = 0; i < count; ++i) {
             slot.index = paths[i];
             flags[i] = mcv_shadow_is_any(slot) == any;
@@ -318,23 +327,25 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
         chosen = listed;
         chosen_count = mcv_pack_row(flags, paths, count, listed);
 #endif
+        if (chosen_count == 0u) continue;
+        const uint first = chosen[0], last = chosen[chosen_count - 1u] + 1u;
+        mcv_begin_shadows(hits, first, last);
         for (uint i = 0; i < chosen_count; ++i) {
             slot.index = chosen[i];
-            mcv_put_hit(hits, slot.index, mcv_miss(mcv_shadow_end(slot)));
+            hits.t[slot.index] = as_uint(mcv_shadow_end(slot));
         }
         if (any)
             MCV_ANY_MANY(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
         else
             MCV_CLOSEST_MANY(world.nodes, world.leaves, origins, directions, chosen, chosen_count, hits);
 #if MCV_WITH_SURFACES
-        mcv_shadows_past_solids(world, slot.base, chosen, chosen_count, any, hits);
+        mcv_shadows_past_solids(world, slot.base, first, last, any, hits);
 #endif
-        for (uint i = 0; i < chosen_count; ++i) {
+        for (uint i = 0; i < chosen_count && !any; ++i) {
             slot.index = chosen[i];
-            const mcv_hit hit = mcv_hit_of(hits, slot.index);
-            flags[i] = any ? hit.triangle == MCV_NONE : (uint)mcv_meets_target(world, slot, hit);
+            if (!mcv_meets_target(world, slot, mcv_hit_of(hits, slot.index))) hits.t[slot.index] = as_uint(-INFINITY);
         }
-        mcv_add_shadow_lights(world, slot.base, listed, hits, mcv_pack_row(flags, chosen, chosen_count, listed));
+        mcv_add_shadow_lights(world, slot.base, first, last, any, hits);
     }
 }
 #endif
