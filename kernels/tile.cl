@@ -59,9 +59,6 @@ static inline __attribute__((always_inline)) void mcv_take_sixteen(float16 lanes
 #define MCV_ROWS(slot, field) \
     { (slot).base + MCV_PATH_##field *MCV_ROW, 1u, MCV_ROW }
 
-#ifndef MCV_FEW_NEAR
-#define MCV_FEW_NEAR 3u
-#endif
 #if MCV_WITH_SURFACES
 /* Rays side by side: rows of MCV_ROW words for each component. The directions are unit. */
 typedef struct mcv_side_by_side {
@@ -131,8 +128,8 @@ static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, 
         __global const mcv_device_solid *solid = world.solids + number;
         const uint shape = mcv_shape(solid), near = mcv_find_approaching(world, rays, count, number, hits, reaches);
         if (near == 0u) continue;
-        /* Where they are few they are set side by side. */
-        const int few = shape == MCV_SHAPE_OTHER || MCV_FEW_NEAR * near < count;
+        /* Where they are fewer than half they are set side by side. */
+        const int few = shape == MCV_SHAPE_OTHER || 2u * near < count;
         mcv_side_by_side own = rays;
         float *own_t = t;
         uint *own_pieces = pieces;
