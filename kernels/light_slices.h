@@ -219,7 +219,7 @@ static __attribute__((noinline)) uint mcv_begin_lights(mcv_world world, uint *pa
 /* The paths end that have met nothing or come straight from the emitter to a diffuse surface; the others lie in the order of what they have
  * met. */
 static __attribute__((noinline)) void mcv_meet_lights(mcv_world world, uint *paths, uint count, uint *ends, uint *gloss) {
-    uint kinds[MCV_SLOTS];
+    uint kinds[MCV_ROW];
     mcv_slot slot;
     slot.base = paths;
     mcv_find_kinds(world, paths, count, kinds, gloss);

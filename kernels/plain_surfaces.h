@@ -91,45 +91,61 @@ static __attribute__((noinline)) void mcv_find_kinds(mcv_world world, const uint
  * MCV_SLOTS.
  */
 static __attribute__((noinline)) uint mcv_plan_moves(uint *kinds, uint count, uint *ends, uint *from, uint *to) {
-    uint homes[MCV_SLOTS];                                      /* kinds whose slots they are */
-    uint strays[MCV_SLOTS], astray[MCV_SLOTS], next[MCV_SLOTS]; /* who is not where it belongs, in a list, and the next such of its kind */
-    uint first[MCV_MET_COUNT];
+    uint homes[MCV_ROW];                                      /* kinds whose slots they are */
+    uint strays[MCV_ROW], astray[MCV_SLOTS], next[MCV_SLOTS]; /* who is not where it belongs, in a list, and the next such of its kind */
+    uint leaves[MCV_ROW], holes[MCV_SLOTS];                   /* whose slots others take */
+    uint first[MCV_MET_COUNT], last[MCV_MET_NOTHING] = {0};
     uint moves = 0;
-    for (uint kind = 0, end = 0; kind < MCV_MET_COUNT; ++kind) {
-        uint i = end;
-        MCV_PARALLEL
-        for (uint k = 0; k < count; ++k) end += kinds[k] == kind;
-        ends[kind] = end;
+    MCV_PARALLEL
+    for (uint i = 0; i < mcv_fill_lanes(count); ++i) {
+        const uint kind = i < count ? kinds[i] : MCV_MET_NOTHING;
+#pragma unroll
+        for (uint k = 0; k < MCV_MET_NOTHING; ++k) last[k] += kind <= k;
+    }
+    for (uint kind = 0; kind < MCV_MET_COUNT; ++kind) {
+        ends[kind] = kind == MCV_MET_NOTHING ? count : last[kind];
         first[kind] = MCV_NONE;
-        for (; i < end; ++i) homes[i] = kind;
     }
     MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) strays[i] = kinds[i] != homes[i];
-    const uint stray_count = mcv_list(strays, count, astray);
+    for (size_t i = 0; i < mcv_fill_lanes(count); ++i) {
+        uint home = 0;
+#pragma unroll
+        for (uint k = 0; k < MCV_MET_NOTHING; ++k) home += (uint)i >= last[k];
+        const int moves_on = kinds[i] != home, nothing = kinds[i] == MCV_MET_NOTHING;
+        homes[i] = home;
+        strays[i] = (uint)(moves_on & !nothing);
+        leaves[i] = (uint)(moves_on & nothing);
+    }
+    const uint stray_count = mcv_list(strays, count, astray), hole_count = mcv_list(leaves, count, holes);
     for (uint k = 0; k < stray_count; ++k) {
         const uint i = astray[k];
         next[i] = first[kinds[i]];
         first[kinds[i]] = i;
     }
-    for (uint pass = 0; pass < 2; ++pass) {
-        for (uint k = 0; k < stray_count; ++k) {
-            const uint begin = astray[k];
-            if (homes[begin] == kinds[begin] || homes[begin] == MCV_MET_NOTHING) continue;
-            if ((kinds[begin] == MCV_MET_NOTHING) == pass) continue;
-            if (pass) {
-                from[moves] = begin;
-                to[moves++] = MCV_SLOTS;
-            }
-            uint hole = begin;
-            do {
-                const uint home = homes[hole], path = first[home];
-                first[home] = next[path];
-                from[moves] = path == begin ? MCV_SLOTS : path;
-                to[moves++] = hole;
-                kinds[hole] = home;
-                hole = path;
-            } while (hole != begin && homes[hole] != MCV_MET_NOTHING);
+    for (uint k = 0; k < hole_count; ++k) {
+        for (uint hole = holes[k]; homes[hole] != MCV_MET_NOTHING; ++moves) {
+            const uint home = homes[hole], path = first[home];
+            first[home] = next[path];
+            from[moves] = path;
+            to[moves] = hole;
+            kinds[hole] = home;
+            hole = path;
         }
+    }
+    for (uint k = 0; k < stray_count; ++k) {
+        const uint begin = astray[k];
+        if (homes[begin] == kinds[begin] || homes[begin] == MCV_MET_NOTHING) continue;
+        uint hole = begin;
+        from[moves] = begin;
+        to[moves++] = MCV_SLOTS;
+        do {
+            const uint home = homes[hole], path = first[home];
+            first[home] = next[path];
+            from[moves] = path == begin ? MCV_SLOTS : path;
+            to[moves++] = hole;
+            kinds[hole] = home;
+            hole = path;
+        } while (hole != begin);
     }
     return moves;
 }

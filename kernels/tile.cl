@@ -599,7 +599,7 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
     uint paths[MCV_PATH_WORDS * MCV_ROW];
     float values[MCV_CHANNELS * MCV_SLOTS];
     uint chosen[MCV_SLOTS];
-    uint kinds[MCV_SLOTS], ends[MCV_MET_COUNT], ways[MCV_SLOTS], flags[MCV_SLOTS], ended[MCV_SLOTS], gloss;
+    uint kinds[MCV_ROW], ends[MCV_MET_COUNT], ways[MCV_SLOTS], flags[MCV_SLOTS], ended[MCV_SLOTS], gloss;
     uint counts[MCV_COUNTER_COUNT] = {0};
     mcv_slot slot;
     slot.base = paths;
