@@ -434,13 +434,16 @@ MCV_LOOP_FUNCTION void mcv_find_triangles(mcv_world world, mcv_slot slot, uint f
 #if MCV_WITH_SURFACES
 static __attribute__((noinline)) void mcv_find_exacts(mcv_world world, mcv_slot slot, uint first, uint last) {
     const uint *met = slot.base + (MCV_PATH_hit + 3) * MCV_ROW;
-    const uint piece = first < last ? met[first] : 0u;
-    uint quadrics = 0, same = 0;
-    for (uint i = first; i < last; ++i) {
-        same += met[i] == piece;
-        quadrics += mcv_is_quadric(world.solids + ((met[i] & ~MCV_EXACT) >> 2), met[i] & 3u);
-    }
-    if (quadrics > 0 && same == last - first) {
+    if (first == last) return;
+    const uint piece = met[first];
+    uint others = 0, quadrics = 0;
+    MCV_PARALLEL
+    for (uint i = first; i < last; ++i) others += met[i] != piece;
+    if (others == 0u)
+        quadrics = mcv_is_quadric(world.solids + ((piece & ~MCV_EXACT) >> 2), piece & 3u) ? last - first : 0u;
+    else
+        for (uint i = first; i < last; ++i) quadrics += mcv_is_quadric(world.solids + ((met[i] & ~MCV_EXACT) >> 2), met[i] & 3u);
+    if (quadrics > 0 && others == 0u) {
         MCV_PARALLEL_MASKED
         for (uint i = first; i < last; ++i) {
             slot.index = i;
