@@ -74,7 +74,7 @@ static __attribute__((noinline)) void mcv_find_kinds(mcv_world world, const uint
         return;
     }
     MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) kinds[i] = mcv_kind_met(world, triangles, met[i]);
+    for (uint i = 0; i < mcv_fill_lanes(count); ++i) kinds[i] = mcv_kind_met(world, triangles, i < count ? met[i] : MCV_NONE);
 #if MCV_WITH_PLAIN && MCV_WITH_GLOSS
     for (uint i = 0; i < count; ++i) {
         if (kinds[i] != MCV_MET_GLOSS_TRIANGLE && kinds[i] != MCV_MET_GLOSS_EXACT) continue;
