@@ -82,7 +82,7 @@ static inline __attribute__((noinline)) void mcv_spread_row(const uint *flags, c
 #endif
 }
 
-/* So many turns of a loop over rows fill the vectors: rows have the room, and what is beyond their words counts for nothing. */
+/* So many turns of a loop over rows fill the vectors: for rows that have the room, where nothing is kept beyond their words. */
 static inline uint mcv_fill_lanes(uint count) { return (count + 15u) & ~15u; }
 
 /* So many entries of a table can be looked up in registers; 0: none. */

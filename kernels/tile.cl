@@ -189,7 +189,7 @@ MCV_FUNCTION float mcv_most_lane(float8 lanes) {
 
 /* The rays that meet the box of all triangles before they end; returns how many. Margins as in kernels/traverse.h. */
 static __attribute__((noinline)) uint mcv_list_near_triangles(mcv_world world, uint *paths, uint count, uint *chosen) {
-    uint meets[MCV_SLOTS];
+    uint meets[MCV_ROW];
     float low[3], high[3];
     mcv_slot slot;
     const float extent = world.nodes->extent;
@@ -199,7 +199,7 @@ static __attribute__((noinline)) uint mcv_list_near_triangles(mcv_world world, u
         high[axis] = mcv_most_lane(*(__global const float8 *)world.nodes->bounds[axis][1]);
     }
     MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) {
+    for (uint i = 0; i < mcv_fill_lanes(count); ++i) {
         slot.index = i;
         const mcv_vec3 o = MCV_LOAD_3(slot, origin), d = MCV_LOAD_3(slot, direction);
         meets[i] = (uint)mcv_meets_box(low, high, extent, o, d, MCV_LOAD(slot, hit, 0));
@@ -224,10 +224,10 @@ static __attribute__((noinline)) void mcv_absorb_together(mcv_world world, uint 
 static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count) {
     const mcv_rows origins = MCV_ROWS(slot, origin), directions = MCV_ROWS(slot, direction);
     const mcv_hits hits = mcv_hits_in(slot.base + MCV_PATH_hit * MCV_ROW, MCV_ROW);
-    uint chosen[MCV_SLOTS];
+    uint chosen[MCV_ROW];
     uint listed = count;
     MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) {
+    for (uint i = 0; i < mcv_fill_lanes(count); ++i) {
         mcv_put_hit(hits, i, mcv_miss(INFINITY));
         chosen[i] = i;
     }
@@ -382,8 +382,8 @@ static __attribute__((noinline)) void mcv_move_paths(uint *paths, const uint *ch
 static __attribute__((noinline)) void mcv_draw_pairs(uint *paths, uint first, uint last, uint depth, uint pair) {
     mcv_slot slot;
     slot.base = paths;
-    MCV_PARALLEL_MASKED
-    for (uint i = first; i < last; ++i) {
+    MCV_PARALLEL
+    for (uint i = first; i < first + mcv_fill_lanes(last - first); ++i) {
         slot.index = i;
         const mcv_pair drawn = mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0), MCV_SURFACE_PAIR(depth, pair));
         MCV_STORE(slot, drawn, 2u * pair, drawn.x);
@@ -396,8 +396,8 @@ static __attribute__((noinline)) void mcv_draw_pairs(uint *paths, uint first, ui
 static __attribute__((noinline)) void mcv_choose_bounces(uint *paths, uint first, uint last) {
     mcv_slot slot;
     slot.base = paths;
-    MCV_PARALLEL_MASKED
-    for (uint i = first; i < last; ++i) {
+    MCV_PARALLEL
+    for (uint i = first; i < first + mcv_fill_lanes(last - first); ++i) {
         slot.index = i;
         const float xi = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
         const float eta = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER + 1);
@@ -579,11 +579,11 @@ static __attribute__((noinline)) uint mcv_end_paths(mcv_world world, uint *paths
 
 /* Those of the paths end that have met nothing; returns how many values are not finite. */
 static __attribute__((noinline)) uint mcv_leave_scenes(mcv_world world, uint *paths, const uint *kinds, uint count, float *values) {
-    uint leaves[MCV_SLOTS], listed[MCV_SLOTS];
+    uint leaves[MCV_ROW], listed[MCV_SLOTS];
     mcv_slot slot;
     slot.base = paths;
     MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) leaves[i] = kinds[i] == MCV_MET_NOTHING;
+    for (uint i = 0; i < mcv_fill_lanes(count); ++i) leaves[i] = kinds[i] == MCV_MET_NOTHING;
     const uint leave = mcv_list(leaves, count, listed);
 #if !MCV_WITH_ENVIRONMENT_IMAGE
     MCV_PARALLEL
@@ -603,7 +603,7 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
     uint paths[MCV_PATH_WORDS * MCV_ROW];
     float values[MCV_CHANNELS * MCV_SLOTS];
     uint chosen[MCV_SLOTS];
-    uint kinds[MCV_ROW], ends[MCV_MET_COUNT], ways[MCV_SLOTS], flags[MCV_SLOTS], ended[MCV_SLOTS], gloss;
+    uint kinds[MCV_ROW], ends[MCV_MET_COUNT], ways[MCV_ROW], flags[MCV_ROW], ended[MCV_SLOTS], gloss;
     uint counts[MCV_COUNTER_COUNT] = {0};
     mcv_slot slot;
     slot.base = paths;
@@ -664,11 +664,11 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
             beside.index += (ways[slot.index] & MCV_BRANCHES_OFF) != 0u;
         }
         MCV_PARALLEL
-        for (uint i = 0; i < alive; ++i) flags[i] = (ways[i] & MCV_GOES_ON) == 0u;
+        for (uint i = 0; i < mcv_fill_lanes(alive); ++i) flags[i] = (ways[i] & MCV_GOES_ON) == 0u;
         const uint ends_here = mcv_list(flags, alive, ended);
         counts[MCV_COUNTER_nonfinite] += mcv_end_paths(world, paths, ended, ends_here, values);
         MCV_PARALLEL
-        for (uint i = 0; i < alive; ++i) flags[i] = ways[i] & MCV_GOES_ON;
+        for (uint i = 0; i < mcv_fill_lanes(alive); ++i) flags[i] = ways[i] & MCV_GOES_ON;
         uint next = mcv_list(flags, alive, chosen);
 #if MCV_LEAVES_TOGETHER
         mcv_leave_surfaces(paths, alive);
