@@ -354,8 +354,17 @@ MCV_LOOP_FUNCTION mcv_piece_met mcv_meet_disc(__global const mcv_device_solid *s
     return met;
 }
 
+/* A ball is all side. */
 MCV_LOOP_FUNCTION mcv_piece_met mcv_meet_ball(__global const mcv_device_solid *solid, mcv_approach ray) {
-    return mcv_meet_spans(ray, mcv_everywhere(), mcv_everywhere(), mcv_sphere_span(solid->radius, ray.p, ray.d, ray.on[2], ray.up));
+    const mcv_span side = mcv_sphere_span(solid->radius, ray.p, ray.d, ray.on[2], ray.up);
+    const float start = -ray.shift;
+    const int enters = ray.on[2] ? side.enter >= start : side.enter > start, leaves = ray.on[2] ? side.exit >= start : side.exit > start;
+    const float first = enters ? side.enter : leaves ? side.exit : INFINITY;
+    const int misses = ray.away | !(side.enter <= side.exit);
+    mcv_piece_met met;
+    met.t = misses ? INFINITY : ray.shift + (ray.inside ? mcv_span_end(side) : first);
+    met.piece = MCV_PIECE_SIDE;
+    return met;
 }
 
 /* Two conics within a side. */
