@@ -235,7 +235,7 @@ static void mcv_intersect_paths(mcv_world world, mcv_slot slot, uint count) {
     const mcv_side_by_side rays = {slot.base + MCV_PATH_origin * MCV_ROW, slot.base + MCV_PATH_direction * MCV_ROW,
                                    slot.base + MCV_PATH_left * MCV_ROW};
     mcv_meet_solids_together(world, rays, count, hits);
-    /* A few triangles are tested as soon as the box that holds them. */
+    /* The triangles of two leaves take no longer than the box that holds them. */
     if (!mcv_is_flat(world.nodes) || world.nodes->child[2] != MCV_NONE) listed = mcv_list_near_triangles(world, slot.base, count, chosen);
 #endif
     MCV_CLOSEST_MANY(world.nodes, world.leaves, origins, directions, chosen, listed, hits);
