@@ -216,8 +216,8 @@ static __attribute__((noinline)) uint mcv_begin_lights(mcv_world world, uint *pa
     return mcv_leave_lamps(world, paths, count);
 }
 
-/* The paths end that have met nothing or come straight from the emitter to a diffuse surface; the others lie in the order of what they have
- * met. */
+/* The paths end that have met nothing or what absorbs all, or come straight from the emitter to a diffuse surface; the others lie in the
+ * order of what they have met. */
 static __attribute__((noinline)) void mcv_meet_lights(mcv_world world, uint *paths, uint count, uint *ends, uint *gloss) {
     uint kinds[MCV_ROW];
     mcv_slot slot;
@@ -229,7 +229,7 @@ static __attribute__((noinline)) void mcv_meet_lights(mcv_world world, uint *pat
         const uint kind = kinds[i];
         const int diffuse = (kind == MCV_MET_DIFFUSE_TRIANGLE) | (kind == MCV_MET_DIFFUSE_EXACT);
         const int carried = (MCV_WORD(slot, trail, 0) & MCV_LIGHT_CARRIED) != 0u;
-        kinds[i] = (diffuse & !carried) ? (uint)MCV_MET_NOTHING : kind;
+        kinds[i] = ((diffuse & !carried) | (kind >= MCV_MET_BLACK)) ? (uint)MCV_MET_NOTHING : kind;
         MCV_STORE(slot, footprint, 0, MCV_LOAD(slot, footprint, 0) + MCV_LOAD(slot, hit, 0));
     }
     mcv_order_paths(paths, kinds, count, ends);

@@ -64,6 +64,23 @@ static inline __attribute__((noinline)) uint mcv_pack_row(const uint *flags, con
     return n;
 }
 
+/* The same of many rows at once, which begin so many words after each other. */
+static inline __attribute__((noinline)) void mcv_pack_rows(const uint *flags, const uint *rows, uint row_count, uint stride, uint count,
+                                                           uint *packed) {
+#ifdef MCV_AVX512_BUILTINS
+    for (uint i = 0; i < count; i += 16) {
+        const ushort set = mcv_set_flags(flags, i, count);
+        for (uint row = 0; set && row < row_count; ++row) {
+            const int16 words = as_int16(vload16(0, rows + row * stride + i));
+            vstore16(as_uint16(__builtin_ia32_compresssi512_mask(words, words, set)), 0, packed + row * stride);
+        }
+        packed += popcount((uint)set);
+    }
+#else
+    for (uint row = 0; row < row_count; ++row) mcv_pack_row(flags, rows + row * stride, count, packed + row * stride);
+#endif
+}
+
 /* The words that mcv_pack_row has set side by side go back to where the flags are not 0; the others of the row are any. The same room. */
 static inline __attribute__((noinline)) void mcv_spread_row(const uint *flags, const uint *packed, uint count, uint *row) {
     uint n = 0;

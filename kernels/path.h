@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The state of a path between stages, a structure of arrays: word f of the path in slot i of a slice lies at
- * base[f capacity + i]. One list gives the layout on the device and, through mcv_path_words, the allocation on the host.
+ * base[f capacity + i]. One list gives the layout on the device and, through mcv_path_words, the allocation on the host. What a path needs
+ * where it ends lies side by side (kernels/end_paths.h).
  *
  * The tile schedule (MCV_TILE) keeps a slice in the work-item's private memory and moves the paths that go on together, so that all its
  * loops run over neighbouring slots. What it works out for a whole slice at once has fields of its own.
@@ -24,26 +25,26 @@
 
 /* X(field, words): what a scene does not need has no words. Those before the hit go on with the path to its next surface. */
 #define MCV_PATH_FIELDS(X) \
-    X(origin, 3)                       /* of the current ray [m] */ \
-    X(direction, 3)                    /* unit */ \
+    X(left, MCV_WITH_SURFACES) /* the exact surface that the ray starts on (mcvisi/surfaces/solid.h), or MCV_NONE */ \
+    X(stream, 1)               /* of random numbers: pixel, replicate, seed */ \
+    X(sample, 1) \
     X(origin_rest, 3 * MCV_WITH_MIXED) /* what rounding leaves of the ray (precise.h) */ \
     X(direction_rest, 3 * MCV_WITH_MIXED) \
-    X(weight, 1)                                       /* of the sensor's ray; 0: the path is not begun */ \
-    X(throughput, MCV_CHANNELS)                        /* product of reflectances, transmittances … since the sensor */ \
-    X(radiance, MCV_CHANNELS)                          /* found so far, L/n² */ \
-    X(media, MCV_WITH_DIELECTRIC)                      /* set of the media the ray is in */ \
+    X(origin, 3)                  /* of the current ray [m] */ \
+    X(direction, 3)               /* unit */ \
+    X(weight, 1)                  /* of the sensor's ray; 0: the path is not begun */ \
+    X(radiance, MCV_CHANNELS)     /* found so far, L/n² */ \
+    X(branch, MCV_WITH_SPLIT)     /* 0 … MCV_BRANCHES - 1: how often the path has split; a branch k: MCV_BRANCHES + k, splits no more */ \
+    X(value, MCV_TILE)            /* of the path in its slice */ \
+    X(throughput, MCV_CHANNELS)   /* product of reflectances, transmittances … since the sensor */ \
+    X(media, MCV_WITH_DIELECTRIC) /* set of the media the ray is in */ \
     X(density, MCV_WITH_NEXT_EVENT)                    /* with which the last surface chose the direction [1/sr]; 0: it is smooth */ \
     X(reach, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* emitters' chances at the last surface that spread light (kernels/reach.h) */ \
-    X(left, MCV_WITH_SURFACES)           /* the exact surface that the ray starts on (mcvisi/surfaces/solid.h), or MCV_NONE */ \
-    X(trail, MCV_WITH_LIGHT_TRACING)     /* MCV_TRAIL_… */ \
-    X(footprint, MCV_WITH_LIGHT_TRACING) /* of the pixel at the first diffuse surface [m²] */ \
-    X(branch, MCV_WITH_SPLIT) /* 0 … MCV_BRANCHES - 1: how often the path has split; a branch k: MCV_BRANCHES + k, splits no more */ \
-    X(stream, 1)              /* of random numbers: pixel, replicate, seed */ \
-    X(sample, 1) \
-    X(value, MCV_TILE)     /* of the path in its slice */ \
-    X(hit, 4)              /* t, u, v, triangle */ \
-    X(drawn, 6 * MCV_TILE) /* the surface's pairs of random numbers */ \
-    X(point, 3 * MCV_TILE) /* of the surface, as in mcv_surface */ \
+    X(trail, MCV_WITH_LIGHT_TRACING)                   /* MCV_TRAIL_… */ \
+    X(footprint, MCV_WITH_LIGHT_TRACING)               /* of the pixel at the first diffuse surface [m²] */ \
+    X(hit, 4)                                          /* t, u, v, triangle */ \
+    X(drawn, 6 * MCV_TILE)                             /* the surface's pairs of random numbers */ \
+    X(point, 3 * MCV_TILE)                             /* of the surface, as in mcv_surface */ \
     X(error, 3 * MCV_TILE) \
     X(area, MCV_TILE) \
     X(instance, MCV_TILE) \

@@ -24,7 +24,10 @@ enum {
     MCV_MET_TRIANGLE,
     MCV_MET_EXACT,
     MCV_MET_NOTHING,
-    MCV_MET_COUNT
+    MCV_MET_COUNT,
+    /* What absorbs all light; if it is the lamp of an emitter, the emitter's number and 1 more. Such paths end before the others are put in
+     * order (kernels/end_paths.h). */
+    MCV_MET_BLACK = MCV_MET_COUNT
 };
 
 /* Instead of MCV_GOES_ON …: the path is left to mcv_shade_surface. */
@@ -34,21 +37,17 @@ enum { MCV_IS_LEFT = 4 };
 MCV_LOOP_FUNCTION uint mcv_kind_met(mcv_world world, __global const uint *triangles, uint met) {
     const int nothing = met == MCV_NONE;
     int exact = 0;
-    uint shading = MCV_SHADED_ALONE;
 #if MCV_WITH_SURFACES
     exact = !nothing & (met >= MCV_EXACT);
 #endif
-#if MCV_WITH_PLAIN || MCV_WITH_SMOOTH
     uint instance = triangles[4u * (nothing | exact ? 0u : met) + 3u];
 #if MCV_WITH_SURFACES
     const uint solid = exact ? (met & ~MCV_EXACT) >> 2 : 0u, piece = exact ? met & 3u : 0u;
     instance = exact ? world.solids[solid].instance[piece] : instance;
 #endif
-    shading = world.instances[nothing ? 0u : instance].shading;
-#else
-    (void)world, (void)triangles, (void)shading;
-#endif
+    const uint shading = world.instances[nothing ? 0u : instance].shading;
     uint kind = exact ? MCV_MET_EXACT : MCV_MET_TRIANGLE;
+    kind = shading >= MCV_SHADED_BLACK ? MCV_MET_BLACK + (shading - MCV_SHADED_BLACK) : kind;
 #if MCV_WITH_SMOOTH
     kind = shading == MCV_SHADED_SMOOTH ? (exact ? MCV_MET_SMOOTH_EXACT : MCV_MET_SMOOTH_TRIANGLE) : kind;
 #endif

@@ -278,21 +278,30 @@ MCV_LOOP_FUNCTION mcv_rectangle_view mcv_view_emitter(__global const mcv_device_
 #define mcv_is_rectangle(e) 0
 #endif
 
-/* That with which next-event estimation at a receiver chooses the direction to such a place. */
+/* That with which next-event estimation at a receiver chooses the direction to such a place; of a rectangle or not; share: its triangle's.
+ */
+MCV_LOOP_FUNCTION float mcv_density_towards(__global const mcv_device_emitter *e, int rectangle, float share, mcv_vec3 receiver,
+                                            mcv_surface surface, mcv_vec3 direction, float distance) {
+    float density = mcv_area_density(e, share, surface, direction, distance);
+    (void)rectangle, (void)receiver;
+#if MCV_WITH_RECTANGLE
+    if (rectangle) {
+        const mcv_rectangle_view view = mcv_view_emitter(e, receiver);
+        density = mcv_samples_solid_angle(view) ? e->probability / view.solid_angle : density;
+    }
+#endif
+#if MCV_WITH_PARALLEL
+    const float cone = e->probability / e->parallel.solid_angle;
+    density = mcv_samples_cone(e, receiver) ? cone : density;
+#endif
+    return density;
+}
+
 MCV_FUNCTION float mcv_emitter_density(mcv_world world, mcv_vec3 receiver, mcv_surface surface, uint emitter, mcv_vec3 direction,
                                        float distance) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
-    (void)e, (void)receiver;
-#if MCV_WITH_PARALLEL
-    if (mcv_samples_cone(e, receiver)) return e->probability / e->parallel.solid_angle;
-#endif
-#if MCV_WITH_RECTANGLE
-    if (mcv_is_rectangle(e)) {
-        const mcv_rectangle_view view = mcv_view_emitter(e, receiver);
-        if (mcv_samples_solid_angle(view)) return e->probability / view.solid_angle;
-    }
-#endif
-    return mcv_area_density(e, mcv_triangle_share(world, e, surface.triangle), surface, direction, distance);
+    const float share = mcv_triangle_share(world, e, surface.triangle);
+    return mcv_density_towards(e, mcv_is_rectangle(e), share, receiver, surface, direction, distance);
 }
 #endif
 

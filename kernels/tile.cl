@@ -55,6 +55,7 @@ static inline __attribute__((always_inline)) void mcv_take_sixteen(float16 lanes
 #include "trace_emitter_paths.cl"
 #endif
 #include "clock.h"
+#include "end_paths.h"
 
 #define MCV_ROWS(slot, field) \
     { (slot).base + MCV_PATH_##field *MCV_ROW, 1u, MCV_ROW }
@@ -559,42 +560,6 @@ static __attribute__((noinline)) uint mcv_begin_paths(mcv_world world, mcv_slot 
     return alive;
 }
 
-/* The listed paths have ended: their values wait for the others of their pixel. Returns how many are not finite. */
-static __attribute__((noinline)) uint mcv_end_paths(mcv_world world, uint *paths, const uint *listed, uint count, float *values) {
-    uint counts[MCV_SLOTS];
-    uint nonfinite = 0;
-    mcv_slot slot;
-    slot.base = paths;
-    MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) {
-        slot.index = listed[i];
-        const uint place = mcv_branch_of(slot) * MCV_SLICE + MCV_WORD(slot, value, 0);
-        uint own = 0;
-        MCV_EACH_CHANNEL(c) values[c * MCV_SLOTS + place] = mcv_path_value(world, slot, (uint)c, &own);
-        counts[i] = own;
-    }
-    for (uint i = 0; i < count; ++i) nonfinite += counts[i];
-    return nonfinite;
-}
-
-/* Those of the paths end that have met nothing; returns how many values are not finite. */
-static __attribute__((noinline)) uint mcv_leave_scenes(mcv_world world, uint *paths, const uint *kinds, uint count, float *values) {
-    uint leaves[MCV_ROW], listed[MCV_SLOTS];
-    mcv_slot slot;
-    slot.base = paths;
-    MCV_PARALLEL
-    for (uint i = 0; i < mcv_fill_lanes(count); ++i) leaves[i] = kinds[i] == MCV_MET_NOTHING;
-    const uint leave = mcv_list(leaves, count, listed);
-#if !MCV_WITH_ENVIRONMENT_IMAGE
-    MCV_PARALLEL
-#endif
-    for (uint i = 0; i < leave; ++i) {
-        slot.index = listed[i];
-        mcv_leave_scene(world, slot);
-    }
-    return mcv_end_paths(world, paths, listed, leave, values);
-}
-
 /* Not inlined: PoCL makes three functions of a kernel, of which it calls one. */
 static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint slice, __global float *sums, __global uint *counters,
                                                        __global uint *clocks) {
@@ -622,7 +587,7 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
         mcv_intersect_paths(world, slot, alive);
         MCV_CLOCK_STAGE(intersect_closest)
         mcv_find_kinds(world, paths, alive, kinds, &gloss);
-        counts[MCV_COUNTER_nonfinite] += mcv_leave_scenes(world, paths, kinds, alive, values);
+        counts[MCV_COUNTER_nonfinite] += mcv_end_early(world, paths, kinds, alive, depth, values);
         mcv_order_paths(paths, kinds, alive, ends);
         alive = ends[MCV_MET_EXACT];
         mcv_find_surfaces(world, paths, ends);

@@ -648,7 +648,12 @@ static bool may_touch(const mcv_scene *scene, const mcv_box *boxes) {
 static uint32_t shading_of(const mcv_packed *packed, const mcv_device_instance *instance) {
     const mcv_device_material *m = &packed->materials[instance->material];
     const mcv_device_gloss *gloss = packed->gloss ? &packed->gloss[instance->material] : NULL;
-    if (m->texture != MCV_NONE || instance->emitter != MCV_NONE) return MCV_SHADED_ALONE;
+    const mcv_device_emitter *e = instance->emitter == MCV_NONE ? NULL : packed->emitters + instance->emitter;
+    if (m->type == MCV_MATERIAL_ABSORBER && !e) return MCV_SHADED_BLACK;
+    if (m->type == MCV_MATERIAL_ABSORBER && instance->emitter < MCV_MOST_LAMPS && e->texture == MCV_NONE &&
+        (e->type == MCV_EMITTER_AREA || e->type == MCV_EMITTER_PARALLEL))
+        return MCV_SHADED_BLACK + 1 + instance->emitter;
+    if (m->texture != MCV_NONE || e) return MCV_SHADED_ALONE;
     if (m->type == MCV_MATERIAL_DIFFUSE) return MCV_SHADED_DIFFUSE;
     if (m->type == MCV_MATERIAL_DIELECTRIC && !m->spreads) return MCV_SHADED_SMOOTH;
     if (!gloss || !m->spreads || m->type == MCV_MATERIAL_RETROREFLECTOR) return MCV_SHADED_ALONE;

@@ -91,8 +91,13 @@ typedef struct mcv_device_instance {
 } mcv_device_instance;
 MCV_ASSERT_SIZE(mcv_device_instance, 20);
 
-/* Surfaces that do not emit, without texture: diffuse ones, of microfacets that have no direction, of smooth bodies; and all others. */
-enum { MCV_SHADED_ALONE, MCV_SHADED_DIFFUSE, MCV_SHADED_GLOSSY, MCV_SHADED_SMOOTH };
+/*
+ * Surfaces that do not emit, without texture: diffuse ones, of microfacets that have no direction, of smooth bodies, and what absorbs all
+ * light. That may emit: of one of the first emitters that send the same everywhere or nothing, without an image, it is MCV_SHADED_BLACK
+ * and the emitter's number and 1 more. And all others.
+ */
+enum { MCV_SHADED_ALONE, MCV_SHADED_DIFFUSE, MCV_SHADED_GLOSSY, MCV_SHADED_SMOOTH, MCV_SHADED_BLACK };
+#define MCV_MOST_LAMPS 16u
 
 typedef struct mcv_device_material {
     uint type;      /* MCV_MATERIAL_… */
