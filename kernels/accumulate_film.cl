@@ -32,21 +32,33 @@ MCV_FUNCTION float mcv_path_value(mcv_world world, mcv_slot slot, uint channel, 
 }
 
 #if MCV_TILE
+/* No path of this number among its sample's branches has ended yet. */
+static __attribute__((noinline)) void mcv_clear_values(float *values, uint branch) {
+    for (uint channel = 0; channel < MCV_CHANNELS; ++channel) {
+        float *of_branch = values + channel * MCV_SLOTS + branch * MCV_SLICE;
+        MCV_PARALLEL
+        for (uint i = 0; i < MCV_SLICE; ++i) of_branch[i] = 0.0f;
+    }
+}
+
 /*
  * Writes the sums of count / block blocks of a channel's values, MCV_SLICE of each branch: high and low word each. Level by level through
  * all trees at once, from one array to the other, so that a level is a long loop.
  */
-static __attribute__((noinline)) void mcv_accumulate_blocks(const float *values, uint count, uint block, __global float *sums) {
+static __attribute__((noinline)) void mcv_accumulate_blocks(const float *values, uint branches, uint count, uint block,
+                                                            __global float *sums) {
     float highs[2][MCV_SLICE];
     float lows[2][MCV_SLICE];
     uint from = 0;
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i) {
-        float sum = values[i];
-#pragma unroll
-        for (uint branch = 1; branch < MCV_BRANCHES; ++branch) sum += values[branch * MCV_SLICE + i];
-        highs[0][i] = sum;
+        highs[0][i] = values[i];
         lows[0][i] = 0.0f;
+    }
+    for (uint branch = 1; branch < branches; ++branch) {
+        const float *of_branch = values + branch * MCV_SLICE;
+        MCV_PARALLEL
+        for (uint i = 0; i < count; ++i) highs[0][i] += of_branch[i];
     }
     for (uint size = block; size > 1u; size /= 2u, from ^= 1u) {
         count /= 2u;

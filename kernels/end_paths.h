@@ -113,7 +113,10 @@ MCV_LOOP_FUNCTION uint mcv_see_lamp(mcv_world world, uint *apart, uint count, ui
         mcv_color met;
         MCV_LOAD_COLOR(slot, throughput, throughput);
         MCV_LOAD_COLOR(slot, radiance, radiance);
-        MCV_EACH_CHANNEL(c) met.c[c] = shines ? e->radiance[c] : 0.0f;
+        MCV_EACH_CHANNEL(c) {
+            const float full = e->radiance[c];
+            met.c[c] = shines ? full : 0.0f;
+        }
 #if MCV_WITH_DIELECTRIC
         const uint filling = mcv_filling_medium(MCV_WORD(slot, media, 0));
 #if MCV_WITH_DISPERSION

@@ -570,6 +570,7 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
     uint chosen[MCV_SLOTS];
     uint kinds[MCV_ROW], ends[MCV_MET_COUNT], ways[MCV_ROW], flags[MCV_ROW], ended[MCV_SLOTS], gloss;
     uint counts[MCV_COUNTER_COUNT] = {0};
+    uint branches = 1; /* numbers of branches that there may be by now */
     mcv_slot slot;
     slot.base = paths;
 #if MCV_WITH_GLOSS
@@ -578,7 +579,7 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
 #endif
     MCV_CLOCK_BEGIN
 
-    for (uint i = 0; i < MCV_CHANNELS * MCV_SLOTS; ++i) values[i] = 0.0f;
+    mcv_clear_values(values, 0);
     uint alive = mcv_begin_paths(world, slot, first, count);
     counts[MCV_COUNTER_paths] = alive;
     MCV_CLOCK_STAGE(generate_rays)
@@ -623,18 +624,24 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
         beside.index = mcv_branch_off_together(world, paths, ways, ends[MCV_MET_GLOSS_TRIANGLE], alive);
 #endif
 #endif
-        for (slot.index = 0; slot.index < alive; ++slot.index) {
-            if (ways[slot.index] != MCV_IS_LEFT) continue;
+        MCV_PARALLEL
+        for (uint i = 0; i < alive; ++i) flags[i] = ways[i] == MCV_IS_LEFT;
+        const uint left = mcv_list(flags, alive, chosen);
+        for (uint i = 0; i < left; ++i) {
+            slot.index = chosen[i];
             ways[slot.index] = mcv_shade_surface(world, slot, beside, depth, &counts[MCV_COUNTER_unmatched]);
             beside.index += (ways[slot.index] & MCV_BRANCHES_OFF) != 0u;
         }
         MCV_PARALLEL
-        for (uint i = 0; i < mcv_fill_lanes(alive); ++i) flags[i] = (ways[i] & MCV_GOES_ON) == 0u;
-        const uint ends_here = mcv_list(flags, alive, ended);
-        counts[MCV_COUNTER_nonfinite] += mcv_end_paths(world, paths, ended, ends_here, values);
-        MCV_PARALLEL
         for (uint i = 0; i < mcv_fill_lanes(alive); ++i) flags[i] = ways[i] & MCV_GOES_ON;
         uint next = mcv_list(flags, alive, chosen);
+        if (next < alive) {
+            MCV_PARALLEL
+            for (uint i = 0; i < mcv_fill_lanes(alive); ++i) flags[i] = !flags[i];
+            counts[MCV_COUNTER_nonfinite] += mcv_end_paths(world, paths, ended, mcv_list(flags, alive, ended), values);
+        }
+        /* A path splits at most once at each surface. */
+        while (beside.index > alive && branches < min(depth + 2u, (uint)MCV_BRANCHES)) mcv_clear_values(values, branches++);
 #if MCV_LEAVES_TOGETHER
         mcv_leave_surfaces(paths, alive);
 #endif
@@ -653,7 +660,8 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
 
     const uint block = min((uint)MCV_BLOCK, 1u << world.frame->log2_samples);
     for (uint channel = 0; channel < MCV_CHANNELS; ++channel)
-        mcv_accumulate_blocks(values + channel * MCV_SLOTS, count, block, sums + ((size_t)(first / block) * MCV_CHANNELS + channel) * 2u);
+        mcv_accumulate_blocks(values + channel * MCV_SLOTS, branches, count, block,
+                              sums + ((size_t)(first / block) * MCV_CHANNELS + channel) * 2u);
     MCV_CLOCK_STAGE(accumulate_film)
     MCV_CLOCK_END(clocks + slice * MCV_CLOCK_COUNT)
     (void)clocks;
