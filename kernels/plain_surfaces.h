@@ -40,12 +40,11 @@ MCV_LOOP_FUNCTION uint mcv_kind_met(mcv_world world, __global const uint *triang
 #if MCV_WITH_SURFACES
     exact = !nothing & (met >= MCV_EXACT);
 #endif
-    uint instance = triangles[4u * (nothing | exact ? 0u : met) + 3u];
+    __global const uint *instance = triangles + 4u * (nothing | exact ? 0u : met) + 3u;
 #if MCV_WITH_SURFACES
-    const uint solid = exact ? (met & ~MCV_EXACT) >> 2 : 0u, piece = exact ? met & 3u : 0u;
-    instance = exact ? world.solids[solid].instance[piece] : instance;
+    instance = exact ? world.solids[(met & ~MCV_EXACT) >> 2].instance + (met & 3u) : instance;
 #endif
-    const uint shading = world.instances[nothing ? 0u : instance].shading;
+    const uint shading = world.instances[nothing ? 0u : *instance].shading;
     uint kind = exact ? MCV_MET_EXACT : MCV_MET_TRIANGLE;
     kind = shading >= MCV_SHADED_BLACK ? MCV_MET_BLACK + (shading - MCV_SHADED_BLACK) : kind;
 #if MCV_WITH_SMOOTH
