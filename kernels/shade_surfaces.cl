@@ -187,7 +187,6 @@ MCV_LOOP_FUNCTION void mcv_name_branch(mcv_slot slot, mcv_slot beside) {
     const uint number = MCV_WORD(slot, branch, 0);
     MCV_WORD(beside, branch, 0) = MCV_BRANCHES + number;
     MCV_WORD(beside, stream, 0) = mcv_hash_2(MCV_WORD(slot, stream, 0), number);
-    MCV_WORD(beside, sample, 0) = MCV_WORD(slot, sample, 0);
     MCV_EACH_CHANNEL(i) MCV_STORE(beside, radiance, i, 0.0f);
 }
 

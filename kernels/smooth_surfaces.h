@@ -54,34 +54,37 @@ MCV_LOOP_FUNCTION void mcv_shade_smooth(mcv_world world, uint *paths, uint first
 /* The branches of the first `last` paths, which have gone on, in the slots from the given one: the same but for where they go. Returns
  * where they end. */
 static __attribute__((noinline)) uint mcv_branch_off_together(mcv_world world, uint *paths, const uint *ways, uint last, uint begin) {
-    uint branches[MCV_SLOTS], listed[MCV_SLOTS];
-    mcv_slot slot, beside;
-    slot.base = beside.base = paths;
+    uint branches[MCV_SLOTS], count = 0;
+    mcv_slot slot;
+    slot.base = paths;
     (void)world;
     MCV_PARALLEL
-    for (uint i = 0; i < last; ++i) branches[i] = ways[i] & MCV_BRANCHES_OFF;
-    const uint count = mcv_list(branches, last, listed);
-    for (uint word = MCV_PATH_weight; word < MCV_PATH_hit; ++word) {
-        uint *row = paths + word * MCV_ROW;
-        MCV_PARALLEL
-        for (uint i = 0; i < count; ++i) row[begin + i] = row[listed[i]];
+    for (uint i = 0; i < last; ++i) {
+        branches[i] = (ways[i] & MCV_BRANCHES_OFF) != 0u;
+        count += branches[i];
+    }
+    if (count == 0) return begin;
+    const uint rows[3][2] = {
+        {MCV_PATH_stream, MCV_PATH_sample + 1}, {MCV_PATH_weight, MCV_PATH_hit + 4}, {MCV_PATH_point, MCV_PATH_AFTER_parted + 1}};
+    for (uint i = 0; i < 3; ++i) {
+        uint *from = paths + rows[i][0] * MCV_ROW;
+        mcv_pack_rows(branches, from, rows[i][1] - rows[i][0], MCV_ROW, last, from + begin);
     }
     MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) {
-        slot.index = listed[i];
-        beside.index = begin + i;
+    for (uint i = begin; i < begin + count; ++i) {
+        slot.index = i;
         const mcv_vec3 direction = MCV_LOAD_3(slot, parted);
-        mcv_name_branch(slot, beside);
-        MCV_STORE_3(beside, direction, direction);
+        mcv_name_branch(slot, slot);
+        MCV_STORE_3(slot, direction, direction);
         const mcv_vec3 origin = mcv_offset_origin(MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error), MCV_LOAD_3(slot, face), direction);
-        MCV_STORE_3(beside, origin, origin);
-        MCV_WORD(beside, media, 0) = MCV_WORD(slot, parted, 3);
-        MCV_EACH_CHANNEL(c) MCV_WORD(beside, throughput, c) = MCV_WORD(slot, parted, 5 + c);
+        MCV_STORE_3(slot, origin, origin);
+        MCV_WORD(slot, media, 0) = MCV_WORD(slot, parted, 3);
+        MCV_EACH_CHANNEL(c) MCV_WORD(slot, throughput, c) = MCV_WORD(slot, parted, 5 + c);
 #if MCV_WITH_NEXT_EVENT
-        MCV_WORD(beside, density, 0) = MCV_WORD(slot, parted, 4);
+        MCV_WORD(slot, density, 0) = MCV_WORD(slot, parted, 4);
 #endif
 #if MCV_WITH_SURFACES
-        MCV_WORD(beside, left, 0) = mcv_leave_plain(world, slot, direction, 1);
+        MCV_WORD(slot, left, 0) = mcv_leave_plain(world, slot, direction, 1);
 #endif
     }
     return begin + count;
