@@ -40,11 +40,11 @@ MCV_LOOP_FUNCTION uint mcv_kind_met(mcv_world world, __global const uint *triang
 #if MCV_WITH_SURFACES
     exact = !nothing & (met >= MCV_EXACT);
 #endif
-    __global const uint *instance = triangles + 4u * (nothing | exact ? 0u : met) + 3u;
+    __global const uint *met_at = triangles + 4u * (nothing | exact ? 0u : met) + 3u;
 #if MCV_WITH_SURFACES
-    instance = exact ? world.solids[(met & ~MCV_EXACT) >> 2].instance + (met & 3u) : instance;
+    met_at = exact ? world.solids[(met & ~MCV_EXACT) >> 2].instance + (met & 3u) : met_at;
 #endif
-    const uint shading = world.instances[nothing ? 0u : *instance].shading;
+    const uint instance = *met_at, shading = world.instances[nothing ? 0u : instance].shading;
     uint kind = exact ? MCV_MET_EXACT : MCV_MET_TRIANGLE;
     kind = shading >= MCV_SHADED_BLACK ? MCV_MET_BLACK + (shading - MCV_SHADED_BLACK) : kind;
 #if MCV_WITH_SMOOTH
