@@ -114,7 +114,8 @@ static void test_diffuse_furnace(void **state) {
 
 /* Same bits */
 
-/* A scene that uses most elements: glass with absorption before a lit diffuse wall, two kinds of light, a mirror. */
+/* A scene that uses most elements: glass with absorption before a lit diffuse wall, two kinds of light, a lamp that is no rectangle, a
+ * mirror, something black. */
 static mcv_scene *mixed_scene(uint32_t rings) {
     mcv_scene *scene = mcv_scene_new("mixed");
     const double box[3] = {0.2, 0.15, 0.1};
@@ -124,6 +125,8 @@ static mcv_scene *mixed_scene(uint32_t rings) {
     add_box(scene, box, add_material(scene, MCV_MATERIAL_MIRROR, NULL), looking_down_z(0.5, 0.1, -0.2));
     add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 0.3, 0.3, add_absorber(scene), looking_down_z(0.4, 0.4, 1)), 3, 0);
     add_emitter(scene, MCV_EMITTER_PARALLEL, add_rectangle(scene, 0.5, 0.5, add_absorber(scene), looking_down_z(-0.3, 0, 1)), 100, 0.05);
+    add_emitter(scene, MCV_EMITTER_AREA, add_sphere(scene, 0.1, 8, add_absorber(scene), looking_down_z(-0.4, -0.3, 0.1)), 1, 0);
+    add_box(scene, box, add_absorber(scene), looking_down_z(-0.4, 0.4, -0.3));
     add_environment(scene, 0.1);
     add_pinhole(scene, 20, 0.9, looking_down_z(0.05, 0, 1.5));
     return scene;
