@@ -208,7 +208,8 @@ static __attribute__((noinline)) uint mcv_end_early(mcv_world world, uint *paths
     ending = mcv_set_apart(paths, kinds, MCV_MET_BLACK, count, MCV_PATH_weight, MCV_PATH_throughput, apart);
     nonfinite += mcv_end_row(world, apart, ending, values);
 #if MCV_WITH_PARALLEL || MCV_WITH_AREA
-    for (uint emitter = 0; emitter < min(world.frame->emitter_count, (uint)MCV_MOST_LAMPS); ++emitter) {
+    const uint lamps = world.frame->emitter_count > MCV_MOST_LAMPS ? 0u : world.frame->emitter_count;
+    for (uint emitter = 0; emitter < lamps; ++emitter) {
         ending = mcv_set_apart(paths, kinds, MCV_MET_BLACK + 1u + emitter, count, MCV_PATH_origin, MCV_PATH_hit + 4, apart);
         if (ending > 0) nonfinite += mcv_end_at_lamp(world, apart, ending, emitter, depth > 0, values);
     }

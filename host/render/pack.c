@@ -650,7 +650,7 @@ static uint32_t shading_of(const mcv_packed *packed, const mcv_device_instance *
     const mcv_device_gloss *gloss = packed->gloss ? &packed->gloss[instance->material] : NULL;
     const mcv_device_emitter *e = instance->emitter == MCV_NONE ? NULL : packed->emitters + instance->emitter;
     if (m->type == MCV_MATERIAL_ABSORBER && !e) return MCV_SHADED_BLACK;
-    if (m->type == MCV_MATERIAL_ABSORBER && instance->emitter < MCV_MOST_LAMPS && e->texture == MCV_NONE &&
+    if (m->type == MCV_MATERIAL_ABSORBER && packed->emitter_count <= MCV_MOST_LAMPS && e->texture == MCV_NONE &&
         (e->type == MCV_EMITTER_AREA || e->type == MCV_EMITTER_PARALLEL))
         return MCV_SHADED_BLACK + 1 + instance->emitter;
     if (m->texture != MCV_NONE || e) return MCV_SHADED_ALONE;

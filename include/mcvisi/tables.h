@@ -93,8 +93,8 @@ MCV_ASSERT_SIZE(mcv_device_instance, 20);
 
 /*
  * Surfaces that do not emit, without texture: diffuse ones, of microfacets that have no direction, of smooth bodies, and what absorbs all
- * light. That may emit: of one of the first emitters that send the same everywhere or nothing, without an image, it is MCV_SHADED_BLACK
- * and the emitter's number and 1 more. And all others.
+ * light. Where there are few emitters, the lamp of one that sends its full radiance or nothing, without an image, is MCV_SHADED_BLACK and
+ * its number and 1 more. And all others.
  */
 enum { MCV_SHADED_ALONE, MCV_SHADED_DIFFUSE, MCV_SHADED_GLOSSY, MCV_SHADED_SMOOTH, MCV_SHADED_BLACK };
 #define MCV_MOST_LAMPS 16u
