@@ -59,6 +59,30 @@ MCV_LOOP_FUNCTION uint mcv_kind_met(mcv_world world, __global const uint *triang
     return nothing ? MCV_MET_NOTHING : kind;
 }
 
+#if MCV_FEW
+/* The same where there are few triangles and exact surfaces. */
+static __attribute__((noinline)) void mcv_look_up_kinds(mcv_world world, __global const uint *triangles, const uint *met, uint count,
+                                                        uint *kinds) {
+    uint of_each[MCV_FEW];
+    MCV_PARALLEL
+    for (uint i = 0; i < MCV_FEW; ++i) of_each[i] = mcv_kind_met(world, triangles, i < world.frame->triangle_count ? i : MCV_NONE);
+    mcv_look_up(of_each, met, count, kinds);
+#if MCV_WITH_SURFACES
+    uint exacts[MCV_ROW];
+    MCV_PARALLEL
+    for (uint i = 0; i < MCV_FEW; ++i) {
+        const int is_piece = (i >> 2 < world.frame->solid_count) & ((i & 3u) < MCV_PIECE_COUNT);
+        of_each[i] = mcv_kind_met(world, triangles, is_piece ? MCV_EXACT | i : MCV_NONE);
+    }
+    mcv_look_up(of_each, met, count, exacts);
+    MCV_PARALLEL
+    for (uint i = 0; i < mcv_fill_lanes(count); ++i) kinds[i] = met[i] >= MCV_EXACT ? exacts[i] : kinds[i];
+#endif
+    MCV_PARALLEL
+    for (uint i = 0; i < mcv_fill_lanes(count); ++i) kinds[i] = ((i < count) & (met[i] != MCV_NONE)) ? kinds[i] : MCV_MET_NOTHING;
+}
+#endif
+
 /* What the paths have met. */
 static __attribute__((noinline)) void mcv_find_kinds(mcv_world world, const uint *paths, uint count, uint *kinds, uint *gloss) {
     const uint *met = paths + (MCV_PATH_hit + 3) * MCV_ROW;
@@ -71,8 +95,15 @@ static __attribute__((noinline)) void mcv_find_kinds(mcv_world world, const uint
         for (uint i = 0; i < count; ++i) kinds[i] = MCV_MET_NOTHING;
         return;
     }
-    MCV_PARALLEL
-    for (uint i = 0; i < mcv_fill_lanes(count); ++i) kinds[i] = mcv_kind_met(world, triangles, i < count ? met[i] : MCV_NONE);
+#if MCV_FEW
+    if (world.frame->triangle_count <= MCV_FEW && 4u * world.frame->solid_count <= MCV_FEW && count >= 2 * MCV_FEW)
+        mcv_look_up_kinds(world, triangles, met, count, kinds);
+    else
+#endif
+    {
+        MCV_PARALLEL
+        for (uint i = 0; i < mcv_fill_lanes(count); ++i) kinds[i] = mcv_kind_met(world, triangles, i < count ? met[i] : MCV_NONE);
+    }
 #if MCV_WITH_PLAIN && MCV_WITH_GLOSS
     for (uint i = 0; i < count; ++i) {
         if (kinds[i] != MCV_MET_GLOSS_TRIANGLE && kinds[i] != MCV_MET_GLOSS_EXACT) continue;
