@@ -41,7 +41,10 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_sample_beam_of(mcv_receiver at, __global const 
     shadow.target = e->instance;
     shadow.density = 0.0f;
     const int lit = mcv_collimated_beam_covers(&e->beam, from_middle);
-    MCV_EACH_CHANNEL(i) shadow.light.c[i] = lit ? e->radiance[i] / e->probability : 0.0f;
+    MCV_EACH_CHANNEL(i) {
+        const float sent = e->radiance[i] / e->probability;
+        shadow.light.c[i] = lit ? sent : 0.0f;
+    }
     return shadow;
 }
 #endif
@@ -115,7 +118,10 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_sample_cone_of(mcv_receiver at, __global const 
     shadow.target = e->instance;
     shadow.density = e->probability / e->parallel.solid_angle;
     const int lit = mcv_may_meet(e, shadow.origin, shadow.direction);
-    MCV_EACH_CHANNEL(i) shadow.light.c[i] = lit ? e->radiance[i] / shadow.density : 0.0f;
+    MCV_EACH_CHANNEL(i) {
+        const float sent = e->radiance[i] / shadow.density;
+        shadow.light.c[i] = lit ? sent : 0.0f;
+    }
     return shadow;
 }
 #endif
@@ -251,7 +257,10 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_sample_place_of(mcv_receiver at, __global const
     /* Only a face seen exactly edge-on has no finite density. */
     const int lit = (shadow.density > 0.0f) & (shadow.density < INFINITY) & mcv_shines(e, there->face, there->normal, back);
     const float scale = 1.0f / shadow.density;
-    MCV_EACH_CHANNEL(i) shadow.light.c[i] = lit ? e->radiance[i] * scale : 0.0f;
+    MCV_EACH_CHANNEL(i) {
+        const float sent = e->radiance[i] * scale; /* by itself: what is read on a condition is gathered */
+        shadow.light.c[i] = lit ? sent : 0.0f;
+    }
     *direction = back;
     return shadow;
 }
