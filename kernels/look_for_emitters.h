@@ -6,6 +6,9 @@
 #ifndef MCVISI_KERNELS_LOOK_FOR_EMITTERS_H
 #define MCVISI_KERNELS_LOOK_FOR_EMITTERS_H
 
+/* Of so many emitters each has some four paths of a slice that look for it; of more, too few to be worked out together. */
+#define MCV_MOST_SORTED (MCV_SLICE / 4u)
+
 /*
  * The i of mcv_search_cdf for many paths: the last one with cdf[i] <= bits, found from its highest binary digit down. The numbers are those
  * drawn for a pair; the paths the chosen ones.
@@ -332,23 +335,48 @@ static __attribute__((noinline)) void mcv_look_for(mcv_world world, uint *paths,
 #endif
 }
 
+/* Lists the paths in the slots first … last - 1 that look for an emitter; returns how many. */
+static __attribute__((noinline)) uint mcv_list_looking(const uint *emitters, uint first, uint last, uint emitter, uint *listed) {
+    uint looks[MCV_ROW];
+    MCV_PARALLEL
+    for (uint i = first; i < last; ++i) looks[i - first] = emitters[i] == emitter;
+    const uint count = mcv_list(looks, last - first, listed);
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) listed[i] += first;
+    return count;
+}
+
+/* The same of many emitters: those that look for emitter k begin at begins[k] in `sorted`. */
+static __attribute__((noinline)) void mcv_sort_by_emitter(const uint *emitters, uint first, uint last, uint count, uint *begins,
+                                                          uint *sorted) {
+    uint next[MCV_MOST_SORTED];
+    for (uint k = 0; k <= count; ++k) begins[k] = 0;
+    for (uint i = first; i < last; ++i)
+        if (emitters[i] != MCV_NONE) ++begins[emitters[i] + 1u];
+    for (uint k = 0; k < count; ++k) {
+        next[k] = begins[k];
+        begins[k + 1u] += begins[k];
+    }
+    for (uint i = first; i < last; ++i)
+        if (emitters[i] != MCV_NONE) sorted[next[emitters[i]]++] = i;
+}
+
 /* What comes to the paths in the slots first … last - 1 from the emitters that they look for: together, unless these are so many that few
  * paths look for the same one, or surfaces in the same place move where shadow rays begin. */
 static __attribute__((noinline)) void mcv_look_for_emitters(mcv_world world, uint *paths, uint first, uint last) {
     const uint *emitters = paths + MCV_PATH_emitter * MCV_ROW;
     const uint count = world.frame->emitter_count;
-    uint looks[MCV_ROW], chosen[MCV_ROW];
-    if (MCV_WITH_CONTACT || count > MCV_SLICE / 16u) {
+    uint begins[MCV_MOST_SORTED + 1], sorted[MCV_SLOTS], chosen[MCV_ROW];
+    if (MCV_WITH_CONTACT || count > MCV_MOST_SORTED) {
         for (uint i = first; i < last; ++i)
             if (emitters[i] != MCV_NONE) mcv_look_alone(world, paths, i);
         return;
     }
+    const int sorts = count > MCV_MOST_REACHING;
+    if (sorts) mcv_sort_by_emitter(emitters, first, last, count, begins, sorted);
     for (uint emitter = 0; first < last && emitter < count; ++emitter) {
-        MCV_PARALLEL
-        for (uint i = first; i < last; ++i) looks[i - first] = emitters[i] == emitter;
-        const uint listed = mcv_list(looks, last - first, chosen);
-        MCV_PARALLEL
-        for (uint i = 0; i < listed; ++i) chosen[i] += first;
+        const uint listed = sorts ? begins[emitter + 1u] - begins[emitter] : mcv_list_looking(emitters, first, last, emitter, chosen);
+        for (uint i = 0; sorts && i < listed; ++i) chosen[i] = sorted[begins[emitter] + i];
         if (listed > 0) mcv_look_for(world, paths, emitter, chosen, listed);
     }
 }
