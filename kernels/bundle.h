@@ -202,6 +202,7 @@ static inline __attribute__((always_inline)) void mcv_take_flat(__global const m
             triangles[triangle_count++] = leaf->triangle[lane];
         }
     }
+    if (triangle_count == 0) return;
     for (uint first = 0; first < count; first += MCV_LANES) {
         const uint *own = numbers + first;
         uint last[MCV_LANES]; /* the last one in place of those that are not there */

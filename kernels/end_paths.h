@@ -195,8 +195,8 @@ static __attribute__((noinline)) uint mcv_end_at_lamp(mcv_world world, uint *apa
 }
 #endif
 
-/* Those of the paths end that have met nothing or what absorbs all light: as if they had met nothing. Returns how many values are not
- * finite. */
+/* Those of the paths end that have met nothing or what absorbs all light, whose kind is then that of nothing, too. Returns how many values
+ * are not finite. */
 static __attribute__((noinline)) uint mcv_end_early(mcv_world world, uint *paths, uint *kinds, uint count, uint depth, float *values) {
     uint apart[(MCV_PATH_hit + 4) * MCV_ROW], black = 0;
     uint ending = mcv_set_apart(paths, kinds, MCV_MET_NOTHING, count, MCV_LEAVES_BEGIN, MCV_LEAVES_END, apart);

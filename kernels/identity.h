@@ -9,10 +9,10 @@
 
 /*
  * Surfaces that a path meets before roulette may end it, and what it carries if it need not survive that: a smaller weight would cost time,
- * a larger one makes noise. Where every surface that spreads light has looked for all of it that comes by one way, what is left is little
- * beside that, and its rays cost most in meshes. Light that is only met by chance, from all sides or through glass, needs the paths.
+ * a larger one makes noise. Where surfaces look for all light, what is left after the first ones is little beside that, and its rays cost
+ * most in meshes; light that is only met by chance, from all sides or through glass, needs the paths.
  */
-#if MCV_WITH_NEXT_EVENT && !(MCV_WITH_ENVIRONMENT || MCV_WITH_DIELECTRIC || MCV_WITH_SHEET)
+#if MCV_WITH_EARLY_ROULETTE
 #define MCV_ROULETTE_DEPTH 2u
 #define MCV_ROULETTE_WEIGHT 0.5f
 #else

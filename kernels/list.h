@@ -8,7 +8,7 @@
 /* clang knows the builtins on any x86, but can only emit them with AVX-512. */
 #if defined(__AVX512F__) && defined(__has_builtin)
 #if __has_builtin(__builtin_ia32_compresssi512_mask) && __has_builtin(__builtin_ia32_expandsi512_mask) && \
-    __has_builtin(__builtin_ia32_ucmpd512_mask)
+    __has_builtin(__builtin_ia32_ucmpd512_mask) && __has_builtin(__builtin_ia32_vpermi2vard512)
 #define MCV_AVX512_BUILTINS 1
 #endif
 #endif

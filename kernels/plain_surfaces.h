@@ -219,7 +219,7 @@ static __attribute__((noinline)) void mcv_find_reflectances(mcv_world world, uin
     uint *rows = paths + MCV_PATH_reflectance * MCV_ROW;
 #if MCV_FEW
     const uint count = world.frame->instance_count;
-    if (count <= MCV_FEW && last - first >= 2 * MCV_FEW) {
+    if (count - 1u < MCV_FEW && last - first >= 2 * MCV_FEW) {
         uint of_each[MCV_CHANNELS][MCV_FEW];
         MCV_PARALLEL
         for (uint i = 0; i < MCV_FEW; ++i) {
@@ -260,7 +260,7 @@ MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint
                                               uint *casts) {
     mcv_slot slot;
     slot.base = paths;
-    (void)exact, (void)gloss;
+    (void)world, (void)exact, (void)gloss;
 #if MCV_WITH_GLOSS
     mcv_device_gloss from;
     if (type != MCV_MATERIAL_DIFFUSE) from = mcv_plain_gloss(world, gloss);
@@ -344,7 +344,7 @@ static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, ui
 MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first, uint last, uint depth, int exact, uint type, int parts,
                                        uint gloss, uint *ways, uint *unmatched) {
     const int roulette = depth >= MCV_ROULETTE_DEPTH;
-    (void)exact, (void)parts, (void)gloss, (void)unmatched;
+    (void)world, (void)exact, (void)parts, (void)gloss, (void)unmatched;
     mcv_slot slot;
     slot.base = paths;
 #if MCV_WITH_GLOSS

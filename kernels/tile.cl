@@ -71,14 +71,14 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_one_of(const uint *rows, uint i) {
 }
 
 /* Rays with one solid, of a shape that is known to the compiler. */
-MCV_LOOP_FUNCTION void mcv_meet_together(mcv_world world, mcv_side_by_side rays, uint number, uint shape, uint count, float *t,
+MCV_LOOP_FUNCTION void mcv_meet_together(mcv_world world, mcv_side_by_side rays, uint number, uint shape, uint count, uint *t,
                                          uint *pieces) {
     __global const mcv_device_solid *solid = world.solids + number;
     MCV_PARALLEL_MASKED
     for (uint i = 0; i < count; ++i) {
         const mcv_approach ray = mcv_approach_solid(world, number, mcv_one_of(rays.origin, i), mcv_one_of(rays.direction, i), rays.left[i]);
         const mcv_piece_met met = mcv_meet_shape(solid, shape, ray);
-        t[i] = met.t;
+        t[i] = as_uint(met.t);
         pieces[i] = met.piece;
     }
 }
@@ -98,17 +98,17 @@ static __attribute__((noinline)) uint mcv_find_approaching(mcv_world world, mcv_
 }
 
 /* mcv_take_exact_hit of the rays that may meet a solid. */
-static __attribute__((noinline)) void mcv_take_exact_hits(mcv_world world, const float *t, const uint *pieces, uint number, uint count,
+static __attribute__((noinline)) void mcv_take_exact_hits(mcv_world world, const uint *t, const uint *pieces, uint number, uint count,
                                                           const uint *reaches, mcv_hits hits) {
     uint tied[MCV_ROW], ties = 0;
     MCV_PARALLEL
     for (uint i = 0; i < mcv_fill_lanes(count); ++i) {
-        const float before = as_float(hits.t[i]);
+        const float before = as_float(hits.t[i]), here = as_float(t[i]);
         const uint triangle = hits.triangle[i];
-        const int closer = (reaches[i] != 0u) & (t[i] < before);
-        tied[i] = (reaches[i] != 0u) & (t[i] == before) & (triangle >= MCV_EXACT) & (triangle != MCV_NONE);
+        const int closer = (reaches[i] != 0u) & (here < before);
+        tied[i] = (reaches[i] != 0u) & (here == before) & (triangle >= MCV_EXACT) & (triangle != MCV_NONE);
         ties += tied[i];
-        hits.t[i] = as_uint(closer ? t[i] : before);
+        hits.t[i] = as_uint(closer ? here : before);
         hits.u[i] = closer ? 0u : hits.u[i];
         hits.v[i] = closer ? 0u : hits.v[i];
         hits.triangle[i] = closer ? MCV_EXACT | 4u * number | pieces[i] : triangle;
@@ -116,15 +116,14 @@ static __attribute__((noinline)) void mcv_take_exact_hits(mcv_world world, const
     for (uint i = 0; ties > 0 && i < count; ++i) {
         if (!tied[i]) continue;
         mcv_hit hit = mcv_hit_of(hits, i);
-        mcv_take_exact_hit(world, t[i], number, pieces[i], &hit);
+        mcv_take_exact_hit(world, as_float(t[i]), number, pieces[i], &hit);
         mcv_put_hit(hits, i, hit);
     }
 }
 
 /* What many rays meet of the exact surfaces, if that is closer than the given hits (or misses, with their t_max). */
 static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, mcv_side_by_side rays, uint count, mcv_hits hits) {
-    uint reaches[MCV_ROW], pieces[MCV_ROW], rows[7 * MCV_ROW], packed[2 * MCV_ROW];
-    float t[MCV_ROW];
+    uint reaches[MCV_ROW], t[MCV_ROW], pieces[MCV_ROW], rows[7 * MCV_ROW], packed[2 * MCV_ROW];
     for (uint number = 0; number < world.frame->solid_count; ++number) {
         __global const mcv_device_solid *solid = world.solids + number;
         const uint shape = mcv_shape(solid), near = mcv_find_approaching(world, rays, count, number, hits, reaches);
@@ -132,7 +131,7 @@ static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, 
         /* Where they are fewer than half they are set side by side. */
         const int few = shape == MCV_SHAPE_OTHER || 2u * near < count;
         mcv_side_by_side own = rays;
-        float *own_t = t;
+        uint *own_t = t;
         uint *own_pieces = pieces;
         uint own_count = count;
         if (few) {
@@ -142,7 +141,7 @@ static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, 
             }
             mcv_pack_row(reaches, rays.left, count, rows + 6 * MCV_ROW);
             own = (mcv_side_by_side){rows, rows + 3 * MCV_ROW, rows + 6 * MCV_ROW};
-            own_t = (float *)packed;
+            own_t = packed;
             own_pieces = packed + MCV_ROW;
             own_count = near;
         }
@@ -152,7 +151,7 @@ static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, 
                 const mcv_approach ray =
                     mcv_approach_solid(world, number, mcv_one_of(own.origin, i), mcv_one_of(own.direction, i), own.left[i]);
                 const mcv_piece_met met = mcv_meet_other(solid, &ray);
-                own_t[i] = met.t;
+                own_t[i] = as_uint(met.t);
                 own_pieces[i] = met.piece;
             }
             break;
@@ -169,7 +168,7 @@ static __attribute__((noinline)) void mcv_meet_solids_together(mcv_world world, 
             mcv_meet_together(world, own, number, MCV_SHAPE_CONICS, own_count, own_t, own_pieces);
         }
         if (few) {
-            mcv_spread_row(reaches, packed, count, (uint *)t);
+            mcv_spread_row(reaches, packed, count, t);
             mcv_spread_row(reaches, packed + MCV_ROW, count, pieces);
         }
         mcv_take_exact_hits(world, t, pieces, number, count, reaches, hits);

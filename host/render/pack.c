@@ -558,6 +558,8 @@ static mcv_result pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_
         if (!(total > 0)) packed->features &= ~(1u << MCV_FEATURE_NEXT_EVENT);
         const bool looks = packed->features >> MCV_FEATURE_NEXT_EVENT & 1;
         packed->features |= feature(MCV_FEATURE_RECTANGLE, looks && rectangles > 0);
+        const uint32_t met_by_chance = 1u << MCV_FEATURE_ENVIRONMENT | 1u << MCV_FEATURE_DIELECTRIC | 1u << MCV_FEATURE_SHEET;
+        packed->features |= feature(MCV_FEATURE_EARLY_ROULETTE, looks && !(packed->features & met_by_chance));
         packed->features |= feature(MCV_FEATURE_REACH, looks && count > 1 && count <= MCV_MOST_REACHING);
     }
     free(powers);

@@ -36,6 +36,8 @@
     X(NEXT_EVENT, "next-event", "surfaces that spread light look for emitters") \
     X(RECTANGLE, "rectangle", "one of these emitters is a rectangle: they look for it by solid angle") \
     X(REACH, "reach", "surfaces that spread light choose among a few emitters by what these may bring") \
+    X(EARLY_ROULETTE, "early-roulette", \
+      "surfaces that spread light look for all of it: what a path brings after its first ones is little, and roulette ends more of them") \
     X(AIM, "aim", "a sensor sees a parallel emitter whose cone is narrower than its pupil") \
     X(LIGHT_TRACING, "light-tracing", "light of emitters reaches surfaces that spread it, or a beam the lens, through smooth ones") \
     X(MIXED, "mixed", "--precision mixed: where smooth surfaces are met and which way rays go on is worked out in double") \
