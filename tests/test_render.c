@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rendering on the device: truths that every image must keep. */
 #include "estimates.h"
+#include "peer_scenes.h"
 
 #include "render/render.h"
 
@@ -192,6 +193,41 @@ static void test_same_bits(void **state) {
     mcv_scene_free(scene);
 }
 
+static void expect_same_schedules(const mcv_scene *scene, const char *what) {
+    mcv_film tile = render_film(scene, MCV_SCHEDULE_TILE, 0, MCV_SAMPLER_SOBOL, 0, 64);
+    mcv_film stream = render_film(scene, MCV_SCHEDULE_STREAM, 0, MCV_SAMPLER_SOBOL, 0, 64);
+    expect_equal_bits(&tile, &stream, what);
+    mcv_film_free(&stream);
+    mcv_film_free(&tile);
+}
+
+/* What is known of few triangles, exact surfaces and instances is looked up. */
+static void test_few_triangles_have_the_same_bits(void **state) {
+    static const char *const names[] = {"area", "rough glass", "opening"};
+    (void)state;
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        mcv_scene *scene = make_peer_scene(names[i], 24, true, NULL);
+        expect_same_schedules(scene, names[i]);
+        mcv_scene_free(scene);
+    }
+}
+
+/* Paths are sorted by many emitters, which are met one by one. */
+static void test_many_lamps_have_the_same_bits(void **state) {
+    mcv_scene *scene = mcv_scene_new("lamps");
+    const uint32_t grey = add_diffuse(scene, 0.5), black = add_absorber(scene);
+    (void)state;
+    add_rectangle(scene, 2, 2, grey, looking_up_z(0, 0, 0));
+    add_ball(scene, 0.2, 0.2, grey);
+    for (int i = 0; i < 25; ++i) {
+        const mcv_transform at = looking_down_z(0.3 * (i % 5) - 0.6, 0.3 * floor(i / 5.0) - 0.6, 0.9);
+        add_emitter(scene, i % 2 ? MCV_EMITTER_PARALLEL : MCV_EMITTER_AREA, add_rectangle(scene, 0.2, 0.1, black, at), 1 + i, 0.02);
+    }
+    add_pinhole(scene, 24, 0.5, looking_down_z(0, 0, 1.5));
+    expect_same_schedules(scene, "many lamps");
+    mcv_scene_free(scene);
+}
+
 static bool stop_at_once(void *user, double fraction, double seconds, double error) {
     (void)user, (void)fraction, (void)seconds, (void)error;
     return false;
@@ -293,6 +329,8 @@ int main(void) {
         cmocka_unit_test(test_sensor_in_glass),
         cmocka_unit_test(test_diffuse_furnace),
         cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_few_triangles_have_the_same_bits),
+        cmocka_unit_test(test_many_lamps_have_the_same_bits),
         cmocka_unit_test(test_later_range_can_be_stopped),
         cmocka_unit_test(test_latest_ranges_are_whole),
         cmocka_unit_test(test_turns_change_no_bit),
