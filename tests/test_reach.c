@@ -153,7 +153,7 @@ static mcv_scene *many_lights(bool translucent, int only) {
 static void test_lights_add_up(void **state) {
     (void)state;
     for (int translucent = 0; translucent < 2; ++translucent) {
-        mcv_film all, one, sum = {0};
+        mcv_film all = {0}, one = {0}, sum = {0};
         mcv_comparison c;
         for (int i = 0; i <= LIGHTS; ++i) {
             mcv_scene *scene = many_lights(translucent, i);

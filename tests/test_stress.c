@@ -310,8 +310,8 @@ static void test_many_reflections(void **state) {
             add_box(scene, (const double[3]){100, 100, 0.05}, glass, unmoved);
         for (int reference = 0; reference < 2; ++reference) {
             mcv_render_options options = mcv_render_defaults();
-            mcv_vertex *v;
-            size_t count;
+            mcv_vertex *v = NULL;
+            size_t count = 0;
             options.depth = REFLECTIONS;
             BUILD((reference ? mcv_reference_trace : mcv_trace)(scene, &ray, 1, &options, &v, &count, &builder_error));
             assert_int_equal(count, REFLECTIONS + 1);
