@@ -40,19 +40,6 @@ static __attribute__((noinline)) uint mcv_set_apart(const uint *paths, const uin
     return found;
 }
 
-/* The first paths have ended. */
-static __attribute__((noinline)) uint mcv_end_row(mcv_world world, uint *apart, uint count, float *values) {
-    uint nonfinite = 0;
-    mcv_slot slot;
-    slot.base = apart;
-    MCV_PARALLEL
-    for (uint i = 0; i < count; ++i) {
-        slot.index = i;
-        nonfinite += mcv_end_path(world, slot, values);
-    }
-    return nonfinite;
-}
-
 /* The rows that matter to a path that leaves the scene. */
 #if MCV_WITH_ENVIRONMENT_IMAGE || MCV_WITH_DISPERSION
 #define MCV_LEAVES_BEGIN MCV_PATH_origin
@@ -198,15 +185,16 @@ static __attribute__((noinline)) uint mcv_end_at_lamp(mcv_world world, uint *apa
 /* Those of the paths end that have met nothing or what absorbs all light, whose kind is then that of nothing, too. Returns how many values
  * are not finite. */
 static __attribute__((noinline)) uint mcv_end_early(mcv_world world, uint *paths, uint *kinds, uint count, uint depth, float *values) {
-    uint apart[(MCV_PATH_hit + 4) * MCV_ROW], black = 0;
+    uint apart[(MCV_PATH_hit + 4) * MCV_ROW], flags[MCV_SLOTS], ended[MCV_SLOTS], black = 0;
     uint ending = mcv_set_apart(paths, kinds, MCV_MET_NOTHING, count, MCV_LEAVES_BEGIN, MCV_LEAVES_END, apart);
     uint nonfinite = mcv_leave_scenes(world, apart, ending, values);
     (void)depth;
     MCV_PARALLEL
     for (uint i = 0; i < count; ++i) black += kinds[i] >= MCV_MET_BLACK;
     if (black == 0) return nonfinite;
-    ending = mcv_set_apart(paths, kinds, MCV_MET_BLACK, count, MCV_PATH_weight, MCV_PATH_throughput, apart);
-    nonfinite += mcv_end_row(world, apart, ending, values);
+    MCV_PARALLEL
+    for (uint i = 0; i < count; ++i) flags[i] = kinds[i] == MCV_MET_BLACK;
+    nonfinite += mcv_end_paths(world, paths, ended, mcv_list(flags, count, ended), values);
 #if MCV_WITH_PARALLEL || MCV_WITH_AREA
     const uint lamps = world.frame->emitter_count > MCV_MOST_LAMPS ? 0u : world.frame->emitter_count;
     for (uint emitter = 0; emitter < lamps; ++emitter) {
