@@ -65,6 +65,8 @@ enum {
     X(text, lens, "output", 'o', "LENS.gltf", MCV_IN_IMPORT, NULL, 0, 0, \
       "where to write; by default the name of the lens file with .gltf") \
     X(list, index, "index", 0, "GLASS=N", MCV_IN_IMPORT, NULL, 0, 0, "the refractive index of a glass that the catalogue lacks") \
+    X(choice, curvature, "curvature", 0, "auto|radius|curvature", MCV_IN_IMPORT, "auto", 0, 0, \
+      "what a .seq file gives its surfaces by; auto: what its RDM says, else whichever focuses where the file has its image") \
     X(text, unit, "unit", 0, "nm|um|mm|cm|m", MCV_IN_NEW, NULL, 0, 0, "of the part's lengths; .stl files do not tell it, glTF has metres") \
     X(text, sensor, "sensor", 0, "NAME", MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_MEASURE | MCV_IN_COMPARE, NULL, 0, 0, \
       "only this sensor, by name or number") \

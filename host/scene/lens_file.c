@@ -3,472 +3,272 @@
 
 #include <ctype.h>
 #include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/basics.h"
-#include "output/file.h"
-#include "scene/params.h"
-#include "scene/surfaces.h"
+#include "scene/lens.h"
 
-enum { MOST_SURFACES = 200, NAME = 64, WORDS = 24 };
+/* --- radius or curvature ---------------------------------------------------------------------------------------- */
 
-typedef struct surface {
-    double curvature, conic, thickness, semi_diameter; /* in the file's unit; semi-diameter 0: not given */
-    double asphere[MCV_ASPHERE_TERMS];
-    char glass[NAME]; /* behind it; empty: air */
-    double index;     /* of the glass, 0: by its name */
-    bool stop, complete;
-} surface;
-
-typedef struct lens {
-    const char *path;
-    char name[NAME];
-    double unit;     /* [m] */
-    double aperture; /* diameter of the entrance pupil, in the unit; 0: not given */
-    double field;    /* tangent of the largest field angle */
-    bool radii;      /* CODE V: radii instead of curvatures */
-    int count;
-    surface surfaces[MOST_SURFACES];
-} lens;
-
-static mcv_result fail_surface(const lens *l, int number, mcv_error *error, const char *what, const char *word) {
-    if (number < 0) return mcv_fail(error, MCV_BAD_INPUT, "%s: before the first surface: %s%s", l->path, what, word);
-    return mcv_fail(error, MCV_BAD_INPUT, "%s: surface %d: %s%s", l->path, number, what, word);
+static void read_as(mcv_lens *l, mcv_lens_shape shape) {
+    for (int i = 0; i < l->count; ++i) {
+        mcv_lens_surface *s = l->surfaces + i;
+        if (s->unsure && shape == MCV_LENS_SHAPE_RADIUS) s->curvature = 1 / s->curvature;
+        s->unsure = false;
+    }
 }
 
-/* --- text ------------------------------------------------------------------------------------------------------- */
+/* How far two lengths are from each other, as a fraction of the second; INFINITY where one is missing. */
+static double difference(double a, double b) { return isnan(a) || isnan(b) || b == 0 ? INFINITY : fabs(a / b - 1); }
 
-/* UTF-16 with a byte order mark to bytes, what is not ASCII to '?'; the text ends with 0. */
-static mcv_result read_text(const char *path, char **text, mcv_error *error) {
-    uint8_t *bytes;
-    size_t size;
-    MCV_TRY(mcv_file_load(path, &bytes, &size, error));
-    const bool little = size >= 2 && bytes[0] == 0xff && bytes[1] == 0xfe, big = size >= 2 && bytes[0] == 0xfe && bytes[1] == 0xff;
-    char *out = malloc(size + 1);
-    size_t n = 0;
-    if (!out) {
-        free(bytes);
-        return mcv_fail(error, MCV_FAILED, "%s: no memory for it", path);
+/*
+ * Where the file does not say: the reading that focuses within a tenth of the stated image distance, or has the stated focal length; where
+ * both or none do, the one whose surfaces are not smaller than the bundle.
+ */
+static mcv_result choose_shape(mcv_lens *l, mcv_error *error) {
+    bool unsure = false, near[2], possible[2];
+    double distance[2];
+    for (int i = 0; i < l->count; ++i) unsure = unsure || l->surfaces[i].unsure;
+    if (!unsure) return MCV_OK;
+    mcv_lens *copy = malloc(sizeof *copy);
+    if (!copy) return mcv_fail(error, MCV_FAILED, "%s: no memory for it", l->path);
+    for (int k = 0; k < 2; ++k) {
+        *copy = *l;
+        read_as(copy, k ? MCV_LENS_SHAPE_CURVATURE : MCV_LENS_SHAPE_RADIUS);
+        const mcv_lens_first_order f = mcv_lens_trace(copy, false);
+        distance[k] = f.image_distance;
+        near[k] = difference(distance[k], f.stated_image_distance) < 0.1 ||
+                  (l->focal_length > 0 && difference(f.focal_length, l->focal_length) < 0.1);
+        possible[k] = mcv_lens_is_possible(copy);
     }
-    for (size_t i = little || big ? 2 : 0; i + (little || big) < size; i += little || big ? 2 : 1) {
-        const unsigned code = little ? bytes[i] | (unsigned)bytes[i + 1] << 8 : big ? bytes[i + 1] | (unsigned)bytes[i] << 8 : bytes[i];
-        out[n++] = (char)(code > 0 && code < 128 ? code : '?');
-    }
-    out[n] = '\0';
-    free(bytes);
-    *text = out;
+    free(copy);
+    const bool *says = near[0] != near[1] ? near : possible;
+    if (says[0] == says[1])
+        return mcv_lens_fail(
+            l, 0, -1, error,
+            "does not say by RDM whether its surfaces are given by radius or curvature (the image would be at %.4g or %.4g): "
+            "give --curvature radius or --curvature curvature",
+            distance[0], distance[1]);
+    read_as(l, says[0] ? MCV_LENS_SHAPE_RADIUS : MCV_LENS_SHAPE_CURVATURE);
+    mcv_lens_warn(l, "%s: its surfaces are read as %s, though no RDM says so: %s", l->path, says[0] ? "radii" : "curvatures",
+                  says == near ? "only so they focus where the file has its image" : "only so they are wide enough for the bundle");
     return MCV_OK;
 }
 
-/* Cuts a statement into words, quoted ones as one; returns how many. */
-static int split(char *statement, char *words[WORDS]) {
-    int n = 0;
-    while (n < WORDS) {
-        while (isspace((unsigned char)*statement)) ++statement;
-        if (!*statement) break;
-        const bool quoted = *statement == '\'' || *statement == '"';
-        const char quote = *statement;
-        if (quoted) ++statement;
-        words[n++] = statement;
-        while (*statement && (quoted ? *statement != quote : !isspace((unsigned char)*statement))) ++statement;
-        if (!*statement) break;
-        *statement++ = '\0';
-    }
-    return n;
-}
+/* --- semi-diameters that fit the bodies -------------------------------------------------------------------------- */
 
-static bool is(const char *word, const char *other) { return strcasecmp(word, other) == 0; }
-
-static mcv_result read_number(const lens *l, const char *word, double *value, mcv_error *error) {
-    char *end;
-    *value = strtod(word, &end);
-    if (end != word && *end == '\0' && !isnan(*value)) return MCV_OK;
-    return fail_surface(l, l->count - 1, error, "there must be a number in place of ", word);
-}
-
-static mcv_result new_surface(lens *l, mcv_error *error) {
-    if (l->count == MOST_SURFACES) return mcv_fail(error, MCV_BAD_INPUT, "%s: more than %d surfaces", l->path, MOST_SURFACES);
-    l->surfaces[l->count++] = (surface){0};
-    return MCV_OK;
-}
-
-static mcv_result set_unit(lens *l, const char *word, mcv_error *error) {
-    static const struct {
-        const char *word;
-        double unit;
-    } units[] = {{"MM", 1e-3}, {"M", 1e-3}, {"CM", 1e-2}, {"C", 1e-2}, {"IN", 0.0254}, {"I", 0.0254}, {"METER", 1}};
-    for (size_t i = 0; i < sizeof units / sizeof units[0]; ++i)
-        if (is(word, units[i].word)) {
-            l->unit = units[i].unit;
-            return MCV_OK;
-        }
-    return mcv_fail(error, MCV_BAD_INPUT, "%s: the unit \"%s\" must be MM, CM, IN or METER", l->path, word);
-}
-
-/* --- Zemax ------------------------------------------------------------------------------------------------------ */
-
-static mcv_result zemax_surface(lens *l, char **words, int n, mcv_error *error) {
-    surface *s = l->surfaces + l->count - 1;
-    const char *key = words[0], *first = n > 1 ? words[1] : "";
-    double value;
-    if (is(key, "TYPE") && !is(first, "STANDARD") && !is(first, "EVENASPH"))
-        return fail_surface(l, l->count - 1, error, "only the types STANDARD and EVENASPH are known, not ", first);
-    if (is(key, "STOP")) s->stop = true;
-    if (is(key, "MIRR") || is(key, "SLAB") || n < 2) return MCV_OK;
-    if (is(key, "CURV")) return read_number(l, first, &s->curvature, error);
-    if (is(key, "CONI")) return read_number(l, first, &s->conic, error);
-    if (is(key, "DIAM")) {
-        s->complete = true; /* the last of what a surface needs */
-        return read_number(l, first, &s->semi_diameter, error);
-    }
-    if (is(key, "DISZ")) return read_number(l, first, &s->thickness, error);
-    if (is(key, "GLAS")) {
-        if (is(first, "MIRROR")) return fail_surface(l, l->count - 1, error, "mirrors are not known in lens files: use a \"surface\"", "");
-        snprintf(s->glass, sizeof s->glass, "%s", first);
-        /* Of a model glass the file gives the index. */
-        if (n > 4 && strcmp(words[2], "1") == 0) return read_number(l, words[4], &s->index, error);
-        return MCV_OK;
-    }
-    if (is(key, "PARM") && n > 2) {
-        const long term = strtol(first, NULL, 10);
-        MCV_TRY(read_number(l, words[2], &value, error));
-        if (value == 0) return MCV_OK;
-        if (term < 2 || term > MCV_ASPHERE_TERMS + 1)
-            return fail_surface(l, l->count - 1, error, "aspheres have terms from r^4 to r^18, not PARM ", first);
-        s->asphere[term - 2] = value;
-    }
-    return MCV_OK;
-}
-
-static mcv_result read_zemax(lens *l, char *text, mcv_error *error) {
-    char *rest = text, *line, *words[WORDS];
-    while ((line = strsep(&rest, "\r\n"))) {
-        const int n = split(line, words);
-        if (n == 0) continue;
-        if (is(words[0], "UNIT") && n > 1) MCV_TRY(set_unit(l, words[1], error));
-        if (is(words[0], "NAME") && n > 1) snprintf(l->name, sizeof l->name, "%s", words[1]);
-        if (is(words[0], "MODE") && n > 1 && !is(words[1], "SEQ"))
-            return mcv_fail(error, MCV_BAD_INPUT, "%s: only sequential lenses are known (MODE SEQ), not %s", l->path, words[1]);
-        if (is(words[0], "SURF"))
-            MCV_TRY(new_surface(l, error));
-        else if (l->count > 0)
-            MCV_TRY(zemax_surface(l, words, n, error));
-    }
-    for (int i = 0; i < l->count; ++i)
-        if (!l->surfaces[i].complete) return fail_surface(l, i, error, "has no DIAM: the file is truncated", "");
-    return MCV_OK;
-}
-
-/* --- CODE V ----------------------------------------------------------------------------------------------------- */
-
-static mcv_result codev_surface(lens *l, char **words, int n, mcv_error *error) {
-    surface *s = l->surfaces + l->count - 1;
-    double value = 0;
-    if (n > 1) {
-        MCV_TRY(read_number(l, words[1], &value, error));
-        s->curvature = !l->radii ? value : value != 0 ? 1 / value : 0;
-    }
-    if (n > 2) MCV_TRY(read_number(l, words[2], &s->thickness, error));
-    if (n > 3 && is(words[3], "REFL"))
-        return fail_surface(l, l->count - 1, error, "mirrors are not known in lens files: use a \"surface\"", "");
-    if (n > 3 && !is(words[3], "AIR")) snprintf(s->glass, sizeof s->glass, "%s", words[3]);
-    return MCV_OK;
-}
-
-static mcv_result codev_statement(lens *l, char **words, int n, bool *ended, mcv_error *error) {
-    static const char *const unknown[] = {"SPS", "XTO", "YTO", "CYL", "AAS", "GRT", "DAR", "XDE", "YDE", "ADE", "BDE", "SPL", "ZRN"};
-    static const char *const unordered[] = {"RDY", "CUY", "THI", "GLA"};
-    const char *key = words[0];
-    double value = 0;
-    for (size_t i = 0; i < sizeof unknown / sizeof unknown[0]; ++i)
-        if (is(key, unknown[i])) return fail_surface(l, l->count - 1, error, "only spheres, conics and even aspheres are known, not ", key);
-    for (size_t i = 0; i < sizeof unordered / sizeof unordered[0]; ++i)
-        if (is(key, unordered[i]))
-            return fail_surface(l, l->count - 1, error, "surfaces must be given as S radius thickness glass, not by ", key);
-    if (is(key, "DIM") && n > 1) return set_unit(l, words[1], error);
-    if (is(key, "RDM")) l->radii = n < 2 || !is(words[1], "N");
-    if (is(key, "TITLE") && n > 1) snprintf(l->name, sizeof l->name, "%s", words[1]);
-    if (is(key, "EPD") && n > 1) return read_number(l, words[1], &l->aperture, error);
-    for (int i = 1; is(key, "YAN") && i < n; ++i) {
-        MCV_TRY(read_number(l, words[i], &value, error));
-        l->field = fmax(l->field, tan(fabs(value) * M_PI / 180));
-    }
-    if (is(key, "GO")) *ended = true;
-    if (is(key, "SO") || is(key, "SI") || is(key, "S")) {
-        MCV_TRY(new_surface(l, error));
-        return codev_surface(l, words, n, error);
-    }
-    if (l->count == 0) return MCV_OK;
-    surface *s = l->surfaces + l->count - 1;
-    if (is(key, "STO")) s->stop = true;
-    if (n < 2) return MCV_OK;
-    if (is(key, "STO")) return fail_surface(l, l->count - 1, error, "STO must stand below its surface, not name ", words[1]);
-    if (is(key, "CIR") && n > 2 && !is(words[1], "EDG"))
-        return fail_surface(l, l->count - 1, error, "only the radius of a round aperture is known, not CIR ", words[1]);
-    if (is(key, "K")) return read_number(l, words[1], &s->conic, error);
-    if (is(key, "CIR")) return read_number(l, words[n - 1], &s->semi_diameter, error);
-    if (strlen(key) == 1 && toupper((unsigned char)*key) >= 'A' && toupper((unsigned char)*key) < 'A' + MCV_ASPHERE_TERMS)
-        return read_number(l, words[1], &s->asphere[toupper((unsigned char)*key) - 'A'], error);
-    if (is(key, "J")) {
-        MCV_TRY(read_number(l, words[1], &value, error));
-        if (value != 0) return fail_surface(l, l->count - 1, error, "aspheres have terms from r^4 to r^18, A to H, not ", key);
-    }
-    return MCV_OK;
-}
-
-static mcv_result read_codev(lens *l, char *text, mcv_error *error) {
-    char *rest = text, *line, *words[WORDS];
-    bool ended = false;
-    l->radii = true;
-    while ((line = strsep(&rest, "\r\n"))) {
-        line[strcspn(line, "!")] = '\0';
-        for (char *statement; (statement = strsep(&line, ";"));) {
-            const int n = split(statement, words);
-            if (n > 0) MCV_TRY(codev_statement(l, words, n, &ended, error));
-        }
-    }
-    return ended ? MCV_OK
-                 : mcv_fail(error, MCV_BAD_INPUT, "%s: ends without GO after surface %d: the file is truncated", l->path, l->count - 1);
-}
-
-/* --- glass ------------------------------------------------------------------------------------------------------ */
-
-/* N-BK7 is NBK7_SCHOTT elsewhere. */
-static bool same_glass(const char *a, const char *b) {
-    while (*a || *b) {
-        while (*a == '-') ++a;
-        while (*b == '-') ++b;
-        if (*b == '_' || *b == '\0') return *a == '\0';
-        if (toupper((unsigned char)*a++) != toupper((unsigned char)*b++)) return false;
-    }
-    return true;
-}
-
-/* The material: {"glass": …} or {"ior": …}. */
-static mcv_result find_glass(const lens *l, int number, const char *const *indices, size_t count, json_t **material, mcv_error *error) {
-    const surface *s = l->surfaces + number;
-    const char *const *names = mcv_param_options("glass");
-    double index = s->index;
-    char *end;
-    for (size_t i = 0; i < count; ++i) {
-        const size_t length = strcspn(indices[i], "=");
-        if (strlen(s->glass) == length && strncasecmp(indices[i], s->glass, length) == 0) index = strtod(indices[i] + length + 1, NULL);
-    }
-    for (int i = 1; index == 0 && names[i]; ++i)
-        if (same_glass(names[i], s->glass)) {
-            *material = json_pack("{s:s, s:s}", "type", "dielectric", "glass", names[i]);
-            return MCV_OK;
-        }
-    if (index == 0 && (isdigit((unsigned char)s->glass[0]) ||
-                       s->glass[0] == '.')) { /* 1.5168, or 517642, 517.642 and 516800.641673: n - 1, and Abbe's number */
-        index = strtod(s->glass, &end);
-        const size_t digits = strspn(s->glass, "0123456789");
-        if (digits >= 3)
-            index = 1 + floor(s->glass[digits] ? index : index / 1e3) / pow(10, s->glass[digits] ? (double)digits : (double)digits - 3);
-    }
-    if (index >= 1 && index <= 10) {
-        *material = json_pack("{s:s, s:f}", "type", "dielectric", "ior", index);
-        return MCV_OK;
-    }
-    return mcv_fail(error, MCV_BAD_INPUT, "%s: surface %d: unknown glass \"%s\": give its index with --index %s=1.5", l->path, number,
-                    s->glass, s->glass);
-}
-
-static double index_of(json_t *material) {
-    const json_t *ior = json_object_get(material, "ior");
-    const char *const *names = mcv_param_options("glass");
-    if (ior) return json_number_value(ior);
-    for (int i = 1; names[i]; ++i)
-        if (strcmp(names[i], json_string_value(json_object_get(material, "glass"))) == 0) return mcv_glass_index(i, 587.6e-9);
-    return 1;
-}
-
-/* --- semi-diameters --------------------------------------------------------------------------------------------- */
-
-/* Heights of a paraxial ray that begins with height y and slope u on the first surface. */
-static void trace_paraxial(const lens *l, json_t *const *materials, int first, int end, double y, double u, double *heights) {
-    double n = 1;
-    for (int i = first; i < end; ++i) {
-        const double next = materials[i] ? index_of(materials[i]) : 1;
-        heights[i] = y;
-        u = (n * u - y * l->surfaces[i].curvature * (next - n)) / next;
-        y += l->surfaces[i].thickness * u;
-        n = next;
-    }
-}
-
-static mcv_result find_semi_diameters(lens *l, json_t *const *materials, int first, int end, mcv_error *error) {
-    double axial[MOST_SURFACES], oblique[MOST_SURFACES];
-    int stop = first;
-    bool missing = false;
-    for (int i = first; i < end; ++i) {
-        if (l->surfaces[i].stop) stop = i;
-        const bool dummy = !l->surfaces[i].stop && !materials[i] && !(i > first && materials[i - 1]);
-        if (!dummy && !(l->surfaces[i].semi_diameter > 0)) missing = true;
-    }
-    if (!missing) return MCV_OK;
-    if (!(l->aperture > 0))
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: gives neither semi-diameters (DIAM, CIR) nor the diameter of the entrance pupil (EPD)",
-                        l->path);
-    trace_paraxial(l, materials, first, end, l->aperture / 2, 0, axial);
-    trace_paraxial(l, materials, first, end, 0, l->field, oblique);
-    for (int i = first; i < end; ++i) {
-        surface *s = l->surfaces + i;
-        if (s->semi_diameter > 0) continue;
-        const double chief = oblique[i] - oblique[stop] / axial[stop] * axial[i];
-        s->semi_diameter = i == stop && !materials[i] ? fabs(axial[i]) : 1.05 * (fabs(axial[i]) + fabs(chief));
-    }
-    return MCV_OK;
-}
-
-/* Both surfaces of a body end together, and before either is upright. */
-static double largest_radius(const surface *s) {
+/* Where a surface is upright, or a little before. */
+static double largest_radius(const mcv_lens_surface *s, double share) {
     const double square = (1 + s->conic) * s->curvature * s->curvature;
-    return square > 0 ? 0.95 / sqrt(square) : INFINITY;
+    return square > 0 ? share / sqrt(square) : INFINITY;
 }
 
-static double sag(const surface *s, double r) {
+static double sag(const mcv_lens_surface *s, double r) {
     const double c = s->curvature;
     double z = c * r * r / (1 + sqrt(fmax(1 - (1 + s->conic) * c * c * r * r, 0)));
     for (int i = 0; i < MCV_ASPHERE_TERMS; ++i) z += s->asphere[i] * pow(r, 2 * i + 4);
     return z;
 }
 
+/* The largest radius at which b is still behind a. */
+static double touching_radius(const mcv_lens_surface *a, const mcv_lens_surface *b, double edge) {
+    const double least = 1e-6 * edge;
+    while (a->thickness + sag(b, edge) - sag(a, edge) < 0 && edge > 0) edge = edge > least ? 0.98 * edge : 0;
+    return edge;
+}
+
+static double edge_of(const mcv_lens_surface *front) { return fmax(front->semi_diameter, front[1].semi_diameter); }
+
+/* Makes the body behind a surface as narrow as `edge`. */
+static void cut_body(mcv_lens *l, int i, double edge, const char *why) {
+    mcv_lens_surface *front = l->surfaces + i;
+    if (edge >= edge_of(front)) return;
+    mcv_lens_warn(l, "%s: line %d: surface %d: its lens is made %.4g mm wide instead of %.4g mm: beyond, %s", l->path, front->line, i,
+                  2e3 * edge * l->unit, 2e3 * edge_of(front) * l->unit, why);
+    front->semi_diameter = fmin(front->semi_diameter, edge);
+    front[1].semi_diameter = fmin(front[1].semi_diameter, edge);
+}
+
+/* Both faces of a body reach its edge, and bodies do not overlap, whatever the file gives as semi-diameters. */
+static void cut_given(mcv_lens *l, int i) {
+    const mcv_lens_surface *a = l->surfaces + i, *b = a + 1;
+    if (*a->glass.name) {
+        const double edge = fmin(edge_of(a), fmin(largest_radius(a, 0.99), largest_radius(b, 0.99)));
+        cut_body(l, i, touching_radius(a, b, edge), "its faces have no common edge");
+    } else if (*a[-1].glass.name && *b->glass.name) {
+        const double edge = fmin(edge_of(a - 1), edge_of(b)), touching = touching_radius(a, b, edge);
+        if (touching < edge) cut_body(l, edge_of(a - 1) < edge_of(b) ? i - 1 : i + 1, touching, "it touches the next one");
+    }
+}
+
 /* Whatever lies between two surfaces, glass or air, has a thickness up to their edges: an unvignetted bundle may ask for more. */
-static void fit_semi_diameters(lens *l, json_t *const *materials, int first, int end, const bool *given) {
+static void fit_semi_diameters(mcv_lens *l, int first, int end, const bool *given) {
     for (int pass = 0; pass < 4; ++pass)
         for (int i = first; i + 1 < end; ++i) {
-            surface *a = l->surfaces + i, *b = a + 1;
-            if (given[i] || given[i + 1]) continue;
-            double edge = materials[i] ? fmax(a->semi_diameter, b->semi_diameter) : fmin(a->semi_diameter, b->semi_diameter);
-            if (materials[i]) edge = fmin(edge, fmin(largest_radius(a), largest_radius(b)));
-            while (a->thickness + sag(b, edge) - sag(a, edge) < 0 && edge > 0) edge = edge > 1e-6 * a->semi_diameter ? 0.98 * edge : 0;
-            a->semi_diameter = materials[i] ? edge : fmin(a->semi_diameter, fmax(edge, 0));
-            b->semi_diameter = materials[i] ? edge : b->semi_diameter;
+            mcv_lens_surface *a = l->surfaces + i, *b = a + 1;
+            const bool glass = *a->glass.name;
+            if (given[i] || given[i + 1]) {
+                cut_given(l, i);
+                continue;
+            }
+            double edge = glass ? fmax(a->semi_diameter, b->semi_diameter) : fmin(a->semi_diameter, b->semi_diameter);
+            if (glass) edge = fmin(edge, fmin(largest_radius(a, 0.95), largest_radius(b, 0.95)));
+            edge = touching_radius(a, b, edge);
+            a->semi_diameter = glass ? edge : fmin(a->semi_diameter, fmax(edge, 0));
+            b->semi_diameter = glass ? edge : b->semi_diameter;
         }
 }
 
-/* --- glTF ------------------------------------------------------------------------------------------------------- */
+/* --- the file as a whole ---------------------------------------------------------------------------------------- */
 
-static json_t *write_surface(const lens *l, const surface *s, int material) {
-    json_t *out = json_object();
-    int terms = 0;
-    if (s->curvature != 0) json_object_set_new(out, "radius", json_real(l->unit / s->curvature));
-    if (s->conic != 0) json_object_set_new(out, "conic", json_real(s->conic));
-    for (int i = 0; i < MCV_ASPHERE_TERMS; ++i)
-        if (s->asphere[i] != 0) terms = i + 1;
-    if (terms > 0) {
-        json_t *list = json_array();
-        for (int i = 0; i < terms; ++i) json_array_append_new(list, json_real(s->asphere[i] * pow(l->unit, -2 * i - 3)));
-        json_object_set_new(out, "asphere", list);
+/* The surfaces that are written: from the first to the last of glass, and the stop. */
+static mcv_result find_extent(const mcv_lens *l, int *first, int *end, mcv_error *error) {
+    *first = -1;
+    for (int i = 0; i < l->count; ++i) {
+        const mcv_lens_surface *s = l->surfaces + i;
+        if (!*s->glass.name) continue;
+        if (i == 0 || i + 1 == l->count)
+            return mcv_lens_fail(l, s->line, i, error,
+                                 i ? "its glass has no surface behind it: the file is truncated" : "objects in glass are not known");
+        if (*first < 0) *first = i;
+        *end = i + 2;
+        if (!(isfinite(s->thickness) && s->thickness >= 0))
+            return mcv_lens_fail(l, s->line, i, error, "the thickness of its glass must be 0 or more");
     }
-    json_object_set_new(out, "semiDiameter", json_real(s->semi_diameter * l->unit));
-    if (isfinite(s->thickness)) json_object_set_new(out, "thickness", json_real(s->thickness * l->unit));
-    if (material >= 0) json_object_set_new(out, "material", json_integer(material));
-    return out;
+    if (*first < 0) return mcv_lens_fail(l, 0, -1, error, "holds no surface with a glass: it is no lens");
+    if (*end == l->count)
+        return mcv_lens_fail(l, l->surfaces[*end - 2].line, *end - 2, error,
+                             "its glass reaches the image: the file is truncated, or a surface is missing");
+    if (l->stop > 0 && l->stop < l->count - 1) { /* before the first glass or behind the last it belongs to the lens */
+        *first = l->stop < *first ? l->stop : *first;
+        *end = l->stop < *end ? *end : l->stop + 1;
+    }
+    for (int i = *first; i < *end - 1; ++i)
+        if (!isfinite(l->surfaces[i].thickness))
+            return mcv_lens_fail(l, l->surfaces[i].line, i, error, "the way to the next surface must be finite");
+    return MCV_OK;
 }
 
-/* The surfaces first … end - 1, and stops that are none of a body; places count from the first glass. */
-static json_t *write_scene(const lens *l, json_t *const *materials, int first, int end) {
-    json_t *list = json_array(), *surfaces = json_array(), *bodies = json_array(), *nodes = json_array(), *children = json_array();
-    double z = 0;
-    for (int i = first; !materials[i]; ++i) z -= l->surfaces[i].thickness;
+/* The number in "f=100 mm" or "f/2" in the lens's name, as makers write it; 0 without one. */
+static double number_in_name(const char *name, char sign, const char *unit) {
+    for (const char *c = name; *c; ++c) {
+        const char *at = c + 1;
+        char *end;
+        if (tolower((unsigned char)*c) != 'f' || (c > name && isalnum((unsigned char)c[-1]))) continue;
+        at += strspn(at, " ");
+        if (*at++ != sign) continue;
+        const double value = strtod(at, &end);
+        end += strspn(end, " ");
+        if (isfinite(value) && value > 0 && strncasecmp(end, unit, strlen(unit)) == 0) return value;
+    }
+    return 0;
+}
+
+static void fill_report(const mcv_lens *l, const mcv_lens_first_order *stated, const mcv_lens_first_order *written) {
+    const double named = number_in_name(l->name, '=', "mm"), f_named = number_in_name(l->name, '/', "");
+    const bool finite = isfinite(stated->object_distance);
+    mcv_lens_report *report = l->report;
+    report->wavelength = l->wavelength;
+    report->focal_length = stated->focal_length * l->unit;
+    report->stated_focal_length = l->focal_length > 0 ? l->focal_length * l->unit : named > 0 ? named * 1e-3 : NAN;
+    report->back_focus = stated->back_focus * l->unit;
+    report->object_distance = stated->object_distance * l->unit;
+    report->image_distance = stated->image_distance * l->unit;
+    report->stated_image_distance = stated->stated_image_distance * l->unit;
+    report->working = finite && (l->aperture_is == MCV_LENS_WORKING_F_NUMBER || l->aperture_is == MCV_LENS_OBJECT_SLOPE);
+    report->f_number = report->working ? written->working_f_number : written->f_number;
+    report->stated_f_number = l->aperture_is != MCV_LENS_STOP_SIZE ? (report->working ? stated->working_f_number : stated->f_number)
+                              : f_named > 0                        ? f_named
+                                                                   : NAN;
+}
+
+/* Figures that the file states and that are not those of what is written, by more than 1 %. */
+static void compare_report(mcv_lens *l) {
+    const mcv_lens_report *r = l->report;
+    const double tolerance = 0.01;
+    if (fabs(r->focal_length / r->stated_focal_length - 1) > tolerance)
+        mcv_lens_warn(l, "%s: the focal length is %.5g mm, but the file states %.5g mm", l->path, 1e3 * r->focal_length,
+                      1e3 * r->stated_focal_length);
+    if (fabs(r->image_distance / r->stated_image_distance - 1) > tolerance)
+        mcv_lens_warn(l, "%s: the image is %.5g mm behind the last surface of glass, but the file has it at %.5g mm", l->path,
+                      1e3 * r->image_distance, 1e3 * r->stated_image_distance);
+    if (fabs(r->f_number / r->stated_f_number - 1) > tolerance)
+        mcv_lens_warn(l, "%s: the lens as written is f/%.4g, but the file states f/%.4g: %s", l->path, r->f_number, r->stated_f_number,
+                      l->stop > 0 && !mcv_lens_bounds_glass(l, l->stop)
+                          ? "its semi-diameters say so"
+                          : "it has no stop in air, so that the glass's edges limit the light");
+}
+
+/* Whether a scene takes the numbers, in metres. */
+static mcv_result check_numbers(const mcv_lens *l, int first, int end, mcv_error *error) {
     for (int i = first; i < end; ++i) {
-        const surface *s = l->surfaces + i;
-        const bool of_body = materials[i] || (i > first && materials[i - 1]);
-        if (s->stop && !of_body) {
-            json_array_append_new(bodies,
-                                  json_pack("{s:s, s:s, s:f, s:f, s:s}", "name", "stop", "type", "disc", "radius",
-                                            3 * s->semi_diameter * l->unit, "holeRadius", s->semi_diameter * l->unit, "material", "black"));
-            json_array_append_new(children, json_integer((json_int_t)json_array_size(children) + 1));
-            json_array_append_new(nodes, json_pack("{s:s, s:[f,f,f], s:{s:{s:i}}}", "name", "stop", "translation", 0.0, 0.0, z * l->unit,
-                                                   "extensions", "MCVISI_surfaces", "surface", (int)json_array_size(bodies)));
-        }
-        if (of_body) {
-            surface next = *s;
-            for (int k = i + 1; !materials[i] && k < end && !materials[k]; ++k)
-                next.thickness += l->surfaces[k].thickness; /* past dummies */
-            json_array_append_new(surfaces, write_surface(l, &next, materials[i] ? (int)json_array_size(list) : -1));
-            if (materials[i])
-                json_array_append_new(
-                    list, json_pack("{s:s, s:{s:O}}", "name", l->surfaces[i].glass, "extensions", "MCVISI_materials", materials[i]));
-        }
-        z += s->thickness;
-    }
-    json_array_append_new(list, json_pack("{s:s, s:{s:{s:s}}}", "name", "black", "extensions", "MCVISI_materials", "type", "absorber"));
-    json_array_insert_new(bodies, 0,
-                          json_pack("{s:s, s:s, s:o}", "name", *l->name ? l->name : "lens", "type", "lens", "surfaces", surfaces));
-    json_t *root = json_pack("{s:s, s:{s:{s:i}}}", "name", *l->name ? l->name : "lens", "extensions", "MCVISI_surfaces", "surface", 0);
-    if (json_array_size(children) > 0)
-        json_object_set_new(root, "children", children);
-    else
-        json_decref(children);
-    json_array_insert_new(nodes, 0, root);
-    return json_pack("{s:{s:s, s:s}, s:i, s:[{s:[i]}], s:[s,s], s:{s:{s:o}}, s:o, s:o}", "asset", "version", "2.0", "generator",
-                     "mcvisi import", "scene", 0, "scenes", "nodes", 0, "extensionsUsed", "MCVISI_surfaces", "MCVISI_materials",
-                     "extensions", "MCVISI_surfaces", "surfaces", bodies, "materials", list, "nodes", nodes);
-}
-
-static mcv_result check_indices(const char *const *indices, size_t count, mcv_error *error) {
-    for (size_t i = 0; i < count; ++i) {
-        const char *equals = strchr(indices[i], '=');
-        const double index = equals && equals > indices[i] ? strtod(equals + 1, NULL) : 0;
-        if (!(index >= 1 && index <= 10))
-            return mcv_fail(error, MCV_USAGE, "--index %s: must be GLASS=N, an index from 1 to 10", indices[i]);
+        const mcv_lens_surface *s = l->surfaces + i;
+        bool finite = isfinite(s->curvature) && s->semi_diameter * l->unit <= 1e6 && fabs(s->thickness) * l->unit <= 1e6;
+        if (i + 1 == end && !*s->glass.name) finite = isfinite(s->curvature) && s->semi_diameter * l->unit <= 1e6;
+        for (int k = 0; k < MCV_ASPHERE_TERMS; ++k) finite = finite && isfinite(s->asphere[k] * pow(l->unit, -2 * k - 3));
+        if (!finite) return mcv_lens_fail(l, s->line, i, error, "its numbers are too large for a scene");
+        if (mcv_lens_bounds_glass(l, i) && !(s->semi_diameter > 0))
+            return mcv_lens_fail(l, s->line, i, error, "no width is left for it: on the axis already its lens overlaps the next one");
     }
     return MCV_OK;
 }
 
-static mcv_result convert(lens *l, const char *const *indices, size_t count, json_t **scene, mcv_error *error) {
-    json_t *materials[MOST_SURFACES] = {0};
-    bool given[MOST_SURFACES];
+static mcv_result convert(mcv_lens *l, const mcv_lens_options *options, json_t **scene, mcv_error *error) {
+    bool given[MCV_LENS_SURFACES];
     int first = -1, end = 0;
-    mcv_result result = MCV_OK;
-    for (int i = 0; i < l->count && result == MCV_OK; ++i) {
-        given[i] = l->surfaces[i].semi_diameter > 0;
-        if (!*l->surfaces[i].glass) continue;
-        if (first < 0) first = i;
-        end = i + 2;
-        result = i + 1 < l->count ? find_glass(l, i, indices, count, materials + i, error)
-                                  : fail_surface(l, i, error, "its glass has no surface behind it: the file is truncated", "");
-        if (result == MCV_OK && !(isfinite(l->surfaces[i].thickness) && l->surfaces[i].thickness >= 0))
-            result = fail_surface(l, i, error, "the thickness of its glass must be 0 or more", "");
-    }
-    if (result == MCV_OK && first < 0) result = mcv_fail(error, MCV_BAD_INPUT, "%s: holds no surface with a glass: it is no lens", l->path);
-    /* A stop before the first glass or behind the last belongs to the lens. */
-    for (int i = 1; i < l->count && result == MCV_OK; ++i) {
-        if (!l->surfaces[i].stop) continue;
-        first = i < first ? i : first;
-        end = i < end ? end : i + 1;
-    }
-    for (int i = first; i < end - 1 && result == MCV_OK; ++i)
-        if (!isfinite(l->surfaces[i].thickness)) result = fail_surface(l, i, error, "the way to the next surface must be finite", "");
-    if (result == MCV_OK) result = find_semi_diameters(l, materials, first, end, error);
-    if (result == MCV_OK) {
-        fit_semi_diameters(l, materials, first, end, given);
-        *scene = write_scene(l, materials, first, end);
-        if (!*scene) result = mcv_fail(error, MCV_FAILED, "%s: no memory to convert it", l->path);
-    }
-    for (int i = 0; i < l->count; ++i) json_decref(materials[i]);
-    return result;
+    MCV_TRY(mcv_lens_find_glasses(l, options->indices, options->index_count, error));
+    MCV_TRY(find_extent(l, &first, &end, error));
+    MCV_TRY(choose_shape(l, error));
+    if (!(l->wavelength >= 100e-9 && l->wavelength <= 100e-6))
+        return mcv_lens_fail(l, 0, -1, error, "its wavelength of %.4g nm must be from 100 nm to 100 um", 1e9 * l->wavelength);
+    if (l->wavelength < 350e-9 || l->wavelength > 2e-6)
+        mcv_lens_warn(l, "%s: the glasses' formulas hold from 350 to 2000 nm, not at its wavelength of %.4g nm", l->path,
+                      1e9 * l->wavelength);
+    mcv_lens_solve_image(l);
+    const mcv_lens_first_order stated = mcv_lens_trace(l, false);
+    for (int i = 0; i < l->count; ++i) given[i] = l->surfaces[i].semi_diameter > 0;
+    MCV_TRY(mcv_lens_find_semi_diameters(l, first, end, given, error));
+    fit_semi_diameters(l, first, end, given);
+    const mcv_lens_first_order written = mcv_lens_trace(l, true);
+    fill_report(l, &stated, &written);
+    compare_report(l);
+    MCV_TRY(check_numbers(l, first, end, error));
+    *scene = mcv_lens_write(l, first, end);
+    return *scene ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: no memory to convert it", l->path);
 }
 
-mcv_result mcv_lens_file_read(const char *path, const char *const *indices, size_t index_count, json_t **scene, mcv_error *error) {
-    const bool zemax = mcv_ends_in(path, ".zmx"), codev = mcv_ends_in(path, ".seq");
+/* Files of the same programs that are no text. */
+static mcv_result refuse_format(const char *path, mcv_error *error) {
+    static const char *const known[][2] = {
+        {".zar", "is an archive of Zemax OpticStudio: extract it there (File, Load Archive), or save the lens as .zmx"},
+        {".zos", "is a project of Zemax OpticStudio: save the lens there as .zmx"},
+        {".len", "is a binary file of CODE V: save the lens there as a sequence, .seq (File, Export)"}};
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; ++i)
+        if (mcv_ends_in(path, known[i][0])) return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", path, known[i][1]);
+    return mcv_fail(error, MCV_BAD_INPUT, "%s: must be a .zmx or .seq file", path);
+}
+
+mcv_result mcv_lens_file_read(const char *path, const mcv_lens_options *options, json_t **scene, mcv_lens_report *report,
+                              mcv_error *error) {
+    const bool zemax = mcv_ends_in(path, ".zmx");
     char *text = NULL;
     *scene = NULL;
-    if (!zemax && !codev) return mcv_fail(error, MCV_BAD_INPUT, "%s: must be a .zmx or .seq file", path);
-    MCV_TRY(check_indices(indices, index_count, error));
-    MCV_TRY(read_text(path, &text, error));
-    lens *l = calloc(1, sizeof *l);
+    *report = (mcv_lens_report){0};
+    if (!zemax && !mcv_ends_in(path, ".seq")) return refuse_format(path, error);
+    if (zemax && options->shape != MCV_LENS_SHAPE_AUTO)
+        return mcv_fail(error, MCV_USAGE, "%s: --curvature is for .seq files: a .zmx file always gives curvatures", path);
+    MCV_TRY(mcv_lens_text_load(path, &text, error));
+    mcv_lens *l = calloc(1, sizeof *l);
     mcv_result result = l ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: no memory for it", path);
     if (l) {
         l->path = path;
+        l->report = report;
+        l->line = 1;
         l->unit = 1e-3;
-        result = zemax ? read_zemax(l, text, error) : read_codev(l, text, error);
-        if (result == MCV_OK) result = convert(l, indices, index_count, scene, error);
+        l->wavelength = 587.5618e-9;
+        result = zemax ? mcv_lens_zemax_read(l, text, error) : mcv_lens_codev_read(l, options->shape, text, error);
+        if (result == MCV_OK) result = convert(l, options, scene, error);
     }
     free(l);
     free(text);
