@@ -64,7 +64,7 @@ static void test_gratings(void **state) {
         assert_int_equal(mcv_image_new(&image, SIDE, SIDE, 1, &error), MCV_OK);
         for (int y = 0; y < SIDE; ++y)
             for (int x = 0; x < SIDE; ++x) image.pixels[y * SIDE + x] = (float)(1 + 0.5 * cos(2 * M_PI * (fx * x + fy * y)));
-        assert_int_equal(mcv_blur(&image, NULL, mtf, pitch, &error), MCV_OK);
+        assert_int_equal(mcv_blur(&image, NULL, mtf, pitch, NULL, &error), MCV_OK);
         for (int y = 90; y < 110; ++y)
             for (int x = 90; x < 110; ++x) {
                 const double truth = 1 + 0.5 * expected * cos(2 * M_PI * (fx * x + fy * y));
@@ -89,7 +89,7 @@ static void test_uniform(void **state) {
     (void)state;
     assert_int_equal(mcv_image_new(&image, 33, 57, 3, &error), MCV_OK);
     for (int i = 0; i < 3 * 33 * 57; ++i) image.pixels[i] = 7.25F;
-    assert_int_equal(mcv_blur(&image, NULL, mtf, pitch, &error), MCV_OK);
+    assert_int_equal(mcv_blur(&image, NULL, mtf, pitch, NULL, &error), MCV_OK);
     for (int i = 0; i < 3 * 33 * 57; ++i)
         if (fabs(image.pixels[i] - 7.25) > 7.25 * 0x1p-23) fail_msg("value %d is %g", i, (double)image.pixels[i]);
     mcv_image_free(&image);
@@ -111,7 +111,7 @@ static void test_noise_is_propagated(void **state) {
             image.pixels[i] = (float)(100 + mcv_noise_normal(&noise));
             deviation.pixels[i] = 1;
         }
-        assert_int_equal(mcv_blur(&image, k == IMAGES ? &deviation : NULL, mtf, pitch, &error), MCV_OK);
+        assert_int_equal(mcv_blur(&image, k == IMAGES ? &deviation : NULL, mtf, pitch, NULL, &error), MCV_OK);
         if (k == IMAGES) break;
         sum += image.pixels[AT];
         squares += (double)image.pixels[AT] * image.pixels[AT];

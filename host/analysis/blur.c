@@ -181,6 +181,33 @@ static void square_response(grid *g) {
     }
 }
 
+/*
+ * The correlation's spectrum is the square of the response over its mean S2: at frequency 0 the response is 1, and the sum 1/S2. The
+ * stencil of second differences in both directions, whose sum of squares is 36, has the spectrum (2 - 2 cos)² of each.
+ */
+static mcv_correlation correlation_of(const grid *g) {
+    const size_t count = g->size[0] * g->size[1];
+    double second = 0, fourth = 0, stencil = 0;
+    for (size_t y = 0; y < g->size[1]; ++y) {
+        const double down = pow(2 - 2 * cos(2 * M_PI * (double)y / (double)g->size[1]), 2);
+        for (size_t x = 0; x < g->size[0]; ++x) {
+            const double h2 = pow(g->response[y * g->size[0] + x], 2);
+            second += h2;
+            fourth += h2 * h2;
+            stencil += h2 * down * pow(2 - 2 * cos(2 * M_PI * (double)x / (double)g->size[0]), 2);
+        }
+    }
+    return (mcv_correlation){(double)count / second, fourth * (double)count / (second * second), stencil / (36 * second), 0};
+}
+
+/* Of the response that square_response makes, whose kernel are the shares but for a factor. */
+static double shares_of(const grid *g) {
+    const size_t count = g->size[0] * g->size[1];
+    double squares = 0;
+    for (size_t i = 0; i < count; ++i) squares += g->response[i] * g->response[i];
+    return squares / ((double)count * g->response[0] * g->response[0]);
+}
+
 /* Reads the image out of the grid again. */
 static void extract(const grid *g, const mcv_image *image, float *plane, bool squared) {
     for (size_t y = 0; y < image->height; ++y)
@@ -190,8 +217,10 @@ static void extract(const grid *g, const mcv_image *image, float *plane, bool sq
         }
 }
 
-mcv_result mcv_blur(mcv_image *light, mcv_image *light_error, const mcv_lens_mtf mtf[3], const double pitch[2], mcv_error *error) {
+mcv_result mcv_blur(mcv_image *light, mcv_image *light_error, const mcv_lens_mtf mtf[3], const double pitch[2],
+                    mcv_correlation *correlation, mcv_error *error) {
     grid g = {0};
+    if (correlation) *correlation = (mcv_correlation){0};
     if (!grid_new(&g, light)) {
         grid_free(&g);
         return mcv_fail(error, MCV_FAILED, "the lens MTF needs %.3g GB of memory, which is not there: leave it out by --lens-mtf none",
@@ -204,7 +233,14 @@ mcv_result mcv_blur(mcv_image *light, mcv_image *light_error, const mcv_lens_mtf
         filter(&g);
         extract(&g, light, light->pixels + first, false);
         if (!light_error) continue;
+        if (correlation) {
+            const mcv_correlation one = correlation_of(&g);
+            correlation->sum += one.sum / light->channels;
+            correlation->squares += one.squares / light->channels;
+            correlation->stencil += one.stencil / light->channels;
+        }
         square_response(&g);
+        if (correlation) correlation->shares += shares_of(&g) / light->channels;
         fill(&g, light, light_error->pixels + first, true);
         filter(&g);
         extract(&g, light, light_error->pixels + first, true);

@@ -134,7 +134,7 @@ static mcv_result blur(const mcv_command *command, const char *path, mcv_exr *ex
         snprintf(words, 128, "table %.100s", command->lens_mtf);
     else
         snprintf(words, 128, "diffraction at f/%g", *f_number);
-    const mcv_result result = mcv_blur(&exr->parts[0].image, mcv_exr_error(exr), mtf, size, error);
+    const mcv_result result = mcv_blur(&exr->parts[0].image, mcv_exr_error(exr), mtf, size, NULL, error);
     free(rows);
     return result;
 }
