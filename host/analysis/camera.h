@@ -56,6 +56,7 @@ double mcv_camera_electrons_per_irradiance(double exposure_time, double quantum_
 typedef struct mcv_exposure {
     mcv_image grey;        /* whole numbers 0 … 2^bits - 1; one channel with a Bayer pattern */
     mcv_image uncertainty; /* standard uncertainty of a grey value [DN]: noise, fixed pattern, rounding, and the light's own error */
+    mcv_image render;      /* of that the light's own error [DN], none where the pixel is saturated; no pixels where it is not known */
     double electrons;      /* mu_e on average over the image */
     double brightest;      /* the largest mu_e */
     uint64_t saturated;    /* values at full well or at the largest grey value */

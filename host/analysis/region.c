@@ -190,6 +190,7 @@ typedef struct moments {
     double var_mean, covariance, var_variance, reach;
     double var_noise;                  /* of the estimate from the values */
     double var_render;                 /* of `render`, from how few replicates it is */
+    double var_left;                   /* of what the estimate from the values, which sees the render's error too, leaves of that */
     double render_reach, render_least; /* without anything else V - render is below the first; its variance is the second */
 } moments;
 
@@ -224,10 +225,11 @@ static moments find_moments(const mcv_readings *r, const mcv_roi *region) {
     m.covariance = 2 * first / (m.n * freedom);
     m.var_render = r->render_freedom > 0 ? 2 * r4_sum / (r->render_freedom * m.n * m.n) : 0;
     m.var_noise = 2 * pow(m.camera + rho.stencil * r2_sum / m.n, 2) / m.freedom;
+    m.var_left = m.var_render * (region->estimated ? pow(1 - rho.stencil, 2) : 1);
     const double var_least = 2 * (c4_sum + 2 * cr_sum + rho.squares * r4_sum) / (freedom * freedom);
     m.render_least = 2 * rho.squares * r4_sum / (freedom * freedom) + m.var_render;
     m.render_reach = 1.645 * sqrt(m.render_least);
-    const double far = 1.645 * sqrt(var_least + m.var_noise + m.var_render);
+    const double far = 1.645 * sqrt(var_least + m.var_noise + m.var_left);
     m.reach = m.var_noise > 0 ? m.noise * expm1(far / m.noise) : far;
     const double c4 = c4_sum / (1 + 2 / m.freedom), signal = 4 * (second - c4 - (1 + rho.sum) * cr_sum - rho.sum * r4_sum);
     const double wide = m.variance > m.noise + m.reach ? widened(signal, m.freedom) : signal;
@@ -248,7 +250,7 @@ static mcv_quantity root_of(double signal, double reach, double variance) {
  * to that of s, `share` of it, because it has to do with V.
  */
 static mcv_quantity rms_contrast(const moments *m, double share) {
-    const double variance = m->var_variance + widened(share * m->var_noise, m->freedom) + m->var_render, mean2 = m->mean * m->mean;
+    const double variance = m->var_variance + widened(share * m->var_noise, m->freedom) + m->var_left, mean2 = m->mean * m->mean;
     const mcv_quantity root = root_of(m->variance - m->noise, m->reach, variance);
     const double rms = root.value / m->mean;
     return quantity(rms, root.uncertainty * root.uncertainty / mean2 + rms * rms * widened(m->var_mean, m->freedom) / mean2 -

@@ -105,7 +105,8 @@ enum { WIDEST_DIFFRACTION = 100 };
  * Says in words what was done, "" for nothing. A light field image is left alone: neighbouring pixels see through different parts of the
  * pupil. So is a stop whose diffraction would fill the image: that of a glTF camera, which stands for none.
  */
-static mcv_result blur(const mcv_command *command, const char *path, mcv_exr *exr, char words[128], mcv_error *error) {
+static mcv_result blur(const mcv_command *command, const char *path, mcv_exr *exr, char words[128], mcv_correlation *correlation,
+                       mcv_error *error) {
     const double *f_number = mcv_exr_numbers(exr, "mcvisi:fNumber", 1);
     const bool table = strcmp(command->lens_mtf, "diffraction") != 0;
     double size[2], widest = 0;
@@ -113,6 +114,7 @@ static mcv_result blur(const mcv_command *command, const char *path, mcv_exr *ex
     mcv_mtf_row *rows = NULL;
     size_t row_count = 0;
     words[0] = '\0';
+    *correlation = (mcv_correlation){1, 1, 1, 1};
     if (strcmp(command->lens_mtf, "none") == 0 || mcv_exr_attribute(exr, "mcvisi:angularResolution")) return MCV_OK;
     if (!pixel_size(exr, size)) {
         if (!table) return MCV_OK;
@@ -134,7 +136,7 @@ static mcv_result blur(const mcv_command *command, const char *path, mcv_exr *ex
         snprintf(words, 128, "table %.100s", command->lens_mtf);
     else
         snprintf(words, 128, "diffraction at f/%g", *f_number);
-    const mcv_result result = mcv_blur(&exr->parts[0].image, mcv_exr_error(exr), mtf, size, NULL, error);
+    const mcv_result result = mcv_blur(&exr->parts[0].image, mcv_exr_error(exr), mtf, size, correlation, error);
     free(rows);
     return result;
 }
@@ -149,8 +151,10 @@ static mcv_attribute text_attribute(const char *name, const char *text) { return
 
 /* The image's header, but what the values are, and the camera. */
 static mcv_result write_exr(const mcv_command *command, const char *path, const mcv_exr *exr, const mcv_camera *camera,
-                            const mcv_exposure *exposure, const char *lens, mcv_error *error) {
+                            const mcv_exposure *exposure, const char *lens, const mcv_correlation *correlation, mcv_error *error) {
+    const mcv_correlation rho = *correlation;
     const mcv_attribute own[] = {
+        {.name = MCV_EXR_CORRELATION, .numbers = {rho.sum, rho.squares, rho.stencil, rho.shares}, .count = 4},
         text_attribute("mcvisi:quantity", "grey value"),
         text_attribute("mcvisi:unit", "DN"),
         text_attribute("mcvisi:lensMTF", lens[0] ? lens : "none"),
@@ -184,8 +188,9 @@ static mcv_result write_exr(const mcv_command *command, const char *path, const 
     }
     const char **names = camera->bayer == MCV_BAYER_NONE ? exr->parts[0].channel_names : NULL;
     const mcv_exr_part parts[] = {{.name = exr->parts[0].name, .image = exposure->grey, .channel_names = names},
-                                  {.name = "error", .image = exposure->uncertainty, .channel_names = names}};
-    const mcv_result result = mcv_exr_write(path, parts, 2, attributes, count, error);
+                                  {.name = "error", .image = exposure->uncertainty, .channel_names = names},
+                                  {.name = MCV_EXR_RENDER_ERROR, .image = exposure->render, .channel_names = names}};
+    const mcv_result result = mcv_exr_write(path, parts, exposure->render.pixels ? 3 : 2, attributes, count, error);
     free(attributes);
     return result;
 }
@@ -248,23 +253,24 @@ static mcv_camera camera_of(const mcv_command *command) {
 }
 
 static mcv_result read_out(const mcv_command *command, const char *path, mcv_exr *exr, mcv_camera *camera, mcv_exposure *exposure,
-                           const char **unit, char lens[128], mcv_error *error) {
+                           const char **unit, char lens[128], mcv_correlation *correlation, mcv_error *error) {
     mcv_image *light = &exr->parts[0].image;
     mcv_error detail = {""};
     MCV_TRY(check_quantity(command, path, exr, unit, error));
     mcv_result result = mcv_camera_check_light(light, &detail);
     if (result != MCV_OK) return mcv_fail(error, result, "%s: %s", path, detail.text);
-    MCV_TRY(blur(command, path, exr, lens, error));
+    MCV_TRY(blur(command, path, exr, lens, correlation, error));
     MCV_TRY(scale_light(command, path, exr, camera->electrons_per_unit, error));
     result = mcv_camera_expose(camera, light, mcv_exr_error(exr), exposure, &detail);
     return result == MCV_OK ? MCV_OK : mcv_fail(error, result, "%s: %s", path, detail.text);
 }
 
-mcv_result mcv_camera_read_out(const mcv_command *command, const char *path, mcv_exr *exr, mcv_exposure *exposure, mcv_error *error) {
+mcv_result mcv_camera_read_out(const mcv_command *command, const char *path, mcv_exr *exr, mcv_exposure *exposure,
+                               mcv_correlation *correlation, mcv_error *error) {
     const char *unit;
     char lens[128];
     mcv_camera camera = camera_of(command);
-    return read_out(command, path, exr, &camera, exposure, &unit, lens, error);
+    return read_out(command, path, exr, &camera, exposure, &unit, lens, correlation, error);
 }
 
 static mcv_result expose(const mcv_command *command, const char *path, mcv_exr *exr, const char *grey, bool told, mcv_error *error) {
@@ -272,8 +278,9 @@ static mcv_result expose(const mcv_command *command, const char *path, mcv_exr *
     char lens[128] = "";
     mcv_exposure exposure = {0};
     mcv_camera camera = camera_of(command);
-    MCV_TRY(read_out(command, path, exr, &camera, &exposure, &unit, lens, error));
-    mcv_result result = mcv_ends_in(grey, ".exr") ? write_exr(command, grey, exr, &camera, &exposure, lens, error)
+    mcv_correlation correlation;
+    MCV_TRY(read_out(command, path, exr, &camera, &exposure, &unit, lens, &correlation, error));
+    mcv_result result = mcv_ends_in(grey, ".exr") ? write_exr(command, grey, exr, &camera, &exposure, lens, &correlation, error)
                                                   : mcv_values_write(grey, &exposure.grey, camera.bits > 8 ? 16 : 8, error);
     if (result == MCV_OK) warn(grey, &camera, &exposure);
     if (result == MCV_OK && told) result = report_exposure(command, grey, &camera, &exposure, unit, lens, error);

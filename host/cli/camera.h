@@ -4,6 +4,7 @@
 #define MCVISI_HOST_CLI_CAMERA_H
 
 #include "analysis/camera.h"
+#include "analysis/region.h"
 #include "cli/options.h"
 #include "output/exr.h"
 
@@ -20,9 +21,10 @@ bool mcv_camera_wanted(const mcv_command *command);
 mcv_result mcv_camera_check_options(const mcv_command *command, mcv_error *error);
 
 /*
- * What the camera reads from an image of light as mcv_exr_read gives it, with the header's attributes; the light is blurred in place.
- * `path` is for messages. The caller frees the exposure.
+ * What the camera reads from an image of light as mcv_exr_read gives it, with the header's attributes; the light is blurred in place, which
+ * correlates its errors. `path` is for messages. The caller frees the exposure.
  */
-mcv_result mcv_camera_read_out(const mcv_command *command, const char *path, mcv_exr *exr, mcv_exposure *exposure, mcv_error *error);
+mcv_result mcv_camera_read_out(const mcv_command *command, const char *path, mcv_exr *exr, mcv_exposure *exposure,
+                               mcv_correlation *correlation, mcv_error *error);
 
 #endif
