@@ -53,6 +53,51 @@ mcv_result mcv_camera_check_light(const mcv_image *light, mcv_error *error) {
     return MCV_OK;
 }
 
+/* --- the level -------------------------------------------------------------------------------------------------- */
+
+enum { SQUARE = 16, LATTICE = 4, LATTICES = LATTICE * LATTICE };
+
+/* Adds μ^15 and μ^16 of a square: means of products of 15 and of 16 different lattices. */
+static void add_square(const float *pixels, uint32_t width, uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1, double scale,
+                       double sums[2]) {
+    double means[LATTICES] = {0}, counts[LATTICES] = {0}, products[LATTICES + 1] = {1};
+    for (uint32_t y = y0; y < y1; ++y)
+        for (uint32_t x = x0; x < x1; ++x) {
+            const uint32_t k = y % LATTICE * LATTICE + x % LATTICE;
+            means[k] += scale * (double)pixels[(size_t)y * width + x];
+            ++counts[k];
+        }
+    /* products[n]: the sum over all choices of n of the lattices so far. */
+    for (int k = 0; k < LATTICES; ++k)
+        for (int n = k + 1; n > 0; --n) products[n] += products[n - 1] * means[k] / counts[k];
+    sums[0] += products[LATTICES - 1] / LATTICES;
+    sums[1] += products[LATTICES];
+}
+
+double mcv_camera_level(const mcv_image *light, const mcv_image *light_error, const double electrons_per_unit[3]) {
+    const size_t plane = (size_t)light->width * light->height;
+    const uint32_t across = light->width / SQUARE, down = light->height / SQUARE;
+    double sum = 0, squares = 0, powers[2] = {0};
+    for (size_t i = 0; i < plane * light->channels; ++i) {
+        const double e = electrons_per_unit[i / plane < 3 ? i / plane : 2], y = e * (double)light->pixels[i];
+        const double u = light_error ? e * (double)light_error->pixels[i] : INFINITY;
+        sum += y;
+        squares += y * y - u * u;
+    }
+    if (!(sum > 0)) return 0;
+    const double mean = sum / ((double)plane * light->channels); /* so that powers stay small */
+    for (uint32_t c = 0; c < light->channels; ++c)
+        for (uint32_t j = 0; j < down; ++j)
+            for (uint32_t i = 0; i < across; ++i)
+                add_square(light->pixels + c * plane, light->width, (uint32_t)((uint64_t)light->width * i / across),
+                           (uint32_t)((uint64_t)light->height * j / down), (uint32_t)((uint64_t)light->width * (i + 1) / across),
+                           (uint32_t)((uint64_t)light->height * (j + 1) / down), electrons_per_unit[c < 3 ? c : 2] / mean, powers);
+    const double of_squares = powers[0] > 0 ? mean * powers[1] / powers[0] : 0;
+    return fmax(of_squares, fmax(squares / sum, 0));
+}
+
+/* --- the pixels ------------------------------------------------------------------------------------------------- */
+
 /* Which channel of the light a pixel of a channel of the grey values reads, and with which colour's sensitivity. */
 typedef struct site {
     uint32_t channel, colour;

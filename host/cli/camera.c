@@ -72,7 +72,7 @@ static bool pixel_size(const mcv_exr *exr, double size[2]) {
 
 static mcv_result scale_light(const mcv_command *command, const char *path, const mcv_exr *exr, double per_unit[3], mcv_error *error) {
     const mcv_image *light = &exr->parts[0].image;
-    double size[2], brightest = 0;
+    double size[2];
     if (command->electrons_per_unit[0] > 0) {
         memcpy(per_unit, command->electrons_per_unit, 3 * sizeof *per_unit);
         return MCV_OK;
@@ -89,11 +89,11 @@ static mcv_result scale_light(const mcv_command *command, const char *path, cons
     }
     /* Electrons for equal energy go as eta lambda. */
     for (int c = 0; c < 3; ++c) per_unit[c] = command->quantum_efficiency[c] * command->wavelength[c];
-    const size_t plane = (size_t)light->width * light->height;
-    for (size_t i = 0; i < plane * light->channels; ++i)
-        brightest = fmax(brightest, (double)light->pixels[i] * per_unit[i / plane < 3 ? i / plane : 2]);
-    if (!(brightest > 0)) return mcv_fail(error, MCV_BAD_INPUT, "%s: is dark everywhere: --expose-to has nothing to scale by", path);
-    for (int c = 0; c < 3; ++c) per_unit[c] *= command->expose_to * command->full_well / brightest;
+    const double level = mcv_camera_level(light, mcv_exr_error(exr), per_unit);
+    if (!(level > 0))
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: is dark, or smaller than 16 x 16 pixels without a standard error: --expose-to has nothing to scale by", path);
+    for (int c = 0; c < 3; ++c) per_unit[c] *= command->expose_to * command->full_well / level;
     return MCV_OK;
 }
 
@@ -259,8 +259,8 @@ static mcv_result read_out(const mcv_command *command, const char *path, mcv_exr
     MCV_TRY(check_quantity(command, path, exr, unit, error));
     mcv_result result = mcv_camera_check_light(light, &detail);
     if (result != MCV_OK) return mcv_fail(error, result, "%s: %s", path, detail.text);
-    MCV_TRY(blur(command, path, exr, lens, correlation, error));
     MCV_TRY(scale_light(command, path, exr, camera->electrons_per_unit, error));
+    MCV_TRY(blur(command, path, exr, lens, correlation, error));
     result = mcv_camera_expose(camera, light, mcv_exr_error(exr), exposure, &detail);
     return result == MCV_OK ? MCV_OK : mcv_fail(error, result, "%s: %s", path, detail.text);
 }

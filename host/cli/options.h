@@ -125,7 +125,10 @@ enum {
     X(channels, electrons_per_unit, "electrons-per-unit", 0, "N[,N,N]", MCV_IN_GREY, NULL, 0, 1e30, \
       "mean electrons mu_e for 1 W/m^2 of irradiance or 1 W/(m^2 sr) of radiance") \
     X(number, expose_to, "expose-to", 0, "F", MCV_IN_GREY, NULL, 0, 1000, \
-      "the exposure at which the brightest value has F times the full well on average") \
+      "the exposure at which the bright parts of the image have F times the full well on average: the mean level of all light, each " \
+      "place " \
+      "weighed by how bright it is, or that of its brightest squares of 16 x 16 pixels, which is larger; it does not depend on the " \
+      "samples") \
     X(number, full_well, "full-well", 0, "N", MCV_IN_GREY, "10000", 0, 1e12, "saturation capacity u_e.sat [e-]") \
     X(number, gain, "gain", 0, "K", MCV_IN_GREY | MCV_IN_MEASURE, NULL, 0, 1e12, \
       "system gain K [DN/e-]; by default the full well is the largest grey value") \
