@@ -80,7 +80,7 @@ double mcv_camera_level(const mcv_image *light, const mcv_image *light_error, co
     double sum = 0, squares = 0, powers[2] = {0};
     for (size_t i = 0; i < plane * light->channels; ++i) {
         const double e = electrons_per_unit[i / plane < 3 ? i / plane : 2], y = e * (double)light->pixels[i];
-        const double u = light_error ? e * (double)light_error->pixels[i] : INFINITY;
+        const double u = light_error ? e * (double)light_error->pixels[i] : 0;
         sum += y;
         squares += y * y - u * u;
     }
@@ -93,7 +93,7 @@ double mcv_camera_level(const mcv_image *light, const mcv_image *light_error, co
                            (uint32_t)((uint64_t)light->height * j / down), (uint32_t)((uint64_t)light->width * (i + 1) / across),
                            (uint32_t)((uint64_t)light->height * (j + 1) / down), electrons_per_unit[c < 3 ? c : 2] / mean, powers);
     const double of_squares = powers[0] > 0 ? mean * powers[1] / powers[0] : 0;
-    return fmax(of_squares, fmax(squares / sum, 0));
+    return !light_error && of_squares > 0 ? of_squares : fmax(of_squares, squares / sum);
 }
 
 /* --- the pixels ------------------------------------------------------------------------------------------------- */

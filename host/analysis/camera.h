@@ -61,7 +61,8 @@ double mcv_camera_electrons_per_irradiance(double exposure_time, double quantum_
  * - of squares of 16 x 16 pixels Σμ^16/Σμ^15, near to that of the brightest one. A square's 16 interleaved lattices have independent
  * errors, and a product of different lattices' means is free of their error on average.
  *
- * light_error NULL: the second alone. 0 where nothing is bright. The errors of neighbours must be independent: not yet blurred by a lens.
+ * light_error NULL: the second, where there is one. 0 where nothing is bright. The errors of neighbours must be independent: not yet
+ * blurred by a lens.
  */
 double mcv_camera_level(const mcv_image *light, const mcv_image *light_error, const double electrons_per_unit[3]);
 

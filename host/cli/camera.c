@@ -7,8 +7,10 @@
 #include "analysis/camera.h"
 #include "cli/report.h"
 #include "core/basics.h"
+#include "core/parallel.h"
 #include "output/exr.h"
 #include "output/file.h"
+#include "output/png.h"
 #include "output/values.h"
 
 #include <math.h>
@@ -33,10 +35,18 @@ mcv_result mcv_camera_check_options(const mcv_command *command, mcv_error *error
     return MCV_OK;
 }
 
+bool mcv_camera_preview(const mcv_command *command, const char *grey, char preview[PATH_MAX]) {
+    const char *dot = strrchr(grey, '.');
+    if (!dot || mcv_ends_in(grey, ".exr") || (command->bits <= 8 && !mcv_ends_in(grey, ".npy"))) return false;
+    return snprintf(preview, PATH_MAX, "%.*s-preview.png", (int)(dot - grey), grey) < PATH_MAX;
+}
+
 mcv_result mcv_camera_check(const mcv_command *command, const char *grey, mcv_error *error) {
     if (!mcv_values_named(grey) && !mcv_ends_in(grey, ".exr"))
         return mcv_fail(error, MCV_USAGE, "%s: the name of grey values must end in .exr, " MCV_VALUES_ENDINGS, grey);
+    char preview[PATH_MAX];
     MCV_TRY(mcv_camera_check_options(command, error));
+    if (mcv_camera_preview(command, grey, preview)) MCV_TRY(mcv_output_check(preview, error));
     return mcv_output_check(grey, error);
 }
 
@@ -90,9 +100,7 @@ static mcv_result scale_light(const mcv_command *command, const char *path, cons
     /* Electrons for equal energy go as eta lambda. */
     for (int c = 0; c < 3; ++c) per_unit[c] = command->quantum_efficiency[c] * command->wavelength[c];
     const double level = mcv_camera_level(light, mcv_exr_error(exr), per_unit);
-    if (!(level > 0))
-        return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: is dark, or smaller than 16 x 16 pixels without a standard error: --expose-to has nothing to scale by", path);
+    if (!(level > 0)) return mcv_fail(error, MCV_BAD_INPUT, "%s: is dark everywhere: --expose-to has nothing to scale by", path);
     for (int c = 0; c < 3; ++c) per_unit[c] *= command->expose_to * command->full_well / level;
     return MCV_OK;
 }
@@ -199,7 +207,7 @@ static mcv_result report_exposure(const mcv_command *command, const char *path, 
                                   const char *unit, const char *lens, mcv_error *error) {
     const mcv_image *grey = &exposure->grey;
     const size_t count = (size_t)grey->width * grey->height * grey->channels;
-    char per_unit[64];
+    char per_unit[64], preview[PATH_MAX];
     double mean = 0;
     for (size_t i = 0; i < count; ++i) mean += (double)grey->pixels[i] / (double)count;
     snprintf(per_unit, sizeof per_unit, "e-/(%s)", unit);
@@ -207,6 +215,7 @@ static mcv_result report_exposure(const mcv_command *command, const char *path, 
     mcv_report report;
     mcv_report_begin(&report, command->json);
     mcv_report_text(&report, "image", path);
+    if (mcv_camera_preview(command, path, preview)) mcv_report_text(&report, "preview", preview);
     mcv_report_numbers(&report, "size", "", " x ", (const double[]){grey->width, grey->height}, 2);
     mcv_report_number(&report, "channels", "", grey->channels);
     mcv_report_text(&report, "lens_mtf", lens[0] ? lens : "none");
@@ -273,6 +282,34 @@ mcv_result mcv_camera_read_out(const mcv_command *command, const char *path, mcv
     return read_out(command, path, exr, &camera, exposure, &unit, lens, correlation, error);
 }
 
+/* Two files that are written at once. */
+typedef struct values {
+    const char *grey, *preview; /* NULL: none */
+    const mcv_image *image;
+    int bits;
+    mcv_result results[2];
+    mcv_error errors[2];
+} values;
+
+static void write_one(void *user, size_t i) {
+    values *v = user;
+    mcv_preview shown = {.white = (double)((1u << v->bits) - 1)};
+    if (i == 0) v->results[0] = mcv_values_write(v->grey, v->image, v->bits > 8 ? 16 : 8, v->errors);
+    if (i == 1 && v->preview) v->results[1] = mcv_png_write_preview(v->preview, v->image, "DN", &shown, v->errors + 1);
+}
+
+/* Grey values as they are, and a preview in which the largest is white. */
+static mcv_result write_values(const mcv_command *command, const char *grey, const mcv_camera *camera, const mcv_exposure *exposure,
+                               mcv_error *error) {
+    char preview[PATH_MAX];
+    const bool shown = mcv_camera_preview(command, grey, preview);
+    values v = {.grey = grey, .preview = shown ? preview : NULL, .image = &exposure->grey, .bits = (int)camera->bits};
+    mcv_in_parallel(2, write_one, &v);
+    const int failed = v.results[0] == MCV_OK;
+    if (v.results[failed] != MCV_OK) *error = v.errors[failed];
+    return v.results[failed];
+}
+
 static mcv_result expose(const mcv_command *command, const char *path, mcv_exr *exr, const char *grey, bool told, mcv_error *error) {
     const char *unit = NULL;
     char lens[128] = "";
@@ -281,7 +318,7 @@ static mcv_result expose(const mcv_command *command, const char *path, mcv_exr *
     mcv_correlation correlation;
     MCV_TRY(read_out(command, path, exr, &camera, &exposure, &unit, lens, &correlation, error));
     mcv_result result = mcv_ends_in(grey, ".exr") ? write_exr(command, grey, exr, &camera, &exposure, lens, &correlation, error)
-                                                  : mcv_values_write(grey, &exposure.grey, camera.bits > 8 ? 16 : 8, error);
+                                                  : write_values(command, grey, &camera, &exposure, error);
     if (result == MCV_OK) warn(grey, &camera, &exposure);
     if (result == MCV_OK && told) result = report_exposure(command, grey, &camera, &exposure, unit, lens, error);
     mcv_exposure_free(&exposure);

@@ -8,11 +8,16 @@
 #include "cli/options.h"
 #include "output/exr.h"
 
+#include <limits.h>
+
 /* Do the options make a camera whose grey values can be written to the file `grey`? */
 mcv_result mcv_camera_check(const mcv_command *command, const char *grey, mcv_error *error);
 
 /* Reads the OpenEXR file `image`, writes `grey`, warns where values are saturated and, where asked to, tells of the exposure. */
 mcv_result mcv_camera_write(const mcv_command *command, const char *image, const char *grey, bool told, mcv_error *error);
+
+/* The 8-bit preview beside grey values that viewers show as black or not at all: all but OpenEXR and PNG and TIFF of 8 bits. */
+bool mcv_camera_preview(const mcv_command *command, const char *grey, char preview[PATH_MAX]);
 
 /* Is there an exposure among the options? */
 bool mcv_camera_wanted(const mcv_command *command);

@@ -253,6 +253,7 @@ mcv_result mcv_exr_write(const char *path, const mcv_exr_part *parts, uint32_t p
     initializer.error_handler_fn = on_error;
     initializer.user_data = &s;
     initializer.write_fn = on_write;
+    initializer.zip_level = 1; /* noise: level 4, the usual one, takes longer for hardly less */
     exr_context_t context = NULL;
     exr_result_t result = exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &initializer);
     if (result == EXR_ERR_SUCCESS) result = encode(context, parts, part_count, attributes, attribute_count);
