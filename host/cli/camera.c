@@ -46,8 +46,8 @@ mcv_result mcv_camera_check(const mcv_command *command, const char *grey, mcv_er
         return mcv_fail(error, MCV_USAGE, "%s: the name of grey values must end in .exr, " MCV_VALUES_ENDINGS, grey);
     char preview[PATH_MAX];
     MCV_TRY(mcv_camera_check_options(command, error));
-    if (mcv_camera_preview(command, grey, preview)) MCV_TRY(mcv_output_check(preview, error));
-    return mcv_output_check(grey, error);
+    MCV_TRY(mcv_output_check(grey, error));
+    return mcv_camera_preview(command, grey, preview) ? mcv_output_check(preview, error) : MCV_OK;
 }
 
 /* Only light makes electrons. */
