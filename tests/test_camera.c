@@ -425,6 +425,75 @@ static void test_uncertainty_of_the_light(void **state) {
     mcv_exposure_free(&exposure);
 }
 
+/* The light's own share of the uncertainty, K R SE, and none where the pixel is saturated. */
+static void test_error_of_the_render(void **state) {
+    float values[] = {3, 50}, errors[] = {0.25F, 0.5F};
+    const mcv_image light = {.width = 2, .height = 1, .channels = 1, .pixels = values};
+    const mcv_image light_error = {.width = 2, .height = 1, .channels = 1, .pixels = errors};
+    const mcv_camera camera = {.electrons_per_unit = {100, 1, 1}, .full_well = 1000, .gain = 2, .read_noise = 7, .bits = 12};
+    mcv_exposure exposure;
+    mcv_error error = {""};
+    (void)state;
+    assert_int_equal(mcv_camera_expose(&camera, &light, &light_error, &exposure, &error), MCV_OK);
+    assert_true(exposure.render.pixels[0] == 50 && exposure.render.pixels[1] == 0);
+    mcv_exposure_free(&exposure);
+    assert_int_equal(mcv_camera_expose(&camera, &light, NULL, &exposure, &error), MCV_OK);
+    assert_null(exposure.render.pixels);
+    mcv_exposure_free(&exposure);
+}
+
+/* --- the level -------------------------------------------------------------------------------------------------- */
+
+enum { WIDE = 320, HIGH = 256 };
+
+/* Half of the picture is 1, with a slope of 10 % down it; the rest 0.05. Or two bright lines of two pixels on the black. */
+static double truth_at(bool lines, uint32_t x, uint32_t y) {
+    if (lines) return x % 160 == 77 || x % 160 == 78 ? 1 : 0.001;
+    return x < WIDE / 2 ? 1 - 0.1 * y / HIGH : 0.05;
+}
+
+/* As a render of so many samples in 4 replicates: each sample's deviation is twice its mean, which 16 of them bring to a half. */
+static double level_of(bool lines, double samples) {
+    mcv_image light, light_error;
+    mcv_error error = {""};
+    assert_int_equal(mcv_image_new(&light, WIDE, HIGH, 1, &error), MCV_OK);
+    assert_int_equal(mcv_image_new(&light_error, WIDE, HIGH, 1, &error), MCV_OK);
+    for (uint32_t i = 0; i < WIDE * HIGH; ++i) {
+        mcv_noise noise = mcv_noise_begin((uint32_t)samples, 0, i);
+        const double truth = truth_at(lines, i % WIDE, i / WIDE), deviation = 2 * truth / sqrt(samples / 4);
+        double replicates[4], mean = 0, squares = 0;
+        for (int k = 0; k < 4; ++k) mean += (replicates[k] = truth + deviation * mcv_noise_normal(&noise)) / 4;
+        for (int k = 0; k < 4; ++k) squares += pow(replicates[k] - mean, 2);
+        light.pixels[i] = (float)mean;
+        light_error.pixels[i] = (float)sqrt(squares / 12);
+    }
+    const double level = mcv_camera_level(&light, &light_error, (const double[]){5, 5, 5});
+    mcv_image_free(&light);
+    mcv_image_free(&light_error);
+    return level;
+}
+
+/*
+ * Within 1 % of each other for 16 to 4096 samples, and of the truth: between the mean and the largest value of the plateau, 0.95 and 1 of
+ * 5; of lines that fill 1/80, 1 by their own brightness but for the black, 0.001 · 79.
+ */
+static void test_level(void **state) {
+    static const double samples[] = {16, 256, 4096};
+    (void)state;
+    for (int lines = 0; lines < 2; ++lines) {
+        const double last = level_of(lines, 4096);
+        const double low = lines ? 1 / (1 + 0.001 * 79) - 0.005 : 0.95, high = lines ? 1 : 1.0;
+        if (!(last > 5 * low && last < 5 * high)) fail_msg("level %g is not within %g and %g", last, 5 * low, 5 * high);
+        for (int i = 0; i < 3; ++i) {
+            const double level = level_of(lines, samples[i]);
+            if (fabs(level / last - 1) > 0.01) fail_msg("level %g of %g samples, but %g of 4096", level, samples[i], last);
+        }
+    }
+    float black[1] = {0};
+    const mcv_image dark = {.width = 1, .height = 1, .channels = 1, .pixels = black};
+    assert_true(mcv_camera_level(&dark, NULL, (const double[]){1, 1, 1}) == 0);
+}
+
 /* Each pixel of the mosaic reads its colour's channel with its colour's sensitivity; grey light falls on all. */
 static void test_bayer_patterns(void **state) {
     float pixels[3 * 16];
@@ -552,6 +621,8 @@ int main(void) {
         cmocka_unit_test(test_photons_as_in_the_standard),
         cmocka_unit_test(test_fixed_pattern_and_dark_current),
         cmocka_unit_test(test_uncertainty_of_the_light),
+        cmocka_unit_test(test_error_of_the_render),
+        cmocka_unit_test(test_level),
         cmocka_unit_test(test_bayer_patterns),
         cmocka_unit_test(test_files_of_values),
         cmocka_unit_test(test_bad_input),

@@ -22,6 +22,7 @@
 
 #include <jansson.h>
 
+#include "analysis/noise.h"
 #include "output/exr.h"
 #include "output/figure.h"
 
@@ -779,6 +780,99 @@ static void test_measure(void **state) {
     assert_non_null(strstr(out, " ± "));
 }
 
+/* --- the render's own error ------------------------------------------------------------------------------------- */
+
+/* What a render of so many samples gives of a bright half and a darker one; irradiance, 4 replicates, f/4. */
+static void write_noisy(const char *path, double samples) {
+    enum { WIDTH = 120, HEIGHT = 80 };
+    mcv_image image, deviation;
+    mcv_error error = {""};
+    assert_int_equal(mcv_image_new(&image, WIDTH, HEIGHT, 1, &error), MCV_OK);
+    assert_int_equal(mcv_image_new(&deviation, WIDTH, HEIGHT, 1, &error), MCV_OK);
+    for (uint32_t i = 0; i < WIDTH * HEIGHT; ++i) {
+        mcv_noise noise = mcv_noise_begin((uint32_t)samples, 0, i);
+        const double truth = i % WIDTH < WIDTH / 2 ? 1 : 0.8, one = 1.2 * truth / sqrt(samples / 4);
+        double values[4], mean = 0, squares = 0;
+        for (int k = 0; k < 4; ++k) mean += (values[k] = truth + one * mcv_noise_normal(&noise)) / 4;
+        for (int k = 0; k < 4; ++k) squares += pow(values[k] - mean, 2);
+        image.pixels[i] = (float)fmax(0, mean);
+        deviation.pixels[i] = (float)sqrt(squares / 12);
+    }
+    const mcv_attribute attributes[] = {{.name = "mcvisi:quantity", .text = "irradiance"},
+                                        {.name = "mcvisi:unit", .text = "W/m^2"},
+                                        {.name = "mcvisi:fNumber", .numbers = {4}, .count = 1},
+                                        {.name = "mcvisi:pixelSize", .numbers = {3.45e-6, 3.45e-6}, .count = 2},
+                                        {.name = "mcvisi:errorFreedom", .numbers = {3}, .count = 1}};
+    const mcv_exr_part parts[] = {{.name = "image", .image = image}, {.name = "error", .image = deviation}};
+    assert_int_equal(mcv_exr_write(path, parts, 2, attributes, 5, &error), MCV_OK);
+    mcv_image_free(&image);
+    mcv_image_free(&deviation);
+}
+
+/*
+ * One scene, one camera, 16 to 16384 samples: contrast to noise, SNR and RMS contrast are those of the camera within 3.3 of their stated
+ * uncertainties (one in 1000), or refused with the samples that are needed, never wrong; without the blur of the lens and with it. By hand,
+ * of 10 000 e- of full well at 0.8, m = 8000 and b = 6400 e-: (m - b)/√(b + 25) and so on; rounding to 12 bits adds (10000/4095)²/12 = 0.5
+ * e-².
+ */
+static void test_contrast_without_the_render(void **state) {
+    static const double samples[] = {16, 64, 1024, 4096, 16384};
+    const double noise = sqrt(6400 + 25 + 0.5), truth = 1600 / noise, ratio = 8000 / sqrt(8000 + 25 + 0.5);
+    (void)state;
+    for (int i = 0; i < 10; ++i) {
+        char line[256];
+        double u;
+        write_noisy("noisy.exr", samples[i % 5]);
+        snprintf(line, sizeof line, "camera noisy.exr -o noisy-grey.exr --electrons-per-unit 8000 --read-noise 5 --lens-mtf %s",
+                 i < 5 ? "none" : "diffraction");
+        run_well(line);
+        run_well("measure noisy-grey.exr --region a=8,8,44,64 --background 68,8,44,64 --json");
+        json_t *report = json_loads(out, 0, NULL);
+        const json_t *a = json_array_get(json_object_get(report, "regions"), 0);
+        const bool told = json_object_get(a, "contrast_to_noise"), refused = json_object_get(a, "no_contrast_to_noise");
+        assert_true(told != refused);
+        if (samples[i % 5] < 32 && told) fail_msg("of 16 samples there must be no contrast to noise: %s", out);
+        if (samples[i % 5] > 4000 && refused) fail_msg("%g samples are enough: %s", samples[i % 5], out);
+        const double rms = measured(a, "rms_contrast", &u);
+        if (fabs(rms) > 3.3 * u) fail_msg("%g samples: an RMS contrast of %g ± %g where there is none", samples[i % 5], rms, u);
+        const double cnr = told ? measured(a, "contrast_to_noise", &u) : truth;
+        if (told && fabs(cnr - truth) > 3.3 * u) fail_msg("%g samples: contrast to noise %g ± %g, not %g", samples[i % 5], cnr, u, truth);
+        const double snr = json_object_get(a, "snr") ? measured(a, "snr", &u) : ratio;
+        if (json_object_get(a, "snr") && fabs(snr - ratio) > 3.3 * u)
+            fail_msg("%g samples: SNR %g ± %g, not %g", samples[i % 5], snr, u, ratio);
+        json_decref(report);
+    }
+    /* The render itself has nothing but its error here. */
+    run_well("measure noisy.exr --region 8,8,44,64");
+    assert_non_null(strstr(out, "times its samples are needed"));
+    assert_non_null(strstr(out, "render error"));
+    /* Files that do not tell say so. */
+    run_well("camera noisy.exr -o noisy.tif --electrons-per-unit 8000");
+    assert_non_null(strstr(out, "noisy-preview.png"));
+    expect_png("noisy-preview.png", 120, 80);
+    run_well("measure noisy.tif");
+    assert_non_null(strstr(out, "counts as noise"));
+}
+
+static void test_units_of_options(void **state) {
+    static const char *const lines[] = {"--exposure-time 2e-3 --wavelength 550e-9", "--exposure-time 2ms --wavelength 550nm",
+                                        "--exposure-time=2000us --wavelength 0.55um,0.55um,550nm"};
+    double found[3];
+    (void)state;
+    write_noisy("noisy.exr", 64);
+    for (int i = 0; i < 3; ++i) {
+        char line[256];
+        snprintf(line, sizeof line, "camera noisy.exr -o g.exr %s --json", lines[i]);
+        run_well(line);
+        json_t *report = json_loads(out, 0, NULL);
+        found[i] = json_number_value(json_object_get(report, "electrons_per_unit"));
+        json_decref(report);
+    }
+    assert_true(found[0] > 0 && fabs(found[1] / found[0] - 1) < 1e-14 && fabs(found[2] / found[0] - 1) < 1e-14);
+    EXPECT_FAILURE("camera noisy.exr -o g.exr --exposure-time 2mm", 2, "--exposure-time 2mm", "10ms");
+    EXPECT_FAILURE("camera noisy.exr -o g.exr --exposure-time 2ms --wavelength 550ms", 2, "--wavelength 550ms", "550nm");
+}
+
 static void test_measure_bad_input(void **state) {
     (void)state;
     write_scene("s.gltf", pinhole, panel);
@@ -1086,6 +1180,8 @@ int main(void) {
         TEST(test_camera_bad_input),
         TEST(test_measure_a_render),
         TEST(test_measure),
+        TEST(test_contrast_without_the_render),
+        TEST(test_units_of_options),
         TEST(test_measure_bad_input),
         TEST(test_compare),
         TEST(test_compare_scenes),

@@ -193,7 +193,7 @@ static void test_diffraction(void **state) {
         const picture p = {.tilt = 5 * M_PI / 180, .place = 100.3, .row = 60, .dark = 10, .bright = 250};
         mcv_readings r = draw(&p, 200, 120, 0.5);
         mcv_error error = {""};
-        assert_int_equal(mcv_blur(&r.values, NULL, lenses, pitch, &error), MCV_OK);
+        assert_int_equal(mcv_blur(&r.values, NULL, lenses, pitch, NULL, &error), MCV_OK);
         const mcv_edge e = find(&r, "5,5,190,110");
         mcv_edge_mtf m;
         double worst = 0;

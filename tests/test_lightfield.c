@@ -262,7 +262,7 @@ static void test_reading(void **state) {
     unlink(PATH);
 }
 
-/* --- contrast to noise ------------------------------------------------------------------------------------------ */
+/* --- peak to noise ---------------------------------------------------------------------------------------------- */
 
 /*
  * A background of 3 and 5 in turn (mean 4, deviation √(n/(n - 1)) of n values), a defect of -6 in the region and a far larger value
@@ -285,14 +285,14 @@ static void test_contrast(void **state) {
     *pixel(&image, 0, 30, 14) = *pixel(&image, 0, 31, 14) = NAN; /* one of each, in the background */
     inside -= 2;
     const mcv_spread spread = mcv_image_spread(&image, &background);
-    const double deviation = sqrt(inside / (inside - 1.0)), cnr = mcv_contrast_to_noise(&image, &region, &background);
+    const double deviation = sqrt(inside / (inside - 1.0)), ratio = mcv_peak_to_noise(&image, &region, &background);
     assert_int_equal(spread.count, inside);
     /* Sums of whole numbers are exact; a few roundings follow. */
     if (fabs(spread.mean - 4) > 8 * DBL_EPSILON) fail_msg("the background's mean is %.17g instead of 4", spread.mean);
     if (fabs(spread.deviation - deviation) > 8 * DBL_EPSILON)
         fail_msg("its deviation is %.17g instead of %.17g", spread.deviation, deviation);
     if (spread.largest != 5) fail_msg("its largest value is %g instead of 5", spread.largest);
-    if (fabs(cnr - 10 / deviation) > 80 * DBL_EPSILON) fail_msg("contrast to noise is %.17g instead of %.17g", cnr, 10 / deviation);
+    if (fabs(ratio - 10 / deviation) > 80 * DBL_EPSILON) fail_msg("peak to noise is %.17g instead of %.17g", ratio, 10 / deviation);
     mcv_image_free(&image);
 }
 

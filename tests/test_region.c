@@ -13,6 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "analysis/blur.h"
 #include "analysis/noise.h"
 #include "analysis/region.h"
 #include "output/values.h"
@@ -27,9 +28,17 @@ static mcv_readings make(void) {
     return r;
 }
 
+static mcv_readings make_rendered(void) {
+    mcv_readings r = make();
+    mcv_error error = {""};
+    assert_int_equal(mcv_image_new(&r.render, WIDTH, HEIGHT, 1, &error), MCV_OK);
+    return r;
+}
+
 static void release(mcv_readings *r) {
     mcv_image_free(&r->values);
     mcv_image_free(&r->deviation);
+    mcv_image_free(&r->render);
 }
 
 static mcv_roi parse(const mcv_readings *r, const char *text) {
@@ -131,7 +140,30 @@ typedef struct scenery {
     const char *name, *region, *background;
     double shading, texture; /* of the field; the texture is finer than the cells of its uniformity */
     bool known;              /* the pixels' uncertainties; else they are estimated */
+    double camera, render;   /* standard deviations: of what a camera adds, 0: shot-like; of the render's error at a value of 100 */
+    double f_number;         /* of a lens that blurs the render's error before the camera reads it, 0: none */
 } scenery;
+
+enum { PICTURES = 4 }; /* replicates, from whose spread the render's error comes */
+
+/* A render as a film develops it: the mean of its replicates and its standard error, both blurred by the lens. */
+static void render(const scenery *s, const mcv_image *clean, uint32_t seed, mcv_readings *r) {
+    const mcv_lens_mtf lens = {.f_number = s->f_number, .wavelength = 550e-9}, mtf[3] = {lens, lens, lens};
+    mcv_error error = {""};
+    for (uint32_t i = 0; i < PLANE; ++i) {
+        mcv_noise noise = mcv_noise_begin(seed, 1, i);
+        double values[PICTURES], mean = 0, squares = 0;
+        const double one = s->render * sqrt(PICTURES * (double)clean->pixels[i] / 100);
+        for (int k = 0; k < PICTURES; ++k) mean += (values[k] = clean->pixels[i] + one * mcv_noise_normal(&noise)) / PICTURES;
+        for (int k = 0; k < PICTURES; ++k) squares += (values[k] - mean) * (values[k] - mean);
+        r->values.pixels[i] = (float)mean;
+        r->render.pixels[i] = (float)sqrt(squares / (PICTURES - 1) / PICTURES);
+    }
+    r->render_freedom = PICTURES - 1;
+    r->correlation = (mcv_correlation){1, 1, 1, 1};
+    if (s->f_number > 0)
+        assert_int_equal(mcv_blur(&r->values, &r->render, mtf, (const double[]){3.45e-6, 3.45e-6}, &r->correlation, &error), MCV_OK);
+}
 
 static double field_at(const scenery *s, int x, int y) {
     return (100 - s->shading * (0.4 * x + 0.25 * y) + s->texture * sin(1.9 * x) * cos(1.7 * y)) * (x < 40 ? 1 : 0.6);
@@ -139,16 +171,26 @@ static double field_at(const scenery *s, int x, int y) {
 
 /* Value ± 1.96 uncertainty holds the truth in 95 ± 2 % of 1000 pictures, as asked; the standard deviation of such a share is 0.7 %. */
 static void check_coverage(const scenery *s) {
-    mcv_readings clean = make(), noisy = make(), silent = make();
+    mcv_readings clean = make(), noisy = make_rendered(), silent = make(), unblurred = make();
     mcv_quantity found[FIGURES];
-    int covered[FIGURES] = {0};
+    int covered[FIGURES] = {0}, given[FIGURES] = {0};
     for (int y = 0; y < HEIGHT; ++y)
         for (int x = 0; x < WIDTH; ++x) {
             const int i = y * WIDTH + x;
-            clean.values.pixels[i] = silent.values.pixels[i] = (float)field_at(s, x, y);
+            clean.values.pixels[i] = silent.values.pixels[i] = unblurred.values.pixels[i] = (float)field_at(s, x, y);
             /* Shot-like; without knowledge the noise is taken as even. */
-            clean.deviation.pixels[i] = s->known ? sqrtf(2 + 0.1F * clean.values.pixels[i]) : 3;
+            clean.deviation.pixels[i] = s->camera != 0 ? (float)fmax(0, s->camera)
+                                        : s->known     ? sqrtf(2 + 0.1F * clean.values.pixels[i])
+                                                       : 3;
         }
+    if (s->f_number > 0) {
+        const scenery exact = {.f_number = s->f_number};
+        mcv_readings blurred = make_rendered();
+        render(&exact, &clean.values, 0, &blurred);
+        memcpy(clean.values.pixels, blurred.values.pixels, PLANE * sizeof(float));
+        memcpy(silent.values.pixels, blurred.values.pixels, PLANE * sizeof(float));
+        release(&blurred);
+    }
     mcv_roi region = parse(&clean, s->region), background = parse(&clean, s->background);
     double b = 0, m = 0, ss, bs;
     for (size_t i = 0; i < PLANE; ++i) {
@@ -159,48 +201,84 @@ static void check_coverage(const scenery *s) {
     const double even = mcv_roi_measure(&silent, &region).uniformity.value; /* by definition */
     const double truths[FIGURES] = {m, sm, ss / m, m / sm, even, m - b, (m - b) / b, (m - b) / (m + b), (m - b) / sb};
     for (uint32_t n = 0; n < REPLICATES; ++n) {
+        memcpy(noisy.values.pixels, clean.values.pixels, PLANE * sizeof(float));
+        if (s->render > 0) render(s, &unblurred.values, n, &noisy);
         for (uint32_t i = 0; i < PLANE; ++i) {
             mcv_noise noise = mcv_noise_begin(n, 0, i);
-            noisy.values.pixels[i] = (float)(clean.values.pixels[i] + clean.deviation.pixels[i] * mcv_noise_normal(&noise));
-            noisy.deviation.pixels[i] = clean.deviation.pixels[i];
+            noisy.values.pixels[i] = (float)(noisy.values.pixels[i] + clean.deviation.pixels[i] * mcv_noise_normal(&noise));
+            noisy.deviation.pixels[i] = hypotf(clean.deviation.pixels[i], noisy.render.pixels[i]);
         }
         if (!s->known) {
             mcv_roi_estimate_noise(&noisy, &background, 0);
             mcv_roi_estimate_noise(&noisy, &region, 0);
         }
         collect(&noisy, &region, &background, found);
-        for (int k = 0; k < FIGURES; ++k) covered[k] += fabs(found[k].value - truths[k]) <= 1.959964 * found[k].uncertainty;
+        for (int k = 0; k < FIGURES; ++k) {
+            given[k] += !isnan(found[k].value);
+            covered[k] += fabs(found[k].value - truths[k]) <= 1.959964 * found[k].uncertainty;
+        }
     }
     print_message("%s:", s->name);
+    for (int k = 0; k < FIGURES; ++k) {
+        print_message(" %s %.1f %%", names[k], 100.0 * covered[k] / given[k]);
+        if (given[k] < REPLICATES) print_message(" of %d", given[k]);
+        print_message(k < FIGURES - 1 ? "," : "\n");
+    }
+    /* A refusal misleads nobody: at most 7 % of all pictures do. Of those that are left, the ones that came out too large are more.
+     * Cells of a uniformity that are no larger than the blur vary less than is said. */
+    const double most = (s->known || s->render == 0 ? 0.97 : 0.98) * REPLICATES; /* skewed estimates of noise and error add up */
     for (int k = 0; k < FIGURES; ++k)
-        print_message(" %s %.1f %%%s", names[k], 100.0 * covered[k] / REPLICATES, k < FIGURES - 1 ? "," : "\n");
-    for (int k = 0; k < FIGURES; ++k)
-        if (covered[k] < 930 || covered[k] > 970)
-            fail_msg("%s: %s: %d of %d intervals hold the truth", s->name, names[k], covered[k], REPLICATES);
+        if (given[k] - covered[k] > 0.07 * REPLICATES || (s->f_number == 0 && given[k] == REPLICATES && covered[k] > most))
+            fail_msg("%s: %s: %d of %d intervals hold the truth", s->name, names[k], covered[k], given[k]);
     mcv_roi_free(&region);
     mcv_roi_free(&background);
     release(&clean);
     release(&noisy);
     release(&silent);
+    release(&unblurred);
 }
 
 static const char polygon[] = "5,5,36,10,38,50,8,45"; /* overlaps the wide background */
 
 static void test_coverage(void **state) {
     static const scenery sceneries[] = {
-        {"shaded and textured", polygon, "30,10,40,40", 1, 12, true},
-        {"shaded, noise estimated", polygon, "30,10,40,40", 1, 0, false},
-        {"even", "2,5,36,50", "42,10,36,40", 0, 0, true},
-        {"even, noise estimated", "2,5,36,50", "42,10,36,40", 0, 0, false},
-        {"faint texture", "2,5,36,50", "42,10,36,40", 0, 1, true},
-        {"few pixels", "4,4,16,12", "50,20,16,12", 0, 0, true},
-        {"36 pixels, noise estimated", "4,4,6,6", "50,20,6,6", 0, 0, false},
-        {"64 pixels, noise estimated", "4,4,8,8", "50,20,8,8", 0, 0, false},
-        {"64 shaded pixels, noise estimated", "4,4,8,8", "50,20,8,8", 1, 0, false},
-        {"64 pixels of a slope, noise estimated", "4,4,8,8", "50,20,8,8", 4, 0, false},
-        {"64 textured pixels, noise estimated", "4,4,8,8", "50,20,8,8", 1, 2, false},
-        {"100 pixels, noise estimated", "4,4,10,10", "50,20,10,10", 0, 0, false},
-        {"256 pixels, noise estimated", "4,4,16,16", "50,20,16,16", 0, 0, false},
+        {"shaded and textured", polygon, "30,10,40,40", 1, 12, true, 0, 0, 0},
+        {"shaded, noise estimated", polygon, "30,10,40,40", 1, 0, false, 0, 0, 0},
+        {"even", "2,5,36,50", "42,10,36,40", 0, 0, true, 0, 0, 0},
+        {"even, noise estimated", "2,5,36,50", "42,10,36,40", 0, 0, false, 0, 0, 0},
+        {"faint texture", "2,5,36,50", "42,10,36,40", 0, 1, true, 0, 0, 0},
+        {"few pixels", "4,4,16,12", "50,20,16,12", 0, 0, true, 0, 0, 0},
+        {"36 pixels, noise estimated", "4,4,6,6", "50,20,6,6", 0, 0, false, 0, 0, 0},
+        {"64 pixels, noise estimated", "4,4,8,8", "50,20,8,8", 0, 0, false, 0, 0, 0},
+        {"64 shaded pixels, noise estimated", "4,4,8,8", "50,20,8,8", 1, 0, false, 0, 0, 0},
+        {"64 pixels of a slope, noise estimated", "4,4,8,8", "50,20,8,8", 4, 0, false, 0, 0, 0},
+        {"64 textured pixels, noise estimated", "4,4,8,8", "50,20,8,8", 1, 2, false, 0, 0, 0},
+        {"100 pixels, noise estimated", "4,4,10,10", "50,20,10,10", 0, 0, false, 0, 0, 0},
+        {"256 pixels, noise estimated", "4,4,16,16", "50,20,16,16", 0, 0, false, 0, 0, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof sceneries / sizeof sceneries[0]; ++i) check_coverage(sceneries + i);
+}
+
+/*
+ * The error of the render, of some samples a pixel, is in none of the figures, but in their uncertainties. `camera` -1 is none at all. A
+ * signal as fine as the lens' blur is spread by less than is said, so there is none here.
+ */
+static void test_coverage_with_render(void **state) {
+    static const char left[] = "2,5,36,50", right[] = "42,10,36,40";
+    static const scenery sceneries[] = {
+        {"textured, render alone", polygon, "30,10,40,40", 1, 12, true, -1, 2, 0},
+        {"textured, more error than texture", left, right, 1, 12, true, -1, 8, 0},
+        {"even, error 1/4 of the noise", left, right, 0, 0, true, 3, 1.5, 0},
+        {"even, error as the noise", left, right, 0, 0, true, 3, 3, 0},
+        {"even, error twice the noise", left, right, 0, 0, true, 3, 6, 0},
+        {"even, error three times the noise", left, right, 0, 0, true, 3, 9, 0},
+        {"shaded, error as the noise", left, right, 1, 0, true, 3, 3, 0},
+        {"even, blurred", "12,12,24,36", "44,12,24,36", 0, 0, true, 3, 6, 8},
+        {"shaded, blurred", "12,12,24,36", "44,12,24,36", 1, 0, true, 3, 6, 8},
+        {"even, noise estimated", left, right, 0, 0, false, 3, 3, 0},
+        {"even, blurred, noise estimated", "12,12,24,36", "44,12,24,36", 0, 0, false, 3, 3, 8},
+        {"144 pixels, error as the noise", "4,4,12,12", "50,20,12,12", 0, 0, true, 3, 3, 0},
     };
     (void)state;
     for (size_t i = 0; i < sizeof sceneries / sizeof sceneries[0]; ++i) check_coverage(sceneries + i);
@@ -247,8 +325,8 @@ static void test_noise_estimate(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_belongs), cmocka_unit_test(test_bad_regions),    cmocka_unit_test(test_coverage),
-        cmocka_unit_test(test_one_pixel),    cmocka_unit_test(test_noise_estimate),
+        cmocka_unit_test(test_what_belongs),         cmocka_unit_test(test_bad_regions), cmocka_unit_test(test_coverage),
+        cmocka_unit_test(test_coverage_with_render), cmocka_unit_test(test_one_pixel),   cmocka_unit_test(test_noise_estimate),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

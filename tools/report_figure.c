@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The report's figure from the three light field images of its experiment: what a plain camera sees above the Earth Mover's
- * gradient, one scale a row, with the contrast-to-noise ratios of the defect, and the same ratios as JSON.
+ * gradient, one scale a row, with the peak-to-noise ratios of the defect, and the same ratios as JSON.
  */
 #include "analysis/contrast.h"
 #include "analysis/lightfield_file.h"
@@ -23,7 +23,7 @@ static const double region_radius = 1.5e-3, background_inner = 2.5e-3, backgroun
 
 typedef struct result {
     mcv_image plain, emd, emd_mass; /* cropped to a square inside background_outer */
-    double cnr_plain, cnr_emd, cnr_emd_mass;
+    double peak_plain, peak_emd, peak_emd_mass;
 } result;
 
 /*
@@ -62,9 +62,9 @@ static mcv_result analyse_file(const char *path, const mcv_light_field_file *fil
     MCV_TRY(mcv_light_field_plain(&file->image, file->angular, &r->plain, error));
     MCV_TRY(mcv_light_field_gradient(&file->image, file->angular, MCV_EMD_NORMALIZED, 0, &r->emd, error));
     MCV_TRY(mcv_light_field_gradient(&file->image, file->angular, MCV_EMD_MASS, 0, &r->emd_mass, error));
-    r->cnr_plain = mcv_contrast_to_noise(&r->plain, &region, &background);
-    r->cnr_emd = mcv_contrast_to_noise(&r->emd, &region, &background);
-    r->cnr_emd_mass = mcv_contrast_to_noise(&r->emd_mass, &region, &background);
+    r->peak_plain = mcv_peak_to_noise(&r->plain, &region, &background);
+    r->peak_emd = mcv_peak_to_noise(&r->emd, &region, &background);
+    r->peak_emd_mass = mcv_peak_to_noise(&r->emd_mass, &region, &background);
     crop(&r->plain, pitch, background_outer * sqrt(0.5));
     crop(&r->emd, pitch, background_outer * sqrt(0.5));
     return MCV_OK;
@@ -109,9 +109,9 @@ static mcv_result draw(const char *path, const result *results, mcv_error *error
         mcv_page_text(page, centre, TITLE - 10, 0.5, names[i]);
         mcv_page_image(page, x, TITLE, &results[i].plain, ZOOM, &plain);
         mcv_page_image(page, x, second, &results[i].emd, ZOOM, &emd);
-        snprintf(line, sizeof line, "contrast to noise: plain %.3g, gradient %.3g", results[i].cnr_plain, results[i].cnr_emd);
+        snprintf(line, sizeof line, "peak to noise: plain %.3g, gradient %.3g", results[i].peak_plain, results[i].peak_emd);
         mcv_page_text(page, centre, text, 0.5, line);
-        snprintf(line, sizeof line, "(its form `mass`: %.3g)", results[i].cnr_emd_mass);
+        snprintf(line, sizeof line, "(its form `mass`: %.3g)", results[i].peak_emd_mass);
         mcv_page_text(page, centre, text + LINE, 0.5, line);
     }
     mcv_page_color_bar(page, bar, TITLE, height, "plain image (sum over macro pixels)", &plain);
@@ -127,9 +127,9 @@ static mcv_result summarise(const char *path, const result *results, double seco
     json_t *root = json_object();
     for (int i = 0; i < IMAGES; ++i) {
         json_t *object = json_object();
-        json_object_set_new(object, "cnr_plain", number(results[i].cnr_plain));
-        json_object_set_new(object, "cnr_emd", number(results[i].cnr_emd));
-        json_object_set_new(object, "cnr_emd_mass", number(results[i].cnr_emd_mass));
+        json_object_set_new(object, "peak_to_noise_plain", number(results[i].peak_plain));
+        json_object_set_new(object, "peak_to_noise_emd", number(results[i].peak_emd));
+        json_object_set_new(object, "peak_to_noise_emd_mass", number(results[i].peak_emd_mass));
         json_object_set_new(root, names[i], object);
     }
     json_object_set_new(root, "seconds", number(seconds));
@@ -152,7 +152,7 @@ static mcv_result summarise(const char *path, const result *results, double seco
 
 int main(int argc, char **argv) {
     mcv_error error = {""};
-    result results[IMAGES] = {{.cnr_plain = 0}};
+    result results[IMAGES] = {{.peak_plain = 0}};
     mcv_result done = MCV_OK;
     char *end = NULL;
     const double seconds = argc == 7 ? strtod(argv[6], &end) : 0;

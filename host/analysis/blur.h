@@ -7,7 +7,7 @@
 #ifndef MCVISI_HOST_ANALYSIS_BLUR_H
 #define MCVISI_HOST_ANALYSIS_BLUR_H
 
-#include "film/film.h"
+#include "analysis/region.h"
 
 /* Rows of an MTF given as a table, in ascending frequency [1/m]; linear between them, constant beyond the last. */
 typedef struct mcv_mtf_row {
@@ -37,8 +37,10 @@ mcv_result mcv_mtf_read(const char *path, mcv_mtf_row **rows, size_t *count, mcv
 /*
  * Blurs every channel in place, by mtf[channel] (of channels beyond the third: the third); pitch is the pixel's width and height [m].
  * Beyond its border the image goes on as its outermost pixels do. Light that would become negative is 0. light_error, the standard errors,
- * may be NULL; those of neighbours are taken as independent before, and are not any more after.
+ * may be NULL; those of neighbours are taken as independent before, and after are correlated as *correlation says (NULL: not asked for),
+ * the mean over the channels.
  */
-mcv_result mcv_blur(mcv_image *light, mcv_image *light_error, const mcv_lens_mtf mtf[3], const double pitch[2], mcv_error *error);
+mcv_result mcv_blur(mcv_image *light, mcv_image *light_error, const mcv_lens_mtf mtf[3], const double pitch[2],
+                    mcv_correlation *correlation, mcv_error *error);
 
 #endif

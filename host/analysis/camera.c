@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "analysis/camera.h"
 #include "analysis/noise.h"
+#include "core/parallel.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 double mcv_camera_electrons_per_irradiance(double exposure_time, double quantum_efficiency, double wavelength, double pixel_area) {
     const double planck = 6.62607015e-34; /* [J s], exact in the SI of 2019, as is c [m/s] */
@@ -51,6 +53,51 @@ mcv_result mcv_camera_check_light(const mcv_image *light, mcv_error *error) {
     return MCV_OK;
 }
 
+/* --- the level -------------------------------------------------------------------------------------------------- */
+
+enum { SQUARE = 16, LATTICE = 4, LATTICES = LATTICE * LATTICE };
+
+/* Adds μ^15 and μ^16 of a square: means of products of 15 and of 16 different lattices. */
+static void add_square(const float *pixels, uint32_t width, uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1, double scale,
+                       double sums[2]) {
+    double means[LATTICES] = {0}, counts[LATTICES] = {0}, products[LATTICES + 1] = {1};
+    for (uint32_t y = y0; y < y1; ++y)
+        for (uint32_t x = x0; x < x1; ++x) {
+            const uint32_t k = y % LATTICE * LATTICE + x % LATTICE;
+            means[k] += scale * (double)pixels[(size_t)y * width + x];
+            ++counts[k];
+        }
+    /* products[n]: the sum over all choices of n of the lattices so far. */
+    for (int k = 0; k < LATTICES; ++k)
+        for (int n = k + 1; n > 0; --n) products[n] += products[n - 1] * means[k] / counts[k];
+    sums[0] += products[LATTICES - 1] / LATTICES;
+    sums[1] += products[LATTICES];
+}
+
+double mcv_camera_level(const mcv_image *light, const mcv_image *light_error, const double electrons_per_unit[3]) {
+    const size_t plane = (size_t)light->width * light->height;
+    const uint32_t across = light->width / SQUARE, down = light->height / SQUARE;
+    double sum = 0, squares = 0, powers[2] = {0};
+    for (size_t i = 0; i < plane * light->channels; ++i) {
+        const double e = electrons_per_unit[i / plane < 3 ? i / plane : 2], y = e * (double)light->pixels[i];
+        const double u = light_error ? e * (double)light_error->pixels[i] : 0;
+        sum += y;
+        squares += y * y - u * u;
+    }
+    if (!(sum > 0)) return 0;
+    const double mean = sum / ((double)plane * light->channels); /* so that powers stay small */
+    for (uint32_t c = 0; c < light->channels; ++c)
+        for (uint32_t j = 0; j < down; ++j)
+            for (uint32_t i = 0; i < across; ++i)
+                add_square(light->pixels + c * plane, light->width, (uint32_t)((uint64_t)light->width * i / across),
+                           (uint32_t)((uint64_t)light->height * j / down), (uint32_t)((uint64_t)light->width * (i + 1) / across),
+                           (uint32_t)((uint64_t)light->height * (j + 1) / down), electrons_per_unit[c < 3 ? c : 2] / mean, powers);
+    const double of_squares = powers[0] > 0 ? mean * powers[1] / powers[0] : 0;
+    return !light_error && of_squares > 0 ? of_squares : fmax(of_squares, squares / sum);
+}
+
+/* --- the pixels ------------------------------------------------------------------------------------------------- */
+
 /* Which channel of the light a pixel of a channel of the grey values reads, and with which colour's sensitivity. */
 typedef struct site {
     uint32_t channel, colour;
@@ -93,8 +140,14 @@ static double uncertainty_of(const mcv_camera *c, double light_electrons, double
     return sqrt(c->gain * c->gain * (own + error_electrons * error_electrons) + 1.0 / 12);
 }
 
+/* Sums over a row. */
+typedef struct tally {
+    double electrons, brightest;
+    uint64_t saturated, below_zero;
+} tally;
+
 static void expose_pixel(const mcv_camera *c, const mcv_image *light, const mcv_image *light_error, uint32_t channel, size_t pixel,
-                         mcv_exposure *exposure) {
+                         const mcv_exposure *exposure, tally *row) {
     const size_t plane = (size_t)light->width * light->height, to = channel * plane + pixel;
     const site s = site_of(c, light, channel, pixel);
     const size_t from = s.channel * plane + pixel;
@@ -106,12 +159,36 @@ static void expose_pixel(const mcv_camera *c, const mcv_image *light, const mcv_
     const double electrons = collect(c, sensitivity * mean + c->dark_electrons, &noise);
     const double dark = c->noise_free || c->read_noise == 0 ? 0 : c->read_noise * mcv_noise_normal(&noise);
     const double grey = floor(c->black_level + c->gain * (electrons + offset + dark) + 0.5);
+    const double error = light_error ? per_unit * (double)light_error->pixels[from] : 0;
     exposure->grey.pixels[to] = (float)fmin(fmax(grey, 0), largest);
-    exposure->uncertainty.pixels[to] = (float)uncertainty_of(c, mean, light_error ? per_unit * (double)light_error->pixels[from] : 0);
-    exposure->electrons += mean;
-    exposure->brightest = fmax(exposure->brightest, mean);
-    exposure->saturated += electrons >= c->full_well || grey >= largest;
-    exposure->below_zero += grey < 0;
+    exposure->uncertainty.pixels[to] = (float)uncertainty_of(c, mean, error);
+    if (light_error) exposure->render.pixels[to] = electrons >= c->full_well || grey >= largest ? 0 : (float)(c->gain * error);
+    row->electrons += mean;
+    row->brightest = fmax(row->brightest, mean);
+    row->saturated += electrons >= c->full_well || grey >= largest;
+    row->below_zero += grey < 0;
+}
+
+/* What is done row by row, channel by channel. */
+typedef struct readout {
+    const mcv_camera *camera;
+    const mcv_image *light, *light_error;
+    mcv_exposure *exposure;
+    tally *rows;
+} readout;
+
+static void expose_row(void *user, size_t row) {
+    const readout *r = user;
+    const uint32_t width = r->light->width, channel = (uint32_t)(row / r->light->height);
+    const size_t first = row % r->light->height * width;
+    for (size_t pixel = first; pixel < first + width; ++pixel)
+        expose_pixel(r->camera, r->light, r->light_error, channel, pixel, r->exposure, r->rows + row);
+}
+
+static mcv_result make_images(const mcv_image *light, uint32_t channels, bool error_known, mcv_exposure *exposure, mcv_error *error) {
+    mcv_image *images[] = {&exposure->grey, &exposure->uncertainty, &exposure->render};
+    for (int i = 0; i < 2 + error_known; ++i) MCV_TRY(mcv_image_new(images[i], light->width, light->height, channels, error));
+    return MCV_OK;
 }
 
 mcv_result mcv_camera_expose(const mcv_camera *camera, const mcv_image *light, const mcv_image *light_error, mcv_exposure *exposure,
@@ -120,20 +197,27 @@ mcv_result mcv_camera_expose(const mcv_camera *camera, const mcv_image *light, c
     MCV_TRY(check_camera(camera, error));
     MCV_TRY(mcv_camera_check_light(light, error));
     const uint32_t channels = camera->bayer == MCV_BAYER_NONE ? light->channels : 1;
-    mcv_result result = mcv_image_new(&exposure->grey, light->width, light->height, channels, error);
-    if (result == MCV_OK) result = mcv_image_new(&exposure->uncertainty, light->width, light->height, channels, error);
+    const size_t rows = (size_t)channels * light->height;
+    readout r = {.camera = camera, .light = light, .light_error = light_error, .exposure = exposure};
+    mcv_result result = make_images(light, channels, light_error, exposure, error);
+    if (result == MCV_OK && !(r.rows = calloc(rows, sizeof *r.rows))) result = mcv_fail(error, MCV_FAILED, "no memory for %zu rows", rows);
     if (result != MCV_OK) {
         mcv_exposure_free(exposure);
         return result;
     }
-    const size_t plane = (size_t)light->width * light->height;
-    for (uint32_t channel = 0; channel < channels; ++channel)
-        for (size_t pixel = 0; pixel < plane; ++pixel) expose_pixel(camera, light, light_error, channel, pixel, exposure);
-    exposure->electrons /= (double)(plane * channels);
+    mcv_in_parallel(rows, expose_row, &r);
+    for (size_t i = 0; i < rows; ++i) {
+        exposure->electrons += r.rows[i].electrons / ((double)rows * light->width);
+        exposure->brightest = fmax(exposure->brightest, r.rows[i].brightest);
+        exposure->saturated += r.rows[i].saturated;
+        exposure->below_zero += r.rows[i].below_zero;
+    }
+    free(r.rows);
     return MCV_OK;
 }
 
 void mcv_exposure_free(mcv_exposure *exposure) {
     mcv_image_free(&exposure->grey);
     mcv_image_free(&exposure->uncertainty);
+    mcv_image_free(&exposure->render);
 }

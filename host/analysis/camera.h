@@ -53,9 +53,23 @@ typedef struct mcv_camera {
  */
 double mcv_camera_electrons_per_irradiance(double exposure_time, double quantum_efficiency, double wavelength, double pixel_area);
 
+/*
+ * How bright the bright parts of an image are, in electrons, by what the render's error does not move: the expected value is the same for
+ * few samples and for many. The larger of two levels, both means in which each place μ counts by how bright it is:
+ *
+ * - of single pixels Σμ²/Σμ, from values y and their standard errors u: Σ(y² - u²)/Σy. Bright lines and spots on dark ground;
+ * - of squares of 16 x 16 pixels Σμ^16/Σμ^15, near to that of the brightest one. A square's 16 interleaved lattices have independent
+ * errors, and a product of different lattices' means is free of their error on average.
+ *
+ * light_error NULL: the second, where there is one. 0 where nothing is bright. The errors of neighbours must be independent: not yet
+ * blurred by a lens.
+ */
+double mcv_camera_level(const mcv_image *light, const mcv_image *light_error, const double electrons_per_unit[3]);
+
 typedef struct mcv_exposure {
     mcv_image grey;        /* whole numbers 0 … 2^bits - 1; one channel with a Bayer pattern */
     mcv_image uncertainty; /* standard uncertainty of a grey value [DN]: noise, fixed pattern, rounding, and the light's own error */
+    mcv_image render;      /* of that the light's own error [DN], none where the pixel is saturated; no pixels where it is not known */
     double electrons;      /* mu_e on average over the image */
     double brightest;      /* the largest mu_e */
     uint64_t saturated;    /* values at full well or at the largest grey value */

@@ -41,7 +41,7 @@ mcv_spread mcv_image_spread(const mcv_image *image, const mcv_ring *ring) {
                         .largest = first.largest};
 }
 
-double mcv_contrast_to_noise(const mcv_image *image, const mcv_ring *region, const mcv_ring *background) {
+double mcv_peak_to_noise(const mcv_image *image, const mcv_ring *region, const mcv_ring *background) {
     const mcv_spread b = mcv_image_spread(image, background);
     return sum_powers(image, region, b.mean, 1).farthest / b.deviation;
 }

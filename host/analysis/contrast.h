@@ -20,7 +20,11 @@ typedef struct mcv_spread {
 /* In the ring, or everywhere (NULL). */
 mcv_spread mcv_image_spread(const mcv_image *image, const mcv_ring *ring);
 
-/* The contrast-to-noise ratio: the largest |v - mean of the background| / deviation of the background in the region. */
-double mcv_contrast_to_noise(const mcv_image *image, const mcv_ring *region, const mcv_ring *background);
+/*
+ * The peak-to-noise ratio: the largest |v - mean of the background| in the region, over the deviation of the background. Of noise alone it
+ * is the larger the more pixels the region has, about 3 to 4. The contrast-to-noise ratio is another: that of the means
+ * (analysis/region.h).
+ */
+double mcv_peak_to_noise(const mcv_image *image, const mcv_ring *region, const mcv_ring *background);
 
 #endif

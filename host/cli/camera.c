@@ -7,8 +7,10 @@
 #include "analysis/camera.h"
 #include "cli/report.h"
 #include "core/basics.h"
+#include "core/parallel.h"
 #include "output/exr.h"
 #include "output/file.h"
+#include "output/png.h"
 #include "output/values.h"
 
 #include <math.h>
@@ -33,11 +35,19 @@ mcv_result mcv_camera_check_options(const mcv_command *command, mcv_error *error
     return MCV_OK;
 }
 
+bool mcv_camera_preview(const mcv_command *command, const char *grey, char preview[PATH_MAX]) {
+    const char *dot = strrchr(grey, '.');
+    if (!dot || mcv_ends_in(grey, ".exr") || (command->bits <= 8 && !mcv_ends_in(grey, ".npy"))) return false;
+    return snprintf(preview, PATH_MAX, "%.*s-preview.png", (int)(dot - grey), grey) < PATH_MAX;
+}
+
 mcv_result mcv_camera_check(const mcv_command *command, const char *grey, mcv_error *error) {
     if (!mcv_values_named(grey) && !mcv_ends_in(grey, ".exr"))
         return mcv_fail(error, MCV_USAGE, "%s: the name of grey values must end in .exr, " MCV_VALUES_ENDINGS, grey);
+    char preview[PATH_MAX];
     MCV_TRY(mcv_camera_check_options(command, error));
-    return mcv_output_check(grey, error);
+    MCV_TRY(mcv_output_check(grey, error));
+    return mcv_camera_preview(command, grey, preview) ? mcv_output_check(preview, error) : MCV_OK;
 }
 
 /* Only light makes electrons. */
@@ -72,7 +82,7 @@ static bool pixel_size(const mcv_exr *exr, double size[2]) {
 
 static mcv_result scale_light(const mcv_command *command, const char *path, const mcv_exr *exr, double per_unit[3], mcv_error *error) {
     const mcv_image *light = &exr->parts[0].image;
-    double size[2], brightest = 0;
+    double size[2];
     if (command->electrons_per_unit[0] > 0) {
         memcpy(per_unit, command->electrons_per_unit, 3 * sizeof *per_unit);
         return MCV_OK;
@@ -89,11 +99,9 @@ static mcv_result scale_light(const mcv_command *command, const char *path, cons
     }
     /* Electrons for equal energy go as eta lambda. */
     for (int c = 0; c < 3; ++c) per_unit[c] = command->quantum_efficiency[c] * command->wavelength[c];
-    const size_t plane = (size_t)light->width * light->height;
-    for (size_t i = 0; i < plane * light->channels; ++i)
-        brightest = fmax(brightest, (double)light->pixels[i] * per_unit[i / plane < 3 ? i / plane : 2]);
-    if (!(brightest > 0)) return mcv_fail(error, MCV_BAD_INPUT, "%s: is dark everywhere: --expose-to has nothing to scale by", path);
-    for (int c = 0; c < 3; ++c) per_unit[c] *= command->expose_to * command->full_well / brightest;
+    const double level = mcv_camera_level(light, mcv_exr_error(exr), per_unit);
+    if (!(level > 0)) return mcv_fail(error, MCV_BAD_INPUT, "%s: is dark everywhere: --expose-to has nothing to scale by", path);
+    for (int c = 0; c < 3; ++c) per_unit[c] *= command->expose_to * command->full_well / level;
     return MCV_OK;
 }
 
@@ -105,7 +113,8 @@ enum { WIDEST_DIFFRACTION = 100 };
  * Says in words what was done, "" for nothing. A light field image is left alone: neighbouring pixels see through different parts of the
  * pupil. So is a stop whose diffraction would fill the image: that of a glTF camera, which stands for none.
  */
-static mcv_result blur(const mcv_command *command, const char *path, mcv_exr *exr, char words[128], mcv_error *error) {
+static mcv_result blur(const mcv_command *command, const char *path, mcv_exr *exr, char words[128], mcv_correlation *correlation,
+                       mcv_error *error) {
     const double *f_number = mcv_exr_numbers(exr, "mcvisi:fNumber", 1);
     const bool table = strcmp(command->lens_mtf, "diffraction") != 0;
     double size[2], widest = 0;
@@ -113,6 +122,7 @@ static mcv_result blur(const mcv_command *command, const char *path, mcv_exr *ex
     mcv_mtf_row *rows = NULL;
     size_t row_count = 0;
     words[0] = '\0';
+    *correlation = (mcv_correlation){1, 1, 1, 1};
     if (strcmp(command->lens_mtf, "none") == 0 || mcv_exr_attribute(exr, "mcvisi:angularResolution")) return MCV_OK;
     if (!pixel_size(exr, size)) {
         if (!table) return MCV_OK;
@@ -134,7 +144,7 @@ static mcv_result blur(const mcv_command *command, const char *path, mcv_exr *ex
         snprintf(words, 128, "table %.100s", command->lens_mtf);
     else
         snprintf(words, 128, "diffraction at f/%g", *f_number);
-    const mcv_result result = mcv_blur(&exr->parts[0].image, mcv_exr_error(exr), mtf, size, error);
+    const mcv_result result = mcv_blur(&exr->parts[0].image, mcv_exr_error(exr), mtf, size, correlation, error);
     free(rows);
     return result;
 }
@@ -149,8 +159,10 @@ static mcv_attribute text_attribute(const char *name, const char *text) { return
 
 /* The image's header, but what the values are, and the camera. */
 static mcv_result write_exr(const mcv_command *command, const char *path, const mcv_exr *exr, const mcv_camera *camera,
-                            const mcv_exposure *exposure, const char *lens, mcv_error *error) {
+                            const mcv_exposure *exposure, const char *lens, const mcv_correlation *correlation, mcv_error *error) {
+    const mcv_correlation rho = *correlation;
     const mcv_attribute own[] = {
+        {.name = MCV_EXR_CORRELATION, .numbers = {rho.sum, rho.squares, rho.stencil, rho.shares}, .count = 4},
         text_attribute("mcvisi:quantity", "grey value"),
         text_attribute("mcvisi:unit", "DN"),
         text_attribute("mcvisi:lensMTF", lens[0] ? lens : "none"),
@@ -184,8 +196,9 @@ static mcv_result write_exr(const mcv_command *command, const char *path, const 
     }
     const char **names = camera->bayer == MCV_BAYER_NONE ? exr->parts[0].channel_names : NULL;
     const mcv_exr_part parts[] = {{.name = exr->parts[0].name, .image = exposure->grey, .channel_names = names},
-                                  {.name = "error", .image = exposure->uncertainty, .channel_names = names}};
-    const mcv_result result = mcv_exr_write(path, parts, 2, attributes, count, error);
+                                  {.name = "error", .image = exposure->uncertainty, .channel_names = names},
+                                  {.name = MCV_EXR_RENDER_ERROR, .image = exposure->render, .channel_names = names}};
+    const mcv_result result = mcv_exr_write(path, parts, exposure->render.pixels ? 3 : 2, attributes, count, error);
     free(attributes);
     return result;
 }
@@ -194,7 +207,7 @@ static mcv_result report_exposure(const mcv_command *command, const char *path, 
                                   const char *unit, const char *lens, mcv_error *error) {
     const mcv_image *grey = &exposure->grey;
     const size_t count = (size_t)grey->width * grey->height * grey->channels;
-    char per_unit[64];
+    char per_unit[64], preview[PATH_MAX];
     double mean = 0;
     for (size_t i = 0; i < count; ++i) mean += (double)grey->pixels[i] / (double)count;
     snprintf(per_unit, sizeof per_unit, "e-/(%s)", unit);
@@ -202,6 +215,7 @@ static mcv_result report_exposure(const mcv_command *command, const char *path, 
     mcv_report report;
     mcv_report_begin(&report, command->json);
     mcv_report_text(&report, "image", path);
+    if (mcv_camera_preview(command, path, preview)) mcv_report_text(&report, "preview", preview);
     mcv_report_numbers(&report, "size", "", " x ", (const double[]){grey->width, grey->height}, 2);
     mcv_report_number(&report, "channels", "", grey->channels);
     mcv_report_text(&report, "lens_mtf", lens[0] ? lens : "none");
@@ -248,23 +262,52 @@ static mcv_camera camera_of(const mcv_command *command) {
 }
 
 static mcv_result read_out(const mcv_command *command, const char *path, mcv_exr *exr, mcv_camera *camera, mcv_exposure *exposure,
-                           const char **unit, char lens[128], mcv_error *error) {
+                           const char **unit, char lens[128], mcv_correlation *correlation, mcv_error *error) {
     mcv_image *light = &exr->parts[0].image;
     mcv_error detail = {""};
     MCV_TRY(check_quantity(command, path, exr, unit, error));
     mcv_result result = mcv_camera_check_light(light, &detail);
     if (result != MCV_OK) return mcv_fail(error, result, "%s: %s", path, detail.text);
-    MCV_TRY(blur(command, path, exr, lens, error));
     MCV_TRY(scale_light(command, path, exr, camera->electrons_per_unit, error));
+    MCV_TRY(blur(command, path, exr, lens, correlation, error));
     result = mcv_camera_expose(camera, light, mcv_exr_error(exr), exposure, &detail);
     return result == MCV_OK ? MCV_OK : mcv_fail(error, result, "%s: %s", path, detail.text);
 }
 
-mcv_result mcv_camera_read_out(const mcv_command *command, const char *path, mcv_exr *exr, mcv_exposure *exposure, mcv_error *error) {
+mcv_result mcv_camera_read_out(const mcv_command *command, const char *path, mcv_exr *exr, mcv_exposure *exposure,
+                               mcv_correlation *correlation, mcv_error *error) {
     const char *unit;
     char lens[128];
     mcv_camera camera = camera_of(command);
-    return read_out(command, path, exr, &camera, exposure, &unit, lens, error);
+    return read_out(command, path, exr, &camera, exposure, &unit, lens, correlation, error);
+}
+
+/* Two files that are written at once. */
+typedef struct values {
+    const char *grey, *preview; /* NULL: none */
+    const mcv_image *image;
+    int bits;
+    mcv_result results[2];
+    mcv_error errors[2];
+} values;
+
+static void write_one(void *user, size_t i) {
+    values *v = user;
+    mcv_preview shown = {.white = (double)((1u << v->bits) - 1)};
+    if (i == 0) v->results[0] = mcv_values_write(v->grey, v->image, v->bits > 8 ? 16 : 8, v->errors);
+    if (i == 1 && v->preview) v->results[1] = mcv_png_write_preview(v->preview, v->image, "DN", &shown, v->errors + 1);
+}
+
+/* Grey values as they are, and a preview in which the largest is white. */
+static mcv_result write_values(const mcv_command *command, const char *grey, const mcv_camera *camera, const mcv_exposure *exposure,
+                               mcv_error *error) {
+    char preview[PATH_MAX];
+    const bool shown = mcv_camera_preview(command, grey, preview);
+    values v = {.grey = grey, .preview = shown ? preview : NULL, .image = &exposure->grey, .bits = (int)camera->bits};
+    mcv_in_parallel(2, write_one, &v);
+    const int failed = v.results[0] == MCV_OK;
+    if (v.results[failed] != MCV_OK) *error = v.errors[failed];
+    return v.results[failed];
 }
 
 static mcv_result expose(const mcv_command *command, const char *path, mcv_exr *exr, const char *grey, bool told, mcv_error *error) {
@@ -272,9 +315,10 @@ static mcv_result expose(const mcv_command *command, const char *path, mcv_exr *
     char lens[128] = "";
     mcv_exposure exposure = {0};
     mcv_camera camera = camera_of(command);
-    MCV_TRY(read_out(command, path, exr, &camera, &exposure, &unit, lens, error));
-    mcv_result result = mcv_ends_in(grey, ".exr") ? write_exr(command, grey, exr, &camera, &exposure, lens, error)
-                                                  : mcv_values_write(grey, &exposure.grey, camera.bits > 8 ? 16 : 8, error);
+    mcv_correlation correlation;
+    MCV_TRY(read_out(command, path, exr, &camera, &exposure, &unit, lens, &correlation, error));
+    mcv_result result = mcv_ends_in(grey, ".exr") ? write_exr(command, grey, exr, &camera, &exposure, lens, &correlation, error)
+                                                  : write_values(command, grey, &camera, &exposure, error);
     if (result == MCV_OK) warn(grey, &camera, &exposure);
     if (result == MCV_OK && told) result = report_exposure(command, grey, &camera, &exposure, unit, lens, error);
     mcv_exposure_free(&exposure);

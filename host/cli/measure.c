@@ -40,6 +40,18 @@ static void read_scale(const mcv_exr *exr, subject *s) {
     for (int i = 0; i < 2; ++i) s->pixel[i] = size[i] * (binning ? binning[i] : 1) / magnification;
 }
 
+/* All that a render does not know is its own error; grey values have that apart from the camera's noise. */
+static mcv_result read_render_error(const char *path, const mcv_exr *exr, subject *s, mcv_error *error) {
+    const double *rho = mcv_exr_numbers(exr, MCV_EXR_CORRELATION, 4), *freedom = mcv_exr_numbers(exr, "mcvisi:errorFreedom", 1);
+    const mcv_attribute *quantity = mcv_exr_attribute(exr, "mcvisi:quantity");
+    const bool grey = quantity && quantity->text && strcmp(quantity->text, "grey value") == 0;
+    const mcv_image *render = grey ? mcv_exr_image(exr, MCV_EXR_RENDER_ERROR) : mcv_exr_error(exr);
+    if (rho) s->readings.correlation = (mcv_correlation){rho[0], rho[1], rho[2], rho[3]};
+    s->readings.render_freedom = freedom ? *freedom : 0;
+    if (!render || (!grey && !quantity)) return MCV_OK;
+    return mcv_choose_channel(s->command->channel, path, render, true, &s->readings.render, error);
+}
+
 static mcv_result read_exr(const char *path, subject *s, mcv_error *error) {
     mcv_exr exr;
     MCV_TRY(mcv_exr_read(path, &exr, error));
@@ -55,6 +67,7 @@ static mcv_result read_exr(const char *path, subject *s, mcv_error *error) {
         result = mcv_choose_channel(s->command->channel, path, deviation, true, &s->readings.deviation, error);
         s->noise = "the image's standard errors";
     }
+    if (result == MCV_OK) result = read_render_error(path, &exr, s, error);
     mcv_exr_free(&exr);
     return result;
 }
@@ -71,15 +84,17 @@ static mcv_result read_values(const char *path, subject *s, mcv_error *error) {
     return result;
 }
 
-/* What the user says of the noise stands above what the file says. */
+/* What the user says of the noise stands above what the file says; of the camera's, it says nothing of the render's error. */
 static void set_noise(subject *s) {
     const mcv_command *c = s->command;
     if (!(c->noise > 0) && !(c->gain > 0)) return;
     s->noise = c->noise > 0 ? "--noise" : "the camera's gain and read noise";
+    if (c->noise > 0) mcv_image_free(&s->readings.render);
     for (size_t i = 0; i < (size_t)s->readings.values.width * s->readings.values.height; ++i) {
         const double electrons = fmax(0, s->readings.values.pixels[i] - (double)c->black_level) / fmax(c->gain, 1e-300);
         const double variance = c->gain * c->gain * (electrons + c->read_noise * c->read_noise) + 1.0 / 12;
-        s->readings.deviation.pixels[i] = (float)(c->noise > 0 ? c->noise : sqrt(variance));
+        const double render = s->readings.render.pixels ? s->readings.render.pixels[i] : 0;
+        s->readings.deviation.pixels[i] = (float)(c->noise > 0 ? c->noise : sqrt(variance + render * render));
     }
 }
 
@@ -95,6 +110,7 @@ static mcv_result read_subject(const mcv_command *command, const char *path, sub
 static void free_subject(subject *s) {
     mcv_image_free(&s->readings.values);
     mcv_image_free(&s->readings.deviation);
+    mcv_image_free(&s->readings.render);
     mcv_roi_free(&s->background);
     for (size_t i = 0; i < s->region_count; ++i) mcv_roi_free(s->regions + i);
 }
@@ -106,10 +122,13 @@ static mcv_result subtract(subject *s, mcv_error *error) {
     if (result == MCV_OK && (other.readings.values.width != v->width || other.readings.values.height != v->height))
         result = mcv_fail(error, MCV_BAD_INPUT, "%s has %u x %u pixels: it must have the %u x %u of the image", s->command->minus,
                           other.readings.values.width, other.readings.values.height, v->width, v->height);
+    const bool both = s->readings.render.pixels && other.readings.render.pixels;
     for (size_t i = 0; result == MCV_OK && i < (size_t)v->width * v->height; ++i) {
         v->pixels[i] -= other.readings.values.pixels[i];
         s->readings.deviation.pixels[i] = hypotf(s->readings.deviation.pixels[i], other.readings.deviation.pixels[i]);
+        if (both) s->readings.render.pixels[i] = hypotf(s->readings.render.pixels[i], other.readings.render.pixels[i]);
     }
+    if (!both) mcv_image_free(&s->readings.render);
     if (!other.noise) s->noise = NULL;
     free_subject(&other);
     return result;
@@ -146,6 +165,13 @@ static void put(mcv_report *report, const char *key, const char *unit, mcv_quant
 
 static void know_noise(subject *s, mcv_roi *region) { mcv_know_noise(&s->readings, s->noise, s->whole, region); }
 
+/* Why the ratio is missing. */
+static void explain(mcv_report *report, const char *key, double samples) {
+    char words[160];
+    mcv_samples_words(samples, words);
+    if (samples > 0) mcv_report_text(report, key, words);
+}
+
 static void report_region(subject *s, mcv_report *report, mcv_roi *region, mcv_roi *background) {
     uint64_t saturated = 0;
     for (size_t i = 0; i < (size_t)region->width * region->height; ++i)
@@ -158,10 +184,12 @@ static void report_region(subject *s, mcv_report *report, mcv_roi *region, mcv_r
     put(report, "mean", s->unit, f.mean);
     put(report, "deviation", s->unit, f.deviation);
     mcv_report_number(report, "noise", s->unit, f.noise);
+    if (s->readings.render.pixels) mcv_report_number(report, "render_noise", s->unit, f.render_noise);
     mcv_report_number(report, "smallest", s->unit, f.smallest);
     mcv_report_number(report, "largest", s->unit, f.largest);
     if (isfinite(s->largest)) mcv_report_number(report, "saturated", "", (double)saturated / (double)f.count);
     put(report, "snr", "", f.snr);
+    explain(report, "no_snr", f.samples);
     put(report, "rms_contrast", "", f.rms_contrast);
     put(report, "uniformity", "", f.uniformity);
     if (background) {
@@ -170,6 +198,7 @@ static void report_region(subject *s, mcv_report *report, mcv_roi *region, mcv_r
         put(report, "weber_contrast", "", c.weber);
         put(report, "michelson_contrast", "", c.michelson);
         put(report, "contrast_to_noise", "", c.contrast_to_noise);
+        explain(report, "no_contrast_to_noise", c.samples);
     }
     mcv_report_close(report);
 }
@@ -286,6 +315,8 @@ static mcv_result report_all(subject *s, mcv_error *error) {
     mcv_report_numbers(&report, "size", "", " x ", (const double[]){image->width, image->height}, 2);
     if (s->pixel[0] > 0) mcv_report_numbers(&report, "object_pixel", "m", " x ", s->pixel, 2);
     mcv_report_text(&report, "noise_from", s->noise ? s->noise : "the differences of neighbours");
+    mcv_report_text(&report, "render_error",
+                    s->readings.render.pixels ? "taken out" : "not told by the image: what there is of it counts as noise");
     report_regions(s, &report);
     report_edges(s, &report);
     return mcv_report_end(&report, error);

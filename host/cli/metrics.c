@@ -124,6 +124,11 @@ void mcv_know_noise(mcv_readings *readings, bool known, bool whole, mcv_roi *reg
 
 static void know_noise(mcv_metrics *m, mcv_roi *region) { mcv_know_noise(&m->readings, m->known, m->whole, region); }
 
+void mcv_samples_words(double samples, char words[160]) {
+    snprintf(words, 160, "the render's own error hides the deviation: %.2g times its samples are needed at least, or the noise of a camera",
+             samples);
+}
+
 static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quantity *quantity, mcv_error *error) {
     const mcv_command *c = m->command;
     const mcv_image *image = &m->readings.values;
@@ -140,12 +145,14 @@ static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quant
     }
     know_noise(m, &region);
     const mcv_roi_figures figures = mcv_roi_measure(&m->readings, &region);
+    double samples = figures.samples;
 #define MCV_X(member, name) \
     if (strcmp(chosen->figure, name) == 0) *quantity = figures.member;
     MCV_REGION_METRICS(MCV_X)
 #undef MCV_X
     if (c->background) {
         const mcv_contrast_figures contrast = mcv_roi_contrast(&m->readings, &region, &background);
+        if (strcmp(chosen->figure, "contrast_to_noise") == 0) samples = contrast.samples;
 #define MCV_X(member, name) \
     if (strcmp(chosen->figure, name) == 0) *quantity = contrast.member;
         MCV_CONTRAST_METRICS(MCV_X)
@@ -153,7 +160,10 @@ static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quant
     }
     mcv_roi_free(&background);
     mcv_roi_free(&region);
-    return MCV_OK;
+    if (!isnan(quantity->value) || samples == 0) return MCV_OK;
+    char words[160];
+    mcv_samples_words(samples, words);
+    return mcv_fail(error, MCV_FAILED, "metric %s: %s", chosen->figure, words);
 }
 
 mcv_result mcv_locate_edge(mcv_readings *readings, bool known, bool whole, const char *text, size_t number, mcv_edge *edge,

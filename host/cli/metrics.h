@@ -44,6 +44,9 @@ mcv_result mcv_metric_look_up(void *user, const char *name, mcv_quantity *quanti
 /* Whether there is such a figure, without an image: region and edge of that name on the command line, and the figure. */
 mcv_result mcv_metric_known(void *user, const char *name, mcv_quantity *quantity, mcv_error *error);
 
+/* Why there is no signal-to-noise or contrast-to-noise ratio: `samples` of mcv_roi_figures or mcv_contrast_figures. */
+void mcv_samples_words(double samples, char words[160]);
+
 /* Estimates the noise of a region where the readings' deviations are not known; rounding to whole numbers alone makes 1/√12. */
 void mcv_know_noise(mcv_readings *readings, bool known, bool whole, mcv_roi *region);
 

@@ -3,6 +3,7 @@
 
 #include "render/render.h"
 #include "scene/json.h"
+#include "scene/params.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -14,7 +15,9 @@ typedef enum option_kind {
     KIND_text,
     KIND_list,
     KIND_number,
+    KIND_time,
     KIND_channels,
+    KIND_lengths,
     KIND_count,
     KIND_size,
     KIND_range,
@@ -70,12 +73,34 @@ static bool parse_number(const char *text, double *value) {
     return end != text && *end == '\0' && isfinite(*value);
 }
 
-static bool parse_number_in(const char *text, double min, double max, double *value) {
-    return parse_number(text, value) && *value > min && *value <= max;
+/* A number with a unit of time, in seconds. */
+static bool parse_time(const char *text, double *value) {
+    static const struct {
+        const char *name;
+        double factor, divisor; /* divided, because 1e3 is exact in binary and 1e-3 is not */
+    } units[] = {{"us", 1, 1e6}, {"µs", 1, 1e6}, {"ms", 1, 1e3}, {"s", 1, 1}, {"min", 60, 1}, {"h", 3600, 1}};
+    char digits[64];
+    const size_t length = strspn(text, "0123456789.eE+-"), unit = length + strspn(text + length, " ");
+    if (length >= sizeof digits) return false;
+    snprintf(digits, sizeof digits, "%.*s", (int)length, text);
+    if (!parse_number(digits, value)) return false;
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; ++i) {
+        if (strcmp(text + unit, units[i].name) != 0) continue;
+        *value = *value * units[i].factor / units[i].divisor;
+        return true;
+    }
+    return false;
+}
+
+/* With a unit where the kind of option has one. */
+static bool parse_number_in(option_kind kind, const char *text, double min, double max, double *value) {
+    const bool parsed = parse_number(text, value) || (kind == KIND_time && parse_time(text, value)) ||
+                        (kind == KIND_lengths && mcv_parse_quantity(text, MCV_PARAM_length, value));
+    return parsed && *value > min && *value <= max;
 }
 
 /* One number for all channels, or three with commas between them. */
-static bool parse_channels(const char *text, double min, double max, double values[3]) {
+static bool parse_channels(option_kind kind, const char *text, double min, double max, double values[3]) {
     char part[64];
     size_t count = 0;
     for (;; ++count, ++text) {
@@ -83,7 +108,7 @@ static bool parse_channels(const char *text, double min, double max, double valu
         if (count == 3 || length >= sizeof part) return false;
         memcpy(part, text, length);
         part[length] = '\0';
-        if (!parse_number_in(part, min, max, values + count)) return false;
+        if (!parse_number_in(kind, part, min, max, values + count)) return false;
         text += length;
         if (*text == '\0') break;
     }
@@ -116,12 +141,15 @@ static mcv_result set_value(const option *o, const char *text, mcv_command *comm
         ((mcv_list *)field)->items[((mcv_list *)field)->count++] = text;
         return MCV_OK;
     case KIND_number:
-        if (parse_number_in(text, o->min, o->max, field)) return MCV_OK;
-        return mcv_fail(error, MCV_USAGE, "--%s %s: must be a number above %g and at most %g", o->name, text, o->min, o->max);
+    case KIND_time:
+        if (parse_number_in(o->kind, text, o->min, o->max, field)) return MCV_OK;
+        return mcv_fail(error, MCV_USAGE, "--%s %s: must be a number above %g and at most %g%s", o->name, text, o->min, o->max,
+                        o->kind == KIND_time ? " [s], or with a unit (us, ms, s, min, h), as in 10ms" : "");
     case KIND_channels:
-        if (parse_channels(text, o->min, o->max, field)) return MCV_OK;
-        return mcv_fail(error, MCV_USAGE, "--%s %s: must be one number or three with commas, each above %g and at most %g", o->name, text,
-                        o->min, o->max);
+    case KIND_lengths:
+        if (parse_channels(o->kind, text, o->min, o->max, field)) return MCV_OK;
+        return mcv_fail(error, MCV_USAGE, "--%s %s: must be one number or three with commas, each above %g and at most %g%s", o->name, text,
+                        o->min, o->max, o->kind == KIND_lengths ? " [m], or with a unit (nm, um, mm, cm, m), as in 550nm" : "");
     case KIND_count: {
         const char *rest = text;
         if (parse_count(&rest, '\0', o->min, o->max, field)) return MCV_OK;
@@ -307,8 +335,10 @@ static json_t *value_json(const option *o, const mcv_command *command, const mcv
             json_array_append_new(list, json_string(((const mcv_list *)field)->items[i]));
         return list;
     case KIND_number:
+    case KIND_time:
         return memcmp(field, usual, sizeof(double)) ? json_real(*numbers) : NULL;
     case KIND_channels:
+    case KIND_lengths:
         return memcmp(field, usual, 3 * sizeof(double)) ? json_sprintf("%.17g,%.17g,%.17g", numbers[0], numbers[1], numbers[2]) : NULL;
     case KIND_count:
         return *counts != *(const uint64_t *)usual ? json_integer((json_int_t)*counts) : NULL;
@@ -461,7 +491,9 @@ static json_t *option_schema(const option *o) {
         return json_pack("{s:s, s:s}", "type", "string", "pattern", "^[0-9]+x[0-9]+$");
     case KIND_range:
         return json_pack("{s:s, s:s}", "type", "string", "pattern", "^[0-9]+:[0-9]+$");
+    case KIND_time:
     case KIND_channels:
+    case KIND_lengths:
         return json_pack("{s:[s,s]}", "type", "number", "string");
     case KIND_list:
         return json_pack("{s:[{s:s}, {s:s, s:{s:s}}]}", "anyOf", "type", "string", "type", "array", "items", "type", "string");

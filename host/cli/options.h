@@ -48,9 +48,10 @@ enum {
 /*
  * X(kind, field, "name", letter, "argument", verbs, default, min, max, "doc")
  *
- * kinds: flag; text; list (may be repeated); number, above min and at most max; channels, one such number or three; count, an integer from
- * min to max; size, two counts WxH; range, two counts A:B with A < B; choice, one of the words in the argument, kept as its index. The
- * default is written as on the command line; without one the field is zero.
+ * kinds: flag; text; list (may be repeated); number, above min and at most max; time, such a number in seconds or with a unit; channels,
+ * one such number or three; lengths, the same in metres or with units; count, an integer from min to max; size, two counts WxH; range, two
+ * counts A:B with A < B; choice, one of the words in the argument, kept as its index. The default is written as on the command line;
+ * without one the field is zero.
  */
 #define MCV_OPTIONS(X) \
     X(text, exr, "output", 'o', "F.exr", MCV_IN_RENDER, NULL, 0, 0, \
@@ -75,8 +76,9 @@ enum {
     X(number, error, "error", 0, "E", MCV_IN_TAKE | MCV_IN_COMPARE, NULL, 0, 1e9, \
       "stop at this error: root of the mean squared standard error over the image's mean; without --spp, --error, --time and " \
       "--samples it is 0.01 or 60 s") \
-    X(number, time, "time", 0, "T", MCV_IN_TAKE | MCV_IN_COMPARE, NULL, 0, 1e9, \
-      "stop before T seconds have passed, those of building the scene and the kernels included; the first sample of each pixel and " \
+    X(time, time, "time", 0, "T", MCV_IN_TAKE | MCV_IN_COMPARE, NULL, 0, 1e9, \
+      "stop before T seconds, or with a unit as in 5min, have passed, those of building the scene and the kernels included; the first " \
+      "sample of each pixel and " \
       "replicate is always rendered") \
     X(range, samples, "samples", 0, "A:B", MCV_IN_RENDER, NULL, 0, 1ull << 31, \
       "render just samples A to B - 1 of each replicate; B - A is a power of two and A a multiple of it") \
@@ -113,21 +115,25 @@ enum {
     X(text, difference, "output", 'o', "DIFF.png", MCV_IN_COMPARE, NULL, 0, 0, \
       "a PNG of the differences A - B in units of their standard error") \
     X(text, grey, "output", 'o', "FILE", MCV_IN_CAMERA, NULL, 0, 0, \
-      "the grey values [DN], as they are: .png, .tif or .npy, of 8 bits for --bits 8 or fewer, else of 16; .exr with all of the image's " \
-      "header and the standard uncertainty of each value") \
+      "the grey values [DN], as they are: .png, .tif or .npy, of 8 bits for --bits 8 or fewer, else of 16, with FILE-preview.png beside " \
+      "it for the eye; .exr with all of the image's header and the standard uncertainty of each value") \
     X(text, camera, "camera", 0, "FILE", MCV_IN_RENDER, NULL, 0, 0, \
       "write the grey values of a camera too, as `mcvisi camera` does from the image; takes its options") \
-    X(number, exposure_time, "exposure-time", 0, "T", MCV_IN_GREY, NULL, 0, 1e9, \
-      "EMVA's t_exp [s]: with eta, lambda and the pixel size in the image's header it says how many electrons an irradiance makes; or " \
+    X(time, exposure_time, "exposure-time", 0, "T", MCV_IN_GREY, NULL, 0, 1e9, \
+      "EMVA's t_exp [s], or with a unit, 10ms: with eta, lambda and the pixel size in the image's header it says how many electrons an " \
+      "irradiance makes; or " \
       "give --electrons-per-unit or --expose-to, beside which it counts for the dark current only") \
     X(channels, quantum_efficiency, "quantum-efficiency", 0, "ETA[,ETA,ETA]", MCV_IN_GREY, "0.6", 0, 1, \
       "eta: electrons per photon, of all channels or of red, green and blue") \
-    X(channels, wavelength, "wavelength", 0, "L[,L,L]", MCV_IN_GREY, "550e-9", 0, 1e-3, \
-      "lambda [m], of all channels or of red, green and blue: the photons' energy is h c / lambda") \
+    X(lengths, wavelength, "wavelength", 0, "L[,L,L]", MCV_IN_GREY, "550nm", 0, 1e-3, \
+      "lambda [m], or with a unit, 630nm, of all channels or of red, green and blue: the photons' energy is h c / lambda") \
     X(channels, electrons_per_unit, "electrons-per-unit", 0, "N[,N,N]", MCV_IN_GREY, NULL, 0, 1e30, \
       "mean electrons mu_e for 1 W/m^2 of irradiance or 1 W/(m^2 sr) of radiance") \
     X(number, expose_to, "expose-to", 0, "F", MCV_IN_GREY, NULL, 0, 1000, \
-      "the exposure at which the brightest value has F times the full well on average") \
+      "the exposure at which the bright parts of the image have F times the full well on average: the mean level of all light, each " \
+      "place " \
+      "weighed by how bright it is, or that of its brightest squares of 16 x 16 pixels, which is larger; it does not depend on the " \
+      "samples") \
     X(number, full_well, "full-well", 0, "N", MCV_IN_GREY, "10000", 0, 1e12, "saturation capacity u_e.sat [e-]") \
     X(number, gain, "gain", 0, "K", MCV_IN_GREY | MCV_IN_MEASURE, NULL, 0, 1e12, \
       "system gain K [DN/e-]; by default the full well is the largest grey value") \
@@ -220,7 +226,9 @@ typedef struct mcv_list {
 #define MCV_OPTION_FIELD_text(field) const char *field;
 #define MCV_OPTION_FIELD_list(field) mcv_list field;
 #define MCV_OPTION_FIELD_number(field) double field;
+#define MCV_OPTION_FIELD_time(field) double field;
 #define MCV_OPTION_FIELD_channels(field) double field[3];
+#define MCV_OPTION_FIELD_lengths(field) double field[3];
 #define MCV_OPTION_FIELD_count(field) uint64_t field;
 #define MCV_OPTION_FIELD_size(field) uint64_t field[2];
 #define MCV_OPTION_FIELD_range(field) uint64_t field[2];

@@ -216,7 +216,8 @@ static void free_light(light *l) {
 }
 
 /* Values and deviations of one channel, or of the gradient, whose deviations nobody knows. */
-static mcv_result read_channel(const sweep *s, const mcv_image *image, const mcv_image *deviation, mcv_metrics *m, mcv_error *error) {
+static mcv_result read_channel(const sweep *s, const mcv_image *image, const mcv_image *deviation, const mcv_image *render, mcv_metrics *m,
+                               mcv_error *error) {
     const mcv_command *c = s->command;
     const mcv_readout readout = mcv_sensor_readout(s->scene->sensors + s->sensor);
     const double magnification = mcv_sensor_optics(s->scene->sensors + s->sensor).magnification;
@@ -236,6 +237,7 @@ static mcv_result read_channel(const sweep *s, const mcv_image *image, const mcv
     for (int i = 0; i < 2 && magnification > 0 && readout.angular[0] * readout.angular[1] == 1; ++i)
         m->pixel[i] = readout.pitch[i] * readout.binning[i] / magnification;
     MCV_TRY(mcv_choose_channel(c->channel, s->rig, image, false, &m->readings.values, error));
+    if (render->pixels) MCV_TRY(mcv_choose_channel(c->channel, s->rig, render, true, &m->readings.render, error));
     if (m->known) return mcv_choose_channel(c->channel, s->rig, deviation, true, &m->readings.deviation, error);
     return mcv_image_new(&m->readings.deviation, image->width, image->height, 1, error);
 }
@@ -244,15 +246,17 @@ static mcv_result take_readings(const sweep *s, const mcv_film *film, mcv_metric
     light l;
     mcv_exposure exposure = {0};
     *m = (mcv_metrics){.command = s->command, .known = film->replicates > 1};
+    m->readings.render_freedom = film->replicates - 1.0;
     mcv_result result = develop(s, film, &l, error);
-    const mcv_image *image = &l.parts[0].image, *deviation = &l.parts[1].image;
+    const mcv_image *image = &l.parts[0].image, *deviation = &l.parts[1].image, *light_error = deviation;
     if (result == MCV_OK && mcv_camera_wanted(s->command)) {
-        result = mcv_camera_read_out(s->command, s->rig, &l.exr, &exposure, error);
+        result = mcv_camera_read_out(s->command, s->rig, &l.exr, &exposure, &m->readings.correlation, error);
         image = &exposure.grey;
         deviation = &exposure.uncertainty;
+        light_error = &exposure.render;
         m->known = m->whole = true;
     }
-    if (result == MCV_OK) result = read_channel(s, image, deviation, m, error);
+    if (result == MCV_OK) result = read_channel(s, image, deviation, light_error, m, error);
     mcv_exposure_free(&exposure);
     free_light(&l);
     return result;
@@ -273,6 +277,7 @@ static mcv_result measure(const sweep *s, const mcv_film *film, double *numbers,
     }
     mcv_image_free(&m.readings.values);
     mcv_image_free(&m.readings.deviation);
+    mcv_image_free(&m.readings.render);
     return result;
 }
 

@@ -253,6 +253,7 @@ mcv_result mcv_exr_write(const char *path, const mcv_exr_part *parts, uint32_t p
     initializer.error_handler_fn = on_error;
     initializer.user_data = &s;
     initializer.write_fn = on_write;
+    initializer.zip_level = 1; /* noise: level 4, the usual one, takes longer for hardly less */
     exr_context_t context = NULL;
     exr_result_t result = exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &initializer);
     if (result == EXR_ERR_SUCCESS) result = encode(context, parts, part_count, attributes, attribute_count);
@@ -371,16 +372,18 @@ const double *mcv_exr_numbers(const mcv_exr *exr, const char *name, uint32_t cou
     return a && !a->text && a->count == count ? a->numbers : NULL;
 }
 
-mcv_image *mcv_exr_error(const mcv_exr *exr) {
+mcv_image *mcv_exr_image(const mcv_exr *exr, const char *name) {
     const mcv_image *image = &exr->parts[0].image;
     for (uint32_t i = 1; i < exr->part_count; ++i) {
         mcv_image *part = &exr->parts[i].image;
-        if (strcmp(exr->parts[i].name, "error") == 0 && part->width == image->width && part->height == image->height &&
+        if (strcmp(exr->parts[i].name, name) == 0 && part->width == image->width && part->height == image->height &&
             part->channels == image->channels)
             return part;
     }
     return NULL;
 }
+
+mcv_image *mcv_exr_error(const mcv_exr *exr) { return mcv_exr_image(exr, "error"); }
 
 void mcv_exr_free(mcv_exr *exr) {
     for (uint32_t p = 0; p < exr->part_count; ++p) {

@@ -59,7 +59,17 @@ const mcv_attribute *mcv_exr_attribute(const mcv_exr *exr, const char *name);
 /* The numbers of the attribute of this name, if it has so many; or NULL. */
 const double *mcv_exr_numbers(const mcv_exr *exr, const char *name, uint32_t count);
 
-/* The standard error of each value of part 0, which a render has as its second part; or NULL. */
+/* The image of the part of this name, if it has part 0's size and channels; or NULL. */
+mcv_image *mcv_exr_image(const mcv_exr *exr, const char *name);
+
+/*
+ * The standard error of each value of part 0, which a render has as its second part; or NULL. Grey values have in it the noise of the
+ * camera, too: the render's share is the part "render error".
+ */
 mcv_image *mcv_exr_error(const mcv_exr *exr);
+#define MCV_EXR_RENDER_ERROR "render error"
+
+/* Of grey values: how the lens has correlated the render's error, four numbers as in mcv_correlation. */
+#define MCV_EXR_CORRELATION "mcvisi:renderCorrelation"
 
 #endif
