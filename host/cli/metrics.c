@@ -162,7 +162,7 @@ mcv_result mcv_locate_edge(mcv_readings *readings, bool known, bool whole, const
     mcv_roi region;
     MCV_TRY(mcv_edge_parse(text, number, &readings->values, edge, error));
     if (!known) {
-        snprintf(box, sizeof box, "%u,%u,%u,%u", edge->x, edge->y, edge->width, edge->height);
+        snprintf(box, sizeof box, "%u,%u,%u,%u", edge->box.x, edge->box.y, edge->box.width, edge->box.height);
         MCV_TRY(mcv_roi_parse(box, number, &readings->values, &region, error));
         mcv_know_noise(readings, known, whole, &region);
         mcv_roi_free(&region);
