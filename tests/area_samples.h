@@ -35,8 +35,8 @@ static inline double disc_corner(double x, double y, double r) {
 /* How much of the unit pixel whose top-left corner is x, y lies in the disc of radius r about 0. */
 static inline double disc_coverage_of_pixel(double x, double y, double r) {
     const double ax = fabs(x + 0.5), ay = fabs(y + 0.5);
-    if (hypot(ax + 0.5, ay + 0.5) <= r) return 1;
-    if (hypot(positive(ax - 0.5), positive(ay - 0.5)) >= r) return 0;
+    if ((ax + 0.5) * (ax + 0.5) + (ay + 0.5) * (ay + 0.5) <= r * r) return 1;
+    if (pow(positive(ax - 0.5), 2) + pow(positive(ay - 0.5), 2) >= r * r) return 0;
     return disc_corner(x + 1, y + 1, r) - disc_corner(x, y + 1, r) - disc_corner(x + 1, y, r) + disc_corner(x, y, r);
 }
 

@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* One place. The whole text is for messages. */
-static mcv_result read_place(const char *what, const char *text, const char *place, const mcv_image *image, mcv_box *box,
+static mcv_result read_place(const char *what, const char *text, const char *place, const mcv_image *image, mcv_pixel_box *box,
                              mcv_error *error) {
     double n[4];
     char ignored[64];
@@ -18,12 +18,12 @@ static mcv_result read_place(const char *what, const char *text, const char *pla
         return mcv_fail(error, MCV_USAGE, "%s %s reaches to column %g, row %g: the image has %u x %u pixels", what, text, n[0] + n[2],
                         n[1] + n[3], image->width, image->height);
     if (n[2] < 8 || n[3] < 8) return mcv_fail(error, MCV_USAGE, "%s %s must be at least 8 pixels wide and high", what, text);
-    *box = (mcv_box){(uint32_t)n[0], (uint32_t)n[1], (uint32_t)n[2], (uint32_t)n[3]};
+    *box = (mcv_pixel_box){(uint32_t)n[0], (uint32_t)n[1], (uint32_t)n[2], (uint32_t)n[3]};
     return MCV_OK;
 }
 
 mcv_result mcv_boxes_parse(const char *what, const char *text, size_t number, const mcv_image *image, size_t most, char name[64],
-                           mcv_box *boxes, size_t *count, mcv_error *error) {
+                           mcv_pixel_box *boxes, size_t *count, mcv_error *error) {
     const char *equals = strchr(text, '=');
     const char *rest = equals && equals > text ? equals + 1 : text;
     if (rest > text)

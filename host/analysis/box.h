@@ -5,9 +5,9 @@
 
 #include "analysis/region.h"
 
-typedef struct mcv_box {
+typedef struct mcv_pixel_box {
     uint32_t x, y, width, height; /* of the top-left pixel, and how many [pixel] */
-} mcv_box;
+} mcv_pixel_box;
 
 /*
  * Reads up to `most` places from "[NAME=]PLACE[+PLACE…]", where a place is X,Y,W,H in whole pixels. Without a name it is called by its
@@ -15,6 +15,6 @@ typedef struct mcv_box {
  * the image, or where there are too many.
  */
 mcv_result mcv_boxes_parse(const char *what, const char *text, size_t number, const mcv_image *image, size_t most, char name[64],
-                           mcv_box *boxes, size_t *count, mcv_error *error);
+                           mcv_pixel_box *boxes, size_t *count, mcv_error *error);
 
 #endif

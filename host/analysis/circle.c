@@ -29,7 +29,7 @@ typedef struct slope_point {
 } slope_point;
 
 /* Of the image smoothed by the binomial [1 2 1]² of both directions. Zero at the box's rim; NaN beside a NaN. */
-static void find_slopes(const mcv_image *image, const mcv_box *box, float *smooth, float *slopes) {
+static void find_slopes(const mcv_image *image, const mcv_pixel_box *box, float *smooth, float *slopes) {
     static const float tap[3] = {0.25F, 0.5F, 0.25F};
     const size_t w = box->width, h = box->height;
     for (size_t y = 1; y + 1 < h; ++y)
@@ -48,7 +48,9 @@ static void find_slopes(const mcv_image *image, const mcv_box *box, float *smoot
         }
 }
 
-static double slope_size(const float *slopes, size_t i) { return hypot(slopes[2 * i], slopes[2 * i + 1]); }
+static double length_of(double x, double y) { return sqrt(x * x + y * y); }
+
+static double slope_size(const float *slopes, size_t i) { return length_of(slopes[2 * i], slopes[2 * i + 1]); }
 
 static int compare_points(const void *a, const void *b) {
     const double x = ((const slope_point *)a)->size, y = ((const slope_point *)b)->size;
@@ -56,7 +58,7 @@ static int compare_points(const void *a, const void *b) {
 }
 
 /* Where the slope is larger than one pixel before and behind; of these those of half the size that a box's side of them has, or more. */
-static size_t find_points(const mcv_box *box, const float *slopes, slope_point *points) {
+static size_t find_points(const mcv_pixel_box *box, const float *slopes, slope_point *points) {
     const size_t w = box->width, h = box->height;
     size_t count = 0;
     for (size_t y = 3; y + 3 < h; ++y)
@@ -90,7 +92,7 @@ static bool through_three(const double *a, const double *b, const double *c, gue
 
 /* Is it on the circle, with its slope along the circle's normal, bright inside or not? */
 static bool lies_on(const slope_point *p, const guess *g, double bright, double tolerance) {
-    const double x = g->centre[0] - p->at[0], y = g->centre[1] - p->at[1], r = hypot(x, y);
+    const double x = g->centre[0] - p->at[0], y = g->centre[1] - p->at[1], r = length_of(x, y);
     return fabs(r - g->radius) <= tolerance && bright * (x * p->normal[0] + y * p->normal[1]) >= 0.9 * r;
 }
 
@@ -216,8 +218,9 @@ static double used_spread2(const finder *f) { return fmax(f->spread2, 1.0 / 12);
  */
 static double widest_window(double radius) { return (1 - M_SQRT1_2) * radius; }
 
+/* Of the direction's place on the unit square turned by 45°, which goes round as the angle does. */
 static int sector_of(const finder *f, double x, double y) {
-    const double turn = atan2(y, x) / (2 * M_PI) + 0.5;
+    const double share = y / (fabs(x) + fabs(y)), turn = 0.25 * (x < 0 ? 2 - share : y < 0 ? 4 + share : share);
     const int sector = (int)(turn * f->sectors);
     return sector < f->sectors ? sector : f->sectors - 1;
 }
@@ -232,7 +235,7 @@ static double mean_crossing(double radius, double off, double spread2) {
 /* The place of the scan, its window and model. False where it leaves the box or meets a NaN. */
 static bool make_scan(const finder *f, bool along_rows, uint32_t line, double turn, scan *s) {
     const mcv_image *image = &f->readings->values, *deviation = &f->readings->deviation;
-    const mcv_box *box = &f->circle->box;
+    const mcv_pixel_box *box = &f->circle->box;
     const double radius = f->at.radius, w = f->window, off = line + 0.5 - f->at.centre[along_rows ? 1 : 0], spread2 = used_spread2(f);
     const double depth2 = radius * radius - off * off, middle = f->at.centre[along_rows ? 0 : 1], h = 1e-3;
     const uint32_t first = along_rows ? box->x : box->y, last = first + (along_rows ? box->width : box->height);
@@ -272,7 +275,7 @@ static int compare_doubles(const void *a, const void *b) {
 }
 
 static void make_scans(finder *f) {
-    const mcv_box *box = &f->circle->box;
+    const mcv_pixel_box *box = &f->circle->box;
     f->scan_count = 0;
     for (int along_rows = 0; along_rows < 2; ++along_rows) {
         const uint32_t first = along_rows ? box->y : box->x, last = first + (along_rows ? box->height : box->width);
@@ -347,19 +350,19 @@ static bool solve(finder *f, bool move) {
 /* --- the pixels beside the circle ----------------------------------------------------------------------------------- */
 
 /* From the window's end outwards and inwards. */
-static double plateau_width(const finder *f) { return fmax(4, f->window); }
+static double plateau_width(const finder *f) { return fmax(6, f->window); }
 
 /* Calls for every pixel of a seen sector in the ring of the window and the plateaus: with its index, and its distance from the circle. */
 typedef void visit(finder *f, size_t index, double distance, void *user);
 
 static void visit_ring(finder *f, visit *call, void *user) {
     const mcv_image *image = &f->readings->values;
-    const mcv_box *box = &f->circle->box;
+    const mcv_pixel_box *box = &f->circle->box;
     const double reach = f->window + 0.75 + plateau_width(f);
     for (uint32_t y = box->y; y < box->y + box->height; ++y)
         for (uint32_t x = box->x; x < box->x + box->width; ++x) {
             const size_t i = (size_t)y * image->width + x;
-            const double dx = x + 0.5 - f->at.centre[0], dy = y + 0.5 - f->at.centre[1], d = hypot(dx, dy) - f->at.radius;
+            const double dx = x + 0.5 - f->at.centre[0], dy = y + 0.5 - f->at.centre[1], d = length_of(dx, dy) - f->at.radius;
             if (!(fabs(d) <= reach) || isnan(image->pixels[i]) || !f->seen[sector_of(f, dx, dy)]) continue;
             call(f, i, d, user);
         }
@@ -368,8 +371,8 @@ static void visit_ring(finder *f, visit *call, void *user) {
 static bool on_plateau(const finder *f, double distance) { return fabs(distance) >= f->window + 0.75; }
 
 typedef struct ring_sums {
-    double count[2], sum[2]; /* outside, inside */
-    double moment, density;  /* of σ² */
+    double count[2], sum[2];           /* outside, inside */
+    double density, deviation, moment; /* of pixels in the window, and of their distances' sizes and squares */
 } ring_sums;
 
 static void add_level(finder *f, size_t i, double d, void *user) {
@@ -379,13 +382,17 @@ static void add_level(finder *f, size_t i, double d, void *user) {
     r->sum[d < 0] += f->readings->values.pixels[i];
 }
 
-/* σ² = ∫ 2|x| |E(x) - step(x)| dx of the spread function E; a pixel at the radius r stands for 1/r of the circumference. */
-static void add_moment(finder *f, size_t i, double d, void *user) {
+/*
+ * σ² = ∫ 2|x| |E(x) - step(x)| dx of the spread function E, and its mean deviation ∫ |E(x) - step(x)| dx; a pixel at the radius r stands
+ * for 1/r of the circumference.
+ */
+static void add_moments(finder *f, size_t i, double d, void *user) {
     ring_sums *r = user;
     if (fabs(d) > f->window) return;
-    const double share = (f->readings->values.pixels[i] - f->level[0]) / (f->level[1] - f->level[0]);
+    const double share = (f->readings->values.pixels[i] - f->level[0]) / (f->level[1] - f->level[0]), wrong = d < 0 ? 1 - share : share;
     r->density += 1 / (f->at.radius + d);
-    r->moment += 2 * fabs(d) * (d < 0 ? 1 - share : share) / (f->at.radius + d);
+    r->deviation += wrong / (f->at.radius + d);
+    r->moment += 2 * fabs(d) * wrong / (f->at.radius + d);
 }
 
 /* False where a side is not seen. */
@@ -397,7 +404,8 @@ static bool find_levels(finder *f, ring_sums *r) {
 }
 
 static bool find_spread(finder *f, ring_sums *r) {
-    visit_ring(f, add_moment, r);
+    r->density = r->deviation = r->moment = 0;
+    visit_ring(f, add_moments, r);
     f->spread2 = 2 * f->window * r->moment / r->density;
     return isfinite(f->spread2);
 }
@@ -498,7 +506,7 @@ static void weigh_ring(finder *f, size_t i, double d, void *user) {
 }
 
 static bool find_covariance(finder *f, const ring_sums *ring, double covariance[3][3]) {
-    const mcv_box *box = &f->circle->box;
+    const mcv_pixel_box *box = &f->circle->box;
     const mcv_image *deviation = &f->readings->deviation;
     weights w = {.pixel = calloc((size_t)box->width * box->height, sizeof *w.pixel), .ring = ring};
     if (!w.pixel) return false;
@@ -513,6 +521,15 @@ static bool find_covariance(finder *f, const ring_sums *ring, double covariance[
     }
     free(w.pixel);
     return true;
+}
+
+/* The covariance of a row's place and a column's by the one pixel that they may share. */
+static double shared_variance(const finder *f, const scan *row, const scan *column) {
+    const double of_row = mcv_overlap(column->line, row->from, row->to), of_column = mcv_overlap(row->line, column->from, column->to);
+    const mcv_image *deviation = &f->readings->deviation;
+    if (of_row == 0 || of_column == 0) return 0;
+    const double u = deviation->pixels[(size_t)row->line * deviation->width + column->line] / (f->level[1] - f->level[0]);
+    return row->turn * column->turn * of_row * of_column * u * u;
 }
 
 /* The scans' distances from the circle, by arc length; what noise makes of them, less what the fit takes out. */
@@ -530,6 +547,11 @@ static mcv_scatter scatter_of(const finder *f) {
         all.noise += noise * (1 - taken);
         all.variance += 2 * noise * noise * fmax(0, 1 - 2 * taken);
         all.crossed += 4 * fmax(0, square - noise) * noise;
+        for (size_t k = 0; k < f->scan_count && s->along_rows; ++k) {
+            const scan *other = f->scans + k;
+            if (other->along_rows || !other->used) continue;
+            all.variance += 4 * s->cosine * other->cosine * pow(shared_variance(f, s, other), 2);
+        }
     }
     return all;
 }
@@ -543,7 +565,9 @@ static mcv_result refine(finder *f, int rounds, ring_sums *ring, double *sizes, 
         const double widest = widest_window(f->at.radius);
         if (!find_levels(f, ring) || !find_spread(f, ring))
             return fail_circle(c, error, "too little room beside it: the box must hold more of both sides");
-        f->window = fmin(0.5 * ceil(2 * (3 * sqrt(used_spread2(f)) + 1)), widest);
+        /* 3 σ and a pixel. Noise moves the mean deviation less than σ²: a window that goes with the noise would go with the radius. */
+        const double deviation = 2 * f->window * ring->deviation / ring->density;
+        f->window = fmin(0.5 * ceil(2 * (3 * sqrt(M_PI / 2) * fmax(deviation, 0.25) + 1)), widest);
         if (2 * sqrt(used_spread2(f)) + 1 > widest)
             return mcv_fail(error, MCV_FAILED,
                             "%s %s: its radius of %.1f pixels is too small for an edge that is blurred by %.1f pixels: %.0f are needed",
@@ -580,7 +604,10 @@ static mcv_result finish(finder *f, const ring_sums *ring, double freedom, mcv_e
     c->rejected = 1 - used / (double)f->scan_count;
     c->spread = sqrt(used_spread2(f));
     if (c->whole && c->seen < 0.5)
-        return mcv_fail(error, MCV_FAILED, "circle %s: only %.0f %% of it can be seen: measure a part by --arc", c->name, 100 * c->seen);
+        return mcv_fail(
+            error, MCV_FAILED,
+            "circle %s: only %.0f %% of it has room on both sides in the box: give a larger box around it, or measure a part by --arc",
+            c->name, 100 * c->seen);
     if (!(c->radius.uncertainty <= 0.1 * c->radius.value))
         return mcv_fail(error, MCV_FAILED,
                         "%s %s is too short to tell its radius, %.3g ± %.2g pixels: show more of it, or measure it by --edge",
@@ -589,15 +616,15 @@ static mcv_result finish(finder *f, const ring_sums *ring, double freedom, mcv_e
 }
 
 static mcv_result locate(finder *f, mcv_readings *readings, double least, mcv_error *error) {
-    enum { ROUNDS = 8 };
-    const mcv_box *box = &f->circle->box;
+    enum { ROUNDS = 6 };
+    const mcv_pixel_box *box = &f->circle->box;
     double bright = 0, freedom = INFINITY, *sizes = malloc(4 * ((size_t)box->width + box->height) * sizeof *sizes);
     ring_sums ring = {0};
     f->scans = malloc(4 * ((size_t)box->width + box->height) * sizeof *f->scans);
     mcv_result result = sizes && f->scans ? MCV_OK : fail_circle(f->circle, error, "no memory for it");
     if (result == MCV_OK) result = find_guess(&readings->values, f->circle, &f->at, &bright, error);
     if (result == MCV_OK) {
-        const double sectors = 0.5 * f->at.radius;
+        const double sectors = 0.5 * f->at.radius; /* each of them of 9 to 18 pixels */
         f->sectors = sectors < 8 ? 8 : sectors > MAX_SECTORS ? MAX_SECTORS : (int)sectors;
         f->window = fmin(5, widest_window(f->at.radius));
         for (int k = 0; k < f->sectors; ++k) f->seen[k] = true;

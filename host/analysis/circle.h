@@ -14,7 +14,7 @@
 
 typedef struct mcv_circle {
     char name[64];
-    mcv_box box;
+    mcv_pixel_box box;
     bool whole;               /* all of it must be in the box, else a part (an arc) */
     bool bright;              /* inside is the brighter side */
     mcv_quantity column, row; /* of the centre; 0, 0 is the image's top-left corner [pixel] */

@@ -297,51 +297,99 @@ static bool begin(const patch *p, line *l) {
     return find_plateaus(p, l) && l->left.value != l->right.value && fit_line(p, l);
 }
 
+/* The widest window that leaves the plateaus two pixels in every row. */
+static double room_of(const patch *p, const line *l) {
+    const double first = line_column(l, 0.5), last = line_column(l, (double)p->rows - 0.5);
+    return fmin(fmin(first, last), (double)p->columns - fmax(first, last)) - 2.5;
+}
+
 static mcv_result find_line(const patch *p, line *l, mcv_quantity *width, mcv_error *error) {
     enum { ROUNDS = 12 };
     if (!begin(p, l)) return fail_edge(p->edge, error, "no edge crosses the rectangle: it must pass all of its length, near the middle");
+    l->window = fmax(1, fmin(l->window, room_of(p, l)));
     for (int round = 0; round < ROUNDS; ++round) {
+        const line before = *l;
         if (!find_plateaus(p, l)) return fail_edge(p->edge, error, "too little room beside it: the rectangle must hold more of both sides");
         const double noise = hypot(l->left.uncertainty, l->right.uncertainty), step = fabs(l->right.value - l->left.value);
         if (!(step > 5 * noise)) return fail_edge(p->edge, error, "no edge: both sides are equally bright");
         if (!fit_line(p, l)) return fail_edge(p->edge, error, "too little room beside it: the rectangle must hold more of both sides");
         if (!find_width(p, l, width)) return fail_edge(p->edge, error, "no edge: its sides have no level between them");
         const double cosine = 1 / sqrt(1 + l->slope * l->slope);
-        l->window = fmin((1.5 * width->value + 2) / cosine, 0.375 * (double)p->columns);
+        const double least = (width->value + 1) / cosine, most = 0.375 * (double)p->columns;
+        l->window = fmin(fmax(fmin((1.5 * width->value + 2) / cosine, room_of(p, l)), least), most);
+        if (l->window == before.window && l->at == before.at && l->slope == before.slope) break; /* further rounds change nothing */
     }
     return MCV_OK;
 }
 
-/* The rows' places about their line, and the parabola in them: c P with P = off² less its share in 1 and off. */
-static void find_form(const patch *p, const line *l, mcv_edge *edge) {
-    double n = 0, s[5] = {0}, place, variance, slope[2];
+/* One row's place about the line, and a polynomial there with that of one degree less. */
+typedef struct row_place {
+    double off, from, variance, polynomial, before;
+} row_place;
+
+/*
+ * The places by polynomials that are orthogonal on the rows, each with its coefficient (Forsythe 1957). That of the second degree is the
+ * arc. The next six tell what deviations of such lengths come from anything but an arc and the noise of independent pixels, as of a corner
+ * behind a blur: where they are clearly larger than that noise, they are the arc's uncertainty.
+ */
+static void find_sagitta(row_place *rows, size_t n, mcv_quantity *sagitta) {
+    enum { ARC = 2, LAST = 8 };
+    double norm = 1, arc = 0, others = 0, expected = 0, count = 0;
+    for (size_t i = 0; i < n; ++i) rows[i] = (row_place){rows[i].off, rows[i].from, rows[i].variance, 1, 0};
+    for (int degree = 0; degree <= LAST && (size_t)degree + 2 < n; ++degree) {
+        double square = 0, moment = 0, product = 0, noise = 0;
+        for (size_t i = 0; i < n; ++i) {
+            const double q = rows[i].polynomial;
+            square += q * q;
+            moment += q * q * rows[i].off;
+            product += q * rows[i].from;
+            noise += q * q * rows[i].variance;
+        }
+        if (degree == ARC) *sagitta = (mcv_quantity){product / square, sqrt(noise) / square};
+        if (degree > ARC) {
+            others += product * product / square;
+            expected += noise / square;
+            ++count;
+        }
+        if (degree == ARC) arc = square;
+        const double back = degree ? square / norm : 0;
+        norm = square;
+        for (size_t i = 0; i < n; ++i) {
+            const double next = (rows[i].off - moment / square) * rows[i].polynomial - back * rows[i].before;
+            rows[i].before = rows[i].polynomial;
+            rows[i].polynomial = next;
+        }
+    }
+    if (count > 0 && others > expected * (1 + 3 * sqrt(2 / count))) sagitta->uncertainty = sqrt(others / (count * arc));
+}
+
+/* The rows' places about their line. False without memory. */
+static bool find_form(const patch *p, const line *l, mcv_edge *edge) {
+    row_place *places = malloc(p->rows * sizeof *places);
     mcv_edge_rows *rows = &edge->rows;
-    *rows = (mcv_edge_rows){.middle = l->middle, .slope = l->slope, .variance_at = l->variance_at, .variance_slope = l->variance_slope};
+    size_t n = 0;
+    if (!places) return false;
+    *rows = (mcv_edge_rows){
+        .middle = l->middle, .at = l->at, .slope = l->slope, .variance_at = l->variance_at, .variance_slope = l->variance_slope};
     for (size_t row = 0; row < p->rows; ++row) {
         const double off = (double)row + 0.5 - l->middle;
+        double place, variance, slope[2];
         if (!find_row(p, l, row, &place, &variance, slope)) continue;
         const double from = place - line_column(l, (double)row + 0.5);
-        ++n;
-        for (int k = 2; k <= 4; ++k) s[k] += pow(off, k);
+        places[n++] = (row_place){.off = off, .from = from, .variance = variance};
+        rows->spread += off * off;
         rows->squares += from * from;
         rows->noise += variance;
         rows->noise2 += variance * variance;
     }
-    double pp = 0, pr = 0, vpp = 0;
-    for (size_t row = 0; row < p->rows; ++row) {
-        const double off = (double)row + 0.5 - l->middle, bend = off * off - s[2] / n - s[3] / s[2] * off;
-        if (!find_row(p, l, row, &place, &variance, slope)) continue;
-        pp += bend * bend;
-        pr += bend * (place - line_column(l, (double)row + 0.5));
-        vpp += bend * bend * variance;
-    }
-    rows->count = n;
-    rows->spread = s[2];
-    rows->at = l->at;
-    const double turn = l->right.value > l->left.value ? -1 : 1, cosine = 1 / sqrt(1 + l->slope * l->slope);
-    const double arc = 0.25 * n * n * cosine, left = rows->squares - pr * pr / pp, freedom = n - 3;
-    const double misfit = freedom > 0 ? left * n / (freedom * rows->noise) : 1, clearly = 1 + 3 * sqrt(2 / fmax(1, freedom));
-    edge->sagitta = (mcv_quantity){turn * arc * pr / pp, arc * sqrt(vpp * (misfit > clearly ? misfit : 1)) / pp};
+    rows->count = (double)n;
+    find_sagitta(places, n, &edge->sagitta);
+    free(places);
+    /* x² rises by a quarter of the chord's square from the middle to its ends; along the normal that is less. */
+    const double turn = l->right.value > l->left.value ? -1 : 1, arc = 0.25 * (double)(n * n) / sqrt(1 + l->slope * l->slope);
+    edge->sagitta.value *= turn * arc;
+    edge->sagitta.uncertainty *= arc;
+    return true;
 }
 
 mcv_result mcv_edge_is_straight(const mcv_edge *edge, mcv_error *error) {
@@ -374,7 +422,7 @@ mcv_result mcv_edge_find(const mcv_readings *readings, mcv_edge *edge, mcv_error
     edge->dark = sign > 0 ? l.left : l.right;
     edge->bright = sign > 0 ? l.right : l.left;
     edge->window = l.window;
-    find_form(&p, &l, edge);
+    if (!find_form(&p, &l, edge)) return fail_edge(edge, error, "no memory for its rows");
     edge->rows.at += corner[across];
     edge->rows.middle += corner[!across];
     return MCV_OK;

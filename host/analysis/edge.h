@@ -23,7 +23,7 @@ typedef struct mcv_edge_rows {
 
 typedef struct mcv_edge {
     char name[64];
-    mcv_box box;
+    mcv_pixel_box box;
     bool across_rows;          /* the edge is nearer to vertical: its lines are rows */
     double point[2];           /* column and row, where it passes the middle line of the rectangle */
     double normal[2];          /* unit, towards the brighter side */

@@ -120,36 +120,65 @@ mcv_result mcv_caliper_parse(const char *text, size_t number, const mcv_image *i
     return MCV_OK;
 }
 
-/* Where, along the longer side, the mean over the shorter one rises and falls most, from one pixel to the next but one. */
-static void find_steepest(const mcv_image *image, const mcv_box *box, uint32_t steepest[2]) {
+/* The mean over the shorter side, along the longer one. */
+static void find_profile(const mcv_image *image, const mcv_pixel_box *box, double *profile) {
     const bool lying = box->width > box->height;
     const uint32_t length = lying ? box->width : box->height, depth = lying ? box->height : box->width;
-    double most[2] = {0, 0}, before[2] = {NAN, NAN};
     for (uint32_t i = 0; i < length; ++i) {
-        double sum = 0;
+        profile[i] = 0;
         for (uint32_t k = 0; k < depth; ++k) {
             const uint32_t x = box->x + (lying ? i : k), y = box->y + (lying ? k : i);
-            sum += image->pixels[(size_t)y * image->width + x];
+            profile[i] += image->pixels[(size_t)y * image->width + x] / depth;
         }
-        const double rise = sum - before[0];
-        for (int sign = 0; sign < 2; ++sign)
-            if ((sign ? -rise : rise) > most[sign]) {
-                most[sign] = sign ? -rise : rise;
-                steepest[sign] = i - 1;
-            }
-        before[0] = before[1];
-        before[1] = sum;
     }
 }
 
+static double mean_of(const double *values, uint32_t from, uint32_t to) {
+    double sum = 0;
+    for (uint32_t i = from; i < to; ++i) sum += values[i];
+    return sum / (to - from);
+}
+
+/*
+ * Which pixels of the profile the two edges are in. A tilted edge's profile is a ramp without a steepest place: between the profile's
+ * strongest rise and fall the middle third tells one plateau, the outer halves the other, and a step of the same light the place. False
+ * where there is no room.
+ */
+static bool find_middles(const double *profile, uint32_t length, uint32_t middles[2]) {
+    double most[2] = {0, 0};
+    uint32_t steepest[2] = {0, 0};
+    for (uint32_t i = 1; i + 1 < length; ++i) {
+        const double rise = profile[i + 1] - profile[i - 1];
+        for (int sign = 0; sign < 2; ++sign) {
+            if (!((sign ? -rise : rise) > most[sign])) continue;
+            most[sign] = sign ? -rise : rise;
+            steepest[sign] = i;
+        }
+    }
+    const uint32_t low = steepest[0] < steepest[1] ? steepest[0] : steepest[1], high = steepest[0] + steepest[1] - low;
+    if (low < 5 || high + 5 >= length || high < low + 9) return false;
+    const uint32_t third = (high - low) / 3, half = (low + high) / 2;
+    const double inner = mean_of(profile, low + third, high - third), before = mean_of(profile, 0, low / 2),
+                 behind = mean_of(profile, high + (length - high) / 2, length);
+    const double first = half * (mean_of(profile, 0, half) - inner) / (before - inner),
+                 second = length - (length - half) * (mean_of(profile, half, length) - inner) / (behind - inner);
+    if (!(first >= 4 && first < half && second > half && second < length - 4)) return false;
+    middles[0] = (uint32_t)first;
+    middles[1] = (uint32_t)second;
+    return true;
+}
+
 mcv_result mcv_caliper_locate(mcv_readings *readings, double least, mcv_caliper *caliper, mcv_error *error) {
-    const mcv_box *box = &caliper->box;
+    const mcv_pixel_box *box = &caliper->box;
     const bool lying = box->width > box->height;
     const uint32_t length = lying ? box->width : box->height;
-    uint32_t steepest[2] = {0, 0};
-    find_steepest(&readings->values, box, steepest);
-    const uint32_t low = steepest[0] < steepest[1] ? steepest[0] : steepest[1], high = steepest[0] + steepest[1] - low;
-    const uint32_t half = high > low ? (high - low - 1) / 2 : 0; /* no pixel belongs to both */
+    uint32_t middles[2] = {0, 0};
+    double *profile = malloc(length * sizeof *profile);
+    if (!profile) return mcv_fail(error, MCV_FAILED, "caliper %s: no memory for its profile", caliper->name);
+    find_profile(&readings->values, box, profile);
+    const bool found = find_middles(profile, length, middles);
+    free(profile);
+    const uint32_t low = middles[0], high = middles[1], half = found ? (high - low - 1) / 2 : 0; /* no pixel belongs to both */
     for (int i = 0; i < 2; ++i) {
         /* About each edge as far as the box reaches and the other edge lets it. */
         const uint32_t middle = i ? high : low, beside = i ? length - 1 - high : low, reach = half < beside ? half : beside;

@@ -11,7 +11,7 @@ enum { MCV_LINE_BOXES = 64 };
 typedef struct mcv_line {
     mcv_edge edge; /* of it the name, point, normal, position, tilt; the point lies in the mean row of all places */
     size_t box_count;
-    mcv_box boxes[MCV_LINE_BOXES];
+    mcv_pixel_box boxes[MCV_LINE_BOXES];
     mcv_quantity straightness; /* root of the mean squared distance from the line, along its normal, without that of the noise [pixel] */
 } mcv_line;
 
@@ -23,7 +23,7 @@ mcv_result mcv_line_locate(mcv_readings *readings, double least, mcv_line *line,
 
 typedef struct mcv_caliper {
     char name[64];
-    mcv_box box;
+    mcv_pixel_box box;
     mcv_edge edges[2];  /* in the order of columns or rows */
     mcv_quantity width; /* along the mean normal, through the points of the edges [pixel] */
     mcv_quantity angle; /* from the first edge to the second, 0: parallel [rad] */
