@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stddef.h>
 
-static double positive(double x) { return x > 0 ? x : 0; }
+static inline double positive(double x) { return x > 0 ? x : 0; }
 
 /* How much of a unit pixel lies beyond a line at the signed distance d before its centre, whose normal has these components. */
 static inline double box_coverage(double d, double cosine, double sine) {
@@ -17,19 +17,18 @@ static inline double box_coverage(double d, double cosine, double sine) {
     return sum / (8 * a * b);
 }
 
+/* ∫ √(r² - t²) dt from 0 to t. */
+static inline double half_segment(double t, double r) {
+    return 0.5 * (t * sqrt(fmax(0, r * r - t * t)) + r * r * asin(fmax(-1, fmin(1, t / r))));
+}
+
 /* The area below x and y of the disc of radius r about 0. */
 static inline double disc_corner(double x, double y, double r) {
     if (x <= -r || y <= -r) return 0;
-    const double a = fmin(x, r), b = fmin(y, r);
-    /* ∫ sqrt(r² - t²) dt from 0. */
-#define HALF(t) (0.5 * ((t)*sqrt(fmax(0, r * r - (t) * (t))) + r * r * asin(fmax(-1, fmin(1, (t) / r)))))
-    const double all = 2 * (HALF(a) - HALF(-r)); /* all of it below x */
-    const double cut = sqrt(fmax(0, r * r - b * b)), from = fmin(a, -cut), to = fmin(a, cut);
-    /* Where |t| < cut the disc reaches beyond |y|. */
-    if (b >= 0) return all - (to > -cut ? HALF(to) - HALF(-cut) - b * (to + cut) : 0);
-    (void)from;
-    return to > -cut ? HALF(to) - HALF(-cut) + b * (to + cut) : 0;
-#undef HALF
+    const double a = fmin(x, r), b = fmin(y, r), cut = sqrt(fmax(0, r * r - b * b)), to = fmin(a, cut);
+    /* Where |t| < cut the disc reaches beyond |y|, by √(r² - t²) - |y|. */
+    const double beyond = to > -cut ? half_segment(to, r) - half_segment(-cut, r) - fabs(b) * (to + cut) : 0;
+    return b >= 0 ? 2 * (half_segment(a, r) - half_segment(-r, r)) - beyond : beyond;
 }
 
 /* How much of the unit pixel whose top-left corner is x, y lies in the disc of radius r about 0. */
@@ -39,12 +38,5 @@ static inline double disc_coverage_of_pixel(double x, double y, double r) {
     if (pow(positive(ax - 0.5), 2) + pow(positive(ay - 0.5), 2) >= r * r) return 0;
     return disc_corner(x + 1, y + 1, r) - disc_corner(x, y + 1, r) - disc_corner(x + 1, y, r) + disc_corner(x, y, r);
 }
-
-/*
- * Points of equal or other weights as a spread whose variance is known: the five of Gauss and Hermite in both directions, which have a
- * Gaussian's moments up to the ninth. A spread of points is as good as another: what is measured must be the disc's, not the spread's.
- */
-static const double spread_nodes[5] = {-2.8569700138728056, -1.3556261799742659, 0, 1.3556261799742659, 2.8569700138728056};
-static const double spread_weights[5] = {0.011257411327720689, 0.22207592200561266, 8.0 / 15, 0.22207592200561266, 0.011257411327720689};
 
 #endif
