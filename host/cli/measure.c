@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi measure: figures of regions and edges of an image. */
-#include "analysis/edge.h"
+/* mcvisi measure: figures of regions of an image, and of the edges, lines, widths and circles in it. */
 #include "cli/metrics.h"
 #include "cli/options.h"
 #include "cli/report.h"
@@ -26,7 +25,8 @@ typedef struct subject {
     char unit[64];
     mcv_roi *regions, background; /* background.inside: NULL without one */
     size_t region_count;
-    mcv_edge *edges; /* as many as --edge */
+    mcv_found *found; /* in the boxes of all forms, one form after the other */
+    size_t found_count;
 } subject;
 
 /* --- reading ---------------------------------------------------------------------------------------------------- */
@@ -203,14 +203,20 @@ static void report_region(subject *s, mcv_report *report, mcv_roi *region, mcv_r
     mcv_report_close(report);
 }
 
-/* The whole image where no region is named and no edge either. */
+static size_t count_boxes(const mcv_command *command) {
+    size_t count = 0;
+    for (unsigned f = 0; f < MCV_FORM_COUNT; ++f) count += mcv_form_boxes(command, f)->count;
+    return count;
+}
+
+/* The whole image where no region is named and no box either. */
 static mcv_result parse_regions(subject *s, mcv_error *error) {
     const mcv_command *c = s->command;
     const mcv_image *image = &s->readings.values;
     char all[64];
     const char *whole = all;
     snprintf(all, sizeof all, "image=0,0,%u,%u", image->width, image->height);
-    const size_t count = c->region.count ? c->region.count : c->edge.count && !c->background ? 0 : 1;
+    const size_t count = c->region.count ? c->region.count : count_boxes(c) && !c->background ? 0 : 1;
     const char *const *texts = c->region.count ? c->region.items : &whole;
     if (c->background) MCV_TRY(mcv_roi_parse(c->background, 0, image, &s->background, error));
     for (; s->region_count < count; ++s->region_count)
@@ -225,7 +231,7 @@ static void report_regions(subject *s, mcv_report *report) {
     mcv_report_close(report);
 }
 
-/* --- edges ------------------------------------------------------------------------------------------------------ */
+/* --- boxes ------------------------------------------------------------------------------------------------------ */
 
 static void report_values(mcv_report *report, const char *key, const mcv_quantity *q, size_t count, bool uncertainties) {
     double *values = malloc(count * sizeof *values);
@@ -256,13 +262,11 @@ static void report_spread(const subject *s, mcv_report *report, const mcv_edge *
     mcv_edge_mtf_free(&m);
 }
 
-/* Metres in the object for a pixel along a direction; NaN where the scale is not known. */
-static double scale_along(const subject *s, const double direction[2]) {
-    return s->pixel[0] > 0 ? hypot(direction[0] * s->pixel[0], direction[1] * s->pixel[1]) : NAN;
+static void put_length(mcv_report *report, const char *key, mcv_quantity pixels, double scale) {
+    mcv_report_quantity(report, key, "m", pixels.value * scale, pixels.uncertainty * scale);
 }
 
 static void report_edge(const subject *s, mcv_report *report, const mcv_edge *edge) {
-    const double scale = scale_along(s, edge->normal);
     mcv_report_element(report, edge->name, "edge");
     mcv_report_numbers(report, "point", "pixels", ", ", edge->point, 2);
     put(report, edge->across_rows ? "column" : "row", "pixels", edge->position);
@@ -270,38 +274,119 @@ static void report_edge(const subject *s, mcv_report *report, const mcv_edge *ed
     put(report, "dark", s->unit, edge->dark);
     put(report, "bright", s->unit, edge->bright);
     put(report, "width_10_90", "pixels", edge->width_10_90);
-    mcv_report_quantity(report, "width_10_90_length", "m", edge->width_10_90.value * scale, edge->width_10_90.uncertainty * scale);
+    put_length(report, "width_10_90_length", edge->width_10_90, mcv_scale_along(s->pixel, edge->normal));
+    put(report, "sagitta", "pixels", edge->sagitta);
     report_spread(s, report, edge);
     mcv_report_close(report);
 }
 
-static void report_distance(const subject *s, mcv_report *report, const mcv_edge *a, const mcv_edge *b) {
-    mcv_quantity d = mcv_edge_distance(a, b);
-    d.value = fabs(d.value);
-    const double scale = scale_along(s, a->normal);
-    char name[136];
-    snprintf(name, sizeof name, "%s to %s", a->name, b->name);
-    mcv_report_element(report, name, "distance");
-    put(report, "distance", "pixels", d);
-    mcv_report_quantity(report, "length", "m", d.value * scale, d.uncertainty * scale);
+static void report_line(const subject *s, mcv_report *report, const mcv_line *line) {
+    const mcv_edge *edge = &line->edge;
+    mcv_report_element(report, edge->name, "line");
+    mcv_report_numbers(report, "point", "pixels", ", ", edge->point, 2);
+    put(report, edge->across_rows ? "column" : "row", "pixels", edge->position);
+    put(report, "tilt", "rad", edge->tilt);
+    put(report, "straightness", "pixels", line->straightness);
+    put_length(report, "straightness_length", line->straightness, mcv_scale_along(s->pixel, edge->normal));
     mcv_report_close(report);
 }
 
-static mcv_result find_edges(subject *s, mcv_error *error) {
-    const mcv_list *texts = &s->command->edge;
-    for (size_t i = 0; i < texts->count; ++i)
-        MCV_TRY(mcv_locate_edge(&s->readings, s->noise, s->whole, texts->items[i], i + 1, s->edges + i, error));
+static void report_caliper(const subject *s, mcv_report *report, const mcv_caliper *caliper) {
+    const mcv_edge *first = caliper->edges, *second = first + 1;
+    mcv_report_element(report, caliper->name, "caliper");
+    put(report, "width", "pixels", caliper->width);
+    put_length(report, "width_length", caliper->width, mcv_scale_along(s->pixel, first->normal));
+    put(report, "angle", "rad", caliper->angle);
+    put(report, first->across_rows ? "first_column" : "first_row", "pixels", first->position);
+    put(report, first->across_rows ? "second_column" : "second_row", "pixels", second->position);
+    mcv_report_close(report);
+}
+
+static void report_circle(const subject *s, mcv_report *report, const mcv_circle *circle) {
+    const double scale = mcv_scale_along(s->pixel, NULL);
+    mcv_report_element(report, circle->name, circle->whole ? "circle" : "arc");
+    put(report, "column", "pixels", circle->column);
+    put(report, "row", "pixels", circle->row);
+    put(report, "radius", "pixels", circle->radius);
+    put_length(report, "radius_length", circle->radius, scale);
+    put(report, "diameter", "pixels", circle->diameter);
+    put_length(report, "diameter_length", circle->diameter, scale);
+    put(report, "roundness", "pixels", circle->roundness);
+    put_length(report, "roundness_length", circle->roundness, scale);
+    mcv_report_number(report, "seen", "", circle->seen);
+    mcv_report_number(report, "rejected", "", circle->rejected);
+    mcv_report_text(report, "inside", circle->bright ? "bright" : "dark");
+    mcv_report_close(report);
+}
+
+static void report_found(const subject *s, mcv_report *report, const mcv_found *found) {
+    switch (found->form) {
+    case MCV_FORM_EDGE:
+        report_edge(s, report, &found->as.edge);
+        break;
+    case MCV_FORM_LINE:
+        report_line(s, report, &found->as.line);
+        break;
+    case MCV_FORM_CALIPER:
+        report_caliper(s, report, &found->as.caliper);
+        break;
+    default:
+        report_circle(s, report, &found->as.circle);
+    }
+}
+
+static void report_distance(const subject *s, mcv_report *report, const mcv_found *a, const mcv_found *b) {
+    const bool from_line = mcv_found_straight(a) && mcv_found_is_round(b);
+    double direction[2];
+    const mcv_quantity d = mcv_found_distance(a, b, direction);
+    char name[136];
+    snprintf(name, sizeof name, "%s to %s", mcv_found_name(a), mcv_found_name(b));
+    mcv_report_element(report, name, "distance");
+    put(report, from_line ? "line_distance" : "distance", "pixels", d);
+    put_length(report, from_line ? "line_length" : "length", d, mcv_scale_along(s->pixel, direction));
+    mcv_report_close(report);
+}
+
+/* From the first edge or line to all other ones and to all circles, and from the first circle to the others. */
+static void report_distances(const subject *s, mcv_report *report) {
+    const mcv_found *line = NULL, *circle = NULL, *end = s->found + s->found_count;
+    bool open = false;
+    for (const mcv_found *f = s->found; f < end; ++f) {
+        const bool straight = mcv_found_straight(f), round = mcv_found_is_round(f);
+        if (!open && ((straight && line) || (round && (line || circle)))) {
+            mcv_report_list(report, "distances");
+            open = true;
+        }
+        if (line && (straight || round)) report_distance(s, report, line, f);
+        if (circle && round) report_distance(s, report, circle, f);
+        if (straight && !line) line = f;
+        if (round && !circle) circle = f;
+    }
+    if (open) mcv_report_close(report);
+}
+
+static mcv_result find_all(subject *s, mcv_error *error) {
+    for (unsigned f = 0; f < MCV_FORM_COUNT; ++f) {
+        const mcv_list *texts = mcv_form_boxes(s->command, f);
+        for (size_t i = 0; i < texts->count; ++i, ++s->found_count)
+            MCV_TRY(mcv_locate(&s->readings, s->noise, s->whole, f, texts->items[i], i + 1, s->found + s->found_count, error));
+    }
     return MCV_OK;
 }
 
-static void report_edges(const subject *s, mcv_report *report) {
-    const size_t count = s->command->edge.count;
-    if (count) mcv_report_list(report, "edges");
-    for (size_t i = 0; i < count; ++i) report_edge(s, report, s->edges + i);
-    if (count) mcv_report_close(report);
-    if (count > 1) mcv_report_list(report, "distances");
-    for (size_t i = 1; i < count; ++i) report_distance(s, report, s->edges, s->edges + i);
-    if (count > 1) mcv_report_close(report);
+static void report_boxes(const subject *s, mcv_report *report) {
+    static const char *const lists[] = {
+#define MCV_X(form, FORM, figures, what) #form "s",
+        MCV_FORMS(MCV_X)
+#undef MCV_X
+    };
+    for (size_t i = 0; i < s->found_count; ++i) {
+        const mcv_found *f = s->found + i;
+        if (i == 0 || f->form != f[-1].form) mcv_report_list(report, lists[f->form]);
+        report_found(s, report, f);
+        if (i + 1 == s->found_count || f->form != f[1].form) mcv_report_close(report);
+    }
+    report_distances(s, report);
 }
 
 /* --- the verb --------------------------------------------------------------------------------------------------- */
@@ -318,7 +403,7 @@ static mcv_result report_all(subject *s, mcv_error *error) {
     mcv_report_text(&report, "render_error",
                     s->readings.render.pixels ? "taken out" : "not told by the image: what there is of it counts as noise");
     report_regions(s, &report);
-    report_edges(s, &report);
+    report_boxes(s, &report);
     return mcv_report_end(&report, error);
 }
 
@@ -327,25 +412,25 @@ static mcv_result measure(subject *s, mcv_error *error) {
     if (s->command->minus) MCV_TRY(subtract(s, error));
     if (s->command->scene) MCV_TRY(scale_by_scene(s, error));
     MCV_TRY(parse_regions(s, error));
-    MCV_TRY(find_edges(s, error));
+    MCV_TRY(find_all(s, error));
     return report_all(s, error);
 }
 
 mcv_result mcv_verb_measure(const mcv_command *command, mcv_error *error) {
     mcv_roi *regions = calloc(command->region.count + 1, sizeof *regions);
-    mcv_edge *edges = calloc(command->edge.count + 1, sizeof *edges);
+    mcv_found *found = calloc(count_boxes(command) + 1, sizeof *found);
     subject s;
-    if (!regions || !edges) {
+    if (!regions || !found) {
         free(regions);
-        free(edges);
-        return mcv_fail(error, MCV_FAILED, "no memory for the regions and edges");
+        free(found);
+        return mcv_fail(error, MCV_FAILED, "no memory for the regions and boxes");
     }
     mcv_result result = read_subject(command, command->argument, &s, error);
     s.regions = regions;
-    s.edges = edges;
+    s.found = found;
     if (result == MCV_OK) result = measure(&s, error);
     free_subject(&s);
     free(regions);
-    free(edges);
+    free(found);
     return result;
 }
