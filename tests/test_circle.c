@@ -243,7 +243,7 @@ static void check_bars(const char *what, bool known) {
     for (uint32_t n = 0; n < CASES; ++n) {
         mcv_noise draw = mcv_noise_begin(n, 3, 0);
         const look l = random_look(&draw);
-        const double row = 32, tilts[2] = {draw_uniform(&draw, -0.08, 0.08), tilts[0] + draw_uniform(&draw, -0.01, 0.01)};
+        const double row = 32, tilt = draw_uniform(&draw, -0.08, 0.08), tilts[2] = {tilt, tilt + draw_uniform(&draw, -0.01, 0.01)};
         const double places[2] = {20 + draw_uniform(&draw, -1, 1), 45 + draw_uniform(&draw, -1, 1)};
         const disc d = {77 + draw_uniform(&draw, -1, 1), 32 + draw_uniform(&draw, -1, 1), draw_uniform(&draw, 12, 14)};
         mcv_readings r = new_picture(98, 64, l.outside);

@@ -72,7 +72,7 @@ static size_t find_points(const mcv_pixel_box *box, const float *slopes, slope_p
             const double before = slope_size(slopes, i - step), behind = slope_size(slopes, i + step);
             if (!(size > before && size >= behind)) continue;
             const double off = 0.5 * (before - behind) / (before - 2 * size + behind);
-            points[count++] = (slope_point){{x + 0.5 + (lying ? off : 0), y + 0.5 + (lying ? 0 : off)}, {nx, ny}, size};
+            points[count++] = (slope_point){{(double)x + 0.5 + (lying ? off : 0), (double)y + 0.5 + (lying ? 0 : off)}, {nx, ny}, size};
         }
     qsort(points, count, sizeof *points, compare_points);
     const size_t some = (w < h ? w : h) / 2;
@@ -438,20 +438,16 @@ static void set_noise(finder *f, size_t i, double d, void *user) {
 
 static mcv_result estimate_noise(finder *f, mcv_readings *readings, double least, double *freedom, mcv_error *error) {
     const mcv_image *image = &readings->values;
+    const size_t plane = (size_t)image->width * image->height;
+    uint8_t *inside = calloc(2 * plane, 1); /* of both sides */
     mixture m = {.readings = readings};
     sides s = {0};
-    uint64_t count[2] = {0};
-    bool well = true;
-    for (int i = 0; i < 2; ++i) {
-        s.region[i] = (mcv_roi){.width = image->width, .height = image->height, .inside = calloc((size_t)image->width * image->height, 1)};
-        well = well && s.region[i].inside;
-    }
-    if (well) visit_ring(f, add_side, &s);
-    for (int i = 0; i < 2; ++i) {
-        m.variance[i] = well && s.region[i].count ? pow(mcv_roi_estimate_noise(readings, s.region + i, least), 2) : NAN;
-        count[i] = s.region[i].estimated;
-        mcv_roi_free(s.region + i);
-    }
+    if (!inside) return fail_circle(f->circle, error, "no memory for its sides");
+    for (int i = 0; i < 2; ++i) s.region[i] = (mcv_roi){.width = image->width, .height = image->height, .inside = inside + i * plane};
+    visit_ring(f, add_side, &s);
+    for (int i = 0; i < 2; ++i) m.variance[i] = s.region[i].count ? pow(mcv_roi_estimate_noise(readings, s.region + i, least), 2) : NAN;
+    free(inside);
+    const uint64_t count[2] = {s.region[0].estimated, s.region[1].estimated};
     if (!(m.variance[0] >= 0 && m.variance[1] >= 0) || count[0] < 4 || count[1] < 4)
         return fail_circle(f->circle, error, "too little room beside it to see the image's noise: give a larger box, or --noise");
     visit_ring(f, set_noise, &m);
@@ -621,8 +617,11 @@ static mcv_result locate(finder *f, mcv_readings *readings, double least, mcv_er
     double bright = 0, freedom = INFINITY, *sizes = malloc(4 * ((size_t)box->width + box->height) * sizeof *sizes);
     ring_sums ring = {0};
     f->scans = malloc(4 * ((size_t)box->width + box->height) * sizeof *f->scans);
-    mcv_result result = sizes && f->scans ? MCV_OK : fail_circle(f->circle, error, "no memory for it");
-    if (result == MCV_OK) result = find_guess(&readings->values, f->circle, &f->at, &bright, error);
+    mcv_result result = MCV_FAILED;
+    if (!sizes || !f->scans)
+        (void)fail_circle(f->circle, error, "no memory for it");
+    else
+        result = find_guess(&readings->values, f->circle, &f->at, &bright, error);
     if (result == MCV_OK) {
         const double sectors = 0.5 * f->at.radius; /* each of them of 9 to 18 pixels */
         f->sectors = sectors < 8 ? 8 : sectors > MAX_SECTORS ? MAX_SECTORS : (int)sectors;

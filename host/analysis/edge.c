@@ -67,7 +67,7 @@ typedef struct line {
 
 static double line_column(const line *l, double row) { return l->at + l->slope * (row - l->middle); }
 
-double mcv_overlap(size_t column, double from, double to) { return fmax(0, fmin(to, (double)column + 1) - fmax(from, (double)column)); }
+double mcv_overlap(size_t pixel, double from, double to) { return fmax(0, fmin(to, (double)pixel + 1) - fmax(from, (double)pixel)); }
 
 /* Plateaus from the pixels beyond the window. False where either has fewer than the rows. */
 static bool find_plateaus(const patch *p, line *l) {
@@ -451,7 +451,7 @@ static double side_noise(mcv_readings *readings, const mcv_edge *edge, bool righ
     }
     const double noise = side.count ? mcv_roi_estimate_noise(readings, &side, least) : NAN;
     *differences = side.estimated;
-    mcv_roi_free(&side);
+    free(side.inside);
     return noise;
 }
 

@@ -84,8 +84,9 @@ static void fit(const mcv_edge_rows *edges, size_t count, double freedom, mcv_li
 
 mcv_result mcv_line_locate(mcv_readings *readings, double least, mcv_line *line, mcv_error *error) {
     mcv_edge_rows *rows = malloc(line->box_count * sizeof *rows);
-    mcv_result result = rows ? MCV_OK : mcv_fail(error, MCV_FAILED, "line %s: no memory for its edges", line->edge.name);
+    mcv_result result = MCV_OK;
     double freedom = INFINITY;
+    if (!rows) return mcv_fail(error, MCV_FAILED, "line %s: no memory for its edges", line->edge.name);
     for (size_t i = 0; result == MCV_OK && i < line->box_count; ++i) {
         mcv_edge edge = {.box = line->boxes[i]};
         snprintf(edge.name, sizeof edge.name, "%.40s, box %zu", line->edge.name, i + 1);
@@ -128,7 +129,7 @@ static void find_profile(const mcv_image *image, const mcv_pixel_box *box, doubl
         profile[i] = 0;
         for (uint32_t k = 0; k < depth; ++k) {
             const uint32_t x = box->x + (lying ? i : k), y = box->y + (lying ? k : i);
-            profile[i] += image->pixels[(size_t)y * image->width + x] / depth;
+            profile[i] += (double)image->pixels[(size_t)y * image->width + x] / depth;
         }
     }
 }

@@ -49,21 +49,21 @@ static const char *const circle_figures[] = {
 
 #define COUNT_OF(list) (sizeof(list) / sizeof((list)[0]))
 
-typedef struct form {
+typedef struct form_entry {
     const char *option, *what;
     const char *const *figures;
     size_t figure_count;
     size_t offset; /* of its list in mcv_command */
-} form;
+} form_entry;
 
-static const form forms[MCV_FORM_COUNT] = {
+static const form_entry forms[MCV_FORM_COUNT] = {
 #define MCV_X(form, FORM, kind, what) {#form, what, kind##_figures, COUNT_OF(kind##_figures), offsetof(mcv_command, form)},
     MCV_FORMS(MCV_X)
 #undef MCV_X
 };
 
-const mcv_list *mcv_form_boxes(const mcv_command *command, unsigned index) {
-    return (const mcv_list *)((const char *)command + forms[index].offset);
+const mcv_list *mcv_form_boxes(const mcv_command *command, unsigned form) {
+    return (const mcv_list *)((const char *)command + forms[form].offset);
 }
 
 static bool is_in(const char *word, const char *const *list, size_t count) {
@@ -234,12 +234,12 @@ static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quant
     return mcv_fail(error, MCV_FAILED, "metric %s: %s", chosen->figure, words);
 }
 
-mcv_result mcv_locate(mcv_readings *readings, bool known, bool whole, unsigned index, const char *text, size_t number, mcv_found *found,
+mcv_result mcv_locate(mcv_readings *readings, bool known, bool whole, unsigned form, const char *text, size_t number, mcv_found *found,
                       mcv_error *error) {
     const double least = known ? NAN : least_noise(whole);
     const mcv_image *image = &readings->values;
-    *found = (mcv_found){.form = index};
-    switch (index) {
+    *found = (mcv_found){.form = form};
+    switch (form) {
     case MCV_FORM_EDGE:
         MCV_TRY(mcv_edge_parse(text, number, image, &found->as.edge, error));
         MCV_TRY(mcv_edge_locate(readings, least, &found->as.edge, error));
@@ -251,7 +251,7 @@ mcv_result mcv_locate(mcv_readings *readings, bool known, bool whole, unsigned i
         MCV_TRY(mcv_caliper_parse(text, number, image, &found->as.caliper, error));
         return mcv_caliper_locate(readings, least, &found->as.caliper, error);
     default:
-        MCV_TRY(mcv_circle_parse(text, number, image, index == MCV_FORM_CIRCLE, &found->as.circle, error));
+        MCV_TRY(mcv_circle_parse(text, number, image, form == MCV_FORM_CIRCLE, &found->as.circle, error));
         return mcv_circle_locate(readings, least, &found->as.circle, error);
     }
 }
