@@ -525,6 +525,17 @@ static void test_check(void **state) {
     assert_non_null(strstr(out, "% of the pupil of sensor \"cam\""));
     run_well("check s.gltf --set nodes/1/rotation=[0,0,0,1]");
     assert_non_null(strstr(out, "emitter \"panel\" lights nothing"));
+    run_well("check s.gltf --json --set nodes/1/rotation=[0,0,0,1]");
+    json_t *root = json_loads(out, 0, NULL);
+    const json_t *findings = json_object_get(root, "findings"), *first = json_array_get(findings, 0);
+    assert_string_equal(json_string_value(json_object_get(first, "severity")), "error");
+    assert_string_equal(json_string_value(json_object_get(first, "path")), "emitters/panel");
+    assert_non_null(strstr(json_string_value(json_object_get(first, "text")), "emitter \"panel\" lights nothing"));
+    assert_int_equal(json_array_size(json_object_get(root, "warnings")), json_array_size(findings));
+    json_decref(root);
+    run_well("render s.gltf --spp 4 --set nodes/1/rotation=[0,0,0,1]");
+    assert_ptr_equal(strstr(err, "mcvisi: error: emitter \"panel\" lights nothing"), err);
+    assert_non_null(strstr(err, "mcvisi: warning: sensor \"cam\" looks at the back of emitter \"panel\""));
     run_well("check s.gltf --defines");
     assert_non_null(strstr(out, "-DMCV_SENSOR=telecentric"));
     assert_non_null(strstr(out, "-DMCV_WITH_AREA=1"));
