@@ -533,6 +533,9 @@ static void test_check(void **state) {
     assert_non_null(strstr(json_string_value(json_object_get(first, "text")), "emitter \"panel\" lights nothing"));
     assert_int_equal(json_array_size(json_object_get(root, "warnings")), json_array_size(findings));
     json_decref(root);
+    run_well("check s.gltf --html s.html");
+    assert_int_equal(access("s.html", R_OK), 0);
+    EXPECT_FAILURE("check s.gltf --html missing/s.html", 3, "missing/s.html");
     run_well("render s.gltf --spp 4 --set nodes/1/rotation=[0,0,0,1]");
     assert_ptr_equal(strstr(err, "mcvisi: error: emitter \"panel\" lights nothing"), err);
     assert_non_null(strstr(err, "mcvisi: warning: sensor \"cam\" looks at the back of emitter \"panel\""));

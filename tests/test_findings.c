@@ -4,6 +4,8 @@
 #include "scene_files.h"
 
 #include "analysis/findings.h"
+#include "output/file.h"
+#include "output/setup_page.h"
 
 #include <glob.h>
 
@@ -328,6 +330,67 @@ static void test_chords_at_outlines(void **state) {
         }
 }
 
+/* How often a page holds a text. */
+static int count_of(const char *page, const char *text) {
+    int count = 0;
+    for (const char *at = page; (at = strstr(at, text)) != NULL; at += strlen(text)) ++count;
+    return count;
+}
+
+/* The start of the path of this class, which stands at `from`; its x in CSS pixels of the first, and of its last point. */
+static void ends_of(const char *page, const char *class, double x[2]) {
+    char words[64];
+    snprintf(words, sizeof words, "class=\"%s\" d=\"M", class);
+    const char *at = strstr(page, words), *end = at ? strchr(at + strlen(words), '"') : NULL;
+    if (!end) fail_msg("the page has no %s", class);
+    x[0] = strtod(at + strlen(words), NULL);
+    const char *last = at;
+    for (const char *c = at + strlen(words); c < end; ++c)
+        if (*c == 'L' || *c == 'H') last = c;
+    x[1] = strtod(last + 1, NULL);
+}
+
+/*
+ * The page is drawn to scale: the panel's dimension is to the working distance as their depths are, 0.3 m to 0.25 m; no name of others
+ * runs in it, and nothing is fetched.
+ */
+static void test_page(void **state) {
+    mcv_scene *scene = with_telecentric(looking_down_z(0, 0, 0));
+    mcv_findings findings;
+    uint8_t *page;
+    size_t size;
+    double working[2], light[2];
+    (void)state;
+    add_cube(scene, 0, 0, -0.25);
+    add_emitter(scene, MCV_EMITTER_PARALLEL, add_rectangle(scene, 0.02, 0.02, add_absorber(scene), looking_up_z(0, 0, -0.3)), 1, 0.02);
+    free(scene->instances[1].name);
+    scene->instances[1].name = strdup("</title><img src=x onerror=alert(1)>");
+    BUILD(mcv_findings_of(scene, &findings, &builder_error));
+    BUILD(mcv_findings_add(&findings, MCV_SEVERITY_NOTE, "nodes", "<b>", "\"", &builder_error, "1 < 2 & \"so\""));
+    char *path = text_of("%s/tests/test_findings.html", MCV_BINARY_DIR);
+    BUILD(mcv_setup_page_write(path, scene, &findings, &builder_error));
+    BUILD(mcv_file_load(path, &page, &size, &builder_error));
+    char *text = malloc(size + 1);
+    assert_non_null(text);
+    memcpy(text, page, size);
+    text[size] = '\0';
+    assert_int_equal(count_of(text, "<svg"), 2);
+    assert_int_equal(count_of(text, "<img") + count_of(text, "<b>\"") + count_of(text, "<script") + count_of(text, "http:"), 0);
+    assert_true(count_of(text, "1 &lt; 2 &amp; &quot;so&quot;") == 1 && count_of(text, "nodes/&lt;b&gt;/&quot;") == 1);
+    assert_true(count_of(text, "working distance 250 mm") == 2 && count_of(text, "field 10 mm high") == 1 &&
+                count_of(text, "field 10 mm wide") == 1);
+    assert_true(count_of(text, "depth of field 249 mm to 251 mm") == 2 && count_of(text, "emitter at 300 mm") == 2);
+    ends_of(text, "dimension of-focus", working);
+    ends_of(text, "dimension of-light", light);
+    /* Numbers have a tenth of a pixel, and a working distance has some 800. */
+    check("300 mm over 250 mm", (light[1] - light[0]) / (working[1] - working[0]), 1.2, 2 * 0.1 / 700);
+    mcv_findings_free(&findings);
+    mcv_scene_free(scene);
+    free(text);
+    free(page);
+    free(path);
+}
+
 /* Nothing but what is so: these are measured by nobody, but the CAD model has chords. */
 static void test_shipped_scenes(void **state) {
     static const char *const justified[][2] = {{"2CylinderEngine.glb", "chords in place of curves"},
@@ -366,6 +429,7 @@ int main(void) {
         cmocka_unit_test(test_curved_glass_of_flat_facets),
         cmocka_unit_test(test_thin_pane_on_a_closed_mesh),
         cmocka_unit_test(test_chords_at_outlines),
+        cmocka_unit_test(test_page),
         cmocka_unit_test(test_shipped_scenes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

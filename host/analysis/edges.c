@@ -97,22 +97,22 @@ mcv_result mcv_open_edges(const mcv_scene *scene, uint32_t first, uint32_t last,
     return edges ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: no memory for the edges of its meshes", scene->path);
 }
 
-mcv_result mcv_shared_edges(const mcv_mesh *mesh, mcv_shared_edge **shared, size_t *shared_count, mcv_error *error) {
-    size_t count = 0, found = 0;
-    edge *edges = sorted_edges(&mesh, 1, &count);
-    *shared = edges ? malloc(count / 2 * sizeof **shared + 1) : NULL;
-    for (size_t i = 0, next; *shared && i < count; i = next) {
-        for (next = i; next < count && compare_edges(edges + i, edges + next) == 0;) ++next;
-        if (next - i != 2 || edges[i].run + edges[i + 1].run != 0) continue;
-        mcv_shared_edge *to = *shared + found++;
+mcv_result mcv_shared_edges(const mcv_mesh *mesh, mcv_shared_edge **edges, size_t *count, mcv_error *error) {
+    size_t all_count = 0, found = 0;
+    edge *all = sorted_edges(&mesh, 1, &all_count);
+    *edges = all ? malloc(all_count / 2 * sizeof **edges + 1) : NULL;
+    for (size_t i = 0, next; *edges && i < all_count; i = next) {
+        for (next = i; next < all_count && compare_edges(all + i, all + next) == 0;) ++next;
+        if (next - i != 2 || all[i].run + all[i + 1].run != 0) continue;
+        mcv_shared_edge *to = *edges + found++;
         for (int side = 0; side < 2; ++side) {
-            const uint32_t at = edges[i + (size_t)side].corner, following = at % 3 == 2 ? at - 2 : at + 1;
+            const uint32_t at = all[i + (size_t)side].corner, following = at % 3 == 2 ? at - 2 : at + 1;
             to->triangles[side] = at / 3;
             to->ends[side][side] = mesh->indices[at];
             to->ends[side][1 - side] = mesh->indices[following];
         }
     }
-    free(edges);
-    *shared_count = found;
-    return *shared ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the edges of mesh \"%s\"", mesh->name);
+    free(all);
+    *count = found;
+    return *edges ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the edges of mesh \"%s\"", mesh->name);
 }

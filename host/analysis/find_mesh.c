@@ -145,6 +145,7 @@ static void facets_free(facets *f) {
     free(f->normals);
     free(f->parents);
     free(f->bends);
+    *f = (facets){0};
 }
 
 /* The bends of an instance's curved surfaces. */

@@ -4,6 +4,8 @@
 #include "cli/options.h"
 #include "cli/report.h"
 #include "cli/sensor.h"
+#include "output/file.h"
+#include "output/setup_page.h"
 #include "reference/filling.h"
 #include "render/pack.h"
 #include "render/render.h"
@@ -302,7 +304,8 @@ static void print_defines(uint32_t features, uint32_t channels, uint32_t sensor_
 static mcv_result report_scene(const mcv_scene *scene, const mcv_packed *packed, const mcv_command *command, mcv_error *error) {
     mcv_findings findings;
     MCV_TRY(mcv_findings_of(scene, &findings, error));
-    const mcv_result result = print_report(scene, packed, command, &findings, error);
+    mcv_result result = print_report(scene, packed, command, &findings, error);
+    if (result == MCV_OK && command->html) result = mcv_setup_page_write(command->html, scene, &findings, error);
     mcv_findings_free(&findings);
     return result;
 }
@@ -314,6 +317,7 @@ static mcv_result check_scene(const mcv_command *command, const mcv_scene *scene
         return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor: give a node a glTF camera or an MCVISI_sensors sensor",
                         scene->path);
     if (command->sensor) MCV_TRY(mcv_sensor_find(scene, command->sensor, &sensor, error));
+    if (command->html) MCV_TRY(mcv_output_check(command->html, error));
     MCV_TRY(mcv_pack(scene, NULL, &packed, error));
     for (uint32_t i = 0; i < scene->sensor_count; ++i)
         if (i == sensor || (!command->sensor && !command->defines)) packed.features = mcv_sensor_features(&packed, &scene->sensors[i]);
