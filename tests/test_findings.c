@@ -212,6 +212,23 @@ static void test_angles_without_unit(void **state) {
         }
 }
 
+static void test_poses_without_unit(void **state) {
+    static const char document[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"extensionsUsed\":[\"MCVISI_pose\"],"
+        "\"nodes\":[{\"name\":\"n\",\"extensions\":{\"MCVISI_pose\":{\"target\":[0,0,0],\"distance\":1,\"azimuth\":%s}}}]}";
+    static const char *const angles[] = {"45", "-3.14", "\"45deg\"", "\"400deg\""};
+    (void)state;
+    for (int i = 0; i < 4; ++i) {
+        char text[512];
+        mcv_scene *scene;
+        mcv_error error;
+        snprintf(text, sizeof text, document, angles[i]);
+        if (load_text("findings-pose.gltf", text, NULL, &scene, &error) != MCV_OK) fail_msg("%s", error.text);
+        expect(scene, angles[i], "has no unit", i == 0 ? MCV_SEVERITY_WARNING : -1, "",
+               "node \"n\": azimuth 45 has no unit, so it is in radians, 7.16 turns: write \"45deg\"");
+    }
+}
+
 static void test_pixels_of_millimetres(void **state) {
     (void)state;
     mcv_scene *scene = with_thin_lens(10e-3);
@@ -425,6 +442,7 @@ int main(void) {
         cmocka_unit_test(test_out_of_focus),
         cmocka_unit_test(test_light_that_is_not_seen),
         cmocka_unit_test(test_angles_without_unit),
+        cmocka_unit_test(test_poses_without_unit),
         cmocka_unit_test(test_pixels_of_millimetres),
         cmocka_unit_test(test_curved_glass_of_flat_facets),
         cmocka_unit_test(test_thin_pane_on_a_closed_mesh),
