@@ -228,6 +228,27 @@ static void test_many_lamps_have_the_same_bits(void **state) {
     mcv_scene_free(scene);
 }
 
+/* However many rounds a time makes, each replicate of each pixel has the same samples, and no value of them is lost. */
+static void test_time_makes_whole_rounds(void **state) {
+    mcv_scene *scene = mcv_scene_new("environment");
+    mcv_render_options options = mcv_render_defaults();
+    mcv_film film;
+    (void)state;
+    add_environment(scene, 0.75);
+    add_pinhole(scene, 12, 1, looking_down_z(0, 0, 0));
+    options.depth = 4;
+    options.seconds = 1;
+    BUILD(render_again(scene, 0, &options, &film, &last_stats, &builder_error));
+    assert_true(film.samples > 0);
+    assert_true(last_stats.paths == 12 * 12 * 4 * film.samples);
+    const mean_value m = mean_of(&film, 0);
+    assert_true(fabs(m.mean - 0.75) <= 1e-15);
+    print_message("%llu samples in %.2f s\n", (unsigned long long)film.samples,
+                  last_stats.seconds_build + last_stats.seconds_compile + last_stats.seconds_render);
+    mcv_film_free(&film);
+    mcv_scene_free(scene);
+}
+
 static bool stop_at_once(void *user, double fraction, double seconds, double error) {
     (void)user, (void)fraction, (void)seconds, (void)error;
     return false;
@@ -325,6 +346,7 @@ static void test_sample_ranges_are_checked(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_environment_alone_is_exact),
+        cmocka_unit_test(test_time_makes_whole_rounds),
         cmocka_unit_test(test_glass_furnace),
         cmocka_unit_test(test_sensor_in_glass),
         cmocka_unit_test(test_diffuse_furnace),

@@ -489,10 +489,45 @@ static void test_validator_files(void **state) {
     if (disagreements[0]) fail_msg("accepted or refused unlike the validator:%s", disagreements);
 }
 
+/* Names that people give: each is answered with what would be right here. */
+static void test_other_names(void **state) {
+    static const char format[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"MCVISI_materials\"],\"materials\":[{\"name\":\"part\","
+        "\"extensions\":{\"MCVISI_materials\":{%s}}}]}";
+    static const char *const cases[][2] = {
+        {"\"type\":\"dielectric\",\"glass\":\"BK7\"", "did you mean \"N-BK7\"?"},
+        {"\"type\":\"dielectric\",\"glass\":\"sf11\"", "did you mean \"N-SF11\"?"},
+        {"\"type\":\"dielectric\",\"glass\":\"acrylic\"", "did you mean \"PMMA\"?"},
+        {"\"type\":\"conductor\",\"metal\":\"steel\"", "did you mean \"iron\"?"},
+        {"\"type\":\"conductor\",\"metal\":\"aluminum\"", "did you mean \"aluminium\"?"},
+        {"\"type\":\"steel\"",
+         "materials/part/type: \"steel\" is no type: a metal is a conductor, {\"type\": \"conductor\", \"metal\": \"iron\""},
+        {"\"type\":\"steel\"", "metals are aluminium, chromium, copper, gold, iron, nickel, silver, titanium"},
+        {"\"type\":\"gold\"", "a metal is a conductor"},
+        {"\"type\":\"N-BK7\"", "a body of glass is a dielectric"},
+        {"\"type\":\"wood\"", "{\"type\": \"diffuse\", \"reflectance\": 0.5}"},
+        {"\"type\":\"sheets\"", "did you mean \"sheet\"?"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char *text = text_of(format, cases[i][0]);
+        must_refuse("other-names.gltf", text, cases[i][1]);
+        free(text);
+    }
+    must_refuse("part.stl", "solid part", "`mcvisi new telecentric");
+    must_refuse("part.STEP", "ISO-10303-21;", "convert it with a chord tolerance of less than a tenth of a pixel");
+    must_refuse("part.obj", "v 0 0 0", "must be a .gltf or .glb file");
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_single_faults), cmocka_unit_test(test_bad_data),
-                                       cmocka_unit_test(test_bad_elements),  cmocka_unit_test(test_bad_emitting_meshes),
-                                       cmocka_unit_test(test_bad_files),     cmocka_unit_test(test_truncated_glb),
-                                       cmocka_unit_test(test_damaged),       cmocka_unit_test(test_validator_files)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_other_names),
+                                       cmocka_unit_test(test_single_faults),
+                                       cmocka_unit_test(test_bad_data),
+                                       cmocka_unit_test(test_bad_elements),
+                                       cmocka_unit_test(test_bad_emitting_meshes),
+                                       cmocka_unit_test(test_bad_files),
+                                       cmocka_unit_test(test_truncated_glb),
+                                       cmocka_unit_test(test_damaged),
+                                       cmocka_unit_test(test_validator_files)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,14 +2,16 @@
 /* What `mcvisi check` says about scenes that cannot work: emitters, open bodies, units, pupils that are not filled. */
 #include "reference_checks.h"
 
-#include "analysis/setup.h"
+#include "analysis/findings.h"
 #include "reference/filling.h"
 
-/* How many of the scene's warnings say this, after the check. */
-static int findings(mcv_scene *scene, const char *words) {
+/* How many of the scene's findings say this. */
+static int findings(const mcv_scene *scene, const char *words) {
     int count = 0;
-    BUILD(mcv_setup_warn(scene, &builder_error));
-    for (uint32_t i = 0; i < scene->warning_count; ++i) count += strstr(scene->warnings[i], words) != NULL;
+    mcv_findings found;
+    BUILD(mcv_findings_of(scene, &found, &builder_error));
+    for (size_t i = 0; i < found.count; ++i) count += strstr(found.items[i].sentence, words) != NULL;
+    mcv_findings_free(&found);
     return count;
 }
 
@@ -95,8 +97,8 @@ static void test_emitter_that_lights_nothing(void **state) {
     add_panel(scene, looking_down_z(0, 0, 0));
     expect(scene, "lights nothing", 0, "a panel beside the lens");
 
-    /* A panel of 0.1 m to the side, parallel light of 20 mrad: at 0.3 m it reaches 70.7 + 6 mm from its axis. The box's ball has 1.7 mm. */
-    static const double asides[] = {0.076, 0.080};
+    /* A panel of 0.1 m, parallel light of 20 mrad: at 0.3 m it reaches 50 + 6 mm to the side. Half the box has 1 mm. */
+    static const double asides[] = {0.0568, 0.0573};
     for (int i = 0; i < 2; ++i) {
         scene = with_camera(looking((const double[3]){0, 0, 0.1}, (const double[3]){0, 0, 1}, (const double[3]){0, 1, 0}));
         add_panel(scene, looking_down_z(0, 0, 0));
@@ -105,14 +107,14 @@ static void test_emitter_that_lights_nothing(void **state) {
     }
 
     /*
-     * A projector throws a picture with half a diagonal of 2 / 20 from a lens of 100 mm, in a square whose corners are 70.7 mm from the
-     * middle: focused at 0.5 m, the edge adds 0.05 / 0.5. At 0.3 m it reaches 70.7 + 60 mm; the box's ball has 1.7 mm.
+     * A projector throws a picture with half a diagonal of 2 / 20 from a lens of 100 mm: focused at 0.5 m, the edge adds 0.05 / 0.5. At
+     * 0.3 m it reaches 50 + 60 mm to the side. Half the box has 1 mm.
      */
     for (int i = 0; i < 2; ++i) {
         mcv_emitter projector = projector_of(0.02 / sqrt(2), 0.5);
         scene = before_picture(&projector, 8);
         scene->sensors[0].to_world = looking((const double[3]){0, 0, -1}, (const double[3]){0, 0, -1}, (const double[3]){0, 1, 0});
-        add_box(scene, half, add_diffuse(scene, 0.5), looking_up_z(i ? 0.135 : 0.130, 0, 0));
+        add_box(scene, half, add_diffuse(scene, 0.5), looking_up_z(i ? 0.1115 : 0.1109, 0, 0));
         expect(scene, "emitter \"picture\" lights nothing", i, "a projector whose beam passes a part");
     }
 
@@ -202,7 +204,7 @@ static void test_units(void **state) {
                  {0.4, "is its unit", 0}, /* a table of 80 fields */
                  {5e-3, "is its unit", 0},
                  {30e-6, "is its unit", 0}, /* 60 um are more than the 40 um that a pixel sees */
-                 {15e-6, "is 30 um wide, less than the 40 um that a pixel of sensor \"sensor\" sees", 1}};
+                 {15e-6, "is 30 µm wide, less than the 40 µm that a pixel of sensor \"sensor\" sees", 1}};
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         mcv_scene *scene = with_camera(looking_down_z(0, 0, 0));

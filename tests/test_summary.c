@@ -134,9 +134,22 @@ static void test_progress_tells_the_time_left(void **state) {
     free(text);
 
     text = progress(true, times, 3, NULL, &go_on); /* 1.05 comes too soon after 1 */
-    assert_string_equal(text, "\rcam:   2 %, 1 s, 39 s left"
+    assert_string_equal(text, "\rcam:   2 %, 1 s"
                               "\rcam:   5 %, error 1.2 %, 2 s, 38 s left"
                               "\r                                       \r");
+    free(text);
+
+    /* Kernels are compiled for 19 s, the first tenth of a render of one second is there a tenth of a second later. */
+    size_t size = 0;
+    mcv_progress_line line = {.stream = open_memstream(&text, &size), .terminal = true, .label = "cam", .reported = -1};
+    assert_non_null(line.stream);
+    mcv_progress_report(&line, (double)NAN, 0.01, INFINITY);
+    mcv_progress_report(&line, 0.1, 19.1, INFINITY);
+    mcv_progress_report(&line, 0.3, 19.3, INFINITY);
+    fclose(line.stream);
+    assert_string_equal(text, "\rcam: compiling kernels"
+                              "\rcam:  10 %, 20 s      "
+                              "\rcam:  30 %, 20 s, 1 s left");
     free(text);
 
     volatile sig_atomic_t stop = 1;
@@ -146,12 +159,40 @@ static void test_progress_tells_the_time_left(void **state) {
     free(text);
 }
 
+/*
+ * A render by a clock of its own: `setup` seconds, a first round of four samples, and rounds as mcv_next_round says, each of which takes 6
+ * % more or less than its samples' time: from one to the next 13 % at most, for which its margin of 15 % is. It ends before the limit and
+ * not before 0.8 of it, unless not one sample fits into the rest.
+ */
+static void test_rounds_fill_the_time(void **state) {
+    static const double limit = 10;
+    (void)state;
+    for (int i = 0; i < 2000; ++i) {
+        const double per_sample = 1e-5 * pow(10, 5.0 * i / 2000), setup = 3 * (i % 3);
+        double elapsed = setup + 4 * per_sample, measured = per_sample;
+        uint64_t done = 4, count;
+        if (elapsed > limit) continue;
+        for (int round = 0; (count = mcv_next_round(done, 1, measured, elapsed, limit)) > 0; ++round) {
+            if ((count & (count - 1)) != 0 || done % count != 0)
+                fail_msg("%llu samples after %llu", (unsigned long long)count, (unsigned long long)done);
+            measured = per_sample * (round % 2 ? 0.94 : 1.06);
+            elapsed += measured * (double)count;
+            done += count;
+        }
+        if (elapsed > limit) fail_msg("%g s per sample, %g s before: ends after %g s of %g", per_sample, setup, elapsed, limit);
+        if (elapsed < 0.8 * limit && elapsed + 1.15 * measured <= limit)
+            fail_msg("%g s per sample, %g s before: ends after %g s of %g", per_sample, setup, elapsed, limit);
+    }
+    for (uint64_t done = 1; done < 1u << 20; done *= 2) assert_true(mcv_next_round(done, 1, 1, 1e9, 0) == done);
+    assert_true(mcv_next_round(24, 8, 0.1, 0, 100) == 8); /* adaptive: its lowest level takes an eighth of the samples */
+    assert_true(mcv_next_round(24, 8, 0.1, 0, 0.7) == 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_json_holds_what_was_given),
-        cmocka_unit_test(test_json_survives_missing_and_foreign_text),
-        cmocka_unit_test(test_text_says_it_in_sentences),
-        cmocka_unit_test(test_progress_tells_the_time_left),
+        cmocka_unit_test(test_json_holds_what_was_given), cmocka_unit_test(test_json_survives_missing_and_foreign_text),
+        cmocka_unit_test(test_text_says_it_in_sentences), cmocka_unit_test(test_progress_tells_the_time_left),
+        cmocka_unit_test(test_rounds_fill_the_time),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

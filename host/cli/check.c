@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi check: what was understood of a scene, and what rendering it takes. */
-#include "analysis/setup.h"
+#include "analysis/findings.h"
 #include "cli/options.h"
 #include "cli/report.h"
 #include "cli/sensor.h"
+#include "output/file.h"
+#include "output/setup_page.h"
 #include "reference/filling.h"
 #include "render/pack.h"
 #include "render/render.h"
@@ -97,7 +99,7 @@ static void report_place(mcv_report *report, const mcv_transform *to_world) {
 static const double little = 0.5;
 
 /* What the emitters of a cone before a sensor light of its pupil, or of its directions. */
-static mcv_result report_fillings(mcv_report *report, mcv_scene *scene, uint32_t index, mcv_error *error) {
+static mcv_result report_fillings(mcv_report *report, const mcv_scene *scene, uint32_t index, mcv_findings *findings, mcv_error *error) {
     const mcv_sensor *sensor = scene->sensors + index;
     const bool directions = sensor->type == MCV_SENSOR_LIGHT_FIELD;
     ref_filling *fillings;
@@ -110,17 +112,17 @@ static mcv_result report_fillings(mcv_report *report, mcv_scene *scene, uint32_t
         mcv_report_number(report, directions ? "share_of_directions_lit" : "share_of_pupil_lit", "", fillings[i].share);
         mcv_report_close(report);
         if (fillings[i].share < little)
-            result = mcv_scene_warn(scene, error,
-                                    "emitter \"%s\" lights %.2g %% of the %s of sensor \"%s\", where that looks into it: its cone "
-                                    "is narrower than what the sensor takes in",
-                                    emitter->name, 100 * fillings[i].share, directions ? "J x K directions" : "pupil", sensor->name);
+            result = mcv_findings_add(findings, MCV_SEVERITY_WARNING, "emitters", emitter->name, NULL, error,
+                                      "emitter \"%s\" lights %.2g %% of the %s of sensor \"%s\", where that looks into it: its cone "
+                                      "is narrower than what the sensor takes in",
+                                      emitter->name, 100 * fillings[i].share, directions ? "J x K directions" : "pupil", sensor->name);
     }
     if (result == MCV_OK && count > 0) mcv_report_close(report);
     free(fillings);
     return result;
 }
 
-static mcv_result report_sensor(mcv_report *report, mcv_scene *scene, uint32_t index, mcv_error *error) {
+static mcv_result report_sensor(mcv_report *report, const mcv_scene *scene, uint32_t index, mcv_findings *findings, mcv_error *error) {
     const mcv_sensor *sensor = scene->sensors + index;
     const mcv_optics optics = mcv_sensor_optics(sensor);
     uint32_t width, height;
@@ -141,7 +143,7 @@ static mcv_result report_sensor(mcv_report *report, mcv_scene *scene, uint32_t i
     mcv_report_number(report, "numerical_aperture", "", optics.numerical_aperture);
     mcv_report_numbers(report, "macro_pixel_pitch", "m", " x ", optics.macro_pixel, 2);
     mcv_report_close(report);
-    MCV_TRY(report_fillings(report, scene, index, error));
+    MCV_TRY(report_fillings(report, scene, index, findings, error));
     mcv_report_close(report);
     return MCV_OK;
 }
@@ -244,17 +246,43 @@ static void report_work(mcv_report *report, const mcv_packed *packed) {
     mcv_report_number(report, "bytes_per_path", "", 4.0 * mcv_path_words(packed->features, packed->channels));
 }
 
-static mcv_result print_report(mcv_scene *scene, const mcv_packed *packed, const mcv_command *command, mcv_error *error) {
+static void report_findings(mcv_report *report, const mcv_findings *findings) {
+    if (report->json) {
+        mcv_report_list(report, "warnings"); /* the sentences alone, as before there were severities */
+        for (size_t i = 0; i < findings->count; ++i)
+            if (findings->items[i].severity >= MCV_SEVERITY_WARNING) mcv_report_text(report, "-", findings->items[i].sentence);
+        mcv_report_close(report);
+    } else if (findings->count == 0) {
+        return;
+    }
+    mcv_report_list(report, "findings");
+    for (size_t i = 0; i < findings->count; ++i) {
+        const mcv_finding *finding = findings->items + i;
+        const char *severity = mcv_severities[finding->severity];
+        if (!report->json) {
+            mcv_report_text(report, severity, finding->sentence);
+            continue;
+        }
+        mcv_report_open(report, "finding");
+        mcv_report_text(report, "severity", severity);
+        mcv_report_text(report, "path", finding->path);
+        mcv_report_text(report, "text", finding->sentence);
+        mcv_report_close(report);
+    }
+    mcv_report_close(report);
+}
+
+static mcv_result print_report(const mcv_scene *scene, const mcv_packed *packed, const mcv_command *command, mcv_findings *findings,
+                               mcv_error *error) {
     mcv_report report;
     uint32_t only = MCV_NONE;
     if (command->sensor) MCV_TRY(mcv_sensor_find(scene, command->sensor, &only, error));
-    MCV_TRY(mcv_setup_warn(scene, error));
     mcv_report_begin(&report, command->json);
     mcv_report_text(&report, "scene", scene->path);
     report_size(&report, scene);
     mcv_report_list(&report, "sensors");
     for (uint32_t i = 0; i < scene->sensor_count; ++i)
-        if (only == MCV_NONE || only == i) MCV_TRY(report_sensor(&report, scene, i, error));
+        if (only == MCV_NONE || only == i) MCV_TRY(report_sensor(&report, scene, i, findings, error));
     mcv_report_close(&report);
     mcv_report_list(&report, "emitters");
     for (uint32_t i = 0; i < scene->emitter_count; ++i) report_emitter(&report, scene, i);
@@ -263,8 +291,7 @@ static mcv_result print_report(mcv_scene *scene, const mcv_packed *packed, const
     for (uint32_t i = 0; i < scene->material_count; ++i) report_material(&report, scene, i);
     mcv_report_close(&report);
     report_work(&report, packed);
-    if (scene->warning_count > 0 || command->json) mcv_report_list(&report, "warnings");
-    for (uint32_t i = 0; i < scene->warning_count; ++i) mcv_report_text(&report, "-", scene->warnings[i]);
+    report_findings(&report, findings);
     return mcv_report_end(&report, error);
 }
 
@@ -274,13 +301,23 @@ static void print_defines(uint32_t features, uint32_t channels, uint32_t sensor_
     puts(options);
 }
 
-static mcv_result check_scene(const mcv_command *command, mcv_scene *scene, mcv_error *error) {
+static mcv_result report_scene(const mcv_scene *scene, const mcv_packed *packed, const mcv_command *command, mcv_error *error) {
+    mcv_findings findings;
+    MCV_TRY(mcv_findings_of(scene, &findings, error));
+    mcv_result result = print_report(scene, packed, command, &findings, error);
+    if (result == MCV_OK && command->html) result = mcv_setup_page_write(command->html, scene, &findings, error);
+    mcv_findings_free(&findings);
+    return result;
+}
+
+static mcv_result check_scene(const mcv_command *command, const mcv_scene *scene, mcv_error *error) {
     mcv_packed packed;
     uint32_t sensor = 0;
     if (scene->sensor_count == 0)
         return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor: give a node a glTF camera or an MCVISI_sensors sensor",
                         scene->path);
     if (command->sensor) MCV_TRY(mcv_sensor_find(scene, command->sensor, &sensor, error));
+    if (command->html) MCV_TRY(mcv_output_check(command->html, error));
     MCV_TRY(mcv_pack(scene, NULL, &packed, error));
     for (uint32_t i = 0; i < scene->sensor_count; ++i)
         if (i == sensor || (!command->sensor && !command->defines)) packed.features = mcv_sensor_features(&packed, &scene->sensors[i]);
@@ -288,7 +325,7 @@ static mcv_result check_scene(const mcv_command *command, mcv_scene *scene, mcv_
     if (command->defines)
         print_defines(packed.features, packed.channels, scene->sensors[sensor].type);
     else
-        result = print_report(scene, &packed, command, error);
+        result = report_scene(scene, &packed, command, error);
     mcv_packed_free(&packed);
     return result;
 }

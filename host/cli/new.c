@@ -97,7 +97,7 @@ static mcv_result read_part(const mcv_command *command, part *p, mcv_error *erro
                 .lower = {INFINITY, INFINITY, INFINITY},
                 .upper = {-INFINITY, -INFINITY, -INFINITY}};
     if (!p->stl && !mcv_ends_in(p->path, ".glb") && !mcv_ends_in(p->path, ".gltf"))
-        return mcv_fail(error, MCV_USAGE, "%s: must be a .gltf, .glb or .stl file: convert other formats", p->path);
+        return mcv_fail(error, MCV_USAGE, "%s: must be a .gltf, .glb or .stl file: %s", p->path, mcv_conversion(p->path));
     if (p->unit) {
         snprintf(one, sizeof one, "1%.16s", p->unit);
         if (!isalpha((unsigned char)p->unit[0]) || !mcv_parse_quantity(one, MCV_PARAM_length, &unit))

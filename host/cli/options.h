@@ -78,9 +78,8 @@ enum {
       "stop at this error: root of the mean squared standard error over the image's mean; without --spp, --error, --time and " \
       "--samples it is 0.01 or 60 s") \
     X(time, time, "time", 0, "T", MCV_IN_TAKE | MCV_IN_COMPARE, NULL, 0, 1e9, \
-      "stop before T seconds, or with a unit as in 5min, have passed, those of building the scene and the kernels included; the first " \
-      "sample of each pixel and " \
-      "replicate is always rendered") \
+      "stop before T seconds (or with a unit: 5min) have passed, and not before 0.8 T, those of building the scene and the kernels " \
+      "included; the first sample of each pixel and replicate is always rendered") \
     X(range, samples, "samples", 0, "A:B", MCV_IN_RENDER, NULL, 0, 1ull << 31, \
       "render just samples A to B - 1 of each replicate; B - A is a power of two and A a multiple of it") \
     X(count, replicates, "replicates", 0, "R", MCV_IN_TAKE, "4", 1, 64, \
@@ -224,6 +223,9 @@ enum {
       "pixels of a macro pixel, for images whose header does not tell") \
     X(list, set, "set", 0, "PATH=VALUE", MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE | MCV_IN_COMPARE, NULL, 0, 0, \
       "change the scene, as in --set sensors/cam/fNumber=8 or --set emitters/back/halfAngle=0.2deg; may be repeated") \
+    X(text, html, "html", 0, "F.html", MCV_IN_CHECK, NULL, 0, 0, \
+      "draw the set-up, too: a page with each sensor's view from the side and from above, with rays, field, focus, depth of field, lights and " \
+      "dimensions, and the findings") \
     X(flag, defines, "defines", 0, NULL, MCV_IN_CHECK, NULL, 0, 0, \
       "print the -D options that specialise the scene's OpenCL programs; without a scene, those with all features") \
     X(flag, json, "json", 0, NULL, \

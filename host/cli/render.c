@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi render: every sensor of a scene, or one, into OpenEXR and PNG. */
+#include "analysis/findings.h"
 #include "cli/camera.h"
 #include "cli/interrupt.h"
 #include "cli/options.h"
@@ -151,6 +152,17 @@ static mcv_result render_scene(const mcv_command *command, mcv_scene *scene, con
     return MCV_OK;
 }
 
+/* On standard error, errors and warnings: what is likely not meant is told before hours are spent on it. */
+static mcv_result print_findings(const mcv_scene *scene, mcv_error *error) {
+    mcv_findings findings;
+    MCV_TRY(mcv_findings_of(scene, &findings, error));
+    for (size_t i = 0; i < findings.count; ++i)
+        if (findings.items[i].severity >= MCV_SEVERITY_WARNING)
+            fprintf(stderr, "mcvisi: %s: %s\n", mcv_severities[findings.items[i].severity], findings.items[i].sentence);
+    mcv_findings_free(&findings);
+    return MCV_OK;
+}
+
 mcv_result mcv_verb_render(const mcv_command *command, mcv_error *error) {
     mcv_scene *scene;
     mcv_render_options options;
@@ -160,8 +172,8 @@ mcv_result mcv_verb_render(const mcv_command *command, mcv_error *error) {
     MCV_TRY(mcv_render_options_read(command, &options, error));
     MCV_TRY(mcv_scene_load(command->argument, (mcv_overrides){command->set.items, command->set.count}, &scene, error));
     const double seconds_load = mcv_seconds() - begun;
-    for (uint32_t i = 0; i < scene->warning_count; ++i) fprintf(stderr, "mcvisi: warning: %s\n", scene->warnings[i]);
-    const mcv_result result = render_scene(command, scene, &options, seconds_load, error);
+    mcv_result result = print_findings(scene, error);
+    if (result == MCV_OK) result = render_scene(command, scene, &options, seconds_load, error);
     mcv_scene_free(scene);
     return result;
 }

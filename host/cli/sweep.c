@@ -13,6 +13,7 @@
 #include "output/file.h"
 #include "output/plots.h"
 #include "reference/reference.h"
+#include "scene/json.h"
 #include "scene/sensors.h"
 
 #include <ctype.h>
@@ -816,9 +817,9 @@ static mcv_result sweep_file(const mcv_command *given, const char *path, mcv_err
     mcv_command command;
     json_t *document = json_load_file(path, JSON_REJECT_DUPLICATES, &wrong);
     if (!document)
-        return wrong.line > 0
-                   ? mcv_fail(error, MCV_BAD_INPUT, "%s: line %d column %d is no JSON: %s", path, wrong.line, wrong.column, wrong.text)
-                   : mcv_fail(error, MCV_BAD_INPUT, "%s: %s", path, strerror(errno));
+        return wrong.line > 0 ? mcv_fail(error, MCV_BAD_INPUT, "%s: line %d column %d is no JSON: %s", path, wrong.line, wrong.column,
+                                         mcv_json_wrong(&wrong))
+                              : mcv_fail(error, MCV_BAD_INPUT, "%s: %s", path, strerror(errno));
     const char *name = json_string_value(json_object_get(document, "rig"));
     snprintf(copy, sizeof copy, "%s", path);
     mcv_result result = MCV_OK;

@@ -3,6 +3,7 @@
 
 #include "output/colormap.h"
 #include "output/file.h"
+#include "output/html.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -12,25 +13,6 @@
 /* Of a plot [CSS pixels]. */
 enum { WIDTH = 560, HEIGHT = 340, LEFT = 84, RIGHT = 16, TOP = 14, BOTTOM = 52, MOST_TICKS = 12 };
 enum { LEGEND = 8 }; /* values of the second parameter that are told one by one */
-
-static void put_text(FILE *out, const char *text) {
-    for (; *text; ++text) switch (*text) {
-        case '&':
-            fputs("&amp;", out);
-            break;
-        case '<':
-            fputs("&lt;", out);
-            break;
-        case '>':
-            fputs("&gt;", out);
-            break;
-        case '"':
-            fputs("&quot;", out);
-            break;
-        default:
-            fputc(*text, out);
-        }
-}
 
 /* --- axes ------------------------------------------------------------------------------------------------------- */
 
@@ -92,10 +74,10 @@ static void put_axes(FILE *out, const axis *x, const axis *y, const char *x_name
         fprintf(out, "<path class=\"grid\" d=\"M%d %.1fH%d\"/><text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%.4g</text>\n", LEFT,
                 place(y, ticks[i]), WIDTH - RIGHT, LEFT - 6, place(y, ticks[i]) + 4, ticks[i]);
     fprintf(out, "<text class=\"name\" x=\"%d\" y=\"%d\" text-anchor=\"middle\">", (LEFT + WIDTH - RIGHT) / 2, HEIGHT - 14);
-    put_text(out, x_name);
+    mcv_html_text(out, x_name);
     fprintf(out, "</text><text class=\"name\" transform=\"translate(14 %d) rotate(-90)\" text-anchor=\"middle\">",
             (TOP + HEIGHT - BOTTOM) / 2);
-    put_text(out, y_name);
+    mcv_html_text(out, y_name);
     fputs("</text>\n", out);
 }
 
@@ -164,7 +146,7 @@ static void put_legend(FILE *out, const plot *p, const double range[2]) {
         values[1] = range[1];
     }
     fputs("<p class=\"legend\">", out);
-    put_text(out, p->page->parameters[p->second].name);
+    mcv_html_text(out, p->page->parameters[p->second].name);
     for (size_t i = 0; i < (count > LEGEND ? 2 : count); ++i)
         fprintf(out, "%s <span style=\"color:#%06x\">&#9679;</span> %.4g", i && count > LEGEND ? " to" : "",
                 (unsigned)colour(p, range, values[i]), values[i]);
@@ -219,11 +201,11 @@ static void put_table(FILE *out, const mcv_plots *page) {
     fputs("<table><thead><tr>", out);
     for (size_t i = 0; i < page->parameter_count; ++i) {
         fputs("<th>", out);
-        put_text(out, page->parameters[i].name);
+        mcv_html_text(out, page->parameters[i].name);
     }
     for (size_t i = 0; i < page->metric_count; ++i) {
         fputs("<th>", out);
-        put_text(out, page->metrics[i]);
+        mcv_html_text(out, page->metrics[i]);
     }
     fputs("</thead><tbody>\n", out);
     for (size_t row = 0; row < page->row_count; ++row) {
@@ -239,7 +221,7 @@ static void put_table(FILE *out, const mcv_plots *page) {
         }
         if (page->messages[row]) {
             fputs("<td class=\"failed\">", out);
-            put_text(out, page->messages[row]);
+            mcv_html_text(out, page->messages[row]);
         }
         fputs("</tr>\n", out);
     }
@@ -248,7 +230,7 @@ static void put_table(FILE *out, const mcv_plots *page) {
 
 static void put_page(FILE *out, const mcv_plots *page, size_t *order) {
     fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>", out);
-    put_text(out, page->title);
+    mcv_html_text(out, page->title);
     fputs("</title>\n<style>\nbody{font:15px/1.45 system-ui,sans-serif;color:#222;margin:2em auto;max-width:1180px;padding:0 1em}\n"
           "h1{font-size:1.4em}h2{font-size:1.1em;margin:1.6em 0 .4em}figure{display:inline-block;margin:0 1em 1em 0}\n"
           "svg text{font:11px system-ui,sans-serif;fill:#333}svg .name{font-size:12px}svg path{fill:none;stroke-width:1.2}\n"
@@ -257,13 +239,13 @@ static void put_page(FILE *out, const mcv_plots *page, size_t *order) {
           "th,td{padding:2px 10px;text-align:right;border-bottom:1px solid #e4e4e4}.failed{color:#a22;text-align:left}\n"
           "</style></head><body>\n<h1>",
           out);
-    put_text(out, page->title);
+    mcv_html_text(out, page->title);
     fputs("</h1>\n<p>", out);
-    put_text(out, page->text);
+    mcv_html_text(out, page->text);
     fputs(" Bars are one standard uncertainty to each side.</p>\n", out);
     for (size_t metric = 0; metric < page->metric_count; ++metric) {
         fputs("<h2>", out);
-        put_text(out, page->metrics[metric]);
+        mcv_html_text(out, page->metrics[metric]);
         fputs("</h2>\n", out);
         for (size_t x = 0; x < page->parameter_count; ++x) put_plot(out, &(plot){page, x, find_second(page, x), metric}, order);
     }

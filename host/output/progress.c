@@ -34,20 +34,29 @@ static void format_duration(char *text, size_t size, double seconds) {
 bool mcv_progress_report(void *user, double fraction, double seconds, double error) {
     mcv_progress_line *line = user;
     const bool go_on = !line->stop || *line->stop == 0;
+    if (!line->begun && !isnan(fraction)) {
+        line->begun = true;
+        line->first[0] = fraction;
+        line->first[1] = seconds;
+    }
     const double since = seconds - (line->reported < 0 ? 0 : line->reported);
     /* Plain lines: none in the first 10 s, so that short renders are silent in logs. */
     if (since < (line->terminal ? (line->reported < 0 ? 0 : TERMINAL_INTERVAL) : PLAIN_INTERVAL)) return go_on;
     line->reported = seconds;
 
     char spent[32], left[40] = "", reached[40] = "", text[256];
+    int width;
     format_duration(spent, sizeof spent, seconds);
-    if (fraction > 0 && fraction <= 1) {
+    if (fraction > line->first[0] && fraction <= 1) {
         char duration[32];
-        format_duration(duration, sizeof duration, seconds * (1 / fraction - 1));
+        format_duration(duration, sizeof duration, (seconds - line->first[1]) * (1 - fraction) / (fraction - line->first[0]));
         snprintf(left, sizeof left, ", %s left", duration);
     }
     if (isfinite(error) && error > 0) snprintf(reached, sizeof reached, ", error %.2g %%", 100 * error);
-    int width = snprintf(text, sizeof text, "%s: %3.0f %%%s, %s%s", line->label, 100 * fraction, reached, spent, left);
+    if (isnan(fraction))
+        width = snprintf(text, sizeof text, "%s: compiling kernels", line->label);
+    else
+        width = snprintf(text, sizeof text, "%s: %3.0f %%%s, %s%s", line->label, 100 * fmin(fraction, 1), reached, spent, left);
     if (width >= (int)sizeof text) width = (int)sizeof text - 1;
     if (line->terminal) {
         fprintf(line->stream, "\r%-*s", line->width, text);

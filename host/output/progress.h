@@ -17,7 +17,9 @@ typedef struct mcv_progress_line {
     const char *label;                 /* what is rendered, such as the sensor's name */
     const volatile sig_atomic_t *stop; /* a signal handler's flag: not 0 stops the render; may be NULL */
     double reported;                   /* seconds of the last line; negative: none yet */
-    int width;                         /* of the line on the terminal, to be overwritten */
+    double first[2]; /* fraction and seconds when the first samples were there: what came before is no measure of the rest */
+    bool begun;      /* they are */
+    int width;       /* of the line on the terminal, to be overwritten */
 } mcv_progress_line;
 
 /* On stderr; a terminal where stderr is one that can go back to the start of its line. */

@@ -101,9 +101,6 @@ static void add_tally(ref_tally *a, const ref_tally *b) {
     a->cut += b->cut;
 }
 
-/* The next round doubles the samples (1, 1, 2, 4 …) until the range is full. */
-static uint64_t next_count(const mcv_film *film) { return film->samples > 0 ? film->samples : 1; }
-
 /* Too few samples do not know their own error. */
 enum { FEWEST_SAMPLES = 16 };
 
@@ -113,10 +110,10 @@ static void render_rounds(pass *r, mcv_film *film, pthread_t *threads, double st
     const uint64_t wanted = options->last - options->first; /* 0: no end */
     ref_tally total = {0};
     double error = INFINITY;
+    r->count = 1;
     while (wanted == 0 || film->samples < wanted) {
         const double begun = mcv_seconds();
         const double done = wanted ? (double)film->samples / (double)wanted : options->seconds > 0 ? (begun - start) / options->seconds : 0;
-        r->count = next_count(film);
         r->first = options->first + film->samples;
         for (uint32_t row = 0; row < film->height; ++row) r->rows[row] = (ref_tally){0};
         if (!render_round(r, threads, start, done, wanted ? (double)r->count / (double)wanted : 0, error)) break;
@@ -132,9 +129,8 @@ static void render_rounds(pass *r, mcv_film *film, pthread_t *threads, double st
             break;
         }
         if (options->error > 0 && film->samples >= FEWEST_SAMPLES && error <= options->error) break;
-        /* A round that would not end in time is not begun: it takes as long per sample as this one did. */
-        const double next = (end - begun) * (double)next_count(film) / (double)r->count;
-        if (options->seconds > 0 && end - start + next > options->seconds) break;
+        r->count = mcv_next_round(film->samples, 1, (end - begun) / (double)r->count, end - start, options->seconds);
+        if (r->count == 0) break;
     }
     stats->paths = total.paths;
     stats->rays = total.rays;

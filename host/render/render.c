@@ -56,7 +56,8 @@ struct mcv_renderer {
     uint32_t *listed; /* the pixels by class; NULL: all in their order, in one class */
     pixel_class classes[MAX_CLASSES];
     uint32_t class_count;
-    double begun; /* when */
+    double begun;   /* when */
+    double warming; /* seconds of the first launch that its stages did not take: drivers compile there what they left out before */
     mcv_error *error;
 };
 
@@ -154,6 +155,7 @@ static mcv_result open_scene(renderer *r, const mcv_scene *scene, uint32_t senso
     mcv_feature_names(packed->features, r->stats->features, sizeof r->stats->features);
 
     const double compile = mcv_seconds();
+    if (r->options->progress) r->options->progress(r->options->user, (double)NAN, compile - r->begun, INFINITY);
     MCV_TRY(open_schedule(r, scene->sensors[sensor].type));
     r->stats->seconds_compile = mcv_seconds() - compile;
     MCV_TRY(mcv_device_scene_finish(&r->cl, kept, &r->scene, r->error));
@@ -252,8 +254,15 @@ static void bring_in(const renderer *r, harvest *h) {
     }
 }
 
+static double stage_seconds(const mcv_render_stats *stats) {
+    double seconds = 0;
+    for (uint32_t i = 0; i < stats->stage_count; ++i) seconds += stats->stages[i].seconds;
+    return seconds;
+}
+
 /* One launch: 2^frame.log2_samples samples of `sets` sets. While it runs, what the one before left is brought in. */
 static mcv_result launch(renderer *r, uint32_t sets, uint32_t first_block, harvest *h) {
+    const double begun = mcv_seconds();
     r->frame.path_count = sets << r->frame.log2_samples;
     MCV_TRY(mcv_schedule_start(&r->schedule, &r->frame, r->stats, r->error));
     bring_in(r, h);
@@ -263,7 +272,9 @@ static mcv_result launch(renderer *r, uint32_t sets, uint32_t first_block, harve
     h->sets = sets;
     h->first_block = first_block;
     h->ripe = true;
-    if (r->stats->seconds_first_sample == 0) r->stats->seconds_first_sample = mcv_seconds() - r->begun;
+    if (r->stats->seconds_first_sample > 0) return MCV_OK;
+    r->warming = fmax(0, mcv_seconds() - begun - stage_seconds(r->stats));
+    r->stats->seconds_first_sample = mcv_seconds() - r->begun;
     return MCV_OK;
 }
 
@@ -497,17 +508,32 @@ static uint64_t first_round(const renderer *r) {
     return count;
 }
 
-/* Rounds of doubling length until the samples, the error or the time is reached. */
+/* Rounds take longer than expected where others use the machine, too. */
+static const double ROUND_MARGIN = 1.15;
+enum { LEAST_GAIN = 8 }; /* late in the time: a round of less than this part of the samples changes little */
+
+uint64_t mcv_next_round(uint64_t done, uint64_t least, double per_sample, double elapsed, double seconds) {
+    uint64_t count = done & (~done + 1); /* its lowest bit */
+    if (!(seconds > 0)) return count;
+    while (count >= least && elapsed + ROUND_MARGIN * per_sample * (double)count > seconds) count /= 2;
+    return count < least || (elapsed >= 0.8 * seconds && count < done / LEAST_GAIN) ? 0 : count;
+}
+
+/*
+ * Rounds of doubling length until the samples or the error is reached; shorter ones where a doubled one would not end in time. All begin at
+ * a multiple of their length, as points of the sampler are evenly spread in such ranges.
+ */
 static mcv_result render_rounds(renderer *r) {
     const mcv_render_options *o = r->options;
     double error = INFINITY;
     bool stop = false, looked = !o->adaptive;
-    uint64_t next = o->first;
+    uint64_t next = o->first, count = first_round(r);
     for (;;) {
         if (!looked) MCV_TRY(adapt(r, error, &looked));
-        if (r->film->samples == 0) next = o->first;
-        /* [0, n), [n, 2n), [2n, 4n) … counted from the range's first sample, a multiple of its length: the same tree for every n. */
-        const uint64_t count = next > o->first ? next - o->first : first_round(r);
+        if (r->film->samples == 0) {
+            next = o->first;
+            count = first_round(r);
+        }
         const double round_begun = mcv_seconds();
         MCV_TRY(render_round(r, next, count, error, &stop));
         if (stop) return MCV_OK;
@@ -517,12 +543,14 @@ static mcv_result render_rounds(renderer *r) {
         if (o->last > 0 && next >= o->last) return MCV_OK;
         error = mcv_film_relative_error(r->film);
         const double seconds = mcv_seconds() - r->begun;
-        const double predicted = 2 * (mcv_seconds() - round_begun);
+        const double per_sample = fmax(0, mcv_seconds() - round_begun - r->warming) / (double)count;
+        r->warming = 0;
         /* A picture that is black so far may have missed a small light: its error of 0 says nothing yet. */
         const uint64_t enough = mcv_film_mean(r->film) > 0 ? MIN_SAMPLES : MIN_SAMPLES_BLACK;
         if (o->error > 0 && r->film->samples >= enough && error <= o->error) return MCV_OK;
         if (o->enough && r->film->samples >= enough && o->enough(o->user, r->film)) return MCV_OK;
-        if (o->seconds > 0 && seconds + predicted > o->seconds) return MCV_OK;
+        count = mcv_next_round(r->film->samples, r->listed ? FIRST_ADAPTIVE : 1, per_sample, seconds, o->seconds);
+        if (count == 0) return MCV_OK;
         if (r->stats->interrupted || next >= (r->listed ? MOST_ADAPTIVE : MOST_SAMPLES)) return MCV_OK;
     }
 }

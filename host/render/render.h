@@ -19,7 +19,10 @@ enum { MCV_SCHEDULE_AUTO, MCV_SCHEDULE_TILE, MCV_SCHEDULE_STREAM };
  */
 enum { MCV_PRECISION_SINGLE, MCV_PRECISION_MIXED, MCV_PRECISION_DOUBLE };
 
-/* Told after every pass; false stops the render, keeping the rounds that are whole. */
+/*
+ * Told after every pass; false stops the render, keeping the rounds that are whole. Told before the kernels are compiled, too, which may
+ * take longer than the render: fraction is NaN then, and false is heeded at the next pass only.
+ */
 typedef bool mcv_progress(void *user, double fraction, double seconds, double error);
 
 typedef bool mcv_enough(void *user, const mcv_film *film);
@@ -76,6 +79,13 @@ typedef struct mcv_render_stats {
  */
 mcv_result mcv_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, mcv_film *film, mcv_render_stats *stats,
                       mcv_error *error);
+
+/*
+ * The samples per replicate of the round after the first `done`, in a render that may take `seconds` of which `elapsed` have passed (0: as
+ * long as it likes): a power of two that divides `done`, at most as many as there are, and with a limit as many as are expected to end
+ * before it at `per_sample` seconds each; `least` or more. 0: none fit, or too few to be worth it, when 0.8 of the time have passed.
+ */
+uint64_t mcv_next_round(uint64_t done, uint64_t least, double per_sample, double elapsed, double seconds);
 
 /* MCV_FAILED where more than one sample in a million was not finite: too much of the image would be missing. */
 mcv_result mcv_render_check_finite(const mcv_scene *scene, uint32_t sensor, const mcv_render_stats *stats, mcv_error *error);

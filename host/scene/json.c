@@ -144,6 +144,10 @@ static size_t edit_distance(const char *a, const char *b) {
     return row[columns];
 }
 
+const char *mcv_json_wrong(const json_error_t *wrong) {
+    return strstr(wrong->text, "JSON_ALLOW_NUL") ? "the character \\u0000 in a text, which no text may have" : wrong->text;
+}
+
 const char *mcv_nearest_word(const char *word, const char *const *words, size_t n) {
     const char *nearest = NULL;
     size_t least = 1 + strlen(word) / 3; /* a third of the letters may be wrong, and one in any case */

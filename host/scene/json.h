@@ -37,6 +37,9 @@ json_t *mcv_json_extension(const json_t *object, const char *name);
 /* The member `name` of an object as a string, "" where there is none. */
 const char *mcv_json_name(const json_t *object);
 
+/* What the parser found wrong, in words that name no option of its own. */
+const char *mcv_json_wrong(const json_error_t *wrong);
+
 /* The one of n words that is most like `word`, or NULL if none is near: for "did you mean". */
 const char *mcv_nearest_word(const char *word, const char *const *words, size_t n);
 

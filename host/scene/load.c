@@ -2,6 +2,7 @@
 /* A glTF document to a scene: read, split, parse, override, validate, open buffers, then walk the nodes. */
 #include "scene/load.h"
 
+#include "core/basics.h"
 #include "scene/emitters.h"
 #include "scene/overrides.h"
 #include "scene/params.h"
@@ -295,7 +296,8 @@ static mcv_result parse(mcv_loader *loader, mcv_overrides overrides, mcv_error *
     json_error_t wrong;
     MCV_TRY(mcv_glb_split(loader->bytes, &json, &loader->binary, &loader->file, error));
     loader->root = json_loadb((const char *)json.data, json.size, JSON_REJECT_DUPLICATES, &wrong);
-    if (!loader->root) return mcv_fail_at(&loader->file, error, "line %d column %d is no JSON: %s", wrong.line, wrong.column, wrong.text);
+    if (!loader->root)
+        return mcv_fail_at(&loader->file, error, "line %d column %d is no JSON: %s", wrong.line, wrong.column, mcv_json_wrong(&wrong));
     if (!loader->binary.data) { /* all of a .gltf is in the tree now */
         free(loader->bytes.data);
         loader->bytes = (mcv_bytes){NULL, 0};
@@ -380,6 +382,30 @@ static mcv_result load_spectrum(mcv_loader *loader, mcv_error *error) {
     return MCV_OK;
 }
 
+const char *mcv_conversion(const char *path) {
+    static const char *const exact[] = {".step", ".stp", ".iges", ".igs"};
+    for (size_t i = 0; i < sizeof exact / sizeof exact[0]; ++i)
+        if (mcv_ends_in(path, exact[i]))
+            return "it holds surfaces, and triangles are wanted: convert it with a chord tolerance of less than a tenth of a pixel, in "
+                   "FreeCAD by "
+                   "Mesh > Create Mesh from Shape, or in Python by cadquery.exporters.export(cadquery.importers.importStep(\"part.step\"), "
+                   "\"part.stl\", tolerance=0.005)";
+    return "convert other formats, for example by Blender";
+}
+
+/* Files that are parts, and formats that are not read, by their names. */
+static mcv_result check_format(const char *path, const mcv_place *place, mcv_error *error) {
+    static const char *const others[] = {".step", ".stp", ".iges", ".igs", ".obj", ".ply", ".3mf", ".fbx", ".blend", ".dae"};
+    if (mcv_ends_in(path, ".stl"))
+        return mcv_fail_at(place, error,
+                           "is a part without camera and light: `mcvisi new telecentric %s --unit mm` writes a scene around it (or new "
+                           "entocentric, new lightfield)",
+                           path);
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i)
+        if (mcv_ends_in(path, others[i])) return mcv_fail_at(place, error, "must be a .gltf or .glb file: %s", mcv_conversion(path));
+    return MCV_OK;
+}
+
 mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene **scene, mcv_error *error) {
     return mcv_scene_load_again(path, overrides, NULL, scene, error);
 }
@@ -391,6 +417,7 @@ mcv_result mcv_scene_load_again(const char *path, mcv_overrides overrides, mcv_k
     if (!loader.scene) return mcv_fail_memory(&loader.file, error);
     const mcv_transform world = mcv_transform_identity();
     mcv_result result = mcv_load_file(&loader, path, &loader.bytes, &loader.file, error);
+    if (result == MCV_OK) result = check_format(path, &loader.file, error);
     if (result == MCV_OK) result = mcv_load_open(&loader, overrides, error);
     if (result == MCV_OK) result = load_spectrum(&loader, error);
     if (result == MCV_OK) result = load_nodes(&loader, &world, error);

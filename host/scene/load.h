@@ -148,6 +148,9 @@ mcv_result mcv_load_asset_of(const mcv_loader *loader, const json_t *node, struc
                              mcv_error *error);
 void mcv_load_count(mcv_loader *loader, const void *data, size_t size);
 mcv_result mcv_load_file(mcv_loader *loader, const char *path, mcv_bytes *bytes, const mcv_place *place, mcv_error *error);
+/* load.c: how a file of another format becomes one that is read, for sentences. */
+const char *mcv_conversion(const char *path);
+
 mcv_result mcv_load_open(mcv_loader *loader, mcv_overrides overrides, mcv_error *error);
 void mcv_load_finish(mcv_loader *loader);
 

@@ -97,7 +97,7 @@ static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t in
     if (!uri) return mcv_fail_at(&here, error, "is missing: a .gltf, .glb or .stl file");
     const bool stl = mcv_ends_in(uri, ".stl");
     if (!stl && !mcv_ends_in(uri, ".gltf") && !mcv_ends_in(uri, ".glb"))
-        return mcv_fail_at(&here, error, "\"%s\" must be a .gltf, .glb or .stl file: convert other formats", uri);
+        return mcv_fail_at(&here, error, "\"%s\" must be a .gltf, .glb or .stl file: %s", uri, mcv_conversion(uri));
     if (!stl && json_object_get(object, "material"))
         return mcv_fail_at(&material, error, "is for .stl files: \"%s\" has its own materials", uri);
     if (loader->is_asset) return mcv_fail_at(place, error, "an asset may not place assets itself: place them from the scene");

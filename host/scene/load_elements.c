@@ -71,6 +71,7 @@ static mcv_result define_emitter(const mcv_scene *scene, const json_t *object, m
     MCV_TRY(mcv_params_parse(table, object, element_keys, params, place, error));
     emitter->name = (char *)mcv_json_name(object);
     emitter->type = type;
+    emitter->bare_angle = json_is_number(json_object_get(object, "halfAngle")) || json_is_number(json_object_get(object, "outerConeAngle"));
     if (is_preset)
         MCV_TRY(mcv_preset_resolve(preset, emitter, place, error));
     else

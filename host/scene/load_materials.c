@@ -212,9 +212,40 @@ static bool map_core(const core_material *core, bool textured, mcv_material *mat
     return !(core->thickness > 0 && core->transmission > 0);
 }
 
+/* What a part is made of where how it scatters light is asked for: what would say it. */
+static mcv_result check_substance(const json_t *object, const mcv_place *place, mcv_error *error) {
+    static const char *const metals[] = {"metal", "steel", "stainlessSteel", "brass", "bronze", "zinc", "aluminum", NULL};
+    static const char *const clear[] = {"glass", "plexiglass", "acrylic", "quartz", NULL};
+    static const char *const matt[] = {"plastic", "rubber", "wood", "paper", "paint", "ceramic", NULL};
+    const struct {
+        const char *const *words;
+        const char *says;
+    } substances[] = {
+        {metals, "a metal is a conductor, {\"type\": \"conductor\", \"metal\": \"iron\", \"roughness\": 0.3}"},
+        {mcv_param_options("metal"), "a metal is a conductor, {\"type\": \"conductor\", \"metal\": \"iron\", \"roughness\": 0.3}"},
+        {clear, "a body of glass is a dielectric, {\"type\": \"dielectric\", \"glass\": \"N-BK7\"}"},
+        {mcv_param_options("glass") + 1,
+         /* behind "none" */ "a body of glass is a dielectric, {\"type\": \"dielectric\", \"glass\": \"N-BK7\"}"},
+        {matt, "a matt part is {\"type\": \"diffuse\", \"reflectance\": 0.5}, one with a gloss {\"type\": "
+               "\"metallicRoughness\", \"metallic\": 0, \"roughness\": 0.5}"}};
+    const char *name = json_string_value(json_object_get(object, "type"));
+    const mcv_place here = mcv_place_key(place, "type");
+    for (size_t i = 0; name && i < sizeof substances / sizeof substances[0]; ++i)
+        for (const char *const *word = substances[i].words; *word; ++word)
+            if (strcasecmp(name, *word) == 0) {
+                char list[256] = "";
+                const char *const *options = mcv_param_options("metal");
+                for (; i < 2 && *options; ++options)
+                    snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", *list ? ", " : "; metals are ", *options);
+                return mcv_fail_at(&here, error, "\"%s\" is no type: %s%s", name, substances[i].says, list);
+            }
+    return MCV_OK;
+}
+
 static mcv_result read_own(const json_t *object, mcv_material *material, const mcv_place *place, mcv_error *error) {
     static const char *const others[] = {"type", "extras", "extensions", NULL};
     if (!json_is_object(object)) return mcv_fail_at(place, error, "must be an object {\"type\": ...}");
+    MCV_TRY(check_substance(object, place, error));
     MCV_TRY(mcv_element_type(object, mcv_material_types, MCV_MATERIAL_COUNT, &material->type, place, error));
     const mcv_param_table table = mcv_material_table(material->type);
     mcv_params_set_defaults(table, &material->as);

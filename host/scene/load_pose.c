@@ -98,6 +98,21 @@ static mcv_result find_target(const mcv_loader *loader, const json_t *pose, int 
     return MCV_OK;
 }
 
+/* Nobody turns by more than one turn in radians. */
+static mcv_result warn_of_degrees(mcv_scene *scene, const json_t *node, const json_t *pose, const pose_params *params, mcv_error *error) {
+    const mcv_param_table table = mcv_pose_table();
+    for (size_t i = 0; i < table.count; ++i) {
+        const mcv_param *param = table.params + i;
+        if (param->kind != MCV_PARAM_angle || !json_is_number(json_object_get(pose, param->key))) continue;
+        const double angle = *(const double *)mcv_params_find(table, param->key, params);
+        if (fabs(angle) > 2 * M_PI)
+            MCV_TRY(mcv_scene_warn(scene, error,
+                                   "node \"%s\": %s %g has no unit, so it is in radians, %.3g turns: write \"%gdeg\" if degrees are meant",
+                                   mcv_json_name(node), param->key, angle, angle / (2 * M_PI), angle));
+    }
+    return MCV_OK;
+}
+
 mcv_result mcv_load_pose(const mcv_loader *loader, const json_t *node, int depth, bool *posed, mcv_transform *transform,
                          const mcv_place *place, mcv_error *error) {
     static const char *const others[] = {"target", "extras", "extensions", NULL};
@@ -113,6 +128,7 @@ mcv_result mcv_load_pose(const mcv_loader *loader, const json_t *node, int depth
         return mcv_fail_at(place, error, "has MCVISI_pose and a translation, rotation, scale or matrix: give one or the other");
     mcv_params_set_defaults(table, &params);
     MCV_TRY(mcv_params_parse(table, pose, others, &params, place, error));
+    if (depth == 0) MCV_TRY(warn_of_degrees(loader->scene, node, pose, &params, error));
     MCV_TRY(mcv_params_check(table, &params, place, error));
     MCV_TRY(find_target(loader, pose, depth, target, place, error));
     *transform = stand(target, &params);

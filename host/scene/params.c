@@ -168,6 +168,23 @@ static mcv_result parse_number(const mcv_param *param, const json_t *value, doub
     return MCV_OK;
 }
 
+/* What people write for what an option calls otherwise; where there is no such thing, what comes close. */
+static const char *const other_names[][2] = {{"acrylic", "PMMA"},       {"plexiglass", "PMMA"}, {"quartz", "fusedSilica"},
+                                             {"silica", "fusedSilica"}, {"steel", "iron"},      {"stainlessSteel", "iron"},
+                                             {"chrome", "chromium"}};
+
+/* The option that is likely meant, or NULL: glasses of today have the old names behind "N-". */
+static const char *nearest_option(const char *text, const char *const *options) {
+    size_t count = 0;
+    while (options[count]) ++count;
+    for (size_t i = 0; i < count; ++i)
+        if (strncmp(options[i], "N-", 2) == 0 && strcasecmp(options[i] + 2, text) == 0) return options[i];
+    for (size_t i = 0; i < sizeof other_names / sizeof other_names[0]; ++i)
+        for (size_t k = 0; k < count && strcasecmp(other_names[i][0], text) == 0; ++k)
+            if (strcmp(options[k], other_names[i][1]) == 0) return options[k];
+    return mcv_nearest_word(text, options, count);
+}
+
 static mcv_result parse_choice(const mcv_param *param, const json_t *value, void *params, const mcv_place *place, mcv_error *error) {
     const char *const *options = mcv_param_options(param->key);
     const char *text = json_string_value(value);
@@ -179,6 +196,8 @@ static mcv_result parse_choice(const mcv_param *param, const json_t *value, void
         }
         snprintf(list + strlen(list), sizeof list - strlen(list), "%s\"%s\"", i ? " or " : "", options[i]);
     }
+    const char *nearest = text ? nearest_option(text, options) : NULL;
+    if (nearest) return mcv_fail_at(place, error, "\"%s\" must be %s: did you mean \"%s\"?", text, list, nearest);
     return text ? mcv_fail_at(place, error, "\"%s\" must be %s", text, list) : mcv_fail_at(place, error, "must be %s", list);
 }
 

@@ -136,6 +136,7 @@ typedef struct mcv_emitter {
     uint32_t texture;       /* multiplies the radiance (glTF emissive texture, parameter `image`), or MCV_NONE */
     double radiance[3];     /* resolved from it or power [W/(m² sr)]; an irradiance [W/m²] or intensity [W/sr] where its type has that */
     double area;            /* of the instance in the world [m²]; 0 without one */
+    bool bare_angle;        /* its halfAngle or outerConeAngle was given as a number without a unit */
     mcv_transform to_world; /* where there is no instance: the node's rotation and translation; it shines along -z */
     union {
 #define MCV_X(name, key, NAME) mcv_##name##_params name;
