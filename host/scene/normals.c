@@ -193,49 +193,48 @@ static void sum_around(creasing *c, const uint32_t *around, uint32_t n, double (
     }
 }
 
-static mcv_result crease(creasing *c, float *normals, const mcv_place *place, mcv_error *error) {
-    double(*sums)[3] = malloc(((size_t)c->count + 1) * sizeof *sums);
-    c->corners = malloc(((size_t)c->count + 1) * sizeof *c->corners);
-    c->order = malloc(((size_t)c->count + 1) * sizeof *c->order);
-    mcv_result result = MCV_OK;
-    if (!sums || !c->corners || !c->order) {
-        result = mcv_fail_memory(place, error);
-    } else {
-        find_places(c);
-        result = number_corners(c, place, error);
-    }
-    for (uint32_t first = 0, last; result == MCV_OK && first < c->count; first = last) {
+static mcv_result crease(creasing *c, double (*sums)[3], float *normals, const mcv_place *place, mcv_error *error) {
+    find_places(c);
+    MCV_TRY(number_corners(c, place, error));
+    for (uint32_t first = 0, last; first < c->count; first = last) {
         for (last = first; last < c->count && c->corners[c->order[last]].place == c->corners[c->order[first]].place;) ++last;
         join_around(c, c->order + first, last - first);
         sum_around(c, c->order + first, last - first, sums, normals);
     }
-    free(sums);
-    free(c->corners);
-    free(c->order);
-    return result;
+    return MCV_OK;
 }
 
 mcv_result mcv_mesh_make_normals(mcv_mesh *mesh, double crease_angle, const mcv_place *place, mcv_error *error) {
-    const size_t bytes = 3 * sizeof(float) * ((size_t)mesh->vertex_count + 1);
+    const size_t count = 3 * (size_t)mesh->triangle_count;
     creasing c = {.positions = mesh->positions,
-                  .normals = malloc(bytes),
-                  .count = 3 * mesh->triangle_count,
+                  .normals = calloc(count + 1, 3 * sizeof *c.normals),
+                  .corners = calloc(count + 1, sizeof *c.corners),
+                  .order = calloc(count + 1, sizeof *c.order),
+                  .count = (uint32_t)count,
                   .least_cosine = cos(crease_angle) - 1e-6}; /* faces at the angle itself are joined, whatever the rounding */
-    float *normals = malloc(bytes);
-    mcv_result result = c.normals && normals ? MCV_OK : mcv_fail_memory(place, error);
-    for (uint32_t t = 0; result == MCV_OK && t < mesh->triangle_count; ++t) {
-        float *faces = c.normals + 9 * (size_t)t;
-        face_normal(mesh->positions + 9 * (size_t)t, faces);
-        memcpy(faces + 3, faces, 3 * sizeof(float));
-        memcpy(faces + 6, faces, 3 * sizeof(float));
+    double(*sums)[3] = calloc(count + 1, sizeof *sums);
+    float *normals = calloc(count + 1, 3 * sizeof *normals);
+    mcv_result result = MCV_OK;
+    if (c.normals && c.corners && c.order && sums && normals) {
+        for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
+            float *faces = c.normals + 9 * (size_t)t;
+            face_normal(mesh->positions + 9 * (size_t)t, faces);
+            memcpy(faces + 3, faces, 3 * sizeof(float));
+            memcpy(faces + 6, faces, 3 * sizeof(float));
+        }
+        result = crease(&c, sums, normals, place, error);
+    } else {
+        result = mcv_fail_memory(place, error);
     }
-    if (result == MCV_OK) result = crease(&c, normals, place, error);
+    if (result == MCV_OK) {
+        float *flat = mesh->normals;
+        mesh->normals = normals;
+        normals = flat;
+    }
+    free(normals);
+    free(sums);
     free(c.normals);
-    if (result != MCV_OK) {
-        free(normals);
-        return result;
-    }
-    free(mesh->normals);
-    mesh->normals = normals;
-    return MCV_OK;
+    free(c.corners);
+    free(c.order);
+    return result;
 }
