@@ -246,10 +246,13 @@ static void test_bad_elements(void **state) {
         {POSED("\"target\":[0,0,0],\"distance\":1,\"azimut\":1"), "nodes/n: unknown key \"azimut\": did you mean \"azimuth\"?"},
         {PLACED("{}"), "assets/0/uri: is missing"},
         {PLACED("{\"uri\":\"part.obj\"}"), "assets/0/uri: \"part.obj\" must be a .gltf, .glb or .stl file"},
-        {PLACED("{\"uri\":\"part.glb\",\"material\":0}"), "assets/0/material: is for .stl files"},
+        {PLACED("{\"uri\":\"part.glb\",\"creaseAngle\":0.5}"), "assets/0/creaseAngle: is for .stl files"},
+        {PLACED("{\"uri\":\"part.stl\",\"unit\":\"mm\",\"creaseAngle\":4}"), "assets/0/creaseAngle: 4 must lie from 0 to 3.14159"},
+        {PLACED("{\"uri\":\"part.stl\",\"unit\":\"mm\",\"materials\":{}}"), "assets/0/materials: is for .gltf and .glb files"},
+        {PLACED("{\"uri\":\"part.stl\",\"unit\":\"mm\",\"nodeMaterials\":{}}"), "assets/0/nodeMaterials: is for .gltf and .glb files"},
         {PLACED("{\"uri\":\"../part.glb\"}"), "assets/0/uri: \"../part.glb\" leads out of the scene's directory"},
         {PLACED("{\"uri\":\"missing.glb\"}"), "assets/0/uri: \"" MCV_BINARY_DIR "/tests/missing.glb\" cannot be opened"},
-        {PLACED("{\"uri\":\"missing.glb\",\"unit\":\"inch\"}"), "assets/0/unit: \"inch\" must be one of"},
+        {PLACED("{\"uri\":\"missing.glb\",\"unit\":\"foot\"}"), "assets/0/unit: \"foot\" must be one of"},
         {PLACED("{\"name\":\"me\",\"uri\":\"" FILE_NAME "\"}"), "assets/me: an asset may not place assets itself"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) refuse(cases[i].text, cases[i].says);

@@ -37,10 +37,19 @@ static void test_quantities(void **state) {
         const char *text;
         mcv_param_kind kind;
         double value;
-    } good[] = {{"25mm", MCV_PARAM_length, 25e-3},     {"3.45um", MCV_PARAM_length, 3.45e-6}, {"3.45 µm", MCV_PARAM_length, 3.45e-6},
-                {"500nm", MCV_PARAM_length, 500e-9},   {"-1.5e2cm", MCV_PARAM_length, -1.5},  {"2m", MCV_PARAM_length, 2},
-                {"180deg", MCV_PARAM_angle, M_PI},     {"5mrad", MCV_PARAM_angle, 5e-3},      {"1rad", MCV_PARAM_angle, 1},
-                {"90deg", MCV_PARAM_choice, M_PI / 2}, {".5", MCV_PARAM_length, 0.5},         {"7", MCV_PARAM_number, 7}};
+    } good[] = {{"25mm", MCV_PARAM_length, 25e-3},
+                {"10inch", MCV_PARAM_length, 0.254},
+                {"3.45um", MCV_PARAM_length, 3.45e-6},
+                {"3.45 µm", MCV_PARAM_length, 3.45e-6},
+                {"500nm", MCV_PARAM_length, 500e-9},
+                {"-1.5e2cm", MCV_PARAM_length, -1.5},
+                {"2m", MCV_PARAM_length, 2},
+                {"180deg", MCV_PARAM_angle, M_PI},
+                {"5mrad", MCV_PARAM_angle, 5e-3},
+                {"1rad", MCV_PARAM_angle, 1},
+                {"90deg", MCV_PARAM_choice, M_PI / 2},
+                {".5", MCV_PARAM_length, 0.5},
+                {"7", MCV_PARAM_number, 7}};
     static const struct {
         const char *text;
         mcv_param_kind kind;

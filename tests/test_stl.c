@@ -182,7 +182,7 @@ static void test_units_and_materials(void **state) {
     make_binary(bytes, "made by hand");
     expect_refused(bytes, BYTES, "", "assets/0/unit: is missing");
     expect_refused(bytes, BYTES, "", "30 x 20 x 10 of it");
-    expect_refused(bytes, BYTES, ",\"unit\":\"inch\"", "must be one of");
+    expect_refused(bytes, BYTES, ",\"unit\":\"foot\"", "must be one of nm, um, mm, cm, m, inch");
     expect_refused(bytes, BYTES, ",\"unit\":\"mm\",\"material\":\"steel\"", "there is no material \"steel\"");
     expect_refused(bytes, BYTES, ",\"unit\":\"mm\",\"material\":\"twice\"", "ambiguous");
     expect_refused(bytes, BYTES, ",\"unit\":\"mm\",\"material\":7", "material: index 7");

@@ -10,8 +10,9 @@
 /* X(verb, VERB, "its arguments", "what it does"): none, one or two words; [] around an argument that may be left out. */
 #define MCV_VERBS(X) \
     X(render, RENDER, "SCENE", "render every sensor of a scene into OpenEXR and PNG images") \
-    X(new, NEW, "telecentric|entocentric|lightfield PART", \
-      "write a rig around a part (.stl, .glb, .gltf): standard optics that frame it and a light, to be edited and rendered") \
+    X(new, NEW, "telecentric|entocentric|lightfield|transparent PART", \
+      "write a rig around a part (.stl, .glb, .gltf): standard optics that frame it and a light, to be edited and rendered; transparent: " \
+      "a light field camera and a parallel panel behind the part") \
     X(check, CHECK, "[SCENE]", "print what was understood of a scene: optics, emitters, materials, features and stages, and why") \
     X(trace, TRACE, "SCENE", "print every vertex of the given rays' paths through a scene's smooth surfaces") \
     X(compare, COMPARE, "A B", \
@@ -69,7 +70,27 @@ enum {
     X(list, index, "index", 0, "GLASS=N", MCV_IN_IMPORT, NULL, 0, 0, "the refractive index of a glass that the catalogue lacks") \
     X(choice, curvature, "curvature", 0, "auto|radius|curvature", MCV_IN_IMPORT, "auto", 0, 0, \
       "what a .seq file gives its surfaces by; auto: what its RDM says, else whichever focuses where the file has its image") \
-    X(text, unit, "unit", 0, "nm|um|mm|cm|m", MCV_IN_NEW, NULL, 0, 0, "of the part's lengths; .stl files do not tell it, glTF has metres") \
+    X(flag, force, "force", 0, NULL, MCV_IN_NEW, NULL, 0, 0, "replace an existing rig that differs") \
+    X(text, unit, "unit", 0, "nm|um|mm|cm|m|inch", MCV_IN_NEW, NULL, 0, 0, \
+      "of the part's lengths; .stl files do not tell it, glTF has metres") \
+    X(choice, light, "light", 0, "auto|backlight|ring|darkfield|coaxial|dome", MCV_IN_NEW, "auto", 0, 0, \
+      "auto: a backlight for telecentric and transparent, else a ring about the view; darkfield: a low ring close to the part") \
+    X(text, material, "material", 0, "M", MCV_IN_NEW, NULL, 0, 0, \
+      "of all of the part, in place of its own: a metal (aluminium), a glass (N-BK7) or a type that needs no parameters (mirror); by " \
+      "default .stl files are diffuse, for transparent N-BK7") \
+    X(text, view, "view", 0, "SIDE|X,Y,Z", MCV_IN_NEW, NULL, 0, 0, \
+      "the side that faces the camera, in the part's coordinates: front (+z), back (-z), right (+x), left (-x), top (+y), bottom (-y), " \
+      "or " \
+      "a direction; by default across the part's shortest side") \
+    X(size, film, "resolution", 0, "WxH", MCV_IN_NEW, NULL, 1, 16384, "pixels of the camera; macro pixels of a light field camera") \
+    X(text, pixel_size, "pixel-size", 0, "P", MCV_IN_NEW, NULL, 0, 0, "a length, as in 3.45um") \
+    X(text, field_of_view, "field-of-view", 0, "W", MCV_IN_NEW, NULL, 0, 0, \
+      "width of the field in the plane in focus, as in 60mm; or --magnification") \
+    X(number, magnification, "magnification", 0, "M", MCV_IN_NEW, NULL, 0, 1e4, "image size over object size") \
+    X(text, focal_length, "focal-length", 0, "F", MCV_IN_NEW, NULL, 0, 0, "a length, as in 25mm") \
+    X(text, working_distance, "working-distance", 0, "W", MCV_IN_NEW, NULL, 0, 0, \
+      "from the lens to the plane in focus, the middle of the part: a length, as in 110mm") \
+    X(number, f_number, "f-number", 0, "N", MCV_IN_NEW, NULL, 0, 1e4, "the working f-number, on the image side") \
     X(text, sensor, "sensor", 0, "NAME", MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_MEASURE | MCV_IN_COMPARE, NULL, 0, 0, \
       "only this sensor, by name or number") \
     X(count, spp, "spp", 0, "N", MCV_IN_TAKE | MCV_IN_COMPARE, NULL, 1, 1ull << 37, \

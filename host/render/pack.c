@@ -632,7 +632,24 @@ static bool same_lens(const mcv_scene *scene, const mcv_instance *a, const mcv_i
            memcmp(&a->to_world, &b->to_world, sizeof a->to_world) == 0;
 }
 
-/* May bodies of dielectrics be in contact? Not where their boxes are apart, or one inside the other. */
+/* Does the outer body's mesh come near the box of one that lies in its own? It does in a vial, about a bubble in a lens it does not. */
+static bool comes_near(const mcv_scene *scene, uint32_t outer, const mcv_box *inner) {
+    const uint32_t triangles = scene->meshes[scene->instances[outer].mesh].triangle_count;
+    for (uint32_t t = 0; t < triangles; ++t) {
+        double corners[3][3];
+        mcv_box box;
+        mcv_scene_corners(scene, outer, t, corners);
+        for (int k = 0; k < 3; ++k) {
+            const double margin = 1e-6 * (inner->upper[k] - inner->lower[k]);
+            box.lower[k] = fmin(corners[0][k], fmin(corners[1][k], corners[2][k])) - margin;
+            box.upper[k] = fmax(corners[0][k], fmax(corners[1][k], corners[2][k])) + margin;
+        }
+        if (overlap(&box, inner)) return true;
+    }
+    return false;
+}
+
+/* May bodies of dielectrics be in contact? Not where their boxes are apart, or one lies within the other, away from its surface. */
 static bool may_touch(const mcv_scene *scene, const mcv_box *boxes) {
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         const mcv_instance *a = scene->instances + i;
@@ -640,7 +657,10 @@ static bool may_touch(const mcv_scene *scene, const mcv_box *boxes) {
         for (uint32_t j = 0; j < i; ++j) {
             const mcv_instance *b = scene->instances + j;
             if (!is_dielectric_body(scene, b) || same_lens(scene, a, b)) continue;
-            if (overlap(boxes + i, boxes + j) && !well_inside(boxes + i, boxes + j) && !well_inside(boxes + j, boxes + i)) return true;
+            if (!overlap(boxes + i, boxes + j)) continue;
+            if (well_inside(boxes + i, boxes + j) ? comes_near(scene, j, boxes + i)
+                                                  : !well_inside(boxes + j, boxes + i) || comes_near(scene, i, boxes + j))
+                return true;
         }
     }
     return false;

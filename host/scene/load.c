@@ -123,15 +123,15 @@ static mcv_result place_asset(mcv_loader *asset, const char *name, const mcv_tra
     for (int i = 0; i < 9; ++i) scaled.m[i] *= asset->unit;
     if (asset->solid != MCV_NONE) {
         const mcv_instance instance = {
-            .name = (char *)name, .mesh = asset->solid, .material = asset->solid_material, .emitter = MCV_NONE, .to_world = scaled};
+            .name = (char *)name, .mesh = asset->solid, .material = asset->asset_material, .emitter = MCV_NONE, .to_world = scaled};
         return mcv_scene_add_instance(asset->scene, &instance, error);
     }
     return load_nodes(asset, &scaled, error);
 }
 
-/* `document`: the frame of the document's root in the world. */
+/* `document`: the frame of the document's root in the world; `material`: what is put on the node, or MCV_NONE for its own. */
 static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transform *document, const mcv_transform *parent,
-                            mcv_error *error) {
+                            uint32_t material, mcv_error *error) {
     const json_t *nodes = json_object_get(loader->root, "nodes"), *node = json_array_get(nodes, index);
     const mcv_place place = mcv_place_key(&loader->file, "nodes"), here = mcv_place_element(&place, mcv_json_name(node), index);
     mcv_transform local;
@@ -141,13 +141,16 @@ static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transf
     const mcv_transform to_world = mcv_transform_compose(posed ? document : parent, &local);
     const uint32_t first = loader->scene->instance_count;
     uint32_t mesh;
+    if (loader->node_materials && loader->node_materials[index] != MCV_NONE) material = loader->node_materials[index];
     MCV_TRY(mcv_json_index(node, "mesh", json_array_size(json_object_get(loader->root, "meshes")), "meshes", &mesh, &here, error));
     if (mesh != MCV_NONE) {
         MCV_TRY(mcv_load_mesh(loader, mesh, error));
         const mcv_loaded_mesh *loaded = loader->meshes + mesh;
         for (uint32_t i = 0; i < loaded->count; ++i) {
-            const mcv_instance instance = {
-                .name = (char *)mcv_json_name(node), .mesh = loaded->first + i, .material = loaded->materials[i], .to_world = to_world};
+            const mcv_instance instance = {.name = (char *)mcv_json_name(node),
+                                           .mesh = loaded->first + i,
+                                           .material = material == MCV_NONE ? loaded->materials[i] : material,
+                                           .to_world = to_world};
             MCV_TRY(mcv_scene_add_instance(loader->scene, &instance, error));
         }
     }
@@ -160,7 +163,7 @@ static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transf
     if (asset) MCV_TRY(place_asset(asset, mcv_json_name(node), &to_world, error));
     const json_t *children = json_object_get(node, "children");
     for (size_t i = 0; i < json_array_size(children); ++i)
-        MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(children, i)), document, &to_world, error));
+        MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(children, i)), document, &to_world, material, error));
     return MCV_OK;
 }
 
@@ -168,7 +171,7 @@ static mcv_result load_nodes(mcv_loader *loader, const mcv_transform *document, 
     const json_t *scenes = json_object_get(loader->root, "scenes"), *scene = json_object_get(loader->root, "scene");
     const json_t *nodes = json_object_get(json_array_get(scenes, (size_t)json_number_value(scene)), "nodes");
     for (size_t i = 0; i < json_array_size(nodes); ++i)
-        MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(nodes, i)), document, document, error));
+        MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(nodes, i)), document, document, MCV_NONE, error));
     return MCV_OK;
 }
 
@@ -290,11 +293,25 @@ static mcv_result open_data(mcv_loader *loader, mcv_error *error) {
     return result;
 }
 
+/*
+ * CAD exporters write U+0000 into texts, where those of C end. It becomes the replacement character U+FFFD, so that what is not read does
+ * not matter and what is read shows it. Some fill up a GLB's JSON with zeros in place of blanks.
+ */
+static void replace_nul(mcv_bytes *json) {
+    while (json->size > 0 && json->data[json->size - 1] == 0) --json->size;
+    for (size_t i = 0; i + 6 <= json->size; ++i) {
+        if (json->data[i] != '\\') continue;
+        if (memcmp(json->data + i, "\\u0000", 6) == 0) memcpy(json->data + i, "\\ufffd", 6);
+        ++i; /* what is escaped begins no escape */
+    }
+}
+
 /* To a document that holds what glTF asks for. */
 static mcv_result parse(mcv_loader *loader, mcv_overrides overrides, mcv_error *error) {
     mcv_bytes json;
     json_error_t wrong;
     MCV_TRY(mcv_glb_split(loader->bytes, &json, &loader->binary, &loader->file, error));
+    replace_nul(&json);
     loader->root = json_loadb((const char *)json.data, json.size, JSON_REJECT_DUPLICATES, &wrong);
     if (!loader->root)
         return mcv_fail_at(&loader->file, error, "line %d column %d is no JSON: %s", wrong.line, wrong.column, mcv_json_wrong(&wrong));
@@ -316,11 +333,14 @@ mcv_result mcv_load_open(mcv_loader *loader, mcv_overrides overrides, mcv_error 
     loader->images = malloc((images + 1) * sizeof *loader->images);
     loader->textures = malloc((textures + 1) * sizeof *loader->textures);
     loader->data_textures = malloc((textures + 1) * sizeof *loader->data_textures);
+    loader->materials = malloc((materials + 1) * sizeof *loader->materials);
     loader->emission = calloc(materials + 1, sizeof *loader->emission);
     loader->meshes = calloc(meshes + 1, sizeof *loader->meshes);
-    if (!loader->images || !loader->textures || !loader->data_textures || !loader->emission || !loader->meshes)
+    if (!loader->images || !loader->textures || !loader->data_textures || !loader->materials || !loader->emission || !loader->meshes)
         return mcv_fail_memory(&loader->file, error);
     for (size_t i = 0; i < textures; ++i) loader->textures[i] = loader->data_textures[i] = MCV_NONE;
+    for (size_t i = 0; i < materials; ++i) loader->materials[i] = MCV_NONE;
+    if (loader->is_asset) MCV_TRY(mcv_load_replaced(loader, error));
     if (!loader->is_asset) MCV_TRY(mcv_load_definitions(loader, error));
     if (!loader->is_asset) MCV_TRY(mcv_load_lights(loader, error));
     MCV_TRY(open_data(loader, error));
@@ -341,6 +361,8 @@ void mcv_load_finish(mcv_loader *loader) {
     for (size_t i = 0; loader->meshes && i < json_array_size(json_object_get(loader->root, "meshes")); ++i)
         free(loader->meshes[i].materials);
     free(loader->meshes);
+    free(loader->materials);
+    free(loader->node_materials);
     free(loader->emission);
     free(loader->textures);
     free(loader->data_textures);
@@ -411,7 +433,8 @@ mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene *
 }
 
 mcv_result mcv_scene_load_again(const char *path, mcv_overrides overrides, mcv_kept_assets *kept, mcv_scene **scene, mcv_error *error) {
-    mcv_loader loader = {.file = mcv_place_file(path), .solid = MCV_NONE, .plain = MCV_NONE, .absorber = MCV_NONE, .kept = kept};
+    mcv_loader loader = {
+        .file = mcv_place_file(path), .solid = MCV_NONE, .asset_material = MCV_NONE, .plain = MCV_NONE, .absorber = MCV_NONE, .kept = kept};
     if (kept) mcv_kept_forget_changed(kept);
     *scene = loader.scene = mcv_scene_new(path);
     if (!loader.scene) return mcv_fail_memory(&loader.file, error);

@@ -6,6 +6,7 @@
 #include "scene/accessor.h"
 #include "scene/presets.h"
 #include "scene/scene.h"
+#include "mcvisi/asset.h"
 #include "mcvisi/pose.h"
 
 /* A glTF mesh: its primitives are the scene's meshes first … first + count - 1 with these materials. */
@@ -50,9 +51,13 @@ typedef struct mcv_kept_asset {
 typedef struct mcv_loader {
     mcv_scene *scene;
     mcv_place file;
-    bool is_asset; /* placed by another document: its cameras, sensors and emitters but for emissive materials do not count */
-    double unit;   /* of an asset's lengths [m] */
-    uint32_t solid, solid_material; /* the scene's mesh and material of an asset that is an STL file; MCV_NONE for glTF */
+    bool is_asset;           /* placed by another document: its cameras, sensors and emitters but for emissive materials do not count */
+    double unit;             /* of an asset's lengths [m] */
+    uint32_t solid;          /* the scene's mesh of an asset that is an STL file; MCV_NONE for glTF */
+    uint32_t asset_material; /* the scene's number of the one that its entry puts on all of an asset, or MCV_NONE */
+    const struct mcv_loader *placer; /* of an asset: the document that places it, */
+    const json_t *entry;             /* its entry there and */
+    const mcv_place *entry_place;    /* where that stands; valid until it is open */
     json_t *root;
     mcv_bytes bytes, binary; /* the file; the binary chunk inside of it */
     mcv_gltf *gltf;
@@ -60,12 +65,13 @@ typedef struct mcv_loader {
     bool has_kept_data;    /* root and gltf are those of a kept asset */
     mcv_stamp *stamps;     /* of the files read, for an asset that is to be kept */
     size_t stamp_count;
-    uint64_t fingerprint;    /* of this document's files and its assets */
-    uint32_t *images;        /* number in gltf of images[i], or MCV_NONE where no material needs it */
-    uint32_t *textures;      /* the scene's number of textures[i], or MCV_NONE as long as no material has asked for it */
-    uint32_t *data_textures; /* the same where it holds no colour */
-    uint32_t first_material; /* the scene's number of materials[0] */
-    mcv_emission *emission;  /* of materials[i] */
+    uint64_t fingerprint;     /* of this document's files and its assets */
+    uint32_t *images;         /* number in gltf of images[i], or MCV_NONE where no material needs it */
+    uint32_t *textures;       /* the scene's number of textures[i], or MCV_NONE as long as no material has asked for it */
+    uint32_t *data_textures;  /* the same where it holds no colour */
+    uint32_t *materials;      /* the scene's number of materials[i], or of what takes its place */
+    uint32_t *node_materials; /* of an asset: the scene's number of what is put on all of nodes[i] and below, or MCV_NONE */
+    mcv_emission *emission;   /* of materials[i] */
     mcv_loaded_mesh *meshes;
     uint32_t plain, absorber; /* the scene's number of the material where none is given, of rectangles; or MCV_NONE */
     mcv_sensor *sensors;      /* the definitions in MCVISI_sensors and MCVISI_emitters */
@@ -125,7 +131,10 @@ mcv_result mcv_load_bodies(mcv_loader *loader, mcv_error *error);
 mcv_result mcv_load_body(mcv_loader *loader, const json_t *node, const mcv_transform *to_world, const mcv_place *place, mcv_error *error);
 void mcv_load_free_bodies(mcv_loader *loader);
 
-/* load_assets.c: the scene's number of the material object[key] (index or name in the document); MCV_NONE where absent. */
+/* load_replaced.c: which of an asset's materials and nodes get materials of the scene, by its entry (mcvisi/asset.h). */
+mcv_result mcv_load_replaced(mcv_loader *asset, mcv_error *error);
+
+/* load_replaced.c: the scene's number of the material object[key] (index or name in the document); MCV_NONE where absent. */
 mcv_result mcv_load_find_material(const mcv_loader *loader, const json_t *object, const char *key, uint32_t *material,
                                   const mcv_place *place, mcv_error *error);
 

@@ -1,15 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/*
- * MCVISI_assets: other files that nodes place, {"uri": "part.stl", "unit": "mm", "material": "steel"}. The unit is that of the file's
- * lengths, metres by default for glTF. Only meshes and emissive materials of a glTF asset count. An STL file knows neither unit nor
- * material: the unit must be given, the material is one of the scene's, or plain.
- */
+/* MCVISI_assets: other files that nodes place (mcvisi/asset.h). An STL file without a material of the scene's is plain. */
 #include "scene/load.h"
 
 #include "core/basics.h"
+#include "scene/mesh.h"
 #include "scene/params.h"
 
 #include <stdlib.h>
+
+typedef struct asset_params {
+    MCV_ASSET_PARAMS(MCV_DEFINE_FIELD)
+} asset_params;
+
+mcv_param_table mcv_asset_table(void) {
+    typedef asset_params element_params;
+    static const mcv_param rows[] = {MCV_ASSET_PARAMS(MCV_PARAM_ROW)};
+    return (mcv_param_table){rows, sizeof rows / sizeof rows[0], sizeof(element_params)};
+}
 
 static mcv_result read_unit(const json_t *object, double *unit, const mcv_place *place, mcv_error *error) {
     const char *name = "m";
@@ -18,35 +25,11 @@ static mcv_result read_unit(const json_t *object, double *unit, const mcv_place 
     MCV_TRY(mcv_json_string(object, "unit", &name, place, error));
     snprintf(one, sizeof one, "1%s", name);
     if (*name && mcv_parse_quantity(one, MCV_PARAM_length, unit)) return MCV_OK;
-    return mcv_fail_at(&here, error, "\"%s\" must be one of nm, um, mm, cm, m", name);
+    return mcv_fail_at(&here, error, "\"%s\" must be one of nm, um, mm, cm, m, inch", name);
 }
 
-/* The material that an emission would be lost on is refused. */
-mcv_result mcv_load_find_material(const mcv_loader *loader, const json_t *object, const char *key, uint32_t *material,
-                                  const mcv_place *place, mcv_error *error) {
-    const json_t *materials = json_object_get(loader->root, "materials"), *value = json_object_get(object, key);
-    const mcv_place here = mcv_place_key(place, key);
-    uint32_t index = MCV_NONE;
-    *material = MCV_NONE;
-    if (!value) return MCV_OK;
-    for (size_t i = 0; json_is_string(value) && i < json_array_size(materials); ++i)
-        if (strcmp(mcv_json_name(json_array_get(materials, i)), json_string_value(value)) == 0) {
-            if (index != MCV_NONE)
-                return mcv_fail_at(&here, error, "the name \"%s\" is ambiguous: use the index", json_string_value(value));
-            index = (uint32_t)i;
-        }
-    if (json_is_string(value) && index == MCV_NONE)
-        return mcv_fail_at(&here, error, "there is no material \"%s\"", json_string_value(value));
-    if (!json_is_string(value)) MCV_TRY(mcv_json_index(object, key, json_array_size(materials), "materials", &index, place, error));
-    const double *radiance = loader->emission[index].radiance;
-    if (radiance[0] + radiance[1] + radiance[2] > 0)
-        return mcv_fail_at(&here, error, "the material emits light, which only a mesh of a glTF file can: choose another");
-    *material = loader->first_material + index;
-    return MCV_OK;
-}
-
-static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *object, const char *uri, const mcv_place *place,
-                           mcv_error *error) {
+static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *object, const char *uri, double crease_angle,
+                           const mcv_place *place, mcv_error *error) {
     const mcv_kept_asset *kept = mcv_kept_find(loader->kept, asset->file.key);
     double size[3] = {0};
     const mcv_place here = mcv_place_key(place, "unit"), there = mcv_place_key(place, "uri");
@@ -69,8 +52,9 @@ static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *
         return mcv_fail_at(&here, error,
                            "is missing, and \"%s\" does not tell it: the part is %.4g x %.4g x %.4g of it, most are in \"mm\"", uri,
                            size[0], size[1], size[2]);
-    MCV_TRY(mcv_load_find_material(loader, object, "material", &asset->solid_material, place, error));
-    return asset->solid_material == MCV_NONE ? mcv_load_plain(loader, &asset->solid_material, error) : MCV_OK;
+    if (!isnan(crease_angle)) MCV_TRY(mcv_mesh_make_normals(asset->scene->meshes + asset->solid, crease_angle, place, error));
+    MCV_TRY(mcv_load_find_material(loader, object, "material", &asset->asset_material, place, error));
+    return asset->asset_material == MCV_NONE ? mcv_load_plain(loader, &asset->asset_material, error) : MCV_OK;
 }
 
 static mcv_result open_gltf(mcv_loader *asset, const mcv_place *place, mcv_error *error) {
@@ -88,18 +72,28 @@ static mcv_result open_gltf(mcv_loader *asset, const mcv_place *place, mcv_error
 }
 
 static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t index, const mcv_place *place, mcv_error *error) {
-    static const char *const others[] = {"name", "uri", "unit", "material", "extras", "extensions", NULL};
+    static const char *const others[] = {"name", "uri", "unit", "material", "materials", "nodeMaterials", "extras", "extensions", NULL};
+    static const char *const of_gltf[] = {"materials", "nodeMaterials"};
     const char *uri = NULL;
+    asset_params params;
     mcv_loader *asset = loader->assets + index;
-    const mcv_place here = mcv_place_key(place, "uri"), material = mcv_place_key(place, "material");
-    MCV_TRY(mcv_params_parse((mcv_param_table){0}, object, others, NULL, place, error));
+    const mcv_place here = mcv_place_key(place, "uri"), crease = mcv_place_key(place, "creaseAngle");
+    mcv_params_set_defaults(mcv_asset_table(), &params);
+    MCV_TRY(mcv_params_parse(mcv_asset_table(), object, others, &params, place, error));
+    MCV_TRY(mcv_params_check(mcv_asset_table(), &params, place, error));
     MCV_TRY(mcv_json_string(object, "uri", &uri, place, error));
     if (!uri) return mcv_fail_at(&here, error, "is missing: a .gltf, .glb or .stl file");
     const bool stl = mcv_ends_in(uri, ".stl");
     if (!stl && !mcv_ends_in(uri, ".gltf") && !mcv_ends_in(uri, ".glb"))
         return mcv_fail_at(&here, error, "\"%s\" must be a .gltf, .glb or .stl file: %s", uri, mcv_conversion(uri));
-    if (!stl && json_object_get(object, "material"))
-        return mcv_fail_at(&material, error, "is for .stl files: \"%s\" has its own materials", uri);
+    if (!stl && !isnan(params.creaseAngle))
+        return mcv_fail_at(&crease, error, "is for .stl files: \"%s\" has normals of its own, or is meant to be flat", uri);
+    for (size_t i = 0; stl && i < 2; ++i) {
+        const mcv_place of = mcv_place_key(place, of_gltf[i]);
+        if (json_object_get(object, of_gltf[i]))
+            return mcv_fail_at(&of, error, "is for .gltf and .glb files: \"%s\" has neither names nor materials, give it a \"material\"",
+                               uri);
+    }
     if (loader->is_asset) return mcv_fail_at(place, error, "an asset may not place assets itself: place them from the scene");
     MCV_TRY(mcv_file_resolve(loader->file.key, uri, loader->asset_paths + index, &here, error));
     *asset = (mcv_loader){.scene = loader->scene,
@@ -107,10 +101,14 @@ static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t in
                           .is_asset = true,
                           .kept = loader->kept,
                           .solid = MCV_NONE,
+                          .asset_material = MCV_NONE,
+                          .placer = loader,
+                          .entry = object,
+                          .entry_place = place,
                           .plain = MCV_NONE,
                           .absorber = MCV_NONE};
     MCV_TRY(read_unit(object, &asset->unit, place, error));
-    MCV_TRY(stl ? open_stl(loader, asset, object, uri, place, error) : open_gltf(asset, &here, error));
+    MCV_TRY(stl ? open_stl(loader, asset, object, uri, params.creaseAngle, place, error) : open_gltf(asset, &here, error));
     mcv_load_count(loader, &asset->fingerprint, sizeof asset->fingerprint);
     return MCV_OK;
 }

@@ -162,14 +162,17 @@ static mcv_result add_emitters(mcv_loader *loader, const mcv_emitter *emitter, u
     return MCV_OK;
 }
 
+static bool emits(const mcv_emission *emission) { return emission->radiance[0] + emission->radiance[1] + emission->radiance[2] > 0; }
+
 /* Instances whose material emits by itself. */
 static mcv_result add_emissive(mcv_loader *loader, uint32_t first, uint32_t last, mcv_error *error) {
     const size_t materials = json_array_size(json_object_get(loader->root, "materials"));
     for (uint32_t i = first; i < last; ++i) {
-        const uint32_t material = loader->scene->instances[i].material - loader->first_material; /* wraps below the first */
-        if (material >= materials) continue;
-        const mcv_emission *emission = loader->emission + material;
-        if (!(emission->radiance[0] + emission->radiance[1] + emission->radiance[2] > 0)) continue;
+        const mcv_emission *emission = NULL;
+        for (size_t m = 0; m < materials && !emission; ++m)
+            if (loader->materials[m] == loader->scene->instances[i].material && emits(loader->emission + m))
+                emission = loader->emission + m;
+        if (!emission) continue;
         mcv_emitter emitter = {
             .name = loader->scene->instances[i].name, .type = MCV_EMITTER_AREA, .instance = i, .texture = emission->texture};
         mcv_params_set_defaults(mcv_emitter_table(emitter.type), &emitter.as);

@@ -309,11 +309,12 @@ mcv_result mcv_load_materials(mcv_loader *loader, mcv_error *error) {
     const json_t *materials = json_object_get(loader->root, "materials");
     const mcv_place place = mcv_place_key(&loader->file, "materials");
     json_t *thin = json_object(), *cut_out = json_object();
-    loader->first_material = loader->scene->material_count;
     mcv_result result = MCV_OK;
     for (size_t i = 0; result == MCV_OK && i < json_array_size(materials); ++i) {
         const json_t *object = json_array_get(materials, i);
         const mcv_place here = mcv_place_element(&place, mcv_json_name(object), i);
+        if (loader->materials[i] != MCV_NONE) continue; /* one of the scene's takes its place */
+        loader->materials[i] = loader->scene->material_count;
         result = load_material(loader, object, i, thin, cut_out, &here, error);
     }
     if (result == MCV_OK) result = warn_names(loader->scene, thin, "rendered as thin walls, their volume is ignored", error);

@@ -121,10 +121,8 @@ static mcv_result load_primitive(mcv_loader *loader, const json_t *primitive, mc
         return mcv_scene_warn(loader->scene, error, "mesh \"%s\": a primitive without POSITION is left out", name);
     MCV_TRY(mcv_json_index(primitive, "material", json_array_size(json_object_get(loader->root, "materials")), "materials", &material,
                            place, error));
-    if (material == MCV_NONE)
-        MCV_TRY(mcv_load_plain(loader, &material, error));
-    else
-        material += loader->first_material;
+    material = material == MCV_NONE ? loader->asset_material : loader->materials[material];
+    if (material == MCV_NONE) MCV_TRY(mcv_load_plain(loader, &material, error));
     const bool directed = mcv_material_roughness(&loader->scene->materials[material]).anisotropy > 0;
     mcv_mesh mesh = {.name = strdup(name)};
     const mcv_result result =

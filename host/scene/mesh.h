@@ -17,6 +17,12 @@ mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_place *p
  */
 mcv_result mcv_mesh_make_tangents(mcv_mesh *mesh, const mcv_place *place, mcv_error *error);
 
+/*
+ * Vertex normals for a mesh whose every three positions are a triangle, as an STL file's are: continuous where faces meet at crease_angle
+ * [rad] or less, sharp elsewhere (normals.c). Takes the place of normals that it has.
+ */
+mcv_result mcv_mesh_make_normals(mcv_mesh *mesh, double crease_angle, const mcv_place *place, mcv_error *error);
+
 void mcv_mesh_free(mcv_mesh *mesh);
 
 /* Like mcv_scene_add_mesh, but takes over the arrays, which have passed mcv_mesh_check. On failure they are freed. */

@@ -188,6 +188,15 @@ static mcv_result set_member(setting *set, json_t *element, char *rest) {
             json_object_set_new(parent, members[i].key, members[i].absent ? json_loads(members[i].absent, 0, NULL) : json_null());
         return set_below(set, parent, member);
     }
+    for (size_t i = 0; i < 2 && strcmp(set->collection, "assets") == 0; ++i) { /* names may hold slashes: the rest is one of them */
+        static const char *const maps[] = {"materials", "nodeMaterials"};
+        const size_t n = strlen(maps[i]);
+        if (strncmp(rest, maps[i], n) != 0 || rest[n] != '/' || !rest[n + 1]) continue;
+        json_t *map = make_path(element, maps[i]);
+        if (!map) return fail(set, "%s is no object", maps[i]);
+        json_object_set(map, rest + n + 1, set->value);
+        return MCV_OK;
+    }
     if (strncmp(rest, "extensions/MCVISI_", 18) == 0) set->own = true;
     return set_below(set, element, rest);
 }

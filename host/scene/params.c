@@ -113,11 +113,12 @@ bool mcv_parse_quantity(const char *text, mcv_param_kind kind, double *value) {
     static const struct {
         const char *name;
         mcv_param_kind kind;
-        double si;
+        double si, times;
     } units[] = {
-        {"nm", MCV_PARAM_length, 1e9}, {"um", MCV_PARAM_length, 1e6},  {"µm", MCV_PARAM_length, 1e6},
-        {"mm", MCV_PARAM_length, 1e3}, {"cm", MCV_PARAM_length, 1e2},  {"m", MCV_PARAM_length, 1},
-        {"rad", MCV_PARAM_angle, 1},   {"mrad", MCV_PARAM_angle, 1e3}, {"deg", MCV_PARAM_angle, 180 / M_PI},
+        {"nm", MCV_PARAM_length, 1e9, 1},     {"um", MCV_PARAM_length, 1e6, 1},  {"µm", MCV_PARAM_length, 1e6, 1},
+        {"mm", MCV_PARAM_length, 1e3, 1},     {"cm", MCV_PARAM_length, 1e2, 1},  {"m", MCV_PARAM_length, 1, 1},
+        {"rad", MCV_PARAM_angle, 1, 1},       {"mrad", MCV_PARAM_angle, 1e3, 1}, {"deg", MCV_PARAM_angle, 180 / M_PI, 1},
+        {"inch", MCV_PARAM_length, 1e4, 254},
     };
     /* Digits only: strtod would take "inf", "nan" and hexadecimal too. */
     if (text[strspn(text, " +-.")] < '0' || text[strspn(text, " +-.")] > '9' || strchr(text, 'x') || strchr(text, 'X')) return false;
@@ -130,7 +131,7 @@ bool mcv_parse_quantity(const char *text, mcv_param_kind kind, double *value) {
     for (size_t i = 0; i < sizeof units / sizeof units[0]; ++i)
         if (strcmp(end, units[i].name) == 0 && (kind == units[i].kind || kind == MCV_PARAM_choice)) {
             /* Divided, because 1e6 is exact in binary and 1e-6 is not. */
-            *value = number / units[i].si;
+            *value = number * units[i].times / units[i].si;
             return true;
         }
     return false;
@@ -141,7 +142,7 @@ static const char *example(mcv_param_kind kind) {
     switch (kind) {
     case MCV_PARAM_length:
     case MCV_PARAM_length2:
-        return "a length in metres, or with a unit as in \"25mm\" (nm, um, mm, cm, m)";
+        return "a length in metres, or with a unit as in \"25mm\" (nm, um, mm, cm, m, inch)";
     case MCV_PARAM_angle:
         return "an angle in radians, or with a unit as in \"0.5deg\" (deg, mrad, rad)";
     case MCV_PARAM_integer:

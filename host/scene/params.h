@@ -10,11 +10,12 @@
 #define MCV_PARAM_ROW(kind, key, default_value, min, max, doc) \
     {MCV_PARAM_##kind, #key, offsetof(element_params, key), default_value, min, max, doc},
 
-/* MCVISI_pose (mcvisi/pose.h). */
+/* MCVISI_pose (mcvisi/pose.h), and the entries of MCVISI_assets (mcvisi/asset.h). */
 mcv_param_table mcv_pose_table(void);
+mcv_param_table mcv_asset_table(void);
 
 /*
- * A number with a unit, "3.45um" or "0.5 deg", in SI. `kind` says which units fit: lengths take nm um mm cm m, angles
+ * A number with a unit, "3.45um" or "0.5 deg", in SI. `kind` says which units fit: lengths take nm um mm cm m inch, angles
  * deg mrad rad, numbers none; MCV_PARAM_choice takes any of these. False where the text is not such a quantity.
  */
 bool mcv_parse_quantity(const char *text, mcv_param_kind kind, double *value);

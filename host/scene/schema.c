@@ -12,7 +12,7 @@ const char *const mcv_schema_names[] = {"MCVISI_sensors", "MCVISI_emitters", "MC
 static json_t *scalar_schema(const mcv_param *param) {
     json_t *schema = json_object();
     const char *units = NULL;
-    if (param->kind == MCV_PARAM_length || param->kind == MCV_PARAM_length2) units = "nm|um|µm|mm|cm|m";
+    if (param->kind == MCV_PARAM_length || param->kind == MCV_PARAM_length2) units = "nm|um|µm|mm|cm|m|inch";
     if (param->kind == MCV_PARAM_angle) units = "deg|mrad|rad";
     if (units) {
         json_object_set_new(schema, "type", json_pack("[s, s]", "number", "string"));
@@ -91,13 +91,25 @@ static json_t *pattern_schema(void) {
     return choice;
 }
 
+static json_t *material_schema(const char *description) {
+    return json_pack("{s:s, s:[s,s]}", "description", description, "type", "string", "integer");
+}
+
+static json_t *map_schema(const char *description) {
+    return json_pack("{s:s, s:s, s:{s:[s,s]}}", "description", description, "type", "object", "additionalProperties", "type", "string",
+                     "integer");
+}
+
 static json_t *asset_schema(void) {
-    json_t *properties = json_pack("{s:{s:s, s:s}, s:{s:s, s:[s,s,s,s,s], s:s}, s:{s:s, s:[s,s]}, s:{s:s}}", "uri", "description",
+    json_t *properties = json_pack("{s:{s:s, s:s}, s:{s:s, s:[s,s,s,s,s,s], s:s}, s:{s:s}}", "uri", "description",
                                    "a .gltf, .glb or .stl file beside the scene", "type", "string", "unit", "description",
                                    "unit of the file's lengths; of an .stl file it must be given", "enum", "nm", "um", "mm", "cm", "m",
-                                   "default", "m", "material", "description", "of an .stl file: a material of the scene, by name or index",
-                                   "type", "string", "integer", "name", "type", "string");
-    return object_schema(properties, json_pack("[s]", "uri"), (mcv_param_table){0});
+                                   "inch", "default", "m", "name", "type", "string");
+    json_object_set_new(properties, "material", material_schema("a material of the scene, by name or index, for all of the file"));
+    json_object_set_new(properties, "materials", map_schema("of a glTF file: {\"NAME\": material of the scene}, by the file's materials"));
+    json_object_set_new(properties, "nodeMaterials",
+                        map_schema("of a glTF file: {\"NAME\": material of the scene}, for the file's nodes of this name and all below"));
+    return object_schema(properties, json_pack("[s]", "uri"), mcv_asset_table());
 }
 
 static json_t *pose_schema(void) {
@@ -113,10 +125,6 @@ static json_t *spectrum_schema(void) {
     json_t *wavelengths = json_pack("{s:s, s:[o, o]}", "description", "that red, green and blue stand for, or one for a grey scene [m]",
                                     "anyOf", scalar_schema(&length), three);
     return object_schema(json_pack("{s:o}", "wavelengths", wavelengths), json_pack("[s]", "wavelengths"), (mcv_param_table){0});
-}
-
-static json_t *material_schema(const char *description) {
-    return json_pack("{s:s, s:[s,s]}", "description", description, "type", "string", "integer");
 }
 
 static json_t *asphere_schema(void) {
