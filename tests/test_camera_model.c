@@ -165,10 +165,10 @@ static void expect_same(const mcv_camera_model *a, const mcv_camera_model *b) {
     assert_true(a->focused_depth == b->focused_depth || (!isfinite(a->focused_depth) && !isfinite(b->focused_depth)));
     assert_true(a->f_number == b->f_number || (isnan(a->f_number) && isnan(b->f_number)));
     assert_true(a->bits == b->bits || (isnan(a->bits) && isnan(b->bits)));
-    assert_int_equal(a->frame_count, b->frame_count);
-    for (uint32_t i = 0; i < a->frame_count; ++i) {
-        assert_string_equal(a->frames[i].name, b->frames[i].name);
-        assert_memory_equal(&a->frames[i].to_world, &b->frames[i].to_world, sizeof a->frames[i].to_world);
+    assert_int_equal(a->node_count, b->node_count);
+    for (uint32_t i = 0; i < a->node_count; ++i) {
+        assert_string_equal(a->nodes[i].name, b->nodes[i].name);
+        assert_memory_equal(&a->nodes[i].to_world, &b->nodes[i].to_world, sizeof a->nodes[i].to_world);
     }
 }
 
@@ -250,12 +250,12 @@ static void test_nodes_by_name(void **state) {
     BUILD(mcv_scene_add_frame(scene, "bolt", true, &there, &error));
     BUILD(mcv_scene_add_frame(scene, "", false, &there, &error));
     BUILD(mcv_camera_model_of(scene, scene->sensors, &model, &error));
-    assert_int_equal(model.frame_count, 4);
-    BUILD(mcv_camera_model_frame(&model, "part", "--edge", &frame, &error)); /* the rig's */
+    assert_int_equal(model.node_count, 4);
+    BUILD(mcv_camera_model_node(&model, "part", "--edge", &frame, &error)); /* the rig's */
     assert_true(frame->to_world.m[9] == 4);
-    assert_int_equal(mcv_camera_model_frame(&model, "bolt", "--edge", &frame, &error), MCV_USAGE);
+    assert_int_equal(mcv_camera_model_node(&model, "bolt", "--edge", &frame, &error), MCV_USAGE);
     assert_non_null(strstr(error.text, "2 nodes"));
-    assert_int_equal(mcv_camera_model_frame(&model, "patr", "--edge", &frame, &error), MCV_USAGE);
+    assert_int_equal(mcv_camera_model_node(&model, "patr", "--edge", &frame, &error), MCV_USAGE);
     assert_non_null(strstr(error.text, "did you mean \"part\""));
     mcv_camera_model_free(&model);
     mcv_scene_free(scene);
@@ -285,11 +285,11 @@ static void test_nodes_of_a_file(void **state) {
     char *path = write_bytes("camera_model.gltf", rig, strlen(rig));
     BUILD(mcv_scene_load(path, (mcv_overrides){NULL, 0}, &scene, &builder_error));
     BUILD(mcv_camera_model_of(scene, scene->sensors, &model, &builder_error));
-    assert_int_equal(model.frame_count, 3);
-    BUILD(mcv_camera_model_frame(&model, "part", "", &frame, &builder_error));
+    assert_int_equal(model.node_count, 3);
+    BUILD(mcv_camera_model_node(&model, "part", "", &frame, &builder_error));
     mcv_transform_point(&frame->to_world, (const double[3]){1e-3, 2e-3, 3e-3}, world); /* metres, whatever the scale */
     assert_true(fabs(world[0] - 8e-3) < 1e-15 && fabs(world[1] - 21e-3) < 1e-15 && fabs(world[2] - 33e-3) < 1e-15);
-    BUILD(mcv_camera_model_frame(&model, "hole", "", &frame, &builder_error));
+    BUILD(mcv_camera_model_node(&model, "hole", "", &frame, &builder_error));
     mcv_transform_point(&frame->to_world, (const double[3]){0, 0, 0}, world);
     assert_true(fabs(world[0] - 10e-3) < 1e-15 && fabs(world[1] - 25e-3) < 1e-15);
     mcv_camera_model_free(&model);
@@ -346,7 +346,7 @@ static void test_every_file_tells(void **state) {
             if (!(fabs(pixel[0] / (1 + resized) - 116) <= bound && fabs(pixel[1] / (1 + resized) + 42) <= bound))
                 fail_msg("%s: (%.9f, %.9f) instead of (116, -42), times %d", files[i], pixel[0], pixel[1], 1 + resized);
             assert_true(fabs(model.object_pixel[0] * (1 + resized) - 20e-6) < 1e-18);
-            assert_int_equal(model.frame_count, 3);
+            assert_int_equal(model.node_count, 3);
             if (i < 2)
                 assert_true(isnan(model.bits));
             else

@@ -3,10 +3,13 @@
 #include "analysis/edge.h"
 #include "cli/metrics.h"
 #include "cli/options.h"
+#include "cli/places.h"
 #include "cli/report.h"
 #include "cli/sensor.h"
 #include "core/basics.h"
 #include "output/exr.h"
+#include "output/file.h"
+#include "output/grid.h"
 #include "output/values.h"
 #include "scene/sensors.h"
 
@@ -23,6 +26,8 @@ typedef struct subject {
     bool whole;        /* a file of whole numbers */
     double largest;    /* grey value, NaN where that is not known */
     double pixel[2];   /* width and height in the object plane [m], 0: not known */
+    mcv_camera_model model;
+    bool has_model;
     char unit[64];
     mcv_roi *regions, background; /* background.inside: NULL without one */
     size_t region_count;
@@ -31,13 +36,23 @@ typedef struct subject {
 
 /* --- reading ---------------------------------------------------------------------------------------------------- */
 
-static void read_scale(const mcv_exr *exr, subject *s) {
-    const double *size = mcv_exr_numbers(exr, "mcvisi:pixelSize", 2), *binning = mcv_exr_numbers(exr, "mcvisi:binning", 2);
-    const double *given = mcv_exr_numbers(exr, "mcvisi:magnification", 1), *f = mcv_exr_numbers(exr, "mcvisi:focalLength", 1);
-    const double *b = mcv_exr_numbers(exr, "mcvisi:imageDistance", 1);
-    const double magnification = given ? *given : f && b ? *b / *f - 1 : 0;
-    if (!size || !(magnification > 0) || mcv_exr_attribute(exr, "mcvisi:angularResolution")) return;
-    for (int i = 0; i < 2; ++i) s->pixel[i] = size[i] * (binning ? binning[i] : 1) / magnification;
+/* What the model tells of the image, if it is its model. */
+static void take_model(subject *s, mcv_camera_model *model) {
+    const mcv_image *values = &s->readings.values;
+    mcv_camera_model_free(&s->model);
+    s->model = *model;
+    s->has_model = mcv_camera_model_fit(&s->model, values->width, values->height);
+    for (int i = 0; i < 2; ++i) s->pixel[i] = s->has_model && s->model.macro[0] * s->model.macro[1] == 1 ? s->model.object_pixel[i] : 0;
+}
+
+static mcv_result read_model(const char *text, const char *path, subject *s, mcv_error *error) {
+    mcv_camera_model model;
+    bool is_one;
+    MCV_TRY(mcv_camera_model_read(text, path, &model, &is_one, error));
+    if (!is_one) return MCV_OK;
+    take_model(s, &model);
+    if (s->has_model && isfinite(s->model.bits)) s->largest = exp2(s->model.bits) - 1;
+    return MCV_OK;
 }
 
 static mcv_result read_exr(const char *path, subject *s, mcv_error *error) {
@@ -48,8 +63,9 @@ static mcv_result read_exr(const char *path, subject *s, mcv_error *error) {
     const double *bits = mcv_exr_numbers(&exr, "mcvisi:bits", 1);
     snprintf(s->unit, sizeof s->unit, "%s", unit && unit->text ? unit->text : "");
     s->largest = bits ? exp2(*bits) - 1 : NAN;
-    read_scale(&exr, s);
+    const mcv_attribute *model = mcv_exr_attribute(&exr, MCV_CAMERA_MODEL_KEY);
     mcv_result result = mcv_choose_channel(s->command->channel, path, image, false, &s->readings.values, error);
+    if (result == MCV_OK) result = read_model(model ? model->text : NULL, path, s, error);
     const mcv_image *deviation = mcv_exr_error(&exr);
     if (result == MCV_OK && deviation) {
         result = mcv_choose_channel(s->command->channel, path, deviation, true, &s->readings.deviation, error);
@@ -62,7 +78,8 @@ static mcv_result read_exr(const char *path, subject *s, mcv_error *error) {
 static mcv_result read_values(const char *path, subject *s, mcv_error *error) {
     mcv_image image;
     MCV_TRY(mcv_values_read(path, &image, error));
-    const mcv_result result = mcv_choose_channel(s->command->channel, path, &image, false, &s->readings.values, error);
+    mcv_result result = mcv_choose_channel(s->command->channel, path, &image, false, &s->readings.values, error);
+    if (result == MCV_OK) result = read_model(image.description, path, s, error);
     mcv_image_free(&image);
     s->whole = true;
     for (size_t i = 0; result == MCV_OK && s->whole && i < (size_t)s->readings.values.width * s->readings.values.height; ++i)
@@ -95,6 +112,7 @@ static mcv_result read_subject(const mcv_command *command, const char *path, sub
 static void free_subject(subject *s) {
     mcv_image_free(&s->readings.values);
     mcv_image_free(&s->readings.deviation);
+    mcv_camera_model_free(&s->model);
     mcv_roi_free(&s->background);
     for (size_t i = 0; i < s->region_count; ++i) mcv_roi_free(s->regions + i);
 }
@@ -123,16 +141,17 @@ static mcv_result scale_by_scene(subject *s, mcv_error *error) {
     mcv_result result = scene->sensor_count ? MCV_OK : mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor", c->scene);
     if (result == MCV_OK && c->sensor) result = mcv_sensor_find(scene, c->sensor, &sensor, error);
     if (result == MCV_OK) {
-        const mcv_readout readout = mcv_sensor_readout(scene->sensors + sensor);
+        mcv_camera_model model;
         const double magnification = mcv_sensor_optics(scene->sensors + sensor).magnification;
         mcv_sensor_film_size(scene->sensors + sensor, &width, &height);
-        if (width != s->readings.values.width || height != s->readings.values.height)
+        result = mcv_camera_model_of(scene, scene->sensors + sensor, &model, error);
+        if (result == MCV_OK) take_model(s, &model);
+        if (result == MCV_OK && !s->has_model)
             result = mcv_fail(error, MCV_BAD_INPUT, "%s has %u x %u pixels, but sensor %s of %s %u x %u", c->argument,
                               s->readings.values.width, s->readings.values.height, scene->sensors[sensor].name, c->scene, width, height);
-        else if (!(magnification > 0))
+        else if (result == MCV_OK && !(magnification > 0))
             result =
                 mcv_fail(error, MCV_BAD_INPUT, "%s: sensor %s has no plane in focus to measure in", c->scene, scene->sensors[sensor].name);
-        for (int i = 0; i < 2; ++i) s->pixel[i] = readout.pitch[i] * readout.binning[i] / magnification;
     }
     mcv_scene_free(scene);
     return result;
@@ -275,6 +294,47 @@ static void report_edges(const subject *s, mcv_report *report) {
     if (count > 1) mcv_report_close(report);
 }
 
+/* --- the grid --------------------------------------------------------------------------------------------------- */
+
+/* The boxes of "[NAME=]X,Y,W,H[+X,Y,W,H…]"; other forms are left out. */
+static void draw_boxes(mcv_grid *grid, const mcv_list *list) {
+    for (size_t i = 0; i < list->count; ++i) {
+        char name[64];
+        const char *rest;
+        double box[4];
+        char *copy = strdup(list->items[i]), *next = NULL;
+        mcv_roi_numbers(list->items[i], i + 1, name, &rest, box, 4);
+        for (char *place = copy ? strtok_r(copy, "+", &next) : NULL; place; place = strtok_r(NULL, "+", &next)) {
+            char ignored[64];
+            if (mcv_roi_numbers(place, i + 1, ignored, &rest, box, 4) == 4) mcv_grid_box(grid, name, box);
+        }
+        free(copy);
+    }
+}
+
+static mcv_result draw_grid(subject *s, mcv_error *error) {
+    const char *text = s->command->grid, *equals = strchr(text, '='), *path = equals ? equals + 1 : text;
+    const mcv_placement *node = NULL;
+    mcv_grid grid;
+    if (equals && !s->has_model)
+        return mcv_fail(error, MCV_USAGE, "--grid %s: the image's header does not say where the node lies: give --scene, or leave it out",
+                        text);
+    if (equals) {
+        char *name = strndup(text, (size_t)(equals - text));
+        const mcv_result found = name ? mcv_camera_model_node(&s->model, name, "--grid", &node, error) : MCV_FAILED;
+        free(name);
+        MCV_TRY(found);
+    } else if (s->has_model && s->model.node_count) {
+        node = s->model.nodes;
+    }
+    if (mcv_same_file(path, s->command->argument)) return mcv_fail(error, MCV_USAGE, "--grid %s is the image: give it another name", path);
+    MCV_TRY(mcv_grid_begin(&grid, &s->readings.values, s->has_model ? &s->model : NULL, node, error));
+#define MCV_X(field, name) draw_boxes(&grid, &s->command->field);
+    MCV_PLACE_OPTIONS(MCV_X)
+#undef MCV_X
+    return mcv_grid_write(&grid, path, error);
+}
+
 /* --- the verb --------------------------------------------------------------------------------------------------- */
 
 static mcv_result report_all(subject *s, mcv_error *error) {
@@ -293,11 +353,24 @@ static mcv_result report_all(subject *s, mcv_error *error) {
 
 /* All that may fail comes before the first word of the report. */
 static mcv_result measure(subject *s, mcv_error *error) {
-    if (s->command->minus) MCV_TRY(subtract(s, error));
-    if (s->command->scene) MCV_TRY(scale_by_scene(s, error));
     MCV_TRY(parse_regions(s, error));
     MCV_TRY(find_edges(s, error));
     return report_all(s, error);
+}
+
+/* With all places in pixels. The drawing comes first: it shows where they lie, though there may be no edge. */
+static mcv_result measure_places(subject *s, mcv_error *error) {
+    const mcv_command *given = s->command;
+    mcv_command resolved;
+    if (given->minus) MCV_TRY(subtract(s, error));
+    if (given->scene) MCV_TRY(scale_by_scene(s, error));
+    mcv_result result = mcv_places_resolve(given, s->has_model ? &s->model : NULL, &resolved, error);
+    s->command = &resolved;
+    if (result == MCV_OK && given->grid) result = draw_grid(s, error);
+    if (result == MCV_OK) result = measure(s, error);
+    s->command = given;
+    mcv_places_free(&resolved);
+    return result;
 }
 
 mcv_result mcv_verb_measure(const mcv_command *command, mcv_error *error) {
@@ -312,7 +385,7 @@ mcv_result mcv_verb_measure(const mcv_command *command, mcv_error *error) {
     mcv_result result = read_subject(command, command->argument, &s, error);
     s.regions = regions;
     s.edges = edges;
-    if (result == MCV_OK) result = measure(&s, error);
+    if (result == MCV_OK) result = measure_places(&s, error);
     free_subject(&s);
     free(regions);
     free(edges);

@@ -151,13 +151,15 @@ enum {
       "rows `cycles per mm on the sensor, modulation`; never on light field images") \
     X(list, region, "region", 0, "[NAME=]X,Y,W,H", MCV_IN_FIGURES, NULL, 0, 0, \
       "where to measure, in pixels from the top-left corner: a rectangle, a polygon X,Y,X,Y,X,Y,… or an image F.png whose pixels above 0 " \
-      "belong to it; may be repeated; by default the whole image") \
+      "belong to it; or a rectangle on the part, see --edge; may be repeated; by default the whole image") \
     X(text, background, "background", 0, "REGION", MCV_IN_FIGURES, NULL, 0, 0, \
       "the region that the others stand out of: gives Weber and Michelson contrast and the contrast-to-noise ratio") \
     X(list, edge, "edge", 0, "[NAME=]X,Y,W,H", MCV_IN_FIGURES, NULL, 0, 0, \
       "a rectangle with one straight edge in it: gives its position and, where it is tilted, the modulation transfer function (ISO " \
       "12233); " \
-      "may be repeated: gives the distances from the first") \
+      "may be repeated: gives the distances from the first. @NODE:X,Y,Z,W,H instead of X,Y,W,H is a rectangle W wide and H high in the " \
+      "image " \
+      "about a place in the coordinates of a node, all lengths with units, as in left=@part:-20mm,0mm,3mm,2mm,4mm") \
     X(text, minus, "minus", 0, "OTHER", MCV_IN_MEASURE, NULL, 0, 0, "measure in the difference IMAGE - OTHER") \
     X(choice, channel, "channel", 0, "mean|red|green|blue", MCV_IN_FIGURES, "mean", 0, 0, "of colour images") \
     X(number, noise, "noise", 0, "S", MCV_IN_MEASURE, NULL, 0, 1e30, \
@@ -166,6 +168,10 @@ enum {
       "estimated from the differences of neighbours") \
     X(text, scene, "scene", 0, "SCENE", MCV_IN_MEASURE, NULL, 0, 0, \
       "the scene of an image whose header does not give the scale: lengths in its plane in focus") \
+    X(text, grid, "grid", 0, "[NODE=]F.png", MCV_IN_MEASURE, NULL, 0, 0, \
+      "draw the image with its pixels, the millimetres of the node's coordinates in the plane in focus and the places given; by default " \
+      "of " \
+      "the first node that the header names") \
     X(list, vary, "vary", 0, "PATH=VALUES", MCV_IN_SWEEP, NULL, 0, 0, \
       "a parameter of the scene, a path as for --set, and FROM..TO:N, FROM..TO:N:log or A,B,C, as in --vary " \
       "emitters/back/halfAngle=0.1deg..2deg:8; in expressions and the table it is called by the end of its path, halfAngle; may be " \

@@ -205,8 +205,7 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
     return result;
 }
 
-/* Where the scene's points lie in the image. */
-static mcv_result describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image, mcv_error *error) {
+mcv_result mcv_picture_describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image, mcv_error *error) {
     mcv_camera_model model;
     MCV_TRY(mcv_camera_model_of(scene, scene->sensors + sensor, &model, error));
     image->description = mcv_camera_model_write(&model);
@@ -219,7 +218,7 @@ mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *comm
                              mcv_error *error) {
     mcv_exr_part parts[MAX_PARTS] = {{.name = "image"}, {.name = "error"}};
     mcv_result result = mcv_film_develop(film, &parts[0].image, &parts[1].image, error);
-    if (result == MCV_OK) result = describe(scene, sensor, &parts[0].image, error);
+    if (result == MCV_OK) result = mcv_picture_describe(scene, sensor, &parts[0].image, error);
     /* One replicate has no spread, and so no known error. */
     uint32_t count = film->replicates > 1 ? 2 : 1;
     const uint32_t replicates = command->parts && film->replicates > 1 ? film->replicates : 0;

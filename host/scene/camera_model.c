@@ -34,16 +34,16 @@ static double image_distance(const mcv_sensor *sensor) {
 /* The rig's nodes first. */
 static mcv_result copy_frames(const mcv_scene *scene, mcv_camera_model *model, mcv_error *error) {
     const uint32_t count = scene->frame_count;
-    model->frames = calloc((size_t)count + 1, sizeof *model->frames);
-    if (!model->frames) return mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model", scene->path);
+    model->nodes = calloc((size_t)count + 1, sizeof *model->nodes);
+    if (!model->nodes) return mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model", scene->path);
     for (int of_asset = 0; of_asset < 2; ++of_asset)
         for (uint32_t i = 0; i < count; ++i) {
             if (scene->frames[i].of_asset != (of_asset != 0)) continue;
-            mcv_placement *frame = model->frames + model->frame_count;
+            mcv_placement *frame = model->nodes + model->node_count;
             *frame = scene->frames[i];
             frame->name = strdup(scene->frames[i].name);
             if (!frame->name) return mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model", scene->path);
-            ++model->frame_count;
+            ++model->node_count;
         }
     return MCV_OK;
 }
@@ -83,9 +83,22 @@ mcv_result mcv_camera_model_of(const mcv_scene *scene, const mcv_sensor *sensor,
 }
 
 void mcv_camera_model_free(mcv_camera_model *model) {
-    for (uint32_t i = 0; i < model->frame_count; ++i) free(model->frames[i].name);
-    free(model->frames);
+    for (uint32_t i = 0; i < model->node_count; ++i) free(model->nodes[i].name);
+    free(model->nodes);
     *model = (mcv_camera_model){0};
+}
+
+bool mcv_camera_model_fit(mcv_camera_model *model, uint32_t width, uint32_t height) {
+    const uint32_t size[2] = {width, height};
+    if (width == model->size[0] && height == model->size[1]) return true;
+    if (width * model->macro[0] != model->size[0] || height * model->macro[1] != model->size[1]) return false;
+    for (int i = 0; i < 2; ++i) {
+        model->k[4 * i] /= model->macro[i];
+        model->k[3 * i + 2] /= model->macro[i];
+        model->size[i] = size[i];
+        model->macro[i] = 1;
+    }
+    return true;
 }
 
 /* --- projection ------------------------------------------------------------------------------------------------- */
@@ -136,26 +149,26 @@ void mcv_camera_model_unproject(const mcv_camera_model *model, const double pixe
 /* How many nodes have the name, of the rig or of its assets; *frame is the last. */
 static uint32_t count_named(const mcv_camera_model *model, const char *name, bool of_asset, const mcv_placement **frame) {
     uint32_t count = 0;
-    for (uint32_t i = 0; i < model->frame_count; ++i) {
-        if (model->frames[i].of_asset != of_asset || strcmp(model->frames[i].name, name) != 0) continue;
-        *frame = model->frames + i;
+    for (uint32_t i = 0; i < model->node_count; ++i) {
+        if (model->nodes[i].of_asset != of_asset || strcmp(model->nodes[i].name, name) != 0) continue;
+        *frame = model->nodes + i;
         ++count;
     }
     return count;
 }
 
-mcv_result mcv_camera_model_frame(const mcv_camera_model *model, const char *name, const char *what, const mcv_placement **frame,
-                                  mcv_error *error) {
+mcv_result mcv_camera_model_node(const mcv_camera_model *model, const char *name, const char *what, const mcv_placement **frame,
+                                 mcv_error *error) {
     const uint32_t rigs = count_named(model, name, false, frame), found = rigs ? rigs : count_named(model, name, true, frame);
     if (found == 1) return MCV_OK;
     if (found > 1) return mcv_fail(error, MCV_USAGE, "%s: %u nodes are called \"%s\": give them names of their own", what, found, name);
-    const char **names = calloc((size_t)model->frame_count + 1, sizeof *names);
-    for (uint32_t i = 0; names && i < model->frame_count; ++i) names[i] = model->frames[i].name;
-    const char *nearest = names ? mcv_nearest_word(name, names, model->frame_count) : NULL;
+    const char **names = calloc((size_t)model->node_count + 1, sizeof *names);
+    for (uint32_t i = 0; names && i < model->node_count; ++i) names[i] = model->nodes[i].name;
+    const char *nearest = names ? mcv_nearest_word(name, names, model->node_count) : NULL;
     free((void *)names);
     if (nearest) return mcv_fail(error, MCV_USAGE, "%s: there is no node \"%s\"; did you mean \"%s\"?", what, name, nearest);
-    return mcv_fail(error, MCV_USAGE, "%s: there is no node \"%s\" among the %u that it names%s", what, name, model->frame_count,
-                    model->frame_count == MCV_CAMERA_MODEL_FRAMES ? ": --scene knows all" : "");
+    return mcv_fail(error, MCV_USAGE, "%s: there is no node \"%s\" among the %u that it names%s", what, name, model->node_count,
+                    model->node_count == MCV_CAMERA_MODEL_NODES ? ": --scene knows all" : "");
 }
 
 /* --- JSON ------------------------------------------------------------------------------------------------------- */
@@ -222,8 +235,7 @@ char *mcv_camera_model_write(const mcv_camera_model *model) {
     put_number(object, "bits", model->bits);
     put_number(object, "blackLevel", model->black_level);
     put_number(object, "gain", model->gain);
-    for (uint32_t i = 0; i < model->frame_count && i < MCV_CAMERA_MODEL_FRAMES; ++i)
-        json_array_append_new(nodes, node_of(model->frames + i));
+    for (uint32_t i = 0; i < model->node_count && i < MCV_CAMERA_MODEL_NODES; ++i) json_array_append_new(nodes, node_of(model->nodes + i));
     json_object_set_new(object, "nodes", nodes);
     char *text = json_dumps(object, JSON_COMPACT | JSON_ENSURE_ASCII | JSON_REAL_PRECISION(17));
     json_decref(object);
@@ -268,12 +280,12 @@ static mcv_result get_nodes(const json_t *object, mcv_camera_model *model, const
     const json_t *node;
     MCV_TRY(json_array_size(json_object_get(object, "nodes")) ? mcv_json_array(object, "nodes", &nodes, where, error) : MCV_OK);
     nodes = json_object_get(object, "nodes");
-    model->frames = calloc(json_array_size(nodes) + 1, sizeof *model->frames);
-    if (!model->frames) return mcv_fail_memory(where, error);
+    model->nodes = calloc(json_array_size(nodes) + 1, sizeof *model->nodes);
+    if (!model->nodes) return mcv_fail_memory(where, error);
     json_array_foreach(nodes, i, node) {
         const mcv_place here = mcv_place_index(&list, i);
         double matrix[12];
-        mcv_placement *frame = model->frames + model->frame_count;
+        mcv_placement *frame = model->nodes + model->node_count;
         MCV_TRY(get_matrix(node, "toWorld", 3, 4, matrix, &here, error));
         for (int k = 0; k < 3; ++k) {
             for (int j = 0; j < 3; ++j) frame->to_world.m[3 * k + j] = matrix[4 * k + j];
@@ -282,7 +294,7 @@ static mcv_result get_nodes(const json_t *object, mcv_camera_model *model, const
         frame->of_asset = json_is_true(json_object_get(node, "ofAsset"));
         frame->name = strdup(mcv_json_name(node));
         if (!frame->name) return mcv_fail_memory(where, error);
-        ++model->frame_count;
+        ++model->node_count;
     }
     return MCV_OK;
 }

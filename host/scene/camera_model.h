@@ -26,7 +26,7 @@
 #define MCV_CAMERA_MODEL_KEY "mcvisi:cameraModel"
 
 /* So many nodes stand in a header, the rig's before those of its assets. */
-enum { MCV_CAMERA_MODEL_FRAMES = 64 };
+enum { MCV_CAMERA_MODEL_NODES = 64 };
 
 typedef struct mcv_camera_model {
     bool telecentric;
@@ -42,13 +42,19 @@ typedef struct mcv_camera_model {
     double f_number;        /* working, on the image side; NaN of a pinhole */
     double numerical_aperture;      /* on the object side; NaN of a pinhole */
     double bits, black_level, gain; /* of grey values [1, DN, DN/e-]; NaN of light */
-    uint32_t frame_count;
-    mcv_placement *frames; /* owned; named nodes of the scene */
+    uint32_t node_count;
+    mcv_placement *nodes; /* owned; named nodes of the scene */
 } mcv_camera_model;
 
 /* Of a sensor of the scene, with its nodes. MCV_FAILED without memory. */
 mcv_result mcv_camera_model_of(const mcv_scene *scene, const mcv_sensor *sensor, mcv_camera_model *model, mcv_error *error);
 void mcv_camera_model_free(mcv_camera_model *model);
+
+/*
+ * Makes it that of an image of another size, in which each macro pixel is one pixel (a gradient, a view). False where the image is neither
+ * that nor the whole: then the model says nothing of it.
+ */
+bool mcv_camera_model_fit(mcv_camera_model *model, uint32_t width, uint32_t height);
 
 /* Column and row of a point of the world [m]; false where it does not lie before a perspective camera. */
 bool mcv_camera_model_project(const mcv_camera_model *model, const double world[3], double pixel[2]);
@@ -62,8 +68,8 @@ void mcv_camera_model_unproject(const mcv_camera_model *model, const double pixe
 
 /* A node by its name, the rig's before its assets'. MCV_USAGE where there is none or several, with the nearest name. `what` is where to
  * look, for the message. */
-mcv_result mcv_camera_model_frame(const mcv_camera_model *model, const char *name, const char *what, const mcv_placement **frame,
-                                  mcv_error *error);
+mcv_result mcv_camera_model_node(const mcv_camera_model *model, const char *name, const char *what, const mcv_placement **frame,
+                                 mcv_error *error);
 
 /* As JSON, ASCII, on one line; the caller frees it. NULL without memory. Every number is read back bit for bit. */
 char *mcv_camera_model_write(const mcv_camera_model *model);
