@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi measure: figures of regions and edges of an image. */
 #include "analysis/edge.h"
+#include "analysis/growth.h"
 #include "cli/metrics.h"
 #include "cli/options.h"
 #include "cli/places.h"
@@ -31,7 +32,10 @@ typedef struct subject {
     char unit[64];
     mcv_roi *regions, background; /* background.inside: NULL without one */
     size_t region_count;
-    mcv_edge *edges; /* as many as --edge */
+    mcv_edge *edges;       /* as many as --edge */
+    mcv_quantity *growths; /* of --nominal, of each edge [m]; else NULL */
+    mcv_scene *scene;      /* of --scene, or NULL */
+    uint32_t sensor;
 } subject;
 
 /* --- reading ---------------------------------------------------------------------------------------------------- */
@@ -115,6 +119,8 @@ static void free_subject(subject *s) {
     mcv_camera_model_free(&s->model);
     mcv_roi_free(&s->background);
     for (size_t i = 0; i < s->region_count; ++i) mcv_roi_free(s->regions + i);
+    free(s->growths);
+    mcv_scene_free(s->scene);
 }
 
 static mcv_result subtract(subject *s, mcv_error *error) {
@@ -135,26 +141,21 @@ static mcv_result subtract(subject *s, mcv_error *error) {
 
 static mcv_result scale_by_scene(subject *s, mcv_error *error) {
     const mcv_command *c = s->command;
-    mcv_scene *scene;
-    uint32_t sensor = 0, width, height;
-    MCV_TRY(mcv_scene_load(c->scene, (mcv_overrides){c->set.items, c->set.count}, &scene, error));
-    mcv_result result = scene->sensor_count ? MCV_OK : mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor", c->scene);
-    if (result == MCV_OK && c->sensor) result = mcv_sensor_find(scene, c->sensor, &sensor, error);
-    if (result == MCV_OK) {
-        mcv_camera_model model;
-        const double magnification = mcv_sensor_optics(scene->sensors + sensor).magnification;
-        mcv_sensor_film_size(scene->sensors + sensor, &width, &height);
-        result = mcv_camera_model_of(scene, scene->sensors + sensor, &model, error);
-        if (result == MCV_OK) take_model(s, &model);
-        if (result == MCV_OK && !s->has_model)
-            result = mcv_fail(error, MCV_BAD_INPUT, "%s has %u x %u pixels, but sensor %s of %s %u x %u", c->argument,
-                              s->readings.values.width, s->readings.values.height, scene->sensors[sensor].name, c->scene, width, height);
-        else if (result == MCV_OK && !(magnification > 0))
-            result =
-                mcv_fail(error, MCV_BAD_INPUT, "%s: sensor %s has no plane in focus to measure in", c->scene, scene->sensors[sensor].name);
-    }
-    mcv_scene_free(scene);
-    return result;
+    uint32_t width, height;
+    mcv_camera_model model;
+    MCV_TRY(mcv_scene_load(c->scene, (mcv_overrides){c->set.items, c->set.count}, &s->scene, error));
+    if (s->scene->sensor_count == 0) return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor", c->scene);
+    if (c->sensor) MCV_TRY(mcv_sensor_find(s->scene, c->sensor, &s->sensor, error));
+    const mcv_sensor *sensor = s->scene->sensors + s->sensor;
+    mcv_sensor_film_size(sensor, &width, &height);
+    MCV_TRY(mcv_camera_model_of(s->scene, sensor, &model, error));
+    take_model(s, &model);
+    if (!s->has_model)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s has %u x %u pixels, but sensor %s of %s %u x %u", c->argument, s->readings.values.width,
+                        s->readings.values.height, sensor->name, c->scene, width, height);
+    if (!(mcv_sensor_optics(sensor).magnification > 0))
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: sensor %s has no plane in focus to measure in", c->scene, sensor->name);
+    return MCV_OK;
 }
 
 /* --- regions ---------------------------------------------------------------------------------------------------- */
@@ -251,7 +252,8 @@ static double scale_along(const subject *s, const double direction[2]) {
     return s->pixel[0] > 0 ? hypot(direction[0] * s->pixel[0], direction[1] * s->pixel[1]) : NAN;
 }
 
-static void report_edge(const subject *s, mcv_report *report, const mcv_edge *edge) {
+static void report_edge(const subject *s, mcv_report *report, size_t index) {
+    const mcv_edge *edge = s->edges + index;
     const double scale = scale_along(s, edge->normal);
     mcv_report_element(report, edge->name, "edge");
     mcv_report_numbers(report, "point", "pixels", ", ", edge->point, 2);
@@ -261,12 +263,27 @@ static void report_edge(const subject *s, mcv_report *report, const mcv_edge *ed
     put(report, "bright", s->unit, edge->bright);
     put(report, "width_10_90", "pixels", edge->width_10_90);
     mcv_report_quantity(report, "width_10_90_length", "m", edge->width_10_90.value * scale, edge->width_10_90.uncertainty * scale);
+    if (s->growths) put(report, "growth", "m", s->growths[index]);
     report_spread(s, report, edge);
     mcv_report_close(report);
 }
 
-static void report_distance(const subject *s, mcv_report *report, const mcv_edge *a, const mcv_edge *b) {
+/*
+ * Takes off what both edges have grown towards their brighter sides. Both growths are uncertain for the same reasons: their uncertainties
+ * add as they stand.
+ */
+static mcv_quantity without_growth(const subject *s, size_t a, size_t b, mcv_quantity distance) {
+    const double *na = s->edges[a].normal, *nb = s->edges[b].normal, turn = na[0] * nb[0] + na[1] * nb[1];
+    const mcv_quantity ga = s->growths[a], gb = s->growths[b];
+    const double pa = scale_along(s, na), pb = scale_along(s, nb);
+    const double unknown = ga.uncertainty / pa - turn * gb.uncertainty / pb;
+    return (mcv_quantity){distance.value + ga.value / pa - turn * gb.value / pb, hypot(distance.uncertainty, unknown)};
+}
+
+static void report_distance(const subject *s, mcv_report *report, size_t first, size_t other) {
+    const mcv_edge *a = s->edges + first, *b = s->edges + other;
     mcv_quantity d = mcv_edge_distance(a, b);
+    if (s->growths) d = without_growth(s, first, other, d);
     d.value = fabs(d.value);
     const double scale = scale_along(s, a->normal);
     char name[136];
@@ -284,13 +301,41 @@ static mcv_result find_edges(subject *s, mcv_error *error) {
     return MCV_OK;
 }
 
+/* What can be told apart of a part's contour: edges lie where they are seen within the growth, a few pixels. */
+static const double reach = 2;
+
+/* Of --nominal: how far each edge has grown. */
+static mcv_result find_growths(subject *s, mcv_error *error) {
+    const mcv_command *c = s->command;
+    mcv_growth growth;
+    if (!s->scene) return mcv_fail(error, MCV_USAGE, "--nominal needs the part and its light: give --scene");
+    const mcv_sensor *sensor = s->scene->sensors + s->sensor;
+    if (sensor->type != MCV_SENSOR_TELECENTRIC)
+        return mcv_fail(error, MCV_USAGE, "--nominal: sensor %s is not telecentric: perspective says which rim of the part is seen",
+                        sensor->name);
+    if (!mcv_growth_of(s->scene, sensor, &growth))
+        return mcv_fail(error, MCV_USAGE, "--nominal: %s has no flat emitter that faces sensor %s behind an opaque part, so no edge grows",
+                        c->scene, sensor->name);
+    s->growths = calloc(c->edge.count + 1, sizeof *s->growths);
+    if (!s->growths) return mcv_fail(error, MCV_FAILED, "no memory for the growth of edges");
+    for (size_t i = 0; i < c->edge.count; ++i) {
+        const mcv_edge *edge = s->edges + i;
+        const double length = edge->across_rows ? edge->height : edge->width;
+        mcv_error why = {""};
+        const mcv_result result = mcv_growth_at(s->scene, &s->model, &growth, edge->point, edge->normal, length,
+                                                reach + 3 * growth.edge.value / s->pixel[0], s->growths + i, &why);
+        if (result != MCV_OK) return mcv_fail(error, result, "edge %s: %s", edge->name, why.text);
+    }
+    return MCV_OK;
+}
+
 static void report_edges(const subject *s, mcv_report *report) {
     const size_t count = s->command->edge.count;
     if (count) mcv_report_list(report, "edges");
-    for (size_t i = 0; i < count; ++i) report_edge(s, report, s->edges + i);
+    for (size_t i = 0; i < count; ++i) report_edge(s, report, i);
     if (count) mcv_report_close(report);
     if (count > 1) mcv_report_list(report, "distances");
-    for (size_t i = 1; i < count; ++i) report_distance(s, report, s->edges, s->edges + i);
+    for (size_t i = 1; i < count; ++i) report_distance(s, report, 0, i);
     if (count > 1) mcv_report_close(report);
 }
 
@@ -355,6 +400,7 @@ static mcv_result report_all(subject *s, mcv_error *error) {
 static mcv_result measure(subject *s, mcv_error *error) {
     MCV_TRY(parse_regions(s, error));
     MCV_TRY(find_edges(s, error));
+    if (s->command->nominal) MCV_TRY(find_growths(s, error));
     return report_all(s, error);
 }
 

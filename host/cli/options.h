@@ -168,6 +168,9 @@ enum {
       "estimated from the differences of neighbours") \
     X(text, scene, "scene", 0, "SCENE", MCV_IN_MEASURE, NULL, 0, 0, \
       "the scene of an image whose header does not give the scale: lengths in its plane in focus") \
+    X(flag, nominal, "nominal", 0, NULL, MCV_IN_MEASURE, NULL, 0, 0, \
+      "with --scene: take off by how much edges of the thick part grow before a backlight, as `mcvisi check` tells it, and add what is not " \
+      "known of it to the uncertainty; telecentric cameras only") \
     X(text, grid, "grid", 0, "[NODE=]F.png", MCV_IN_MEASURE, NULL, 0, 0, \
       "draw the image with its pixels, the millimetres of the node's coordinates in the plane in focus and the places given; by default " \
       "of " \
