@@ -116,6 +116,37 @@ static void test_contour_of_the_mesh(void **state) {
     mcv_scene_free(scene);
 }
 
+/* A disk 0.4 mm across and 1 mm deep, of 256 sides: its contour is a wall all around. */
+static void test_contour_of_a_circle(void **state) {
+    enum { SIDES = 256 };
+    static float positions[6 * SIDES];
+    static uint32_t indices[6 * SIDES];
+    mcv_camera_model model;
+    mcv_quantity edge;
+    mcv_error error = {""};
+    (void)state;
+    mcv_scene *scene = wall_before_light(5.6, 0, 0.02, MCV_MATERIAL_ABSORBER);
+    for (uint32_t i = 0; i < SIDES; ++i) {
+        const double angle = 2 * M_PI * i / SIDES;
+        const uint32_t j = (i + 1) % SIDES;
+        for (uint32_t up = 0; up < 2; ++up) {
+            positions[3 * (2 * i + up)] = (float)(0.2e-3 * cos(angle));
+            positions[3 * (2 * i + up) + 1] = (float)(0.2e-3 * sin(angle));
+            positions[3 * (2 * i + up) + 2] = up ? 1e-3F : 0;
+        }
+        memcpy(indices + (size_t)6 * i, (const uint32_t[6]){2 * i, 2 * j, 2 * j + 1, 2 * i, 2 * j + 1, 2 * i + 1}, 6 * sizeof *indices);
+    }
+    add_instance(scene, &(mcv_mesh){.vertex_count = 2 * SIDES, .triangle_count = 2 * SIDES, .positions = positions, .indices = indices},
+                 add_absorber(scene), looking_up_z(-3e-3, 0, 0));
+    const mcv_growth growth = growth_of(scene);
+    BUILD(mcv_camera_model_of(scene, scene->sensors, &model, &builder_error));
+    /* 600 pixels to the left; looking_up_z turns z, so it reaches from 0 to -1 mm. */
+    BUILD(mcv_growth_of_circle(scene, &model, &growth, (const double[2]){12 - 600, 2}, 40, false, 4, &edge, &error));
+    check("growth of a circle", edge.value, 2 / (3 * M_PI) / 140 * 1e-3, 1e-3 * edge.value);
+    mcv_camera_model_free(&model);
+    mcv_scene_free(scene);
+}
+
 /*
  * The mean over what it is beside the wall tells how much of the field is dark: 24 columns of 5 µm, of which the wall hides 12 and its
  * growth. Beside the wall the radiance is 1 where it comes from the light's cone, which fills a share of the pupil.
@@ -151,10 +182,8 @@ static void test_renders_grow_so(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_form),
-        cmocka_unit_test(test_nothing_to_grow),
-        cmocka_unit_test(test_contour_of_the_mesh),
-        cmocka_unit_test(test_renders_grow_so),
+        cmocka_unit_test(test_closed_form),         cmocka_unit_test(test_nothing_to_grow), cmocka_unit_test(test_contour_of_the_mesh),
+        cmocka_unit_test(test_contour_of_a_circle), cmocka_unit_test(test_renders_grow_so),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -253,3 +253,21 @@ mcv_result mcv_growth_at(const mcv_scene *scene, const mcv_camera_model *model, 
     *edge = glossy ? (mcv_quantity){whole / 2, whole / sqrt(12)} : (mcv_quantity){whole, left_out * whole};
     return MCV_OK;
 }
+
+mcv_result mcv_growth_of_circle(const mcv_scene *scene, const mcv_camera_model *model, const mcv_growth *growth, const double centre[2],
+                                double radius, bool bright_inside, double reach, mcv_quantity *edge, mcv_error *error) {
+    /* A piece of the circle this long [pixel] is off its tangent by 1/2R at most: nothing beside the reach. */
+    enum { DIRECTIONS = 16, LENGTH = 2 };
+    mcv_quantity mean = {0, 0};
+    for (int i = 0; i < DIRECTIONS; ++i) {
+        const double angle = 2 * M_PI * (i + 0.5) / DIRECTIONS, sign = bright_inside ? -1 : 1;
+        const double point[2] = {centre[0] + radius * cos(angle), centre[1] + radius * sin(angle)};
+        const double normal[2] = {sign * cos(angle), sign * sin(angle)};
+        mcv_quantity here = {NAN, NAN};
+        MCV_TRY(mcv_growth_at(scene, model, growth, point, normal, LENGTH, reach, &here, error));
+        mean.value += here.value / DIRECTIONS;
+        mean.uncertainty += here.uncertainty / DIRECTIONS;
+    }
+    *edge = mean;
+    return MCV_OK;
+}

@@ -49,4 +49,11 @@ void mcv_growth_sentence(const mcv_scene *scene, const mcv_growth *growth, char 
 mcv_result mcv_growth_at(const mcv_scene *scene, const mcv_camera_model *model, const mcv_growth *growth, const double point[2],
                          const double normal[2], double length, double reach, mcv_quantity *edge, mcv_error *error);
 
+/*
+ * The same of a circle in the image, whose radius grows so (bright inside: shrinks), as the mean all around it; centre and radius in
+ * pixels.
+ */
+mcv_result mcv_growth_of_circle(const mcv_scene *scene, const mcv_camera_model *model, const mcv_growth *growth, const double centre[2],
+                                double radius, bool bright_inside, double reach, mcv_quantity *edge, mcv_error *error);
+
 #endif
