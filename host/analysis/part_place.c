@@ -51,8 +51,8 @@ static mcv_result resolve_place(const char *what, const char *text, const char *
     const char *colon = strchr(place, ':');
     double lengths[LENGTHS], world[3];
     const mcv_placement *node;
-    *end = colon ? read_lengths(colon + 1, lengths) : NULL;
-    if (!*end || !(lengths[3] > 0 && lengths[4] > 0))
+    const char *ends = colon ? read_lengths(colon + 1, lengths) : NULL;
+    if (!ends || !(lengths[3] > 0 && lengths[4] > 0))
         return mcv_fail(error, MCV_USAGE,
                         "%s %s: must be [NAME=]@NODE:X,Y,Z,W,H, lengths with units, as in left=@part:-20mm,0mm,3mm,2mm,4mm", what, text);
     if (!model)
@@ -65,6 +65,7 @@ static mcv_result resolve_place(const char *what, const char *text, const char *
     free(name);
     MCV_TRY(found);
     mcv_transform_point(&node->to_world, lengths, world);
+    *end = ends;
     return project(what, text, model, world, lengths + 3, box, error);
 }
 

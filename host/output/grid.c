@@ -82,7 +82,7 @@ static void draw_lines(const mcv_grid *grid, const double a[3], const char *name
     const double w = grid->width, h = grid->height;
     double low = INFINITY, high = -INFINITY, ends[2][2];
     for (int corner = 0; corner < 4; ++corner) {
-        const double value = a[0] * (corner % 2) * w + a[1] * (corner / 2) * h + a[2];
+        const double value = a[0] * (corner % 2) * w + a[1] * (corner >> 1) * h + a[2];
         low = fmin(low, value);
         high = fmax(high, value);
     }

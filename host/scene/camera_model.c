@@ -284,7 +284,7 @@ static mcv_result get_nodes(const json_t *object, mcv_camera_model *model, const
     if (!model->nodes) return mcv_fail_memory(where, error);
     json_array_foreach(nodes, i, node) {
         const mcv_place here = mcv_place_index(&list, i);
-        double matrix[12];
+        double matrix[12] = {0};
         mcv_placement *frame = model->nodes + model->node_count;
         MCV_TRY(get_matrix(node, "toWorld", 3, 4, matrix, &here, error));
         for (int k = 0; k < 3; ++k) {
