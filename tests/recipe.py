@@ -88,6 +88,13 @@ def measure(program, line):
         grown = 0 if nominal else growth
         compare("width" + (", nominal" if nominal else ""), found["distances"]["left to right"]["length"],
                 1e-3 * CAD["width"] + 2 * grown, 0 if nominal else 0.02 * growth)
+        for name, diameter in (("bore", CAD["bore"]), ("a", CAD["hole"]), ("b", CAD["hole"])):
+            compare("diameter of %s%s" % (name, ", nominal" if nominal else ""), found["circles"][name]["diameter_length"],
+                    1e-3 * diameter - 2 * grown, 0 if nominal else 0.02 * growth)
+        # From the bore to each hole; growth moves no centre.
+        for name in ("a", "b"):
+            compare("bore to %s%s" % (name, ", nominal" if nominal else ""), found["distances"]["bore to " + name]["length"],
+                    1e-3 * math.hypot(CAD["pitch_x"], CAD["pitch_y"]) / 2)
 
 
 def check_bracket(program, lines, what):

@@ -22,6 +22,7 @@
 
 #include <jansson.h>
 
+#include "area_samples.h"
 #include "output/exr.h"
 #include "output/figure.h"
 
@@ -718,7 +719,8 @@ static void test_measure_a_render(void **state) {
         double u;
         write_bar_scene(distances[i]);
         run_well("render bar.gltf --spp 1024");
-        run_well("measure bar.exr --edge left=2,34,56,60 --edge right=102,34,56,60 --edge top=50,2,60,46 --json");
+        run_well("measure bar.exr --edge left=2,34,56,60 --edge right=102,34,56,60 --edge top=50,2,60,46 "
+                 "--line both=2,34,56,28+2,66,56,28 --caliper bar=2,44,156,40 --json");
         json_t *report = json_loads(out, 0, NULL);
         assert_non_null(report);
         const json_t *edges = json_object_get(report, "edges"), *distances_found = json_object_get(report, "distances");
@@ -730,6 +732,13 @@ static void test_measure_a_render(void **state) {
         const double tilt = measured(json_array_get(edges, 0), "tilt", &u);
         if (fabs(fabs(tilt) - 5 * M_PI / 180) > 1e-4 + 3 * u) fail_msg("tilt %g ± %g", tilt, u);
         for (size_t k = 0; k < 3; ++k) expect_mtf(json_array_get(edges, k), i ? 2.5 : 0);
+        const json_t *line = json_array_get(json_object_get(report, "lines"), 0),
+                     *caliper = json_array_get(json_object_get(report, "calipers"), 0);
+        const double same = measured(line, "tilt", &u);
+        if (fabs(same - tilt) > 1e-4 + 4 * u) fail_msg("the line's tilt is %g ± %g, the edge's %g", same, u, tilt);
+        const double width = measured(caliper, "width_length", &u);
+        if (fabs(width - 0.004) > 0.01 * 40e-6) fail_msg("width %.9g ± %g m", width, u);
+        assert_true(measured(json_array_get(distances_found, 2), "distance", &u) < 0.01); /* of the line from the edge it follows */
         json_decref(report);
     }
 }
@@ -778,6 +787,63 @@ static void test_measure(void **state) {
     run_well("measure grey.png");
     assert_non_null(strstr(out, "uniformity"));
     assert_non_null(strstr(out, " ± "));
+}
+
+/* Bright discs on 20 DN as an .npy of 32-bit floats, exact pixels. */
+static void write_discs(const char *path, uint32_t width, uint32_t height, const double (*discs)[3], size_t count) {
+    char header[128];
+    FILE *stream = fopen(path, "wb");
+    assert_non_null(stream);
+    memset(header, ' ', sizeof header);
+    memcpy(header, "\x93NUMPY\x01\x00\x76\x00", 10);
+    const int length = snprintf(header + 10, 118, "{'descr': '<f4', 'fortran_order': False, 'shape': (%u, %u), }", height, width);
+    header[10 + length] = ' ';
+    header[127] = '\n';
+    fwrite(header, 1, sizeof header, stream);
+    for (uint32_t y = 0; y < height; ++y)
+        for (uint32_t x = 0; x < width; ++x) {
+            float value = 20;
+            for (size_t i = 0; i < count; ++i)
+                value += (float)(180 * disc_coverage_of_pixel(x - discs[i][0], y - discs[i][1], discs[i][2]));
+            fwrite(&value, sizeof value, 1, stream);
+        }
+    assert_int_equal(fclose(stream), 0);
+}
+
+/* Bores of a plate: exact pixels, so thousandths of a pixel as test_circle asks. */
+static void test_measure_circles(void **state) {
+    static const double discs[2][3] = {{30.3, 40.6, 15.25}, {90.7, 35.2, 20.5}};
+    (void)state;
+    write_discs("bores.npy", 128, 80, discs, 2);
+    run_well("measure bores.npy --noise 0.5 --circle a=8,18,45,45 --circle b=62,6,58,58 --arc c=64,8,54,30 --json");
+    json_t *report = json_loads(out, 0, NULL);
+    const json_t *circles = json_object_get(report, "circles"), *arc = json_array_get(json_object_get(report, "arcs"), 0),
+                 *distances = json_object_get(report, "distances");
+    assert_true(json_array_size(circles) == 2 && json_array_size(distances) == 2);
+    for (size_t i = 0; i < 3; ++i) {
+        static const char *const keys[] = {"column", "row", "radius"};
+        const json_t *found = i < 2 ? json_array_get(circles, i) : arc;
+        const double *truth = discs[i < 1 ? 0 : 1];
+        double u;
+        for (int k = 0; k < 3; ++k)
+            if (fabs(measured(found, keys[k], &u) - truth[k]) > 2e-3)
+                fail_msg("circle %zu: %s is %g", i, keys[k], measured(found, keys[k], &u));
+        assert_true(measured(found, "diameter", &u) == 2 * measured(found, "radius", &u));
+        assert_null(json_object_get(found, "radius_length")); /* nobody knows the scale */
+    }
+    const double known = hypot(discs[1][0] - discs[0][0], discs[1][1] - discs[0][1]);
+    assert_string_equal(json_string_value(json_object_get(json_array_get(distances, 0), "name")), "a to b");
+    for (size_t i = 0; i < 2; ++i)
+        if (fabs(measured(json_array_get(distances, i), "distance", NULL) - known) > 3e-3)
+            fail_msg("the centres are not %g apart: %s", known, out);
+    json_decref(report);
+    run_well("measure bores.npy --noise 0.5 --circle 8,18,45,45");
+    assert_non_null(strstr(out, "roundness"));
+    EXPECT_FAILURE("measure bores.npy --noise 0.5 --edge side=60,26,22,18", 1, "edge side is curved", "sagitta", "--circle");
+    EXPECT_FAILURE("measure bores.npy --noise 0.5 --circle 0,0,12,12", 1, "circle 1");
+    EXPECT_FAILURE("measure bores.npy --noise 0.5 --line 0,0,12,12+5", 2, "line 0,0,12,12+5");
+    EXPECT_FAILURE("measure bores.npy --noise 0.5 --caliper 0,0,12,12", 2, "square");
+    EXPECT_FAILURE("measure bores.npy --noise 0.5 --arc 0,0,12,12", 1, "arc 1");
 }
 
 static void test_measure_bad_input(void **state) {
@@ -1087,6 +1153,7 @@ int main(void) {
         TEST(test_camera_bad_input),
         TEST(test_measure_a_render),
         TEST(test_measure),
+        TEST(test_measure_circles),
         TEST(test_measure_bad_input),
         TEST(test_compare),
         TEST(test_compare_scenes),

@@ -14,18 +14,8 @@
 #include "analysis/blur.h"
 #include "analysis/edge.h"
 #include "analysis/noise.h"
+#include "area_samples.h"
 #include "truths.h"
-
-static double positive(double x) { return x > 0 ? x : 0; }
-
-/* How much of a unit pixel lies beyond a line at the signed distance d before its centre, whose normal has these components. */
-static double box_coverage(double d, double cosine, double sine) {
-    const double a = 0.5 * fabs(cosine), b = 0.5 * fabs(sine);
-    if (fmin(a, b) < 1e-9) return fmin(1, fmax(0, d + 0.5));
-    const double sum =
-        pow(positive(d + a + b), 2) - pow(positive(d + a - b), 2) - pow(positive(d - a + b), 2) + pow(positive(d - a - b), 2);
-    return sum / (8 * a * b);
-}
 
 /* A uniform disc of radius r: how much of it. */
 static double disc_coverage(double d, double r) {

@@ -238,6 +238,11 @@ static void test_bad_input(void **state) {
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric dent.mean", 2, "no --region of the name \"dent\"");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric contrast_to_noise", 2, "--background");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric mtf50", 2, "--edge");
+    program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric radius", 2, "--circle or --arc");
+    program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric straightness", 2, "--line");
+    program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --circle 0,0,16,16 --metric line_length", 2, "--edge or --line");
+    program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --circle 0,0,16,16 --metric distance", 2, "from the first");
+    program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --circle a=0,0,16,16 --metric b.radius", 2, "of the name \"b\"");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric mean --until x=1", 2, "no --metric");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --tie sensors/cam/imageDistance=r --metric mean", 2,
                   "there is no parameter");

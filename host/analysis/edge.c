@@ -1,28 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "analysis/edge.h"
 
+#include "analysis/form.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 mcv_result mcv_edge_parse(const char *text, size_t number, const mcv_image *image, mcv_edge *edge, mcv_error *error) {
-    double n[4];
-    const char *rest;
+    size_t count;
     *edge = (mcv_edge){0};
-    const size_t count = mcv_roi_numbers(text, number, edge->name, &rest, n, 4);
-    bool whole = count == 4;
-    for (int i = 0; whole && i < 4; ++i) whole = n[i] == floor(n[i]) && n[i] >= 0;
-    if (!whole) return mcv_fail(error, MCV_USAGE, "edge %s must be [NAME=]X,Y,W,H in whole pixels", text);
-    if (n[0] + n[2] > image->width || n[1] + n[3] > image->height)
-        return mcv_fail(error, MCV_USAGE, "edge %s reaches to column %g, row %g: the image has %u x %u pixels", text, n[0] + n[2],
-                        n[1] + n[3], image->width, image->height);
-    if (n[2] < 8 || n[3] < 8) return mcv_fail(error, MCV_USAGE, "edge %s must be at least 8 pixels wide and high", text);
-    edge->x = (uint32_t)n[0];
-    edge->y = (uint32_t)n[1];
-    edge->width = (uint32_t)n[2];
-    edge->height = (uint32_t)n[3];
-    return MCV_OK;
+    return mcv_boxes_parse("edge", text, number, image, 1, edge->name, &edge->box, &count, error);
 }
 
 /* --- the rectangle, turned so that the edge is nearer to vertical ------------------------------------------------- */
@@ -34,7 +23,7 @@ typedef struct patch {
 } patch;
 
 static size_t index_of(const patch *p, size_t column, size_t row) {
-    const size_t x = p->edge->x + (p->edge->across_rows ? column : row), y = p->edge->y + (p->edge->across_rows ? row : column);
+    const size_t x = p->edge->box.x + (p->edge->across_rows ? column : row), y = p->edge->box.y + (p->edge->across_rows ? row : column);
     return y * p->readings->values.width + x;
 }
 
@@ -46,10 +35,10 @@ static double variance_at(const patch *p, size_t column, size_t row) {
 }
 
 static patch make_patch(const mcv_readings *readings, const mcv_edge *edge) {
-    patch p = {.readings = readings, .edge = edge, .columns = edge->width, .rows = edge->height};
+    patch p = {.readings = readings, .edge = edge, .columns = edge->box.width, .rows = edge->box.height};
     if (!edge->across_rows) {
-        p.columns = edge->height;
-        p.rows = edge->width;
+        p.columns = edge->box.height;
+        p.rows = edge->box.width;
     }
     return p;
 }
@@ -58,8 +47,8 @@ static patch make_patch(const mcv_readings *readings, const mcv_edge *edge) {
 static bool is_across_rows(const mcv_readings *readings, const mcv_edge *edge) {
     const mcv_image *image = &readings->values;
     double dx = 0, dy = 0;
-    for (size_t y = edge->y; y < edge->y + edge->height - 1; ++y)
-        for (size_t x = edge->x; x < edge->x + edge->width - 1; ++x) {
+    for (size_t y = edge->box.y; y < edge->box.y + edge->box.height - 1; ++y)
+        for (size_t x = edge->box.x; x < edge->box.x + edge->box.width - 1; ++x) {
             const float *v = image->pixels + y * image->width + x;
             dx += pow((double)v[1] - v[0] + v[image->width + 1] - v[image->width], 2);
             dy += pow((double)v[image->width] - v[0] + v[image->width + 1] - v[1], 2);
@@ -78,8 +67,7 @@ typedef struct line {
 
 static double line_column(const line *l, double row) { return l->at + l->slope * (row - l->middle); }
 
-/* How much of pixel `column` lies between two places. */
-static double overlap(size_t column, double from, double to) { return fmax(0, fmin(to, (double)column + 1) - fmax(from, (double)column)); }
+double mcv_overlap(size_t column, double from, double to) { return fmax(0, fmin(to, (double)column + 1) - fmax(from, (double)column)); }
 
 /* Plateaus from the pixels beyond the window. False where either has fewer than the rows. */
 static bool find_plateaus(const patch *p, line *l) {
@@ -108,7 +96,7 @@ static bool find_row(const patch *p, const line *l, size_t row, double *place, d
     double bright = 0;
     *variance = 0;
     for (size_t column = (size_t)from; column < p->columns && (double)column < to; ++column) {
-        const double share = overlap(column, from, to);
+        const double share = mcv_overlap(column, from, to);
         bright += share * (value_at(p, column, row) - l->left.value) / step;
         *variance += share * share * variance_at(p, column, row) / (step * step);
     }
@@ -309,28 +297,120 @@ static bool begin(const patch *p, line *l) {
     return find_plateaus(p, l) && l->left.value != l->right.value && fit_line(p, l);
 }
 
+/* The widest window that leaves the plateaus two pixels in every row. */
+static double room_of(const patch *p, const line *l) {
+    const double first = line_column(l, 0.5), last = line_column(l, (double)p->rows - 0.5);
+    return fmin(fmin(first, last), (double)p->columns - fmax(first, last)) - 2.5;
+}
+
 static mcv_result find_line(const patch *p, line *l, mcv_quantity *width, mcv_error *error) {
     enum { ROUNDS = 12 };
     if (!begin(p, l)) return fail_edge(p->edge, error, "no edge crosses the rectangle: it must pass all of its length, near the middle");
+    l->window = fmax(1, fmin(l->window, room_of(p, l)));
     for (int round = 0; round < ROUNDS; ++round) {
+        const line before = *l;
         if (!find_plateaus(p, l)) return fail_edge(p->edge, error, "too little room beside it: the rectangle must hold more of both sides");
         const double noise = hypot(l->left.uncertainty, l->right.uncertainty), step = fabs(l->right.value - l->left.value);
         if (!(step > 5 * noise)) return fail_edge(p->edge, error, "no edge: both sides are equally bright");
         if (!fit_line(p, l)) return fail_edge(p->edge, error, "too little room beside it: the rectangle must hold more of both sides");
         if (!find_width(p, l, width)) return fail_edge(p->edge, error, "no edge: its sides have no level between them");
         const double cosine = 1 / sqrt(1 + l->slope * l->slope);
-        l->window = fmin((1.5 * width->value + 2) / cosine, 0.375 * (double)p->columns);
+        const double least = (width->value + 1) / cosine, most = 0.375 * (double)p->columns;
+        l->window = fmin(fmax(fmin((1.5 * width->value + 2) / cosine, room_of(p, l)), least), most);
+        if (l->window == before.window && l->at == before.at && l->slope == before.slope) break; /* further rounds change nothing */
     }
     return MCV_OK;
 }
 
+/* One row's place about the line, and a polynomial there with that of one degree less. */
+typedef struct row_place {
+    double off, from, variance, polynomial, before;
+} row_place;
+
+/*
+ * The places by polynomials that are orthogonal on the rows, each with its coefficient (Forsythe 1957). That of the second degree is the
+ * arc. The next six tell what deviations of such lengths come from anything but an arc and the noise of independent pixels, as of a corner
+ * behind a blur: where they are clearly larger than that noise, they are the arc's uncertainty.
+ */
+static void find_sagitta(row_place *rows, size_t n, mcv_quantity *sagitta) {
+    enum { ARC = 2, LAST = 8 };
+    double norm = 1, arc = 0, others = 0, expected = 0, count = 0;
+    for (size_t i = 0; i < n; ++i) rows[i] = (row_place){rows[i].off, rows[i].from, rows[i].variance, 1, 0};
+    for (int degree = 0; degree <= LAST && (size_t)degree + 2 < n; ++degree) {
+        double square = 0, moment = 0, product = 0, noise = 0;
+        for (size_t i = 0; i < n; ++i) {
+            const double q = rows[i].polynomial;
+            square += q * q;
+            moment += q * q * rows[i].off;
+            product += q * rows[i].from;
+            noise += q * q * rows[i].variance;
+        }
+        if (degree == ARC) *sagitta = (mcv_quantity){product / square, sqrt(noise) / square};
+        if (degree > ARC) {
+            others += product * product / square;
+            expected += noise / square;
+            ++count;
+        }
+        if (degree == ARC) arc = square;
+        const double back = degree ? square / norm : 0;
+        norm = square;
+        for (size_t i = 0; i < n; ++i) {
+            const double next = (rows[i].off - moment / square) * rows[i].polynomial - back * rows[i].before;
+            rows[i].before = rows[i].polynomial;
+            rows[i].polynomial = next;
+        }
+    }
+    if (count > 0 && others > expected * (1 + 3 * sqrt(2 / count))) sagitta->uncertainty = sqrt(others / (count * arc));
+}
+
+/* The rows' places about their line. False without memory. */
+static bool find_form(const patch *p, const line *l, mcv_edge *edge) {
+    row_place *places = malloc(p->rows * sizeof *places);
+    mcv_edge_rows *rows = &edge->rows;
+    size_t n = 0;
+    if (!places) return false;
+    *rows = (mcv_edge_rows){
+        .middle = l->middle, .at = l->at, .slope = l->slope, .variance_at = l->variance_at, .variance_slope = l->variance_slope};
+    for (size_t row = 0; row < p->rows; ++row) {
+        const double off = (double)row + 0.5 - l->middle;
+        double place, variance, slope[2];
+        if (!find_row(p, l, row, &place, &variance, slope)) continue;
+        const double from = place - line_column(l, (double)row + 0.5);
+        places[n++] = (row_place){.off = off, .from = from, .variance = variance};
+        rows->spread += off * off;
+        rows->squares += from * from;
+        rows->noise += variance;
+        rows->noise2 += variance * variance;
+    }
+    rows->count = (double)n;
+    find_sagitta(places, n, &edge->sagitta);
+    free(places);
+    /* x² rises by a quarter of the chord's square from the middle to its ends; along the normal that is less. */
+    const double turn = l->right.value > l->left.value ? -1 : 1, arc = 0.25 * (double)(n * n) / sqrt(1 + l->slope * l->slope);
+    edge->sagitta.value *= turn * arc;
+    edge->sagitta.uncertainty *= arc;
+    return true;
+}
+
+mcv_result mcv_edge_is_straight(const mcv_edge *edge, mcv_error *error) {
+    const mcv_quantity s = edge->sagitta;
+    const double cosine = cos(edge->tilt.value), chord = edge->rows.count / cosine;
+    if (!(fabs(s.value) > fmax(4 * s.uncertainty, 0.01))) return MCV_OK;
+    return mcv_fail(
+        error, MCV_FAILED,
+        "edge %s is curved: its sagitta is %.3g ± %.2g pixels over %.0f, a radius of about %.3g; measure it by --circle or --arc, "
+        "or in a shorter rectangle",
+        edge->name, fabs(s.value), s.uncertainty, chord, chord * chord / (8 * fabs(s.value)));
+}
+
 mcv_result mcv_edge_find(const mcv_readings *readings, mcv_edge *edge, mcv_error *error) {
     line l;
+    edge->freedom = INFINITY;
     edge->across_rows = is_across_rows(readings, edge);
     const patch p = make_patch(readings, edge);
     MCV_TRY(find_line(&p, &l, &edge->width_10_90, error));
     const int across = edge->across_rows ? 0 : 1;
-    const uint32_t corner[2] = {edge->x, edge->y};
+    const uint32_t corner[2] = {edge->box.x, edge->box.y};
     const double row = 0.5 * (double)p.rows, off = row - l.middle, cosine = 1 / sqrt(1 + l.slope * l.slope);
     const double sign = l.right.value > l.left.value ? 1 : -1;
     edge->point[across] = corner[across] + line_column(&l, row);
@@ -341,6 +421,64 @@ mcv_result mcv_edge_find(const mcv_readings *readings, mcv_edge *edge, mcv_error
     edge->tilt = (mcv_quantity){atan(l.slope), sqrt(l.variance_slope) * cosine * cosine};
     edge->dark = sign > 0 ? l.left : l.right;
     edge->bright = sign > 0 ? l.right : l.left;
+    edge->window = l.window;
+    if (!find_form(&p, &l, edge)) return fail_edge(edge, error, "no memory for its rows");
+    edge->rows.at += corner[across];
+    edge->rows.middle += corner[!across];
+    return MCV_OK;
+}
+
+/* --- noise that is not known -------------------------------------------------------------------------------------- */
+
+/*
+ * The noise of the pixels at the signed distance `from` or more to the right of the edge (or to its left), in the axis across it. NaN
+ * without memory, or where no pixel has all its neighbours there.
+ */
+static double side_noise(mcv_readings *readings, const mcv_edge *edge, bool right, double from, double least, uint64_t *differences) {
+    const mcv_image *image = &readings->values;
+    mcv_roi side = {.width = image->width, .height = image->height, .inside = calloc((size_t)image->width * image->height, 1)};
+    const patch p = make_patch(readings, edge);
+    const uint32_t corner[2] = {edge->across_rows ? edge->box.x : edge->box.y, edge->across_rows ? edge->box.y : edge->box.x};
+    if (!side.inside) return NAN;
+    for (size_t row = 0; row < p.rows; ++row) {
+        const double middle = edge->rows.at - corner[0] + edge->rows.slope * ((double)row + 0.5 + corner[1] - edge->rows.middle);
+        for (size_t column = 0; column < p.columns; ++column) {
+            const double off = ((double)column + 0.5 - middle) * (right ? 1 : -1);
+            if (!(off >= from) || isnan(value_at(&p, column, row))) continue;
+            side.inside[index_of(&p, column, row)] = 1;
+            ++side.count;
+        }
+    }
+    const double noise = side.count ? mcv_roi_estimate_noise(readings, &side, least) : NAN;
+    *differences = side.estimated;
+    mcv_roi_free(&side);
+    return noise;
+}
+
+mcv_result mcv_edge_locate(mcv_readings *readings, double least, mcv_edge *edge, mcv_error *error) {
+    double noise[2];
+    uint64_t count[2] = {0};
+    if (isnan(least)) return mcv_edge_find(readings, edge, error);
+    (void)side_noise(readings, edge, true, -INFINITY, least, count); /* of the whole box, to begin with */
+    MCV_TRY(mcv_edge_find(readings, edge, error));
+    for (int i = 0; i < 2; ++i) noise[i] = side_noise(readings, edge, i, edge->window + 0.5, least, count + i);
+    if (!(noise[0] >= 0 && noise[1] >= 0))
+        return fail_edge(edge, error, "too little room beside it to see the image's noise: make the rectangle larger, or give --noise");
+    const patch p = make_patch(readings, edge);
+    const double left = edge->normal[edge->across_rows ? 0 : 1] > 0 ? edge->dark.value : edge->bright.value;
+    const double step = edge->dark.value + edge->bright.value - 2 * left;
+    for (size_t row = 0; row < p.rows; ++row)
+        for (size_t column = 0; column < p.columns; ++column) {
+            /* Between the plateaus the variance goes with the grey value, as that of light does. */
+            const double share = fmin(1, fmax(0, (value_at(&p, column, row) - left) / step));
+            readings->deviation.pixels[index_of(&p, column, row)] =
+                (float)sqrt((1 - share) * noise[0] * noise[0] + share * noise[1] * noise[1]);
+        }
+    MCV_TRY(mcv_edge_find(readings, edge, error));
+    edge->freedom = mcv_noise_freedom((const double[]){noise[0] * noise[0], noise[1] * noise[1]}, count);
+    const double widening = mcv_widening(edge->freedom);
+    mcv_quantity *const all[] = {&edge->position, &edge->tilt, &edge->dark, &edge->bright, &edge->width_10_90, &edge->sagitta};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i) all[i]->uncertainty *= widening;
     return MCV_OK;
 }
 
@@ -444,15 +582,19 @@ static mcv_result spread(const mcv_edge *edge, const bins *b, const line *l, mcv
         m->frequency[k] = (double)k / (MCV_MTF_COUNT - 1);
         m->modulation[k] = modulation_at(m, m->frequency[k], reach, scatter);
     }
-    m->nyquist = m->modulation[MCV_MTF_COUNT / 2];
     find_mtf50(m, reach, scatter);
+    const double widening = mcv_widening(edge->freedom);
+    for (size_t i = 0; i < m->count; ++i) m->esf[i].uncertainty *= widening;
+    for (int k = 0; k < MCV_MTF_COUNT; ++k) m->modulation[k].uncertainty *= widening;
+    m->mtf50.uncertainty *= widening;
+    m->nyquist = m->modulation[MCV_MTF_COUNT / 2];
     return MCV_OK;
 }
 
 mcv_result mcv_edge_spread(const mcv_readings *readings, const mcv_edge *edge, mcv_edge_mtf *mtf, mcv_error *error) {
     const patch p = make_patch(readings, edge);
     const double turn = edge->across_rows ? edge->normal[0] : edge->normal[1];
-    const uint32_t corner = edge->across_rows ? edge->x : edge->y;
+    const uint32_t corner = edge->across_rows ? edge->box.x : edge->box.y;
     line l = {.at = edge->position.value - corner, .slope = tan(edge->tilt.value), .middle = 0.5 * (double)p.rows};
     l.left = turn > 0 ? edge->dark : edge->bright;
     l.right = turn > 0 ? edge->bright : edge->dark;

@@ -10,25 +10,55 @@
 #ifndef MCVISI_HOST_ANALYSIS_EDGE_H
 #define MCVISI_HOST_ANALYSIS_EDGE_H
 
-#include "analysis/region.h"
+#include "analysis/box.h"
+
+/* How the places of the pixels' lines lie about the straight line through them, all along the axis across the edge. */
+typedef struct mcv_edge_rows {
+    double count, middle, spread;       /* how many, the mean of their rows, Σ(row - middle)² */
+    double at, slope;                   /* the line's place in the middle row, and by row */
+    double variance_at, variance_slope; /* of the noise; that of the plateaus is in the first */
+    double squares;                     /* Σ of the squared distances of the places from the line */
+    double noise, noise2;               /* Σ of the rows' own variances, and of their squares */
+} mcv_edge_rows;
 
 typedef struct mcv_edge {
     char name[64];
-    uint32_t x, y, width, height; /* of the rectangle */
-    bool across_rows;             /* the edge is nearer to vertical: its lines are rows */
-    double point[2];              /* column and row, where it passes the middle line of the rectangle */
-    double normal[2];             /* unit, towards the brighter side */
-    mcv_quantity position;        /* of the point along the axis across the edge, column or row [pixel] */
-    mcv_quantity tilt;            /* from the column (across rows) or the row [rad] */
-    mcv_quantity dark, bright;    /* the plateaus */
-    mcv_quantity width_10_90;     /* from 10 % to 90 % of the step, along the normal [pixel] */
+    mcv_pixel_box box;
+    bool across_rows;          /* the edge is nearer to vertical: its lines are rows */
+    double point[2];           /* column and row, where it passes the middle line of the rectangle */
+    double normal[2];          /* unit, towards the brighter side */
+    mcv_quantity position;     /* of the point along the axis across the edge, column or row [pixel] */
+    mcv_quantity tilt;         /* from the column (across rows) or the row [rad] */
+    mcv_quantity dark, bright; /* the plateaus */
+    mcv_quantity width_10_90;  /* from 10 % to 90 % of the step, along the normal [pixel] */
+    mcv_quantity sagitta; /* of the arc that fits best: how far its middle stands out of its chord, towards the brighter side [pixel] */
+    mcv_edge_rows rows;
+    double window;  /* half of what a row sums, along the axis across the edge [pixel] */
+    double freedom; /* degrees of freedom of the pixels' noise, infinite where it is known */
 } mcv_edge;
 
-/* "[NAME=]X,Y,W,H" in whole pixels. MCV_USAGE where it is none, or reaches outside the image. */
+/* How much of a pixel, from its number to the next, lies between two places. */
+double mcv_overlap(size_t pixel, double from, double to);
+
+/* "[NAME=]X,Y,W,H", as mcv_boxes_parse() reads it. */
 mcv_result mcv_edge_parse(const char *text, size_t number, const mcv_image *image, mcv_edge *edge, mcv_error *error);
 
-/* Finds the edge. MCV_FAILED says why there is none: no step, or too little room on its sides. */
+/*
+ * Finds the edge; of edge only the name and the box are read. MCV_FAILED says why there is none: no step, or too little room on its sides.
+ */
 mcv_result mcv_edge_find(const mcv_readings *readings, mcv_edge *edge, mcv_error *error);
+
+/*
+ * MCV_FAILED with the sagitta where the edge is curved: by more than 4 standard uncertainties, which one straight edge in 16000 is by
+ * chance, and by more than 0.01 pixel, to which places are exact without noise.
+ */
+mcv_result mcv_edge_is_straight(const mcv_edge *edge, mcv_error *error);
+
+/*
+ * Finds the edge where the noise of the pixels may not be known. `least` is NaN where the deviations say it. Otherwise the noise is
+ * estimated on both sides, at least `least` each: the box's deviations are set, and all uncertainties widened by Student's t.
+ */
+mcv_result mcv_edge_locate(mcv_readings *readings, double least, mcv_edge *edge, mcv_error *error);
 
 /* From the line of a to that of b along their mean normal, through the points; negative where b lies on the darker side of a [pixel]. */
 mcv_quantity mcv_edge_distance(const mcv_edge *a, const mcv_edge *b);

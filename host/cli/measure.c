@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi measure: figures of regions and edges of an image. */
-#include "analysis/edge.h"
+/* mcvisi measure: figures of regions of an image, and of the edges, lines, widths and circles in it. */
 #include "analysis/growth.h"
 #include "cli/metrics.h"
 #include "cli/options.h"
@@ -32,10 +31,10 @@ typedef struct subject {
     char unit[64];
     mcv_roi *regions, background; /* background.inside: NULL without one */
     size_t region_count;
-    mcv_edge *edges;       /* as many as --edge */
-    mcv_quantity *growths; /* of --nominal, of each edge [m]; else NULL */
-    mcv_scene *scene;      /* of --scene, or NULL */
+    mcv_scene *scene; /* of --scene, or NULL */
     uint32_t sensor;
+    mcv_found *found; /* in the boxes of all forms, one form after the other */
+    size_t found_count;
 } subject;
 
 /* --- reading ---------------------------------------------------------------------------------------------------- */
@@ -119,7 +118,6 @@ static void free_subject(subject *s) {
     mcv_camera_model_free(&s->model);
     mcv_roi_free(&s->background);
     for (size_t i = 0; i < s->region_count; ++i) mcv_roi_free(s->regions + i);
-    free(s->growths);
     mcv_scene_free(s->scene);
 }
 
@@ -194,14 +192,20 @@ static void report_region(subject *s, mcv_report *report, mcv_roi *region, mcv_r
     mcv_report_close(report);
 }
 
-/* The whole image where no region is named and no edge either. */
+static size_t count_boxes(const mcv_command *command) {
+    size_t count = 0;
+    for (unsigned f = 0; f < MCV_FORM_COUNT; ++f) count += mcv_form_boxes(command, f)->count;
+    return count;
+}
+
+/* The whole image where no region is named and no box either. */
 static mcv_result parse_regions(subject *s, mcv_error *error) {
     const mcv_command *c = s->command;
     const mcv_image *image = &s->readings.values;
     char all[64];
     const char *whole = all;
     snprintf(all, sizeof all, "image=0,0,%u,%u", image->width, image->height);
-    const size_t count = c->region.count ? c->region.count : c->edge.count && !c->background ? 0 : 1;
+    const size_t count = c->region.count ? c->region.count : count_boxes(c) && !c->background ? 0 : 1;
     const char *const *texts = c->region.count ? c->region.items : &whole;
     if (c->background) MCV_TRY(mcv_roi_parse(c->background, 0, image, &s->background, error));
     for (; s->region_count < count; ++s->region_count)
@@ -216,7 +220,7 @@ static void report_regions(subject *s, mcv_report *report) {
     mcv_report_close(report);
 }
 
-/* --- edges ------------------------------------------------------------------------------------------------------ */
+/* --- boxes ------------------------------------------------------------------------------------------------------ */
 
 static void report_values(mcv_report *report, const char *key, const mcv_quantity *q, size_t count, bool uncertainties) {
     double *values = malloc(count * sizeof *values);
@@ -247,14 +251,11 @@ static void report_spread(const subject *s, mcv_report *report, const mcv_edge *
     mcv_edge_mtf_free(&m);
 }
 
-/* Metres in the object for a pixel along a direction; NaN where the scale is not known. */
-static double scale_along(const subject *s, const double direction[2]) {
-    return s->pixel[0] > 0 ? hypot(direction[0] * s->pixel[0], direction[1] * s->pixel[1]) : NAN;
+static void put_length(mcv_report *report, const char *key, mcv_quantity pixels, double scale) {
+    mcv_report_quantity(report, key, "m", pixels.value * scale, pixels.uncertainty * scale);
 }
 
-static void report_edge(const subject *s, mcv_report *report, size_t index) {
-    const mcv_edge *edge = s->edges + index;
-    const double scale = scale_along(s, edge->normal);
+static void report_edge(const subject *s, mcv_report *report, const mcv_edge *edge) {
     mcv_report_element(report, edge->name, "edge");
     mcv_report_numbers(report, "point", "pixels", ", ", edge->point, 2);
     put(report, edge->across_rows ? "column" : "row", "pixels", edge->position);
@@ -262,50 +263,191 @@ static void report_edge(const subject *s, mcv_report *report, size_t index) {
     put(report, "dark", s->unit, edge->dark);
     put(report, "bright", s->unit, edge->bright);
     put(report, "width_10_90", "pixels", edge->width_10_90);
-    mcv_report_quantity(report, "width_10_90_length", "m", edge->width_10_90.value * scale, edge->width_10_90.uncertainty * scale);
-    if (s->growths) put(report, "growth", "m", s->growths[index]);
+    put_length(report, "width_10_90_length", edge->width_10_90, mcv_scale_along(s->pixel, edge->normal));
+    put(report, "sagitta", "pixels", edge->sagitta);
     report_spread(s, report, edge);
     mcv_report_close(report);
 }
 
-/*
- * Takes off what both edges have grown towards their brighter sides. Both growths are uncertain for the same reasons: their uncertainties
- * add as they stand.
- */
-static mcv_quantity without_growth(const subject *s, size_t a, size_t b, mcv_quantity distance) {
-    const double *na = s->edges[a].normal, *nb = s->edges[b].normal, turn = na[0] * nb[0] + na[1] * nb[1];
-    const mcv_quantity ga = s->growths[a], gb = s->growths[b];
-    const double pa = scale_along(s, na), pb = scale_along(s, nb);
-    const double unknown = ga.uncertainty / pa - turn * gb.uncertainty / pb;
-    return (mcv_quantity){distance.value + ga.value / pa - turn * gb.value / pb, hypot(distance.uncertainty, unknown)};
-}
-
-static void report_distance(const subject *s, mcv_report *report, size_t first, size_t other) {
-    const mcv_edge *a = s->edges + first, *b = s->edges + other;
-    mcv_quantity d = mcv_edge_distance(a, b);
-    if (s->growths) d = without_growth(s, first, other, d);
-    d.value = fabs(d.value);
-    const double scale = scale_along(s, a->normal);
-    char name[136];
-    snprintf(name, sizeof name, "%s to %s", a->name, b->name);
-    mcv_report_element(report, name, "distance");
-    put(report, "distance", "pixels", d);
-    mcv_report_quantity(report, "length", "m", d.value * scale, d.uncertainty * scale);
+static void report_line(const subject *s, mcv_report *report, const mcv_line *line) {
+    const mcv_edge *edge = &line->edge;
+    mcv_report_element(report, edge->name, "line");
+    mcv_report_numbers(report, "point", "pixels", ", ", edge->point, 2);
+    put(report, edge->across_rows ? "column" : "row", "pixels", edge->position);
+    put(report, "tilt", "rad", edge->tilt);
+    put(report, "straightness", "pixels", line->straightness);
+    put_length(report, "straightness_length", line->straightness, mcv_scale_along(s->pixel, edge->normal));
     mcv_report_close(report);
 }
 
-static mcv_result find_edges(subject *s, mcv_error *error) {
-    const mcv_list *texts = &s->command->edge;
-    for (size_t i = 0; i < texts->count; ++i)
-        MCV_TRY(mcv_locate_edge(&s->readings, s->noise, s->whole, texts->items[i], i + 1, s->edges + i, error));
+static void report_caliper(const subject *s, mcv_report *report, const mcv_caliper *caliper) {
+    const mcv_edge *first = caliper->edges, *second = first + 1;
+    mcv_report_element(report, caliper->name, "caliper");
+    put(report, "width", "pixels", caliper->width);
+    put_length(report, "width_length", caliper->width, mcv_scale_along(s->pixel, first->normal));
+    put(report, "angle", "rad", caliper->angle);
+    put(report, first->across_rows ? "first_column" : "first_row", "pixels", first->position);
+    put(report, first->across_rows ? "second_column" : "second_row", "pixels", second->position);
+    mcv_report_close(report);
+}
+
+static void report_circle(const subject *s, mcv_report *report, const mcv_circle *circle) {
+    const double scale = mcv_scale_along(s->pixel, NULL);
+    mcv_report_element(report, circle->name, circle->whole ? "circle" : "arc");
+    put(report, "column", "pixels", circle->column);
+    put(report, "row", "pixels", circle->row);
+    put(report, "radius", "pixels", circle->radius);
+    put_length(report, "radius_length", circle->radius, scale);
+    put(report, "diameter", "pixels", circle->diameter);
+    put_length(report, "diameter_length", circle->diameter, scale);
+    put(report, "roundness", "pixels", circle->roundness);
+    put_length(report, "roundness_length", circle->roundness, scale);
+    mcv_report_number(report, "seen", "", circle->seen);
+    mcv_report_number(report, "rejected", "", circle->rejected);
+    mcv_report_text(report, "inside", circle->bright ? "bright" : "dark");
+    mcv_report_close(report);
+}
+
+static void report_found(const subject *s, mcv_report *report, const mcv_found *found) {
+    switch (found->form) {
+    case MCV_FORM_EDGE:
+        report_edge(s, report, &found->as.edge);
+        break;
+    case MCV_FORM_LINE:
+        report_line(s, report, &found->as.line);
+        break;
+    case MCV_FORM_CALIPER:
+        report_caliper(s, report, &found->as.caliper);
+        break;
+    default:
+        report_circle(s, report, &found->as.circle);
+    }
+}
+
+static void report_distance(const subject *s, mcv_report *report, const mcv_found *a, const mcv_found *b) {
+    const bool from_line = mcv_found_straight(a) && mcv_found_is_round(b);
+    double direction[2];
+    const mcv_quantity d = mcv_found_distance(a, b, direction);
+    char name[136];
+    snprintf(name, sizeof name, "%s to %s", mcv_found_name(a), mcv_found_name(b));
+    mcv_report_element(report, name, "distance");
+    put(report, from_line ? "line_distance" : "distance", "pixels", d);
+    put_length(report, from_line ? "line_length" : "length", d, mcv_scale_along(s->pixel, direction));
+    mcv_report_close(report);
+}
+
+/* From the first edge or line to all other ones and to all circles, and from the first circle to the others. */
+static void report_distances(const subject *s, mcv_report *report) {
+    const mcv_found *line = NULL, *circle = NULL, *end = s->found + s->found_count;
+    bool open = false;
+    for (const mcv_found *f = s->found; f < end; ++f) {
+        const bool straight = mcv_found_straight(f), round = mcv_found_is_round(f);
+        if (!open && ((straight && line) || (round && (line || circle)))) {
+            mcv_report_list(report, "distances");
+            open = true;
+        }
+        if (line && (straight || round)) report_distance(s, report, line, f);
+        if (circle && round) report_distance(s, report, circle, f);
+        if (straight && !line) line = f;
+        if (round && !circle) circle = f;
+    }
+    if (open) mcv_report_close(report);
+}
+
+static mcv_result find_all(subject *s, mcv_error *error) {
+    for (unsigned f = 0; f < MCV_FORM_COUNT; ++f) {
+        const mcv_list *texts = mcv_form_boxes(s->command, f);
+        for (size_t i = 0; i < texts->count; ++i, ++s->found_count)
+            MCV_TRY(mcv_locate(&s->readings, s->noise, s->whole, f, texts->items[i], i + 1, s->found + s->found_count, error));
+    }
     return MCV_OK;
 }
 
 /* What can be told apart of a part's contour: edges lie where they are seen within the growth, a few pixels. */
 static const double reach = 2;
 
-/* Of --nominal: how far each edge has grown. */
-static mcv_result find_growths(subject *s, mcv_error *error) {
+/* Of the contour that runs along an edge's line by a box, in pixels. */
+static mcv_result growth_by_box(const subject *s, const mcv_growth *growth, const mcv_edge *edge, const mcv_pixel_box *box,
+                                mcv_quantity *pixels, mcv_error *error) {
+    const double length = edge->across_rows ? box->height : box->width, scale = mcv_scale_along(s->pixel, edge->normal);
+    const double middle[2] = {box->x + box->width / 2.0, box->y + box->height / 2.0};
+    const double off = (middle[0] - edge->point[0]) * edge->normal[0] + (middle[1] - edge->point[1]) * edge->normal[1];
+    const double point[2] = {middle[0] - off * edge->normal[0], middle[1] - off * edge->normal[1]};
+    mcv_quantity g;
+    MCV_TRY(mcv_growth_at(s->scene, &s->model, growth, point, edge->normal, length, reach + 3 * growth->edge.value / scale, &g, error));
+    *pixels = (mcv_quantity){g.value / scale, g.uncertainty / scale};
+    return MCV_OK;
+}
+
+/*
+ * Puts an edge back to where the part's contour is. Growths of two edges are uncertain for the same reasons and add as they stand; their
+ * uncertainty is taken √2 times, so that the root of both squares is that of a width.
+ */
+static void put_back(mcv_edge *edge, mcv_quantity pixels) {
+    const double along = edge->normal[edge->across_rows ? 0 : 1];
+    for (int i = 0; i < 2; ++i) edge->point[i] -= pixels.value * edge->normal[i];
+    edge->position.value -= pixels.value / along;
+    edge->position.uncertainty = hypot(edge->position.uncertainty, M_SQRT2 * pixels.uncertainty / along);
+}
+
+static mcv_result take_off_edge(const subject *s, const mcv_growth *growth, mcv_edge *edge, mcv_quantity *pixels, mcv_error *error) {
+    MCV_TRY(growth_by_box(s, growth, edge, &edge->box, pixels, error));
+    put_back(edge, *pixels);
+    return MCV_OK;
+}
+
+static mcv_result take_off_line(const subject *s, const mcv_growth *growth, mcv_line *line, mcv_error *error) {
+    mcv_quantity mean = {0, 0}, pixels;
+    for (size_t i = 0; i < line->box_count; ++i) {
+        MCV_TRY(growth_by_box(s, growth, &line->edge, line->boxes + i, &pixels, error));
+        mean.value += pixels.value / (double)line->box_count;
+        mean.uncertainty += pixels.uncertainty / (double)line->box_count;
+    }
+    put_back(&line->edge, mean);
+    return MCV_OK;
+}
+
+static mcv_result take_off_caliper(const subject *s, const mcv_growth *growth, mcv_caliper *caliper, mcv_error *error) {
+    const mcv_edge *first = caliper->edges, *second = first + 1;
+    /* Dark between the edges: both normals point away from the other edge. */
+    const double across = (second->point[0] - first->point[0]) * first->normal[0] + (second->point[1] - first->point[1]) * first->normal[1];
+    const double sign = across < 0 ? -1 : 1;
+    mcv_quantity grown[2];
+    for (int i = 0; i < 2; ++i) MCV_TRY(take_off_edge(s, growth, caliper->edges + i, grown + i, error));
+    caliper->width.value += sign * (grown[0].value + grown[1].value);
+    caliper->width.uncertainty = hypot(caliper->width.uncertainty, grown[0].uncertainty + grown[1].uncertainty);
+    return MCV_OK;
+}
+
+static mcv_result take_off_circle(const subject *s, const mcv_growth *growth, mcv_circle *circle, mcv_error *error) {
+    const double scale = mcv_scale_along(s->pixel, NULL), centre[2] = {circle->column.value, circle->row.value};
+    mcv_quantity g;
+    if (isnan(scale)) return mcv_fail(error, MCV_FAILED, "pixels are not square in the object: a circle has no radius");
+    MCV_TRY(mcv_growth_of_circle(s->scene, &s->model, growth, centre, circle->radius.value, circle->bright,
+                                 reach + 3 * growth->edge.value / scale, &g, error));
+    const double sign = circle->bright ? 1 : -1, value = g.value / scale, uncertainty = g.uncertainty / scale;
+    circle->radius = (mcv_quantity){circle->radius.value + sign * value, hypot(circle->radius.uncertainty, uncertainty)};
+    circle->diameter = (mcv_quantity){circle->diameter.value + 2 * sign * value, hypot(circle->diameter.uncertainty, 2 * uncertainty)};
+    circle->covariance[2][2] += uncertainty * uncertainty;
+    return MCV_OK;
+}
+
+static mcv_result take_off(const subject *s, const mcv_growth *growth, mcv_found *found, mcv_error *error) {
+    mcv_quantity pixels;
+    switch (found->form) {
+    case MCV_FORM_EDGE:
+        return take_off_edge(s, growth, &found->as.edge, &pixels, error);
+    case MCV_FORM_LINE:
+        return take_off_line(s, growth, &found->as.line, error);
+    case MCV_FORM_CALIPER:
+        return take_off_caliper(s, growth, &found->as.caliper, error);
+    default:
+        return take_off_circle(s, growth, &found->as.circle, error);
+    }
+}
+
+/* --nominal: all that was found goes back to where the part's contour is. */
+static mcv_result take_growths_off(subject *s, mcv_error *error) {
     const mcv_command *c = s->command;
     mcv_growth growth;
     if (!s->scene) return mcv_fail(error, MCV_USAGE, "--nominal needs the part and its light: give --scene");
@@ -316,27 +458,27 @@ static mcv_result find_growths(subject *s, mcv_error *error) {
     if (!mcv_growth_of(s->scene, sensor, &growth))
         return mcv_fail(error, MCV_USAGE, "--nominal: %s has no flat emitter that faces sensor %s behind an opaque part, so no edge grows",
                         c->scene, sensor->name);
-    s->growths = calloc(c->edge.count + 1, sizeof *s->growths);
-    if (!s->growths) return mcv_fail(error, MCV_FAILED, "no memory for the growth of edges");
-    for (size_t i = 0; i < c->edge.count; ++i) {
-        const mcv_edge *edge = s->edges + i;
-        const double length = edge->across_rows ? edge->height : edge->width;
+    for (size_t i = 0; i < s->found_count; ++i) {
         mcv_error why = {""};
-        const mcv_result result = mcv_growth_at(s->scene, &s->model, &growth, edge->point, edge->normal, length,
-                                                reach + 3 * growth.edge.value / s->pixel[0], s->growths + i, &why);
-        if (result != MCV_OK) return mcv_fail(error, result, "edge %s: %s", edge->name, why.text);
+        const mcv_result result = take_off(s, &growth, s->found + i, &why);
+        if (result != MCV_OK) return mcv_fail(error, result, "--nominal: %s: %s", mcv_found_name(s->found + i), why.text);
     }
     return MCV_OK;
 }
 
-static void report_edges(const subject *s, mcv_report *report) {
-    const size_t count = s->command->edge.count;
-    if (count) mcv_report_list(report, "edges");
-    for (size_t i = 0; i < count; ++i) report_edge(s, report, i);
-    if (count) mcv_report_close(report);
-    if (count > 1) mcv_report_list(report, "distances");
-    for (size_t i = 1; i < count; ++i) report_distance(s, report, 0, i);
-    if (count > 1) mcv_report_close(report);
+static void report_boxes(const subject *s, mcv_report *report) {
+    static const char *const lists[] = {
+#define MCV_X(form, FORM, figures, what) #form "s",
+        MCV_FORMS(MCV_X)
+#undef MCV_X
+    };
+    for (size_t i = 0; i < s->found_count; ++i) {
+        const mcv_found *f = s->found + i;
+        if (i == 0 || f->form != f[-1].form) mcv_report_list(report, lists[f->form]);
+        report_found(s, report, f);
+        if (i + 1 == s->found_count || f->form != f[1].form) mcv_report_close(report);
+    }
+    report_distances(s, report);
 }
 
 /* --- the grid --------------------------------------------------------------------------------------------------- */
@@ -392,15 +534,15 @@ static mcv_result report_all(subject *s, mcv_error *error) {
     if (s->pixel[0] > 0) mcv_report_numbers(&report, "object_pixel", "m", " x ", s->pixel, 2);
     mcv_report_text(&report, "noise_from", s->noise ? s->noise : "the differences of neighbours");
     report_regions(s, &report);
-    report_edges(s, &report);
+    report_boxes(s, &report);
     return mcv_report_end(&report, error);
 }
 
 /* All that may fail comes before the first word of the report. */
 static mcv_result measure(subject *s, mcv_error *error) {
     MCV_TRY(parse_regions(s, error));
-    MCV_TRY(find_edges(s, error));
-    if (s->command->nominal) MCV_TRY(find_growths(s, error));
+    MCV_TRY(find_all(s, error));
+    if (s->command->nominal) MCV_TRY(take_growths_off(s, error));
     return report_all(s, error);
 }
 
@@ -421,19 +563,19 @@ static mcv_result measure_places(subject *s, mcv_error *error) {
 
 mcv_result mcv_verb_measure(const mcv_command *command, mcv_error *error) {
     mcv_roi *regions = calloc(command->region.count + 1, sizeof *regions);
-    mcv_edge *edges = calloc(command->edge.count + 1, sizeof *edges);
+    mcv_found *found = calloc(count_boxes(command) + 1, sizeof *found);
     subject s;
-    if (!regions || !edges) {
+    if (!regions || !found) {
         free(regions);
-        free(edges);
-        return mcv_fail(error, MCV_FAILED, "no memory for the regions and edges");
+        free(found);
+        return mcv_fail(error, MCV_FAILED, "no memory for the regions and boxes");
     }
     mcv_result result = read_subject(command, command->argument, &s, error);
     s.regions = regions;
-    s.edges = edges;
+    s.found = found;
     if (result == MCV_OK) result = measure_places(&s, error);
     free_subject(&s);
     free(regions);
-    free(edges);
+    free(found);
     return result;
 }

@@ -39,14 +39,32 @@ static const char *const contrast_figures[] = {
     MCV_CONTRAST_METRICS(MCV_X)
 #undef MCV_X
 };
-static const char *const edge_figures[] = {
 #define MCV_X(member, name) name,
-    MCV_EDGE_METRICS(MCV_X)
+static const char *const edge_figures[] = {MCV_EDGE_METRICS(MCV_X) "mtf50", "mtf_at_nyquist", "width_10_90_length", "distance", "length"};
+static const char *const line_figures[] = {MCV_LINE_METRICS(MCV_X) "straightness_length", "distance", "length"};
+static const char *const caliper_figures[] = {MCV_CALIPER_METRICS(MCV_X) "width_length"};
+static const char *const circle_figures[] = {
+    MCV_CIRCLE_METRICS(MCV_X) "radius_length", "diameter_length", "roundness_length", "distance", "length", "line_distance", "line_length"};
 #undef MCV_X
-        "mtf50",
-    "mtf_at_nyquist", "width_10_90_length", "distance", "length"};
 
 #define COUNT_OF(list) (sizeof(list) / sizeof((list)[0]))
+
+typedef struct form {
+    const char *option, *what;
+    const char *const *figures;
+    size_t figure_count;
+    size_t offset; /* of its list in mcv_command */
+} form;
+
+static const form forms[MCV_FORM_COUNT] = {
+#define MCV_X(form, FORM, kind, what) {#form, what, kind##_figures, COUNT_OF(kind##_figures), offsetof(mcv_command, form)},
+    MCV_FORMS(MCV_X)
+#undef MCV_X
+};
+
+const mcv_list *mcv_form_boxes(const mcv_command *command, unsigned index) {
+    return (const mcv_list *)((const char *)command + forms[index].offset);
+}
 
 static bool is_in(const char *word, const char *const *list, size_t count) {
     for (size_t i = 0; i < count; ++i)
@@ -54,9 +72,9 @@ static bool is_in(const char *word, const char *const *list, size_t count) {
     return false;
 }
 
-/* Which region or edge, and which figure. */
+/* Which region (form: MCV_FORM_COUNT) or box, and which figure. */
 typedef struct choice {
-    bool edge;
+    unsigned form;
     size_t index;
     char figure[64];
 } choice;
@@ -76,37 +94,84 @@ static bool find_named(const mcv_list *list, const char *name, size_t length, si
 }
 
 static mcv_result fail_figure(const char *name, const char *figure, mcv_error *error) {
-    const char *words[64];
+    const char *words[128];
     size_t count = 0;
-    char list[512] = "";
+    char list[1024] = "";
     for (size_t i = 0; i < COUNT_OF(region_figures); ++i) words[count++] = region_figures[i];
     for (size_t i = 0; i < COUNT_OF(contrast_figures); ++i) words[count++] = contrast_figures[i];
-    for (size_t i = 0; i < COUNT_OF(edge_figures); ++i) words[count++] = edge_figures[i];
+    for (unsigned f = 0; f < MCV_FORM_COUNT; ++f)
+        for (size_t i = 0; i < forms[f].figure_count; ++i)
+            if (!is_in(forms[f].figures[i], words, count)) words[count++] = forms[f].figures[i];
     const char *nearest = mcv_nearest_word(figure, words, count);
     if (nearest) return mcv_fail(error, MCV_USAGE, "metric %s: there is no figure \"%s\"; did you mean \"%s\"?", name, figure, nearest);
     for (size_t i = 0; i < count; ++i) snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "", words[i]);
     return mcv_fail(error, MCV_USAGE, "metric %s: there is no figure \"%s\"; there are %s", name, figure, list);
 }
 
+static bool is_distance(const char *figure) { return strcmp(figure, "distance") == 0 || strcmp(figure, "length") == 0; }
+
+static bool is_from_line(const char *figure) { return strcmp(figure, "line_distance") == 0 || strcmp(figure, "line_length") == 0; }
+
+/* The first of these two forms that was given: where distances to others of them begin. MCV_FORM_COUNT without one. */
+static unsigned first_of(const mcv_command *c, unsigned a, unsigned b) {
+    return mcv_form_boxes(c, a)->count ? a : mcv_form_boxes(c, b)->count ? b : MCV_FORM_COUNT;
+}
+
+static unsigned first_straight(const mcv_command *c) { return first_of(c, MCV_FORM_EDGE, MCV_FORM_LINE); }
+
+/* The form that a distance to this one begins with. */
+static unsigned first_like(const mcv_command *c, unsigned index) {
+    return index == MCV_FORM_CIRCLE || index == MCV_FORM_ARC ? first_of(c, MCV_FORM_CIRCLE, MCV_FORM_ARC) : first_straight(c);
+}
+
+/* The box that has the figure: by its name, or else the first; of distances the first that is not where they begin. */
+static bool find_box(const mcv_command *c, const char *name, const char *dot, choice *out) {
+    const bool distance = is_distance(out->figure);
+    for (out->form = 0; out->form < MCV_FORM_COUNT; ++out->form) {
+        const mcv_list *boxes = mcv_form_boxes(c, out->form);
+        if (!is_in(out->figure, forms[out->form].figures, forms[out->form].figure_count)) continue;
+        out->index = !dot && distance && first_like(c, out->form) == out->form;
+        if (dot ? find_named(boxes, name, (size_t)(dot - name), &out->index) : out->index < boxes->count) return true;
+    }
+    return false;
+}
+
+/* Whose figure it is and what was not given: the options as "--edge or --line". */
+static mcv_result fail_box(const mcv_command *c, const char *name, const char *dot, const char *figure, mcv_error *error) {
+    char options[128] = "";
+    const char *what = NULL;
+    size_t given = 0;
+    for (unsigned f = 0; f < MCV_FORM_COUNT; ++f) {
+        if (!is_in(figure, forms[f].figures, forms[f].figure_count)) continue;
+        snprintf(options + strlen(options), sizeof options - strlen(options), "%s--%s", what ? " or " : "", forms[f].option);
+        given += mcv_form_boxes(c, f)->count;
+        if (!what) what = forms[f].what;
+    }
+    if (given == 0) return mcv_fail(error, MCV_USAGE, "metric %s: give %s, %s", name, options, what);
+    if (dot) return mcv_fail(error, MCV_USAGE, "metric %s: there is no %s of the name \"%.*s\"", name, options, (int)(dot - name), name);
+    return mcv_fail(error, MCV_USAGE, "metric %s: is from the first %s to another: name the other", name, options);
+}
+
 static mcv_result choose(const mcv_command *c, const char *name, choice *out, mcv_error *error) {
     const char *dot = strrchr(name, '.');
-    *out = (choice){0};
+    *out = (choice){.form = MCV_FORM_COUNT};
     snprintf(out->figure, sizeof out->figure, "%s", dot ? dot + 1 : name);
     const bool contrast = is_in(out->figure, contrast_figures, COUNT_OF(contrast_figures));
-    const bool region = contrast || is_in(out->figure, region_figures, COUNT_OF(region_figures));
-    const bool edge = is_in(out->figure, edge_figures, COUNT_OF(edge_figures));
-    if (!region && !edge) return fail_figure(name, out->figure, error);
-    out->edge = edge;
+    bool boxed = false;
+    for (unsigned f = 0; f < MCV_FORM_COUNT; ++f) boxed = boxed || is_in(out->figure, forms[f].figures, forms[f].figure_count);
+    if (!contrast && !boxed && !is_in(out->figure, region_figures, COUNT_OF(region_figures))) return fail_figure(name, out->figure, error);
     if (contrast && !c->background)
         return mcv_fail(error, MCV_USAGE, "metric %s: give --background, the region that it stands out of", name);
-    if (edge && c->edge.count == 0) return mcv_fail(error, MCV_USAGE, "metric %s: give --edge, a rectangle with an edge in it", name);
-    const bool distance = strcmp(out->figure, "distance") == 0 || strcmp(out->figure, "length") == 0;
-    if (dot && !find_named(edge ? &c->edge : &c->region, name, (size_t)(dot - name), &out->index))
-        return mcv_fail(error, MCV_USAGE, "metric %s: there is no --%s of the name \"%.*s\"", name, edge ? "edge" : "region",
-                        (int)(dot - name), name);
-    if (!dot && distance) out->index = 1;
-    if (distance && (out->index == 0 || out->index >= c->edge.count))
-        return mcv_fail(error, MCV_USAGE, "metric %s: is from the first --edge to another: name the other", name);
+    if (!boxed) {
+        if (dot && !find_named(&c->region, name, (size_t)(dot - name), &out->index))
+            return mcv_fail(error, MCV_USAGE, "metric %s: there is no --region of the name \"%.*s\"", name, (int)(dot - name), name);
+        return MCV_OK;
+    }
+    if (!find_box(c, name, dot, out)) return fail_box(c, name, dot, out->figure, error);
+    if (is_distance(out->figure) && out->form == first_like(c, out->form) && out->index == 0)
+        return mcv_fail(error, MCV_USAGE, "metric %s: is from the first --%s to another: name the other", name, forms[out->form].option);
+    if (is_from_line(out->figure) && first_straight(c) == MCV_FORM_COUNT)
+        return mcv_fail(error, MCV_USAGE, "metric %s: give --edge or --line, from which it counts", name);
     return MCV_OK;
 }
 
@@ -118,8 +183,11 @@ mcv_result mcv_metric_known(void *user, const char *name, mcv_quantity *quantity
 
 /* --- figures ---------------------------------------------------------------------------------------------------- */
 
+/* Rounding to whole numbers makes that much. */
+static double least_noise(bool whole) { return whole ? sqrt(1.0 / 12) : 0; }
+
 void mcv_know_noise(mcv_readings *readings, bool known, bool whole, mcv_roi *region) {
-    if (!known) mcv_roi_estimate_noise(readings, region, whole ? sqrt(1.0 / 12) : 0);
+    if (!known) mcv_roi_estimate_noise(readings, region, least_noise(whole));
 }
 
 static void know_noise(mcv_metrics *m, mcv_roi *region) { mcv_know_noise(&m->readings, m->known, m->whole, region); }
@@ -156,48 +224,123 @@ static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quant
     return MCV_OK;
 }
 
-mcv_result mcv_locate_edge(mcv_readings *readings, bool known, bool whole, const char *text, size_t number, mcv_edge *edge,
-                           mcv_error *error) {
-    char box[128];
-    mcv_roi region;
-    MCV_TRY(mcv_edge_parse(text, number, &readings->values, edge, error));
-    if (!known) {
-        snprintf(box, sizeof box, "%u,%u,%u,%u", edge->x, edge->y, edge->width, edge->height);
-        MCV_TRY(mcv_roi_parse(box, number, &readings->values, &region, error));
-        mcv_know_noise(readings, known, whole, &region);
-        mcv_roi_free(&region);
+mcv_result mcv_locate(mcv_readings *readings, bool known, bool whole, unsigned index, const char *text, size_t number, mcv_found *found,
+                      mcv_error *error) {
+    const double least = known ? NAN : least_noise(whole);
+    const mcv_image *image = &readings->values;
+    *found = (mcv_found){.form = index};
+    switch (index) {
+    case MCV_FORM_EDGE:
+        MCV_TRY(mcv_edge_parse(text, number, image, &found->as.edge, error));
+        MCV_TRY(mcv_edge_locate(readings, least, &found->as.edge, error));
+        return mcv_edge_is_straight(&found->as.edge, error);
+    case MCV_FORM_LINE:
+        MCV_TRY(mcv_line_parse(text, number, image, &found->as.line, error));
+        return mcv_line_locate(readings, least, &found->as.line, error);
+    case MCV_FORM_CALIPER:
+        MCV_TRY(mcv_caliper_parse(text, number, image, &found->as.caliper, error));
+        return mcv_caliper_locate(readings, least, &found->as.caliper, error);
+    default:
+        MCV_TRY(mcv_circle_parse(text, number, image, index == MCV_FORM_CIRCLE, &found->as.circle, error));
+        return mcv_circle_locate(readings, least, &found->as.circle, error);
     }
-    return mcv_edge_find(readings, edge, error);
 }
 
-static mcv_result find_edge(mcv_metrics *m, size_t index, mcv_edge *edge, mcv_error *error) {
-    return mcv_locate_edge(&m->readings, m->known, m->whole, m->command->edge.items[index], index + 1, edge, error);
+const mcv_edge *mcv_found_straight(const mcv_found *found) {
+    return found->form == MCV_FORM_EDGE ? &found->as.edge : found->form == MCV_FORM_LINE ? &found->as.line.edge : NULL;
 }
 
-static mcv_quantity scaled(mcv_quantity q, double factor) { return (mcv_quantity){q.value * factor, q.uncertainty * factor}; }
+bool mcv_found_is_round(const mcv_found *found) { return found->form == MCV_FORM_CIRCLE || found->form == MCV_FORM_ARC; }
 
-static mcv_result measure_edge(mcv_metrics *m, const choice *chosen, mcv_quantity *quantity, mcv_error *error) {
-    const char *figure = chosen->figure;
-    mcv_edge edge, first;
+const char *mcv_found_name(const mcv_found *found) {
+    const mcv_edge *straight = mcv_found_straight(found);
+    return straight ? straight->name : found->form == MCV_FORM_CALIPER ? found->as.caliper.name : found->as.circle.name;
+}
+
+mcv_quantity mcv_found_distance(const mcv_found *a, const mcv_found *b, double direction[2]) {
+    const mcv_edge *line = mcv_found_straight(a), *other = mcv_found_straight(b);
+    mcv_quantity d;
+    if (line) {
+        d = other ? mcv_edge_distance(line, other) : mcv_edge_to_circle(line, &b->as.circle);
+        memcpy(direction, line->normal, sizeof line->normal);
+    } else {
+        d = mcv_circle_distance(&a->as.circle, &b->as.circle);
+        const double x = b->as.circle.column.value - a->as.circle.column.value, y = b->as.circle.row.value - a->as.circle.row.value;
+        direction[0] = x == 0 && y == 0 ? 1 : x / hypot(x, y);
+        direction[1] = x == 0 && y == 0 ? 0 : y / hypot(x, y);
+    }
+    d.value = fabs(d.value);
+    return d;
+}
+
+double mcv_scale_along(const double pixel[2], const double direction[2]) {
+    if (!(pixel[0] > 0)) return NAN;
+    if (direction) return hypot(direction[0] * pixel[0], direction[1] * pixel[1]);
+    return fabs(pixel[1] - pixel[0]) <= 1e-9 * pixel[0] ? pixel[0] : NAN;
+}
+
+static mcv_result find_box_of(mcv_metrics *m, unsigned index, size_t number, mcv_found *found, mcv_error *error) {
+    return mcv_locate(&m->readings, m->known, m->whole, index, mcv_form_boxes(m->command, index)->items[number], number + 1, found, error);
+}
+
+/* Whether the figure is of this name, or is the length (at this scale) of one that is. */
+static bool is_figure(const char *figure, const char *name, mcv_quantity q, double scale, mcv_quantity *quantity) {
+    const size_t length = strlen(name);
+    if (strncmp(figure, name, length) != 0) return false;
+    const bool same = figure[length] == '\0', as_length = strcmp(figure + length, "_length") == 0;
+    if (same) *quantity = q;
+    if (as_length) *quantity = (mcv_quantity){q.value * scale, q.uncertainty * scale};
+    return same || as_length;
+}
+
+static mcv_result measure_mtf(const mcv_metrics *m, const mcv_edge *edge, const char *figure, mcv_quantity *quantity, mcv_error *error) {
     mcv_edge_mtf mtf;
-    MCV_TRY(find_edge(m, chosen->index, &edge, error));
-    double along = m->pixel[0] > 0 ? hypot(edge.normal[0] * m->pixel[0], edge.normal[1] * m->pixel[1]) : NAN;
+    MCV_TRY(mcv_edge_spread(&m->readings, edge, &mtf, error));
+    *quantity = strcmp(figure, "mtf50") == 0 ? mtf.mtf50 : mtf.nyquist;
+    mcv_edge_mtf_free(&mtf);
+    return MCV_OK;
+}
+
+static void take_figure(const mcv_found *found, const double pixel[2], const char *figure, mcv_quantity *quantity) {
+    const mcv_edge *straight = mcv_found_straight(found);
+    const double across = mcv_scale_along(pixel, straight ? straight->normal : NULL);
 #define MCV_X(member, name) \
-    if (strcmp(figure, name) == 0) *quantity = edge.member;
-    MCV_EDGE_METRICS(MCV_X)
-#undef MCV_X
-    if (strcmp(figure, "width_10_90_length") == 0) *quantity = scaled(edge.width_10_90, along);
-    if (strncmp(figure, "mtf", 3) == 0) {
-        MCV_TRY(mcv_edge_spread(&m->readings, &edge, &mtf, error));
-        *quantity = strcmp(figure, "mtf50") == 0 ? mtf.mtf50 : mtf.nyquist;
-        mcv_edge_mtf_free(&mtf);
+    if (is_figure(figure, name, of->member, scale, quantity)) return;
+    if (found->form == MCV_FORM_EDGE) {
+        const mcv_edge *of = straight;
+        const double scale = across;
+        MCV_EDGE_METRICS(MCV_X)
+    } else if (found->form == MCV_FORM_LINE) {
+        const mcv_line *of = &found->as.line;
+        const double scale = across;
+        MCV_LINE_METRICS(MCV_X)
+    } else if (found->form == MCV_FORM_CALIPER) {
+        const mcv_caliper *of = &found->as.caliper;
+        const double scale = mcv_scale_along(pixel, of->edges[0].normal);
+        MCV_CALIPER_METRICS(MCV_X)
+    } else {
+        const mcv_circle *of = &found->as.circle;
+        const double scale = across;
+        MCV_CIRCLE_METRICS(MCV_X)
     }
-    if (strcmp(figure, "distance") != 0 && strcmp(figure, "length") != 0) return MCV_OK;
-    MCV_TRY(find_edge(m, 0, &first, error));
-    *quantity = mcv_edge_distance(&first, &edge);
-    quantity->value = fabs(quantity->value);
-    along = m->pixel[0] > 0 ? hypot(first.normal[0] * m->pixel[0], first.normal[1] * m->pixel[1]) : NAN;
-    if (strcmp(figure, "length") == 0) *quantity = scaled(*quantity, along);
+#undef MCV_X
+}
+
+static mcv_result measure_box(mcv_metrics *m, const choice *chosen, mcv_quantity *quantity, mcv_error *error) {
+    const char *figure = chosen->figure;
+    const bool from_line = is_from_line(figure);
+    mcv_found found, first;
+    double direction[2];
+    MCV_TRY(find_box_of(m, chosen->form, chosen->index, &found, error));
+    if (strncmp(figure, "mtf", 3) == 0) return measure_mtf(m, &found.as.edge, figure, quantity, error);
+    if (!from_line && !is_distance(figure)) {
+        take_figure(&found, m->pixel, figure, quantity);
+        return MCV_OK;
+    }
+    MCV_TRY(find_box_of(m, from_line ? first_straight(m->command) : first_like(m->command, chosen->form), 0, &first, error));
+    *quantity = mcv_found_distance(&first, &found, direction);
+    const double scale = mcv_scale_along(m->pixel, direction);
+    if (strstr(figure, "length")) *quantity = (mcv_quantity){quantity->value * scale, quantity->uncertainty * scale};
     return MCV_OK;
 }
 
@@ -206,7 +349,7 @@ mcv_result mcv_metric_look_up(void *user, const char *name, mcv_quantity *quanti
     choice chosen;
     *quantity = (mcv_quantity){NAN, NAN};
     MCV_TRY(choose(m->command, name, &chosen, error));
-    MCV_TRY(chosen.edge ? measure_edge(m, &chosen, quantity, error) : measure_region(m, &chosen, quantity, error));
+    MCV_TRY(chosen.form < MCV_FORM_COUNT ? measure_box(m, &chosen, quantity, error) : measure_region(m, &chosen, quantity, error));
     if (isnan(quantity->value)) return mcv_fail(error, MCV_FAILED, "metric %s: the image gives no such figure", name);
     return MCV_OK;
 }

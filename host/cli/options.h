@@ -18,7 +18,8 @@
       "tell whether two renders of the same picture, OpenEXR images or scenes to be rendered, differ by more than their noise; exit " \
       "code 1 if they do") \
     X(camera, CAMERA, "IMAGE.exr", "turn irradiance or radiance into the grey values of a camera, with its noise (EMVA 1288)") \
-    X(measure, MEASURE, "IMAGE", "measure in an image: regions, contrasts, edges and their sharpness, each with its standard uncertainty") \
+    X(measure, MEASURE, "IMAGE", \
+      "measure in an image: regions, contrasts, edges and their sharpness, lines, widths and circles, each with its standard uncertainty") \
     X(sweep, SWEEP, "RIG|EXPERIMENT.json", \
       "render a scene with many sets of parameters and measure in each image: a table, and a page of plots with error bars") \
     X(lightfield, LIGHTFIELD, "views|emd-gradient IMAGE.exr", \
@@ -155,11 +156,23 @@ enum {
     X(text, background, "background", 0, "REGION", MCV_IN_FIGURES, NULL, 0, 0, \
       "the region that the others stand out of: gives Weber and Michelson contrast and the contrast-to-noise ratio") \
     X(list, edge, "edge", 0, "[NAME=]X,Y,W,H", MCV_IN_FIGURES, NULL, 0, 0, \
-      "a rectangle with one straight edge in it: gives its position and, where it is tilted, the modulation transfer function (ISO " \
-      "12233); " \
-      "may be repeated: gives the distances from the first. @NODE:X,Y,Z,W,H instead of X,Y,W,H is a rectangle W wide and H high in the " \
-      "image " \
-      "about a place in the coordinates of a node, all lengths with units, as in left=@part:-20mm,0mm,3mm,2mm,4mm") \
+      "a rectangle with one straight edge in it: gives its position, tilt, 10-90 % width, sagitta and, where it is tilted, the " \
+      "modulation transfer function (ISO 12233); a curved edge is refused; may be repeated: gives the distances from the first. " \
+      "In all these boxes @NODE:X,Y,Z,W,H instead of X,Y,W,H is a rectangle W wide and H high in the image about a place in the " \
+      "coordinates " \
+      "of a node, all lengths with units, as in left=@part:-20mm,0mm,3mm,2mm,4mm") \
+    X(list, line, "line", 0, "[NAME=]X,Y,W,H[+X,Y,W,H…]", MCV_IN_FIGURES, NULL, 0, 0, \
+      "rectangles that one straight edge passes, joined by +: one line through them; gives its position, tilt and straightness (root " \
+      "mean " \
+      "square), and distances from the first edge or line; may be repeated") \
+    X(list, caliper, "caliper", 0, "[NAME=]X,Y,W,H", MCV_IN_FIGURES, NULL, 0, 0, \
+      "a rectangle whose longer side crosses two opposite edges: gives the width between them and their angle; may be repeated") \
+    X(list, circle, "circle", 0, "[NAME=]X,Y,W,H", MCV_IN_FIGURES, NULL, 0, 0, \
+      "a rectangle around a circle, some pixels larger: gives its centre (column, row), radius, diameter and roundness (root mean " \
+      "square); " \
+      "may be repeated: gives the distances of the centres from the first, and from the first edge or line") \
+    X(list, arc, "arc", 0, "[NAME=]X,Y,W,H", MCV_IN_FIGURES, NULL, 0, 0, \
+      "a rectangle with a part of a circle in it: gives what --circle does; may be repeated") \
     X(text, minus, "minus", 0, "OTHER", MCV_IN_MEASURE, NULL, 0, 0, "measure in the difference IMAGE - OTHER") \
     X(choice, channel, "channel", 0, "mean|red|green|blue", MCV_IN_FIGURES, "mean", 0, 0, "of colour images") \
     X(number, noise, "noise", 0, "S", MCV_IN_MEASURE, NULL, 0, 1e30, \
@@ -169,7 +182,8 @@ enum {
     X(text, scene, "scene", 0, "SCENE", MCV_IN_MEASURE, NULL, 0, 0, \
       "the scene of an image whose header does not give the scale: lengths in its plane in focus") \
     X(flag, nominal, "nominal", 0, NULL, MCV_IN_MEASURE, NULL, 0, 0, \
-      "with --scene: take off by how much edges of the thick part grow before a backlight, as `mcvisi check` tells it, and add what is not " \
+      "with --scene: take off by how much edges of the thick part grow before a backlight, as `mcvisi check` tells it, and add what is " \
+      "not " \
       "known of it to the uncertainty; telecentric cameras only") \
     X(text, grid, "grid", 0, "[NODE=]F.png", MCV_IN_MEASURE, NULL, 0, 0, \
       "draw the image with its pixels, the millimetres of the node's coordinates in the plane in focus and the places given; by default " \
@@ -188,7 +202,8 @@ enum {
     X(count, points, "points", 0, "N", MCV_IN_SWEEP, NULL, 1, 1000000, "sets of --design lhs and sobol") \
     X(count, design_seed, "design-seed", 0, "S", MCV_IN_SWEEP, "0", 0, UINT32_MAX, "another Latin hypercube, other Sobol' points") \
     X(list, metric, "metric", 0, "[NAME:=]EXPR", MCV_IN_SWEEP, NULL, 0, 0, \
-      "what to measure, in figures of `mcvisi measure` as REGION.FIGURE or EDGE.FIGURE, or FIGURE of the first one: " \
+      "what to measure, in figures of `mcvisi measure` as NAME.FIGURE of a region, edge, line, caliper, circle or arc, or FIGURE of the " \
+      "first one: " \
       "dent.contrast_to_noise, " \
       "mtf50; may be repeated") \
     X(list, until, "until", 0, "NAME=U", MCV_IN_SWEEP, NULL, 0, 0, \

@@ -9,7 +9,11 @@
 /* X(field, "name"): options that are lists of places. */
 #define MCV_PLACE_OPTIONS(X) \
     X(region, "--region") \
-    X(edge, "--edge")
+    X(edge, "--edge") \
+    X(line, "--line") \
+    X(caliper, "--caliper") \
+    X(circle, "--circle") \
+    X(arc, "--arc")
 
 /*
  * A copy of the command whose places, and --background, are pixels (analysis/part_place.h). model: of the image, or NULL. The copy shares
