@@ -304,7 +304,7 @@ static void test_difference_in_standard_errors(void **state) {
     mcv_error error = {""};
     mcv_image difference;
     float x[] = {4, 1, 2, NAN}, ex[] = {0.3F, 0.3F, 0, 0}, y[] = {1, 1, 3, 1}, ey[] = {0.4F, 0, 0, 0};
-    mcv_image images[] = {{4, 1, 1, x}, {4, 1, 1, ex}, {4, 1, 1, y}, {4, 1, 1, ey}};
+    mcv_image images[] = {{4, 1, 1, x, NULL}, {4, 1, 1, ex, NULL}, {4, 1, 1, y, NULL}, {4, 1, 1, ey, NULL}};
     const mcv_measured mx = {&images[0], &images[1], 4}, my = {&images[2], &images[3], 4};
     assert_int_equal(mcv_compare_difference(&mx, &my, &difference, &error), MCV_OK);
     expect_near(difference.pixels[0], 6, 0x1p-22, "the difference"); /* four roundings to float */
@@ -312,7 +312,7 @@ static void test_difference_in_standard_errors(void **state) {
     mcv_image_free(&difference);
 
     float x2[] = {3, 5}, ex2[] = {0.3F, 0.3F}, y2[] = {1, 4}, ey2[] = {0.4F, 0.4F};
-    mcv_image two[] = {{1, 1, 2, x2}, {1, 1, 2, ex2}, {1, 1, 2, y2}, {1, 1, 2, ey2}};
+    mcv_image two[] = {{1, 1, 2, x2, NULL}, {1, 1, 2, ex2, NULL}, {1, 1, 2, y2, NULL}, {1, 1, 2, ey2, NULL}};
     const mcv_measured mx2 = {&two[0], &two[1], 4}, my2 = {&two[2], &two[3], 4};
     assert_int_equal(mcv_compare_difference(&mx2, &my2, &difference, &error), MCV_OK);
     expect_near(difference.pixels[0], 3, 0x1p-22, "the difference of two channels");

@@ -280,8 +280,88 @@ static void test_other_radiometry(void **state) {
     }
 }
 
+/*
+ * Irradiance under an even sky of 1 on the axis of f 50 mm, b 60 mm, D 50 mm (the lens from (0, 0) to R = 25 mm, w = 300 mm): with the
+ * object side's angles π R²/b² / (1 + R²/w²) = 0.5417, with the image side's π sin²θ' = π R²/(R² + b²) = 0.4647. The mean of the weights
+ * over 32 x 32 cells of the aperture by the midpoint rule: the device fills the disk from the square -1 … 1, in which second derivatives
+ * are at most 4 R²/b² of it and the diagonals have a kink as large: below R²/b² (2/32)² in all.
+ */
+static void test_falloff_on_the_axis(void **state) {
+    const double truths[] = {M_PI * 0.025 * 0.025 / (0.06 * 0.06) / (1 + 0.025 * 0.025 / (0.3 * 0.3)),
+                             M_PI * 0.025 * 0.025 / (0.025 * 0.025 + 0.06 * 0.06)};
+    (void)state;
+    assert_true(fabs(truths[0] - 0.5417) < 5e-5 && fabs(truths[1] - 0.4647) < 5e-5);
+    for (int falloff = 0; falloff < 2; ++falloff) {
+        mcv_sensor sensor = thin_lens(2, 2, 0.06);
+        sensor.as.thin_lens.focalLength = 0.05;
+        sensor.as.thin_lens.lensDiameter = 0.05;
+        sensor.as.thin_lens.radiometry = MCV_RADIOMETRY_IRRADIANCE;
+        sensor.as.thin_lens.falloff = falloff;
+        mcv_scene *scene = scene_with(sensor.type, &sensor);
+        for (size_t i = 0; i < CASES; ++i)
+            set_case(i, 1, 1, 0, 0, (float)((double)(i % 32) + 0.5) / 32, (float)((double)(i / 32) + 0.5) / 32);
+        for (int reference = 0; reference < 2; ++reference) {
+            double mean = 0;
+            look_by(reference, scene);
+            for (size_t i = 0; i < CASES; ++i) mean += sights[i].weight / CASES;
+            check(falloff ? "irradiance on the axis, image side" : "irradiance on the axis, object side", mean, truths[falloff],
+                  truths[falloff] * pow(25.0 / 60, 2) * pow(2.0 / 32, 2));
+        }
+        mcv_scene_free(scene);
+    }
+}
+
+/*
+ * Off the axis, of every sensor with a lens: the line from the image point s to the place o on the lens leans by θ', cosθ' = b/|(o - s,
+ * b)|, and each ray weighs A cos⁴θ'/h².
+ */
+static void test_falloff_of_every_ray(void **state) {
+    mcv_sensor sensors[] = {thin_lens(100, 80, 0.06), telecentric(100, 80), light_field(MCV_APERTURE_SQUARE)};
+    (void)state;
+    sensors[0].as.thin_lens.lensDiameter = 0.02;
+    for (int i = 0; i < 3; ++i) {
+        mcv_sensor *sensor = sensors + i;
+        int *radiometry = mcv_params_find(mcv_sensor_table(sensor->type), "radiometry", &sensor->as);
+        int *falloff = mcv_params_find(mcv_sensor_table(sensor->type), "falloff", &sensor->as);
+        double *size = mcv_params_find(mcv_sensor_table(sensor->type), "pixelSize", &sensor->as);
+        *radiometry = MCV_RADIOMETRY_IRRADIANCE;
+        *falloff = MCV_FALLOFF_IMAGE_SIDE;
+        size[0] = size[1] = 2e-4; /* up to 10° and more in the corner */
+        if (sensor->type == MCV_SENSOR_TELECENTRIC) sensor->as.telecentric.lensDiameter = 1;
+        mcv_scene *scene = scene_with(sensor->type, sensor);
+        const mcv_sensor *own = scene->sensors; /* resolved */
+        const bool whole = sensor->type == MCV_SENSOR_LIGHT_FIELD, stop = sensor->type == MCV_SENSOR_TELECENTRIC;
+        const mcv_telecentric_params *t = &own->as.telecentric;
+        const double b = stop ? t->imageDistance : whole ? own->as.light_field.imageDistance : own->as.thin_lens.imageDistance;
+        const double d = stop ? t->stopDiameter : 0.02, h = stop ? b - t->focalLength : b;
+        const double etendue = (whole ? 1 : M_PI / 4) * d * d / (h * h);
+        const uint32_t width = whole ? 80 : 100, height = whole ? 36 : 80;
+        ref_random random = {11};
+        for (size_t k = 0; k < CASES; ++k)
+            set_case(k, (uint32_t)(width * ref_random_unit(&random)), (uint32_t)(height * ref_random_unit(&random)), 0.5F, 0.5F,
+                     (float)(0.999 * ref_random_unit(&random)), (float)(0.999 * ref_random_unit(&random)));
+        for (int reference = 0; reference < 2; ++reference) {
+            double worst = 0, least = 1;
+            look_by(reference, scene);
+            for (size_t k = 0; k < CASES; ++k) {
+                double column = cases[6 * k] + 0.5, row = cases[6 * k + 1] + 0.5;
+                if (whole) column = (floor(column / 5) + 0.5) * 5, row = (floor(row / 3) + 0.5) * 3;
+                const double x = sights[k].origin.x - (width / 2.0 - column) * 2e-4, y = sights[k].origin.y - (row - height / 2.0) * 2e-4;
+                const double cosine = b / sqrt(x * x + y * y + b * b);
+                worst = worse(worst, fabs(sights[k].weight / (etendue * pow(cosine, 4)) - 1));
+                least = fmin(least, cosine);
+            }
+            /* Some 32 roundings of float32, or of double. */
+            check("cos^4 on the image's side", worst, 0, reference ? 32 * DBL_EPSILON : 32 * 0x1p-24);
+            assert_true(least < 0.98);
+        }
+        mcv_scene_free(scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_falloff_on_the_axis),       cmocka_unit_test(test_falloff_of_every_ray),
         cmocka_unit_test(test_telecentric_magnification), cmocka_unit_test(test_focus),
         cmocka_unit_test(test_light_field_map),           cmocka_unit_test(test_images_are_upright),
         cmocka_unit_test(test_thin_lens_irradiance),      cmocka_unit_test(test_telecentric_irradiance),

@@ -12,6 +12,7 @@
 #include "output/file.h"
 #include "output/png.h"
 #include "output/values.h"
+#include "scene/camera_model.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -157,6 +158,21 @@ static mcv_attribute number_attribute(const char *name, double number) {
 
 static mcv_attribute text_attribute(const char *name, const char *text) { return (mcv_attribute){.name = name, .text = text}; }
 
+/* The image's camera model, with what the grey values are. The header of another program may have none. */
+static mcv_result describe(const char *path, const mcv_exr *exr, const mcv_camera *camera, mcv_image *grey, mcv_error *error) {
+    const mcv_attribute *text = mcv_exr_attribute(exr, MCV_CAMERA_MODEL_KEY);
+    mcv_camera_model model;
+    bool is_one;
+    MCV_TRY(mcv_camera_model_read(text ? text->text : NULL, path, &model, &is_one, error));
+    if (!is_one) return MCV_OK;
+    model.bits = camera->bits;
+    model.black_level = camera->black_level;
+    model.gain = camera->gain;
+    grey->description = mcv_camera_model_write(&model);
+    mcv_camera_model_free(&model);
+    return grey->description ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: no memory for its header", path);
+}
+
 /* The image's header, but what the values are, and the camera. */
 static mcv_result write_exr(const mcv_command *command, const char *path, const mcv_exr *exr, const mcv_camera *camera,
                             const mcv_exposure *exposure, const char *lens, const mcv_correlation *correlation, mcv_error *error) {
@@ -181,17 +197,18 @@ static mcv_result write_exr(const mcv_command *command, const char *path, const 
         number_attribute("mcvisi:blackLevel", camera->black_level),
         number_attribute("mcvisi:exposureSeed", camera->seed),
         number_attribute("mcvisi:cameraSeed", camera->specimen),
-        number_attribute("expTime", command->exposure_time),
     };
-    /* expTime, the last, is known in seconds only where it was given. */
-    const uint32_t own_count = sizeof own / sizeof own[0] - (command->exposure_time == 0);
-    mcv_attribute *attributes = malloc((exr->attribute_count + own_count) * sizeof *attributes);
+    enum { OWN = sizeof own / sizeof own[0] };
+    mcv_attribute *attributes = malloc((exr->attribute_count + OWN + 2) * sizeof *attributes);
     if (!attributes) return mcv_fail(error, MCV_FAILED, "%s: no memory for its header", path);
+    uint32_t own_count = OWN;
+    memcpy(attributes, own, sizeof own);
+    if (exposure->grey.description) attributes[own_count++] = text_attribute(MCV_CAMERA_MODEL_KEY, exposure->grey.description);
+    if (command->exposure_time > 0) attributes[own_count++] = number_attribute("expTime", command->exposure_time);
     uint32_t count = own_count;
-    memcpy(attributes, own, own_count * sizeof *own);
     for (uint32_t i = 0; i < exr->attribute_count; ++i) {
         bool replaced = false;
-        for (uint32_t k = 0; k < own_count; ++k) replaced = replaced || strcmp(exr->attributes[i].name, own[k].name) == 0;
+        for (uint32_t k = 0; k < own_count; ++k) replaced = replaced || strcmp(exr->attributes[i].name, attributes[k].name) == 0;
         if (!replaced) attributes[count++] = exr->attributes[i];
     }
     const char **names = camera->bayer == MCV_BAYER_NONE ? exr->parts[0].channel_names : NULL;
@@ -317,8 +334,13 @@ static mcv_result expose(const mcv_command *command, const char *path, mcv_exr *
     mcv_camera camera = camera_of(command);
     mcv_correlation correlation;
     MCV_TRY(read_out(command, path, exr, &camera, &exposure, &unit, lens, &correlation, error));
-    mcv_result result = mcv_ends_in(grey, ".exr") ? write_exr(command, grey, exr, &camera, &exposure, lens, &correlation, error)
-                                                  : write_values(command, grey, &camera, &exposure, error);
+    mcv_result result = describe(path, exr, &camera, &exposure.grey, error);
+    if (result != MCV_OK) {
+        mcv_exposure_free(&exposure);
+        return result;
+    }
+    result = mcv_ends_in(grey, ".exr") ? write_exr(command, grey, exr, &camera, &exposure, lens, &correlation, error)
+                                       : write_values(command, grey, &camera, &exposure, error);
     if (result == MCV_OK) warn(grey, &camera, &exposure);
     if (result == MCV_OK && told) result = report_exposure(command, grey, &camera, &exposure, unit, lens, error);
     mcv_exposure_free(&exposure);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi check: what was understood of a scene, and what rendering it takes. */
 #include "analysis/findings.h"
+#include "analysis/growth.h"
 #include "cli/options.h"
 #include "cli/report.h"
 #include "cli/sensor.h"
@@ -122,6 +123,22 @@ static mcv_result report_fillings(mcv_report *report, const mcv_scene *scene, ui
     return result;
 }
 
+/* How edges before a backlight grow. */
+static void report_growth(mcv_report *report, const mcv_scene *scene, const mcv_sensor *sensor) {
+    mcv_growth growth;
+    char sentence[512];
+    if (!mcv_growth_of(scene, sensor, &growth)) return;
+    mcv_growth_sentence(scene, &growth, sentence);
+    mcv_report_open(report, "silhouettes");
+    mcv_report_text(report, "backlight", scene->emitters[growth.emitter].name);
+    mcv_report_text(report, "part", scene->instances[growth.instance].name);
+    mcv_report_number(report, "thickness", "m", growth.thickness);
+    mcv_report_number(report, "tangent_of_cone", "", growth.cone);
+    mcv_report_quantity(report, "growth_of_edge", "m", growth.edge.value, growth.edge.uncertainty);
+    mcv_report_text(report, "note", sentence);
+    mcv_report_close(report);
+}
+
 static mcv_result report_sensor(mcv_report *report, const mcv_scene *scene, uint32_t index, mcv_findings *findings, mcv_error *error) {
     const mcv_sensor *sensor = scene->sensors + index;
     const mcv_optics optics = mcv_sensor_optics(sensor);
@@ -144,6 +161,7 @@ static mcv_result report_sensor(mcv_report *report, const mcv_scene *scene, uint
     mcv_report_numbers(report, "macro_pixel_pitch", "m", " x ", optics.macro_pixel, 2);
     mcv_report_close(report);
     MCV_TRY(report_fillings(report, scene, index, findings, error));
+    report_growth(report, scene, sensor);
     mcv_report_close(report);
     return MCV_OK;
 }

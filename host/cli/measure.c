@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi measure: figures of regions of an image, and of the edges, lines, widths and circles in it. */
+#include "analysis/growth.h"
 #include "cli/metrics.h"
 #include "cli/options.h"
+#include "cli/places.h"
 #include "cli/report.h"
 #include "cli/sensor.h"
 #include "core/basics.h"
 #include "output/exr.h"
+#include "output/file.h"
+#include "output/grid.h"
 #include "output/values.h"
 #include "scene/sensors.h"
 
@@ -22,22 +26,36 @@ typedef struct subject {
     bool whole;        /* a file of whole numbers */
     double largest;    /* grey value, NaN where that is not known */
     double pixel[2];   /* width and height in the object plane [m], 0: not known */
+    mcv_camera_model model;
+    bool has_model;
     char unit[64];
     mcv_roi *regions, background; /* background.inside: NULL without one */
     size_t region_count;
+    mcv_scene *scene; /* of --scene, or NULL */
+    uint32_t sensor;
     mcv_found *found; /* in the boxes of all forms, one form after the other */
     size_t found_count;
 } subject;
 
 /* --- reading ---------------------------------------------------------------------------------------------------- */
 
-static void read_scale(const mcv_exr *exr, subject *s) {
-    const double *size = mcv_exr_numbers(exr, "mcvisi:pixelSize", 2), *binning = mcv_exr_numbers(exr, "mcvisi:binning", 2);
-    const double *given = mcv_exr_numbers(exr, "mcvisi:magnification", 1), *f = mcv_exr_numbers(exr, "mcvisi:focalLength", 1);
-    const double *b = mcv_exr_numbers(exr, "mcvisi:imageDistance", 1);
-    const double magnification = given ? *given : f && b ? *b / *f - 1 : 0;
-    if (!size || !(magnification > 0) || mcv_exr_attribute(exr, "mcvisi:angularResolution")) return;
-    for (int i = 0; i < 2; ++i) s->pixel[i] = size[i] * (binning ? binning[i] : 1) / magnification;
+/* What the model tells of the image, if it is its model. */
+static void take_model(subject *s, mcv_camera_model *model) {
+    const mcv_image *values = &s->readings.values;
+    mcv_camera_model_free(&s->model);
+    s->model = *model;
+    s->has_model = mcv_camera_model_fit(&s->model, values->width, values->height);
+    for (int i = 0; i < 2; ++i) s->pixel[i] = s->has_model && s->model.macro[0] * s->model.macro[1] == 1 ? s->model.object_pixel[i] : 0;
+}
+
+static mcv_result read_model(const char *text, const char *path, subject *s, mcv_error *error) {
+    mcv_camera_model model;
+    bool is_one;
+    MCV_TRY(mcv_camera_model_read(text, path, &model, &is_one, error));
+    if (!is_one) return MCV_OK;
+    take_model(s, &model);
+    if (s->has_model && isfinite(s->model.bits)) s->largest = exp2(s->model.bits) - 1;
+    return MCV_OK;
 }
 
 /* All that a render does not know is its own error; grey values have that apart from the camera's noise. */
@@ -60,8 +78,9 @@ static mcv_result read_exr(const char *path, subject *s, mcv_error *error) {
     const double *bits = mcv_exr_numbers(&exr, "mcvisi:bits", 1);
     snprintf(s->unit, sizeof s->unit, "%s", unit && unit->text ? unit->text : "");
     s->largest = bits ? exp2(*bits) - 1 : NAN;
-    read_scale(&exr, s);
+    const mcv_attribute *model = mcv_exr_attribute(&exr, MCV_CAMERA_MODEL_KEY);
     mcv_result result = mcv_choose_channel(s->command->channel, path, image, false, &s->readings.values, error);
+    if (result == MCV_OK) result = read_model(model ? model->text : NULL, path, s, error);
     const mcv_image *deviation = mcv_exr_error(&exr);
     if (result == MCV_OK && deviation) {
         result = mcv_choose_channel(s->command->channel, path, deviation, true, &s->readings.deviation, error);
@@ -75,7 +94,8 @@ static mcv_result read_exr(const char *path, subject *s, mcv_error *error) {
 static mcv_result read_values(const char *path, subject *s, mcv_error *error) {
     mcv_image image;
     MCV_TRY(mcv_values_read(path, &image, error));
-    const mcv_result result = mcv_choose_channel(s->command->channel, path, &image, false, &s->readings.values, error);
+    mcv_result result = mcv_choose_channel(s->command->channel, path, &image, false, &s->readings.values, error);
+    if (result == MCV_OK) result = read_model(image.description, path, s, error);
     mcv_image_free(&image);
     s->whole = true;
     for (size_t i = 0; result == MCV_OK && s->whole && i < (size_t)s->readings.values.width * s->readings.values.height; ++i)
@@ -111,8 +131,10 @@ static void free_subject(subject *s) {
     mcv_image_free(&s->readings.values);
     mcv_image_free(&s->readings.deviation);
     mcv_image_free(&s->readings.render);
+    mcv_camera_model_free(&s->model);
     mcv_roi_free(&s->background);
     for (size_t i = 0; i < s->region_count; ++i) mcv_roi_free(s->regions + i);
+    mcv_scene_free(s->scene);
 }
 
 static mcv_result subtract(subject *s, mcv_error *error) {
@@ -136,25 +158,21 @@ static mcv_result subtract(subject *s, mcv_error *error) {
 
 static mcv_result scale_by_scene(subject *s, mcv_error *error) {
     const mcv_command *c = s->command;
-    mcv_scene *scene;
-    uint32_t sensor = 0, width, height;
-    MCV_TRY(mcv_scene_load(c->scene, (mcv_overrides){c->set.items, c->set.count}, &scene, error));
-    mcv_result result = scene->sensor_count ? MCV_OK : mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor", c->scene);
-    if (result == MCV_OK && c->sensor) result = mcv_sensor_find(scene, c->sensor, &sensor, error);
-    if (result == MCV_OK) {
-        const mcv_readout readout = mcv_sensor_readout(scene->sensors + sensor);
-        const double magnification = mcv_sensor_optics(scene->sensors + sensor).magnification;
-        mcv_sensor_film_size(scene->sensors + sensor, &width, &height);
-        if (width != s->readings.values.width || height != s->readings.values.height)
-            result = mcv_fail(error, MCV_BAD_INPUT, "%s has %u x %u pixels, but sensor %s of %s %u x %u", c->argument,
-                              s->readings.values.width, s->readings.values.height, scene->sensors[sensor].name, c->scene, width, height);
-        else if (!(magnification > 0))
-            result =
-                mcv_fail(error, MCV_BAD_INPUT, "%s: sensor %s has no plane in focus to measure in", c->scene, scene->sensors[sensor].name);
-        for (int i = 0; i < 2; ++i) s->pixel[i] = readout.pitch[i] * readout.binning[i] / magnification;
-    }
-    mcv_scene_free(scene);
-    return result;
+    uint32_t width, height;
+    mcv_camera_model model;
+    MCV_TRY(mcv_scene_load(c->scene, (mcv_overrides){c->set.items, c->set.count}, &s->scene, error));
+    if (s->scene->sensor_count == 0) return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor", c->scene);
+    if (c->sensor) MCV_TRY(mcv_sensor_find(s->scene, c->sensor, &s->sensor, error));
+    const mcv_sensor *sensor = s->scene->sensors + s->sensor;
+    mcv_sensor_film_size(sensor, &width, &height);
+    MCV_TRY(mcv_camera_model_of(s->scene, sensor, &model, error));
+    take_model(s, &model);
+    if (!s->has_model)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s has %u x %u pixels, but sensor %s of %s %u x %u", c->argument, s->readings.values.width,
+                        s->readings.values.height, sensor->name, c->scene, width, height);
+    if (!(mcv_sensor_optics(sensor).magnification > 0))
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: sensor %s has no plane in focus to measure in", c->scene, sensor->name);
+    return MCV_OK;
 }
 
 /* --- regions ---------------------------------------------------------------------------------------------------- */
@@ -374,6 +392,109 @@ static mcv_result find_all(subject *s, mcv_error *error) {
     return MCV_OK;
 }
 
+/* What can be told apart of a part's contour: edges lie where they are seen within the growth, a few pixels. */
+static const double reach = 2;
+
+/* Of the contour that runs along an edge's line by a box, in pixels. */
+static mcv_result growth_by_box(const subject *s, const mcv_growth *growth, const mcv_edge *edge, const mcv_pixel_box *box,
+                                mcv_quantity *pixels, mcv_error *error) {
+    const double length = edge->across_rows ? box->height : box->width, scale = mcv_scale_along(s->pixel, edge->normal);
+    const double middle[2] = {box->x + box->width / 2.0, box->y + box->height / 2.0};
+    const double off = (middle[0] - edge->point[0]) * edge->normal[0] + (middle[1] - edge->point[1]) * edge->normal[1];
+    const double point[2] = {middle[0] - off * edge->normal[0], middle[1] - off * edge->normal[1]};
+    mcv_quantity g;
+    MCV_TRY(mcv_growth_at(s->scene, &s->model, growth, point, edge->normal, length, reach + 3 * growth->edge.value / scale, &g, error));
+    *pixels = (mcv_quantity){g.value / scale, g.uncertainty / scale};
+    return MCV_OK;
+}
+
+/*
+ * Puts an edge back to where the part's contour is. Growths of two edges are uncertain for the same reasons and add as they stand; their
+ * uncertainty is taken √2 times, so that the root of both squares is that of a width.
+ */
+static void put_back(mcv_edge *edge, mcv_quantity pixels) {
+    const double along = edge->normal[edge->across_rows ? 0 : 1];
+    for (int i = 0; i < 2; ++i) edge->point[i] -= pixels.value * edge->normal[i];
+    edge->position.value -= pixels.value / along;
+    edge->position.uncertainty = hypot(edge->position.uncertainty, M_SQRT2 * pixels.uncertainty / along);
+}
+
+static mcv_result take_off_edge(const subject *s, const mcv_growth *growth, mcv_edge *edge, mcv_quantity *pixels, mcv_error *error) {
+    MCV_TRY(growth_by_box(s, growth, edge, &edge->box, pixels, error));
+    put_back(edge, *pixels);
+    return MCV_OK;
+}
+
+static mcv_result take_off_line(const subject *s, const mcv_growth *growth, mcv_line *line, mcv_error *error) {
+    mcv_quantity mean = {0, 0}, pixels;
+    for (size_t i = 0; i < line->box_count; ++i) {
+        MCV_TRY(growth_by_box(s, growth, &line->edge, line->boxes + i, &pixels, error));
+        mean.value += pixels.value / (double)line->box_count;
+        mean.uncertainty += pixels.uncertainty / (double)line->box_count;
+    }
+    put_back(&line->edge, mean);
+    return MCV_OK;
+}
+
+static mcv_result take_off_caliper(const subject *s, const mcv_growth *growth, mcv_caliper *caliper, mcv_error *error) {
+    const mcv_edge *first = caliper->edges, *second = first + 1;
+    /* Dark between the edges: both normals point away from the other edge. */
+    const double across = (second->point[0] - first->point[0]) * first->normal[0] + (second->point[1] - first->point[1]) * first->normal[1];
+    const double sign = across < 0 ? -1 : 1;
+    mcv_quantity grown[2];
+    for (int i = 0; i < 2; ++i) MCV_TRY(take_off_edge(s, growth, caliper->edges + i, grown + i, error));
+    caliper->width.value += sign * (grown[0].value + grown[1].value);
+    caliper->width.uncertainty = hypot(caliper->width.uncertainty, grown[0].uncertainty + grown[1].uncertainty);
+    return MCV_OK;
+}
+
+static mcv_result take_off_circle(const subject *s, const mcv_growth *growth, mcv_circle *circle, mcv_error *error) {
+    const double scale = mcv_scale_along(s->pixel, NULL), centre[2] = {circle->column.value, circle->row.value};
+    mcv_quantity g;
+    if (isnan(scale)) return mcv_fail(error, MCV_FAILED, "pixels are not square in the object: a circle has no radius");
+    MCV_TRY(mcv_growth_of_circle(s->scene, &s->model, growth, centre, circle->radius.value, circle->bright,
+                                 reach + 3 * growth->edge.value / scale, &g, error));
+    const double sign = circle->bright ? 1 : -1, value = g.value / scale, uncertainty = g.uncertainty / scale;
+    circle->radius = (mcv_quantity){circle->radius.value + sign * value, hypot(circle->radius.uncertainty, uncertainty)};
+    circle->diameter = (mcv_quantity){circle->diameter.value + 2 * sign * value, hypot(circle->diameter.uncertainty, 2 * uncertainty)};
+    circle->covariance[2][2] += uncertainty * uncertainty;
+    return MCV_OK;
+}
+
+static mcv_result take_off(const subject *s, const mcv_growth *growth, mcv_found *found, mcv_error *error) {
+    mcv_quantity pixels;
+    switch (found->form) {
+    case MCV_FORM_EDGE:
+        return take_off_edge(s, growth, &found->as.edge, &pixels, error);
+    case MCV_FORM_LINE:
+        return take_off_line(s, growth, &found->as.line, error);
+    case MCV_FORM_CALIPER:
+        return take_off_caliper(s, growth, &found->as.caliper, error);
+    default:
+        return take_off_circle(s, growth, &found->as.circle, error);
+    }
+}
+
+/* --nominal: all that was found goes back to where the part's contour is. */
+static mcv_result take_growths_off(subject *s, mcv_error *error) {
+    const mcv_command *c = s->command;
+    mcv_growth growth;
+    if (!s->scene) return mcv_fail(error, MCV_USAGE, "--nominal needs the part and its light: give --scene");
+    const mcv_sensor *sensor = s->scene->sensors + s->sensor;
+    if (sensor->type != MCV_SENSOR_TELECENTRIC)
+        return mcv_fail(error, MCV_USAGE, "--nominal: sensor %s is not telecentric: perspective says which rim of the part is seen",
+                        sensor->name);
+    if (!mcv_growth_of(s->scene, sensor, &growth))
+        return mcv_fail(error, MCV_USAGE, "--nominal: %s has no flat emitter that faces sensor %s behind an opaque part, so no edge grows",
+                        c->scene, sensor->name);
+    for (size_t i = 0; i < s->found_count; ++i) {
+        mcv_error why = {""};
+        const mcv_result result = take_off(s, &growth, s->found + i, &why);
+        if (result != MCV_OK) return mcv_fail(error, result, "--nominal: %s: %s", mcv_found_name(s->found + i), why.text);
+    }
+    return MCV_OK;
+}
+
 static void report_boxes(const subject *s, mcv_report *report) {
     static const char *const lists[] = {
 #define MCV_X(form, FORM, figures, what) #form "s",
@@ -387,6 +508,47 @@ static void report_boxes(const subject *s, mcv_report *report) {
         if (i + 1 == s->found_count || f->form != f[1].form) mcv_report_close(report);
     }
     report_distances(s, report);
+}
+
+/* --- the grid --------------------------------------------------------------------------------------------------- */
+
+/* The boxes of "[NAME=]X,Y,W,H[+X,Y,W,H…]"; other forms are left out. */
+static void draw_boxes(mcv_grid *grid, const mcv_list *list) {
+    for (size_t i = 0; i < list->count; ++i) {
+        char name[64];
+        const char *rest;
+        double box[4];
+        char *copy = strdup(list->items[i]), *next = NULL;
+        mcv_roi_numbers(list->items[i], i + 1, name, &rest, box, 4);
+        for (char *place = copy ? strtok_r(copy, "+", &next) : NULL; place; place = strtok_r(NULL, "+", &next)) {
+            char ignored[64];
+            if (mcv_roi_numbers(place, i + 1, ignored, &rest, box, 4) == 4) mcv_grid_box(grid, name, box);
+        }
+        free(copy);
+    }
+}
+
+static mcv_result draw_grid(subject *s, mcv_error *error) {
+    const char *text = s->command->grid, *equals = strchr(text, '='), *path = equals ? equals + 1 : text;
+    const mcv_placement *node = NULL;
+    mcv_grid grid;
+    if (equals && !s->has_model)
+        return mcv_fail(error, MCV_USAGE, "--grid %s: the image's header does not say where the node lies: give --scene, or leave it out",
+                        text);
+    if (equals) {
+        char *name = strndup(text, (size_t)(equals - text));
+        const mcv_result found = name ? mcv_camera_model_node(&s->model, name, "--grid", &node, error) : MCV_FAILED;
+        free(name);
+        MCV_TRY(found);
+    } else if (s->has_model && s->model.node_count) {
+        node = s->model.nodes;
+    }
+    if (mcv_same_file(path, s->command->argument)) return mcv_fail(error, MCV_USAGE, "--grid %s is the image: give it another name", path);
+    MCV_TRY(mcv_grid_begin(&grid, &s->readings.values, s->has_model ? &s->model : NULL, node, error));
+#define MCV_X(field, name) draw_boxes(&grid, &s->command->field);
+    MCV_PLACE_OPTIONS(MCV_X)
+#undef MCV_X
+    return mcv_grid_write(&grid, path, error);
 }
 
 /* --- the verb --------------------------------------------------------------------------------------------------- */
@@ -409,11 +571,25 @@ static mcv_result report_all(subject *s, mcv_error *error) {
 
 /* All that may fail comes before the first word of the report. */
 static mcv_result measure(subject *s, mcv_error *error) {
-    if (s->command->minus) MCV_TRY(subtract(s, error));
-    if (s->command->scene) MCV_TRY(scale_by_scene(s, error));
     MCV_TRY(parse_regions(s, error));
     MCV_TRY(find_all(s, error));
+    if (s->command->nominal) MCV_TRY(take_growths_off(s, error));
     return report_all(s, error);
+}
+
+/* With all places in pixels. The drawing comes first: it shows where they lie, though there may be no edge. */
+static mcv_result measure_places(subject *s, mcv_error *error) {
+    const mcv_command *given = s->command;
+    mcv_command resolved;
+    if (given->minus) MCV_TRY(subtract(s, error));
+    if (given->scene) MCV_TRY(scale_by_scene(s, error));
+    mcv_result result = mcv_places_resolve(given, s->has_model ? &s->model : NULL, &resolved, error);
+    s->command = &resolved;
+    if (result == MCV_OK && given->grid) result = draw_grid(s, error);
+    if (result == MCV_OK) result = measure(s, error);
+    s->command = given;
+    mcv_places_free(&resolved);
+    return result;
 }
 
 mcv_result mcv_verb_measure(const mcv_command *command, mcv_error *error) {
@@ -428,7 +604,7 @@ mcv_result mcv_verb_measure(const mcv_command *command, mcv_error *error) {
     mcv_result result = read_subject(command, command->argument, &s, error);
     s.regions = regions;
     s.found = found;
-    if (result == MCV_OK) result = measure(&s, error);
+    if (result == MCV_OK) result = measure_places(&s, error);
     free_subject(&s);
     free(regions);
     free(found);

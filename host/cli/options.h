@@ -180,12 +180,15 @@ enum {
       "rows `cycles per mm on the sensor, modulation`; never on light field images") \
     X(list, region, "region", 0, "[NAME=]X,Y,W,H", MCV_IN_FIGURES, NULL, 0, 0, \
       "where to measure, in pixels from the top-left corner: a rectangle, a polygon X,Y,X,Y,X,Y,… or an image F.png whose pixels above 0 " \
-      "belong to it; may be repeated; by default the whole image") \
+      "belong to it; or a rectangle on the part, see --edge; may be repeated; by default the whole image") \
     X(text, background, "background", 0, "REGION", MCV_IN_FIGURES, NULL, 0, 0, \
       "the region that the others stand out of: gives Weber and Michelson contrast and the contrast-to-noise ratio") \
     X(list, edge, "edge", 0, "[NAME=]X,Y,W,H", MCV_IN_FIGURES, NULL, 0, 0, \
       "a rectangle with one straight edge in it: gives its position, tilt, 10-90 % width, sagitta and, where it is tilted, the " \
-      "modulation transfer function (ISO 12233); a curved edge is refused; may be repeated: gives the distances from the first") \
+      "modulation transfer function (ISO 12233); a curved edge is refused; may be repeated: gives the distances from the first. " \
+      "In all these boxes @NODE:X,Y,Z,W,H instead of X,Y,W,H is a rectangle W wide and H high in the image about a place in the " \
+      "coordinates " \
+      "of a node, all lengths with units, as in left=@part:-20mm,0mm,3mm,2mm,4mm") \
     X(list, line, "line", 0, "[NAME=]X,Y,W,H[+X,Y,W,H…]", MCV_IN_FIGURES, NULL, 0, 0, \
       "rectangles that one straight edge passes, joined by +: one line through them; gives its position, tilt and straightness (root " \
       "mean " \
@@ -206,6 +209,14 @@ enum {
       "estimated from the differences of neighbours") \
     X(text, scene, "scene", 0, "SCENE", MCV_IN_MEASURE, NULL, 0, 0, \
       "the scene of an image whose header does not give the scale: lengths in its plane in focus") \
+    X(flag, nominal, "nominal", 0, NULL, MCV_IN_MEASURE, NULL, 0, 0, \
+      "with --scene: take off by how much edges of the thick part grow before a backlight, as `mcvisi check` tells it, and add what is " \
+      "not " \
+      "known of it to the uncertainty; telecentric cameras only") \
+    X(text, grid, "grid", 0, "[NODE=]F.png", MCV_IN_MEASURE, NULL, 0, 0, \
+      "draw the image with its pixels, the millimetres of the node's coordinates in the plane in focus and the places given; by default " \
+      "of " \
+      "the first node that the header names") \
     X(list, vary, "vary", 0, "PATH=VALUES", MCV_IN_SWEEP, NULL, 0, 0, \
       "a parameter of the scene, a path as for --set, and FROM..TO:N, FROM..TO:N:log or A,B,C, as in --vary " \
       "emitters/back/halfAngle=0.1deg..2deg:8; in expressions and the table it is called by the end of its path, halfAngle; may be " \

@@ -5,6 +5,7 @@
 #include "cli/sensor.h"
 #include "output/exr.h"
 #include "output/file.h"
+#include "scene/camera_model.h"
 #include "scene/params.h"
 
 #include <errno.h>
@@ -192,6 +193,7 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
         number_attribute("mcvisi:lostEnergy", stats->lost_energy),
         number_attribute("mcvisi:nonfinite", (double)stats->nonfinite),
         number_attribute("mcvisi:seconds", stats->seconds_render),
+        text_attribute(MCV_CAMERA_MODEL_KEY, parts[0].image.description),
     };
     enum { GENERAL = sizeof general / sizeof general[0] };
     char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME];
@@ -203,11 +205,20 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
     return result;
 }
 
+mcv_result mcv_picture_describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image, mcv_error *error) {
+    mcv_camera_model model;
+    MCV_TRY(mcv_camera_model_of(scene, scene->sensors + sensor, &model, error));
+    image->description = mcv_camera_model_write(&model);
+    mcv_camera_model_free(&model);
+    return image->description ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model", scene->path);
+}
+
 mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
                              const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats, mcv_preview *preview,
                              mcv_error *error) {
     mcv_exr_part parts[MAX_PARTS] = {{.name = "image"}, {.name = "error"}};
     mcv_result result = mcv_film_develop(film, &parts[0].image, &parts[1].image, error);
+    if (result == MCV_OK) result = mcv_picture_describe(scene, sensor, &parts[0].image, error);
     /* One replicate has no spread, and so no known error. */
     uint32_t count = film->replicates > 1 ? 2 : 1;
     const uint32_t replicates = command->parts && film->replicates > 1 ? film->replicates : 0;

@@ -34,6 +34,9 @@ mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *comm
 /* What to render by the command line: --spp, --error, --time …; 1 % or 60 s where none of them is given (render.c). */
 mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_options *options, mcv_error *error);
 
+/* Gives an image of a sensor its description: where the scene's points lie in it (scene/camera_model.h). */
+mcv_result mcv_picture_describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image, mcv_error *error);
+
 enum { MCV_PICTURE_PARAMETERS = 16 };
 
 /*

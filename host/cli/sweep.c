@@ -7,6 +7,7 @@
 #include "cli/interrupt.h"
 #include "cli/metrics.h"
 #include "cli/picture.h"
+#include "cli/places.h"
 #include "cli/sensor.h"
 #include "core/basics.h"
 #include "output/exr.h"
@@ -194,7 +195,7 @@ static mcv_result read_metrics(sweep *s, mcv_error *error) {
 typedef struct light {
     mcv_exr exr;
     mcv_exr_part parts[2];
-    mcv_attribute attributes[MCV_PICTURE_PARAMETERS + 2];
+    mcv_attribute attributes[MCV_PICTURE_PARAMETERS + 3];
     char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME];
 } light;
 
@@ -208,7 +209,10 @@ static mcv_result develop(const sweep *s, const mcv_film *film, light *l, mcv_er
     l->parts[1].name = "error";
     l->exr = (mcv_exr){.parts = l->parts, .part_count = film->replicates > 1 ? 2 : 1, .attributes = l->attributes};
     l->exr.attribute_count = 2 + mcv_picture_attributes(sensor, l->attributes + 2, l->names);
-    return mcv_film_develop(film, &l->parts[0].image, &l->parts[1].image, error);
+    MCV_TRY(mcv_film_develop(film, &l->parts[0].image, &l->parts[1].image, error));
+    MCV_TRY(mcv_picture_describe(s->scene, s->sensor, &l->parts[0].image, error));
+    l->attributes[l->exr.attribute_count++] = (mcv_attribute){.name = MCV_CAMERA_MODEL_KEY, .text = l->parts[0].image.description};
+    return MCV_OK;
 }
 
 static void free_light(light *l) {
@@ -221,7 +225,6 @@ static mcv_result read_channel(const sweep *s, const mcv_image *image, const mcv
                                mcv_error *error) {
     const mcv_command *c = s->command;
     const mcv_readout readout = mcv_sensor_readout(s->scene->sensors + s->sensor);
-    const double magnification = mcv_sensor_optics(s->scene->sensors + s->sensor).magnification;
     if (c->in) {
         mcv_image gradient;
         if (readout.angular[0] * readout.angular[1] < 2)
@@ -235,8 +238,6 @@ static mcv_result read_channel(const sweep *s, const mcv_image *image, const mcv
         m->known = m->whole = false;
         return mcv_image_new(&m->readings.deviation, m->readings.values.width, m->readings.values.height, 1, error);
     }
-    for (int i = 0; i < 2 && magnification > 0 && readout.angular[0] * readout.angular[1] == 1; ++i)
-        m->pixel[i] = readout.pitch[i] * readout.binning[i] / magnification;
     MCV_TRY(mcv_choose_channel(c->channel, s->rig, image, false, &m->readings.values, error));
     if (render->pixels) MCV_TRY(mcv_choose_channel(c->channel, s->rig, render, true, &m->readings.render, error));
     if (m->known) return mcv_choose_channel(c->channel, s->rig, deviation, true, &m->readings.deviation, error);
@@ -263,10 +264,24 @@ static mcv_result take_readings(const sweep *s, const mcv_film *film, mcv_metric
     return result;
 }
 
+/* The scale of the image, and the places to measure in as its pixels. */
+static mcv_result find_places(const sweep *s, mcv_metrics *m, mcv_command *resolved, mcv_error *error) {
+    mcv_camera_model model;
+    MCV_TRY(mcv_camera_model_of(s->scene, s->scene->sensors + s->sensor, &model, error));
+    const bool fits = mcv_camera_model_fit(&model, m->readings.values.width, m->readings.values.height);
+    for (int i = 0; i < 2 && fits && model.macro[0] * model.macro[1] == 1; ++i) m->pixel[i] = model.object_pixel[i];
+    const mcv_result result = mcv_places_resolve(s->command, fits ? &model : NULL, resolved, error);
+    mcv_camera_model_free(&model);
+    m->command = resolved;
+    return result;
+}
+
 /* The metrics of what has been rendered so far; numbers: value and uncertainty of each, NaN of those that fail. */
 static mcv_result measure(const sweep *s, const mcv_film *film, double *numbers, mcv_error *error) {
     mcv_metrics m;
+    mcv_command resolved = {0};
     mcv_result result = take_readings(s, film, &m, error);
+    if (result == MCV_OK) result = find_places(s, &m, &resolved, error);
     const bool taken = result == MCV_OK;
     for (size_t i = 0; i < s->metric_count; ++i) {
         mcv_quantity value = {NAN, NAN};
@@ -276,6 +291,7 @@ static mcv_result measure(const sweep *s, const mcv_film *film, double *numbers,
         numbers[2 * i + 1] = one == MCV_OK ? value.uncertainty : NAN;
         if (one != MCV_OK && result == MCV_OK) result = mcv_fail(error, one, "%s", why.text);
     }
+    mcv_places_free(&resolved);
     mcv_image_free(&m.readings.values);
     mcv_image_free(&m.readings.deviation);
     mcv_image_free(&m.readings.render);
@@ -306,7 +322,7 @@ static mcv_result keep_image(const sweep *s, size_t set, const mcv_film *film, c
     if (!s->command->images) return MCV_OK;
     if (snprintf(path, sizeof path, "%s/set-%05zu.exr", s->command->images, set) >= PATH_MAX)
         return mcv_fail(error, MCV_USAGE, "--images %s: the path is too long", s->command->images);
-    mcv_attribute attributes[MCV_PICTURE_PARAMETERS + 8];
+    mcv_attribute attributes[MCV_PICTURE_PARAMETERS + 9];
     mcv_result result = develop(s, film, &l, error);
     uint32_t count = l.exr.attribute_count;
     memcpy(attributes, l.attributes, count * sizeof *attributes);

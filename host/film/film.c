@@ -120,6 +120,7 @@ mcv_result mcv_image_new(mcv_image *image, uint32_t width, uint32_t height, uint
 
 void mcv_image_free(mcv_image *image) {
     free(image->pixels);
+    free(image->description);
     *image = (mcv_image){0};
 }
 

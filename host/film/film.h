@@ -52,10 +52,14 @@ mcv_result mcv_film_take_splats(mcv_film *film, double value, mcv_error *error);
 /* Adds a round of camera paths, laid out as the sums; film->splats are those of all samples so far already. */
 void mcv_film_add(mcv_film *film, const double *round, uint64_t samples);
 
-/* A plane of floats per channel, as written to files: [channel][row][column]. */
+/*
+ * A plane of floats per channel, as written to files: [channel][row][column]. `description` is the text beside them in the file, of PNG
+ * under MCV_CAMERA_MODEL_KEY (scene/camera_model.h), of TIFF its ImageDescription; owned, NULL for none.
+ */
 typedef struct mcv_image {
     uint32_t width, height, channels;
     float *pixels;
+    char *description;
 } mcv_image;
 mcv_result mcv_image_new(mcv_image *image, uint32_t width, uint32_t height, uint32_t channels, mcv_error *error);
 void mcv_image_free(mcv_image *image);

@@ -2,6 +2,7 @@
 #include "output/png.h"
 #include "output/file.h"
 #include "output/values.h"
+#include "scene/camera_model.h"
 
 #include <math.h>
 #include <png.h>
@@ -35,10 +36,11 @@ static void on_warning(png_structp png, png_const_charp message) {
 }
 
 /*
- * Rows are width * channels * bits / 8 bytes, 16-bit values in the machine's order. text is written as a tEXt chunk; NULL: no text, and the
- * values are not said to be sRGB. What must outlive a longjmp belongs to the caller.
+ * Rows are width * channels * bits / 8 bytes, 16-bit values in the machine's order. Texts are written as tEXt chunks. What must outlive a
+ * longjmp belongs to the caller.
  */
-static void encode(target *t, const uint8_t *bytes, uint32_t width, uint32_t height, int channels, int bits, png_text *text) {
+static void encode(target *t, const uint8_t *bytes, uint32_t width, uint32_t height, int channels, int bits, bool srgb, png_text *texts,
+                   int text_count) {
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, t, on_error, on_warning);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     if (!info) {
@@ -52,10 +54,8 @@ static void encode(target *t, const uint8_t *bytes, uint32_t width, uint32_t hei
         png_set_IHDR(png, info, width, height, bits, channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
                      PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
         png_set_compression_level(png, 1); /* noise: level 6, the usual one, takes five times as long for 5 % less */
-        if (text) {
-            png_set_sRGB(png, info, PNG_sRGB_INTENT_RELATIVE);
-            png_set_text(png, info, text, 1);
-        }
+        if (srgb) png_set_sRGB(png, info, PNG_sRGB_INTENT_RELATIVE);
+        png_set_text(png, info, texts, text_count);
         png_write_info(png, info);
         if (bits == 16) png_set_swap(png); /* of little-endian words; the host is one */
         const size_t stride = (size_t)width * (size_t)(channels * bits / 8);
@@ -65,12 +65,18 @@ static void encode(target *t, const uint8_t *bytes, uint32_t width, uint32_t hei
     png_destroy_write_struct(&png, &info);
 }
 
-static mcv_result write_file(const char *path, const uint8_t *bytes, uint32_t width, uint32_t height, int channels, int bits,
-                             png_text *text, mcv_error *error) {
+/* `level`: the preview's, whose values are sRGB; NULL: values as they are. */
+static mcv_result write_file(const char *path, const uint8_t *bytes, const mcv_image *image, int bits, char *level, mcv_error *error) {
+    char level_key[] = "White level", model_key[] = MCV_CAMERA_MODEL_KEY;
+    png_text texts[2];
+    int count = 0;
+    if (level) texts[count++] = (png_text){.compression = PNG_TEXT_COMPRESSION_NONE, .key = level_key, .text = level};
+    if (image->description)
+        texts[count++] = (png_text){.compression = PNG_TEXT_COMPRESSION_NONE, .key = model_key, .text = image->description};
     mcv_output output;
     MCV_TRY(mcv_output_open(&output, path, error));
     target t = {.output = &output, .error = error, .result = MCV_OK};
-    encode(&t, bytes, width, height, channels, bits, text);
+    encode(&t, bytes, image->width, image->height, (int)image->channels, bits, level, texts, count);
     if (t.result != MCV_OK) {
         mcv_output_discard(&output);
         return t.result;
@@ -150,10 +156,9 @@ mcv_result mcv_png_write_preview(const char *path, const mcv_image *image, const
     }
     preview->saturated = (double)saturated / (double)pixels;
 
-    char level[128], key[] = "White level";
+    char level[128];
     snprintf(level, sizeof level, "%.9g %s", preview->white, unit);
-    png_text note = {.compression = PNG_TEXT_COMPRESSION_NONE, .key = key, .text = level};
-    const mcv_result result = write_file(path, bytes, image->width, image->height, (int)image->channels, 8, &note, error);
+    const mcv_result result = write_file(path, bytes, image, 8, level, error);
     free(bytes);
     return result;
 }
@@ -168,7 +173,7 @@ mcv_result mcv_png_write_values(const char *path, const mcv_image *image, int bi
         return mcv_fail(error, MCV_FAILED, "%s: %u x %u grey values: nothing to write, or no memory for it", path, image->width,
                         image->height);
     }
-    const mcv_result result = write_file(path, bytes, image->width, image->height, (int)image->channels, bits, NULL, error);
+    const mcv_result result = write_file(path, bytes, image, bits, NULL, error);
     free(bytes);
     return result;
 }
@@ -179,6 +184,7 @@ typedef struct source {
     uint8_t *bytes;
     size_t size, at;
     void *values;
+    char *description; /* of the file, or NULL */
     uint32_t width, height;
     int channels, bits;
     mcv_error *error;
@@ -198,6 +204,16 @@ static void on_bad_input(png_structp png, png_const_charp message) {
     png_longjmp(png, 1);
 }
 
+/* The text under our key before the pixels, where there is memory for it. */
+static char *description_of(png_structp png, png_infop info) {
+    png_textp texts = NULL;
+    int count = 0;
+    png_get_text(png, info, &texts, &count);
+    for (int i = 0; i < count; ++i)
+        if (strcmp(texts[i].key, MCV_CAMERA_MODEL_KEY) == 0) return strdup(texts[i].text);
+    return NULL;
+}
+
 /* Interleaved values in the machine's byte order, with alpha where the file has it. */
 static void decode(source *s) {
     png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, s, on_bad_input, on_warning);
@@ -211,6 +227,7 @@ static void decode(source *s) {
         png_set_read_fn(png, s, on_read);
         png_set_user_limits(png, 65536, 65536);
         png_read_info(png, info);
+        s->description = description_of(png, info);
         png_set_expand(png);
         png_set_swap(png);
         png_set_interlace_handling(png);
@@ -235,6 +252,10 @@ mcv_result mcv_png_read_values(const char *path, mcv_image *image, mcv_error *er
     decode(&s);
     if (s.result == MCV_OK)
         s.result = mcv_values_unpack(s.values, s.bits, s.width, s.height, (uint32_t)s.channels, s.channels < 3 ? 1 : 3, image, error);
+    if (s.result == MCV_OK)
+        image->description = s.description;
+    else
+        free(s.description);
     free(s.values);
     free(s.bytes);
     return s.result;

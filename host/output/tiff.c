@@ -79,6 +79,7 @@ static bool encode(TIFF *tiff, const mcv_image *image, int bits, const uint8_t *
     TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
     TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
     TIFFSetField(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
+    if (image->description) TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, image->description);
     TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, TIFFDefaultStripSize(tiff, 0));
     for (uint32_t y = 0; y < image->height; ++y)
         if (TIFFWriteScanline(tiff, (void *)(values + y * row), y, 0) != 1) return false;
@@ -121,6 +122,8 @@ static mcv_result decode(TIFF *tiff, const char *path, mcv_image *image, mcv_err
         if (TIFFReadScanline(tiff, values + y * row, y, 0) != 1)
             result = mcv_fail(error, MCV_BAD_INPUT, "%s: damaged TIFF file: %s", path, last_message);
     if (result == MCV_OK) result = mcv_values_unpack(values, bits, width, height, samples, channels, image, error);
+    const char *description = NULL;
+    if (result == MCV_OK && TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description) == 1) image->description = strdup(description);
     free(values);
     return result;
 }

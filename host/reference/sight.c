@@ -46,10 +46,13 @@ static ref_sight in_world(const mcv_sensor *sensor, point o, ref_vec d) {
     return sight;
 }
 
-/* A cos⁴θ/h²: the aperture's area A at distance h from the image plane, θ the object-side angle to the axis. */
-static double throughput(double area, double distance, ref_vec d) {
-    const double cosine = d.z / ref_length(d);
-    return area / (distance * distance) * pow(cosine, 4);
+/*
+ * A cos⁴θ/h²: the aperture's area A at distance h from the image plane, θ the angle to the axis of the ray d before the lens, or of the
+ * line from the image point p to the place a on that aperture.
+ */
+static double throughput(int falloff, double area, double distance, ref_vec d, point p, point a) {
+    const ref_vec behind = {a.x - p.x, a.y - p.y, distance}, counted = falloff == MCV_FALLOFF_IMAGE_SIDE ? behind : d;
+    return area / (distance * distance) * pow(counted.z / ref_length(counted), 4);
 }
 
 static ref_sight pinhole(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y) {
@@ -65,7 +68,7 @@ static ref_sight thin_lens(const mcv_sensor *sensor, uint32_t column, uint32_t r
     const ref_vec d = through_focus(s, o, p->focalLength, p->imageDistance);
     ref_sight sight = in_world(sensor, o, d);
     if (p->radiometry == MCV_RADIOMETRY_IRRADIANCE)
-        sight.weight = throughput(M_PI * p->lensDiameter * p->lensDiameter / 4, p->imageDistance, d);
+        sight.weight = throughput(p->falloff, M_PI * p->lensDiameter * p->lensDiameter / 4, p->imageDistance, d, s, o);
     return sight;
 }
 
@@ -77,7 +80,8 @@ static ref_sight telecentric(const mcv_sensor *sensor, uint32_t column, uint32_t
     const point o = {s.x + (a.x - s.x) * b / (b - f), s.y + (a.y - s.y) * b / (b - f)}; /* the line s a at the lens */
     const ref_vec d = through_focus(s, o, f, b);
     ref_sight sight = in_world(sensor, o, d);
-    if (p->radiometry == MCV_RADIOMETRY_IRRADIANCE) sight.weight = throughput(M_PI * p->stopDiameter * p->stopDiameter / 4, b - f, d);
+    if (p->radiometry == MCV_RADIOMETRY_IRRADIANCE)
+        sight.weight = throughput(p->falloff, M_PI * p->stopDiameter * p->stopDiameter / 4, b - f, d, s, a);
     if (hypot(o.x, o.y) > p->lensDiameter / 2) sight.weight = 0;
     return sight;
 }
@@ -96,7 +100,8 @@ static ref_sight light_field(const mcv_sensor *sensor, uint32_t column, uint32_t
     const point o = {across * p->lensDiameter / 2, -down * p->lensDiameter / 2};
     const ref_vec d = through_focus(c, o, p->focalLength, p->imageDistance);
     ref_sight sight = in_world(sensor, o, d);
-    if (p->radiometry == MCV_RADIOMETRY_IRRADIANCE) sight.weight = throughput(p->lensDiameter * p->lensDiameter, p->imageDistance, d);
+    if (p->radiometry == MCV_RADIOMETRY_IRRADIANCE)
+        sight.weight = throughput(p->falloff, p->lensDiameter * p->lensDiameter, p->imageDistance, d, c, o);
     if (p->aperture == MCV_APERTURE_CIRCLE && hypot(across, down) > 1) sight.weight = 0;
     return sight;
 }

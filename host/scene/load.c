@@ -139,6 +139,7 @@ static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transf
     MCV_TRY(mcv_load_pose(loader, node, 0, &posed, &local, &here, error));
     if (!posed) MCV_TRY(mcv_load_local(node, &local, &here, error));
     const mcv_transform to_world = mcv_transform_compose(posed ? document : parent, &local);
+    MCV_TRY(mcv_scene_add_frame(loader->scene, mcv_json_name(node), loader->is_asset, &to_world, error));
     const uint32_t first = loader->scene->instance_count;
     uint32_t mesh;
     if (loader->node_materials && loader->node_materials[index] != MCV_NONE) material = loader->node_materials[index];

@@ -45,7 +45,9 @@ void mcv_scene_free(mcv_scene *scene) {
     free(scene->instances);
     free(scene->emitters);
     free(scene->sensors);
+    for (uint32_t i = 0; i < scene->frame_count; ++i) free(scene->frames[i].name);
     free(scene->solids);
+    free(scene->frames);
     free(scene->warnings);
     free(scene->path);
     free(scene);
@@ -303,6 +305,21 @@ mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_
     if (!failed && append(&scene->sensors, &scene->sensor_count, &own, sizeof own)) return MCV_OK;
     free(own.name);
     return mcv_fail_memory(here, error);
+}
+
+mcv_result mcv_scene_add_frame(mcv_scene *scene, const char *name, bool of_asset, const mcv_transform *to_world, mcv_error *error) {
+    mcv_placement frame = {.of_asset = of_asset, .to_world = *to_world};
+    const mcv_place file = mcv_place_file(scene->path);
+    if (!*name) return MCV_OK;
+    for (int j = 0; j < 3; ++j) {
+        const double column[3] = {to_world->m[j], to_world->m[3 + j], to_world->m[6 + j]};
+        double axis[3];
+        if (!mcv_normalize3(column, axis)) return MCV_OK;
+        for (int i = 0; i < 3; ++i) frame.to_world.m[3 * i + j] = axis[i];
+    }
+    if ((frame.name = strdup(name)) && append(&scene->frames, &scene->frame_count, &frame, sizeof frame)) return MCV_OK;
+    free(frame.name);
+    return mcv_fail_memory(&file, error);
 }
 
 mcv_result mcv_scene_add_solid(mcv_scene *scene, const mcv_solid *solid, const char *name, uint32_t body, uint32_t rim, mcv_error *error) {

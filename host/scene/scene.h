@@ -128,6 +128,16 @@ typedef struct mcv_solid {
     mcv_transform to_world; /* rigid */
 } mcv_solid;
 
+/*
+ * A named node, of the file or of one of its assets: its axes without scale (they may mirror) and its origin in the world. Lengths along
+ * them are metres of the scene, whatever the node or its asset is scaled by.
+ */
+typedef struct mcv_placement {
+    char *name;
+    bool of_asset;
+    mcv_transform to_world;
+} mcv_placement;
+
 /* An emitter with a surface belongs to exactly one instance, any other to none. */
 typedef struct mcv_emitter {
     char *name;
@@ -175,6 +185,8 @@ typedef struct mcv_scene {
     mcv_emitter *emitters;
     mcv_sensor *sensors;
     mcv_solid *solids;
+    mcv_placement *frames;
+    uint32_t frame_count;
     double wavelengths[3]; /* of the channels [m]; 0: the defaults */
     uint64_t fingerprint;  /* of all files that were read, in their order */
     char **warnings;       /* sentences for the user */
@@ -217,6 +229,9 @@ mcv_result mcv_scene_add_mesh(mcv_scene *scene, const mcv_mesh *mesh, mcv_error 
 mcv_result mcv_scene_add_instance(mcv_scene *scene, const mcv_instance *instance, mcv_error *error);
 mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, mcv_error *error);
 mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_error *error);
+
+/* `to_world` may scale; a node without a name or with a vanished axis is left out. MCV_FAILED without memory. */
+mcv_result mcv_scene_add_frame(mcv_scene *scene, const char *name, bool of_asset, const mcv_transform *to_world, mcv_error *error);
 
 /* Makes its instances: `body` is the material of the caps, `rim` that of the side (the same: one instance). */
 mcv_result mcv_scene_add_solid(mcv_scene *scene, const mcv_solid *solid, const char *name, uint32_t body, uint32_t rim, mcv_error *error);

@@ -112,6 +112,9 @@ static double etendue(int radiometry, double area, double distance) {
     return radiometry == MCV_RADIOMETRY_IRRADIANCE ? area / (distance * distance) : 0;
 }
 
+/* What turns a direction before the lens into one behind it, per metre from the axis; 0 where that is not asked for. */
+static double bend(int falloff, double focal_length) { return falloff == MCV_FALLOFF_IMAGE_SIDE ? 1 / focal_length : 0; }
+
 static double disk_area(double diameter) { return M_PI / 4 * diameter * diameter; }
 
 mcv_result mcv_lens_resolve(mcv_lens l, const mcv_place *place, mcv_error *error) {
@@ -143,6 +146,7 @@ void mcv_thin_lens_prepare(const mcv_thin_lens_params *params, mcv_thin_lens *de
         .kappa = (float)mcv_kappa(params->focalLength, params->imageDistance),
         .radius = (float)(params->lensDiameter / 2),
         .etendue = (float)etendue(params->radiometry, disk_area(params->lensDiameter), params->imageDistance),
+        .bend = (float)bend(params->falloff, params->focalLength),
     };
 }
 
@@ -224,6 +228,7 @@ void mcv_telecentric_prepare(const mcv_telecentric_params *params, mcv_telecentr
         .stop_to_direction = (float)(1 / f),
         .lens_radius = (float)(params->lensDiameter / 2),
         .etendue = (float)etendue(params->radiometry, disk_area(params->stopDiameter), b - f),
+        .bend = (float)bend(params->falloff, f),
     };
 }
 
@@ -248,6 +253,7 @@ void mcv_light_field_prepare(const mcv_light_field_params *params, mcv_light_fie
         .kappa = (float)mcv_kappa(params->focalLength, b),
         .radius = (float)(d / 2),
         .etendue = (float)etendue(params->radiometry, d * d, b),
+        .bend = (float)bend(params->falloff, params->focalLength),
         .circle = params->aperture == MCV_APERTURE_CIRCLE,
     };
 }

@@ -46,6 +46,7 @@
 /* X(key, "option 0", "option 1" …): the options of each choice key, in the order of its enum. */
 #define MCV_CHOICES(X) \
     X(radiometry, "radiance", "irradiance") \
+    X(falloff, "objectSide", "imageSide") \
     X(aperture, "square", "circle") \
     X(orientation, "vertical", "horizontal") \
     X(metal, "aluminium", "chromium", "copper", "gold", "iron", "nickel", "silver", "titanium") \
@@ -53,6 +54,7 @@
       "F5", "SF5", "N-SF5", "SF6", "N-SF6", "N-SF10", "N-SF11", "N-SF57", "N-FK51A", "fusedSilica", "water", "PMMA", "polycarbonate")
 
 enum { MCV_RADIOMETRY_RADIANCE, MCV_RADIOMETRY_IRRADIANCE };
+enum { MCV_FALLOFF_OBJECT_SIDE, MCV_FALLOFF_IMAGE_SIDE };
 enum { MCV_APERTURE_SQUARE, MCV_APERTURE_CIRCLE };
 enum { MCV_ORIENTATION_VERTICAL, MCV_ORIENTATION_HORIZONTAL };
 

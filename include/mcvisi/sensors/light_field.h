@@ -25,7 +25,8 @@
     X(length2, pixelSize, MCV_REQUIRED, MCV_POSITIVE, 1, "width and height of a sensor pixel [m]") \
     MCV_READOUT_PARAMS(X) \
     X(choice, aperture, 0, 0, 1, "shape of the main lens") \
-    X(choice, radiometry, 0, 0, 1, "what a pixel measures: mean radiance [W/(m² sr)] or irradiance [W/m²]")
+    X(choice, radiometry, 0, 0, 1, "what a pixel measures: mean radiance [W/(m² sr)] or irradiance [W/m²]") \
+    MCV_FALLOFF_PARAMS(X)
 
 typedef struct mcv_light_field {
     mcv_centre centre_x, centre_y;      /* in macro pixels */
@@ -36,7 +37,8 @@ typedef struct mcv_light_field {
     float radius;                       /* D_l / 2 [m] */
     float etendue;                      /* A/h², 0 for radiance */
     uint circle;                        /* 1: only the disk of the lens passes light */
-    uint padding[2];
+    float bend;                         /* 1/f where the angles on the image's side count, else 0 [1/m] */
+    uint padding;
 } mcv_light_field;
 MCV_ASSERT_SIZE(mcv_light_field, 64);
 
@@ -64,8 +66,9 @@ MCV_LOOP_FUNCTION mcv_sight mcv_light_field_through(MCV_CONSTANT const mcv_light
     sight.origin = mcv_vec(lens_x * sensor->radius, lens_y * sensor->radius, 0.0f);
     sight.direction = mcv_vec(-mcv_fma(mcv_from_centre(sensor->centre_x, m, 0.5f), sensor->slope_x, sensor->kappa * sight.origin.x),
                               mcv_fma(mcv_from_centre(sensor->centre_y, n, 0.5f), sensor->slope_y, -sensor->kappa * sight.origin.y), 1.0f);
-    sight.weight =
-        sensor->circle && mcv_fma(lens_x, lens_x, lens_y * lens_y) > 1.0f ? 0.0f : mcv_sight_weight(sensor->etendue, sight.direction);
+    sight.weight = sensor->circle && mcv_fma(lens_x, lens_x, lens_y * lens_y) > 1.0f
+                       ? 0.0f
+                       : mcv_sight_weight(sensor->etendue, sensor->bend, sight.origin, sight.direction);
     return sight;
 }
 
@@ -94,7 +97,8 @@ MCV_FUNCTION float mcv_light_field_invert(MCV_CONSTANT const mcv_light_field *se
     place->column = mcv_fma(mcv_floor(m / (float)sensor->binning_x), width, j + 0.5f);
     place->row = mcv_fma(mcv_floor(n / (float)sensor->binning_y), height, k + 0.5f);
     const float macro = sensor->slope_x * sensor->slope_y * (float)(sensor->binning_x * sensor->binning_y);
-    return mcv_sight_weight(sensor->etendue, sight.direction) * width * height / (4.0f * sensor->radius * sensor->radius * macro);
+    return mcv_sight_weight(sensor->etendue, sensor->bend, sight.origin, sight.direction) * width * height /
+           (4.0f * sensor->radius * sensor->radius * macro);
 }
 
 MCV_FUNCTION float mcv_light_field_connect(MCV_CONSTANT const mcv_light_field *sensor, mcv_vec3 point, float xi, float eta,

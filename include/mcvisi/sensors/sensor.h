@@ -13,7 +13,14 @@
  * for the point (x, y) on the image plane and o on the main lens: one form, focus at infinity included.
  *
  * Radiometry: "radiance" weighs each ray 0 or 1 (pixel = mean radiance over the samples; closing the stop does not darken
- * the image); "irradiance" [W/m² on the pixel] weighs it A cos⁴θ / h² with cosθ = 1/|d|, A the area sampled at distance h.
+ * the image); "irradiance" [W/m² on the pixel] weighs it A cos⁴θ / h², A the area sampled at distance h. "falloff" says which θ:
+ *
+ *     objectSide  cosθ = 1/|d|: the light that leaves the object and enters the lens all falls on the image, b/w as large. So energy is
+ * kept. imageSide   cosθ = 1/|(o - s)/b| = 1/|d + o/f|: what the pixel sees of the pupil has the object's radiance. So radiance is kept,
+ * and a uniform field gives π sin²θ' on the axis.
+ *
+ * A thin lens maps planes onto planes at any aperture, which no lens that keeps energy and radiance can (those obey the sine condition):
+ * both agree at small angles and differ by the square of the aperture's tangent.
  *
  * A sensor may lie inside a body of glass or fluid: the media that surround the centre of its lens are taken for the whole lens.
  *
@@ -64,6 +71,9 @@
     MCV_READOUT_PARAMS(X) \
     X(choice, radiometry, 0, 0, 1, "what a pixel measures: mean radiance [W/(m² sr)] or irradiance [W/m²]")
 
+/* Of the sensors with a lens. */
+#define MCV_FALLOFF_PARAMS(X) X(choice, falloff, 0, 0, 1, "of irradiance: cos⁴ of the angles on the object's side or on the image's")
+
 /* A ray of sight in the optical frame. The direction has z = 1 and is not normalised. */
 typedef struct mcv_sight {
     mcv_vec3 origin, direction;
@@ -112,9 +122,11 @@ MCV_FUNCTION float mcv_from_centre(mcv_centre centre, uint index, float offset) 
 MCV_FUNCTION float mcv_on_film(mcv_centre centre, float from_centre) { return 0.5f * (float)centre.halves + (centre.rest - from_centre); }
 #endif
 
-/* The radiometric weight: etendue = A/h² for irradiance, 0 for radiance. */
-MCV_FUNCTION float mcv_sight_weight(float etendue, mcv_vec3 direction) {
-    const float squared = mcv_dot(direction, direction);
+/* The radiometric weight: etendue = A/h² for irradiance, 0 for radiance; bend = 1/f for the angles on the image's side, 0 for the object's.
+ */
+MCV_FUNCTION float mcv_sight_weight(float etendue, float bend, mcv_vec3 origin, mcv_vec3 direction) {
+    const mcv_vec3 counted = mcv_vec(mcv_fma(bend, origin.x, direction.x), mcv_fma(bend, origin.y, direction.y), direction.z);
+    const float squared = mcv_dot(counted, counted);
     return etendue > 0.0f ? etendue / (squared * squared) : 1.0f;
 }
 

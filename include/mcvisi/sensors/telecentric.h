@@ -4,7 +4,8 @@
  * main lens. Image point s on z = -b, a uniform on the stop, o = s + (a - s) b/(b - f) on the lens; weight 0 if
  * |o| > D_l/2. Because the stop lies in the focal plane the direction is exactly (-a_x/f, -a_y/f, 1), so every chief ray
  * is parallel to the axis and the image scale m = (b - f)/f is the same at every depth. b <= f is bad input.
- * In focus: depth W = b f/(b - f). Irradiance: A = π D_t²/4 (the stop), h = b - f: constant over the image.
+ * In focus: depth W = b f/(b - f). Irradiance: A = π D_t²/4 (the stop), h = b - f: constant over the image, unless "falloff" is
+ * "imageSide": there the chief rays lean.
  *
  * Either focalLength, imageDistance, stopDiameter, lensDiameter or, as on a datasheet, magnification m, workingDistance W
  * and fNumber N (working, image side) or numericalAperture NA = m/(2N) (object side):
@@ -28,7 +29,8 @@
     X(length, workingDistance, MCV_UNSET, MCV_POSITIVE, 1e3, "distance W from the main lens to the plane in focus [m]") \
     X(number, fNumber, MCV_UNSET, MCV_POSITIVE, 1e9, "working f-number N on the image side") \
     X(number, numericalAperture, MCV_UNSET, MCV_POSITIVE, 1, "numerical aperture on the object side, m/(2N)") \
-    MCV_FILM_PARAMS(X)
+    MCV_FILM_PARAMS(X) \
+    MCV_FALLOFF_PARAMS(X)
 
 typedef struct mcv_telecentric {
     mcv_centre centre_x, centre_y;
@@ -38,7 +40,7 @@ typedef struct mcv_telecentric {
     float stop_to_direction; /* 1/f [1/m] */
     float lens_radius;       /* D_l / 2 [m] */
     float etendue;           /* A/h², 0 for radiance */
-    uint padding;
+    float bend;              /* 1/f where the angles on the image's side count, else 0 [1/m] */
 } mcv_telecentric;
 MCV_ASSERT_SIZE(mcv_telecentric, 48);
 
@@ -55,7 +57,7 @@ MCV_LOOP_FUNCTION mcv_sight mcv_telecentric_through(MCV_CONSTANT const mcv_telec
     sight.direction = mcv_vec(-a_x * sensor->stop_to_direction, -a_y * sensor->stop_to_direction, 1.0f);
     sight.weight = mcv_fma(o_x, o_x, o_y * o_y) > sensor->lens_radius * sensor->lens_radius
                        ? 0.0f
-                       : mcv_sight_weight(sensor->etendue, sight.direction);
+                       : mcv_sight_weight(sensor->etendue, sensor->bend, sight.origin, sight.direction);
     return sight;
 }
 
@@ -78,7 +80,8 @@ MCV_FUNCTION float mcv_telecentric_invert(MCV_CONSTANT const mcv_telecentric *se
     if (mcv_fma(a_x, a_x, a_y * a_y) > sensor->stop_radius * sensor->stop_radius ||
         mcv_fma(o_x, o_x, o_y * o_y) > sensor->lens_radius * sensor->lens_radius)
         return 0.0f;
-    return mcv_sight_weight(sensor->etendue, sight.direction) / (MCV_PI * stop * stop * sensor->pixel_x * sensor->pixel_y);
+    return mcv_sight_weight(sensor->etendue, sensor->bend, sight.origin, sight.direction) /
+           (MCV_PI * stop * stop * sensor->pixel_x * sensor->pixel_y);
 }
 
 /* A place on the stop, a direction therefore: a place on the lens would seldom be seen through the stop. */

@@ -17,7 +17,8 @@
 
 #define MCV_THIN_LENS_PARAMS(X) \
     MCV_LENS_PARAMS(X) \
-    MCV_FILM_PARAMS(X)
+    MCV_FILM_PARAMS(X) \
+    MCV_FALLOFF_PARAMS(X)
 
 typedef struct mcv_thin_lens {
     mcv_centre centre_x, centre_y;
@@ -25,7 +26,8 @@ typedef struct mcv_thin_lens {
     float kappa;            /* (b - f)/(b f) [1/m] */
     float radius;           /* D_l / 2 [m] */
     float etendue;          /* A/h², 0 for radiance */
-    uint padding[3];
+    float bend;             /* 1/f where the angles on the image's side count, else 0 [1/m] */
+    uint padding[2];
 } mcv_thin_lens;
 MCV_ASSERT_SIZE(mcv_thin_lens, 48);
 
@@ -36,7 +38,7 @@ MCV_LOOP_FUNCTION mcv_sight mcv_thin_lens_through(MCV_CONSTANT const mcv_thin_le
     sight.direction =
         mcv_vec(-mcv_fma(mcv_from_centre(sensor->centre_x, film.column, film.x), sensor->slope_x, sensor->kappa * sight.origin.x),
                 mcv_fma(mcv_from_centre(sensor->centre_y, film.row, film.y), sensor->slope_y, -sensor->kappa * sight.origin.y), 1.0f);
-    sight.weight = mcv_sight_weight(sensor->etendue, sight.direction);
+    sight.weight = mcv_sight_weight(sensor->etendue, sensor->bend, sight.origin, sight.direction);
     return sight;
 }
 
@@ -55,7 +57,8 @@ MCV_FUNCTION float mcv_thin_lens_invert(MCV_CONSTANT const mcv_thin_lens *sensor
     place->column = mcv_on_film(sensor->centre_x, -mcv_fma(sensor->kappa, o_x, sight.direction.x) / sensor->slope_x);
     place->row = mcv_on_film(sensor->centre_y, mcv_fma(sensor->kappa, o_y, sight.direction.y) / sensor->slope_y);
     if (mcv_fma(o_x, o_x, o_y * o_y) > squared) return 0.0f;
-    return mcv_sight_weight(sensor->etendue, sight.direction) / (MCV_PI * squared * sensor->slope_x * sensor->slope_y);
+    return mcv_sight_weight(sensor->etendue, sensor->bend, sight.origin, sight.direction) /
+           (MCV_PI * squared * sensor->slope_x * sensor->slope_y);
 }
 
 MCV_FUNCTION float mcv_thin_lens_connect(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_vec3 point, float xi, float eta, mcv_sight *sight) {

@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "scene/camera_model.h"
+
+#include "scene/json.h"
+#include "scene/sensors.h"
+#include "scene/transform.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char format[] = "mcvisi camera model 1";
+
+/* --- from a sensor ---------------------------------------------------------------------------------------------- */
+
+/* R and t: to the optical frame with y down. */
+static void place(const mcv_transform *to_world, mcv_camera_model *model) {
+    const double *m = to_world->m;
+    for (int i = 0; i < 3; ++i) {
+        const double sign = i == 0 ? 1 : -1;
+        double sum = 0;
+        for (int j = 0; j < 3; ++j) {
+            model->rotation[3 * i + j] = sign * m[3 * j + i];
+            sum += sign * m[3 * j + i] * m[9 + j];
+        }
+        model->translation[i] = -sum;
+    }
+}
+
+static double image_distance(const mcv_sensor *sensor) {
+    const double *b = mcv_params_find(mcv_sensor_table(sensor->type), "imageDistance", &sensor->as);
+    return *b;
+}
+
+/* The rig's nodes first. */
+static mcv_result copy_frames(const mcv_scene *scene, mcv_camera_model *model, mcv_error *error) {
+    const uint32_t count = scene->frame_count;
+    model->nodes = calloc((size_t)count + 1, sizeof *model->nodes);
+    if (!model->nodes) return mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model", scene->path);
+    for (int of_asset = 0; of_asset < 2; ++of_asset)
+        for (uint32_t i = 0; i < count; ++i) {
+            if (scene->frames[i].of_asset != (of_asset != 0)) continue;
+            mcv_placement *frame = model->nodes + model->node_count;
+            *frame = scene->frames[i];
+            frame->name = strdup(scene->frames[i].name);
+            if (!frame->name) return mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model", scene->path);
+            ++model->node_count;
+        }
+    return MCV_OK;
+}
+
+mcv_result mcv_camera_model_of(const mcv_scene *scene, const mcv_sensor *sensor, mcv_camera_model *model, mcv_error *error) {
+    const mcv_readout readout = mcv_sensor_readout(sensor);
+    const mcv_optics optics = mcv_sensor_optics(sensor);
+    const bool sharp = optics.magnification > 0;
+    double focal[2], centre[2];
+    *model = (mcv_camera_model){.telecentric = sensor->type == MCV_SENSOR_TELECENTRIC,
+                                .focused_depth = optics.focused_depth,
+                                .f_number = optics.f_number,
+                                .numerical_aperture = optics.numerical_aperture,
+                                .bits = NAN,
+                                .black_level = NAN,
+                                .gain = NAN};
+    mcv_sensor_film_size(sensor, &model->size[0], &model->size[1]);
+    place(&sensor->to_world, model);
+    for (int i = 0; i < 2; ++i) {
+        model->macro[i] = readout.angular[i];
+        model->pixel[i] = readout.pitch[i] * readout.binning[i];
+        model->object_pixel[i] = sharp ? model->pixel[i] / optics.magnification : 0;
+        centre[i] = readout.angular[i] * (readout.centre[i] - readout.first[i]) / readout.binning[i];
+        focal[i] = readout.angular[i] * image_distance(sensor) / model->pixel[i];
+    }
+    if (model->telecentric) {
+        for (int i = 0; i < 2; ++i) {
+            for (int j = 0; j < 3; ++j) model->affine[4 * i + j] = model->rotation[3 * i + j] / model->object_pixel[i];
+            model->affine[4 * i + 3] = model->translation[i] / model->object_pixel[i] + centre[i];
+        }
+    } else {
+        memcpy(model->k, (const double[9]){focal[0], 0, centre[0], 0, focal[1], centre[1], 0, 0, 1}, sizeof model->k);
+    }
+    const mcv_result result = copy_frames(scene, model, error);
+    if (result != MCV_OK) mcv_camera_model_free(model);
+    return result;
+}
+
+void mcv_camera_model_free(mcv_camera_model *model) {
+    for (uint32_t i = 0; i < model->node_count; ++i) free(model->nodes[i].name);
+    free(model->nodes);
+    *model = (mcv_camera_model){0};
+}
+
+bool mcv_camera_model_fit(mcv_camera_model *model, uint32_t width, uint32_t height) {
+    const uint32_t size[2] = {width, height};
+    if (width == model->size[0] && height == model->size[1]) return true;
+    if (width * model->macro[0] != model->size[0] || height * model->macro[1] != model->size[1]) return false;
+    for (int i = 0; i < 2; ++i) {
+        model->k[4 * i] /= model->macro[i];
+        model->k[3 * i + 2] /= model->macro[i];
+        model->size[i] = size[i];
+        model->macro[i] = 1;
+    }
+    return true;
+}
+
+/* --- projection ------------------------------------------------------------------------------------------------- */
+
+static void to_camera(const mcv_camera_model *model, const double world[3], double p[3]) {
+    for (int i = 0; i < 3; ++i) {
+        const double *r = model->rotation + (size_t)3 * i;
+        p[i] = r[0] * world[0] + r[1] * world[1] + r[2] * world[2] + model->translation[i];
+    }
+}
+
+bool mcv_camera_model_project(const mcv_camera_model *model, const double world[3], double pixel[2]) {
+    double p[3];
+    to_camera(model, world, p);
+    if (!model->telecentric && !(p[2] > 0)) return false;
+    for (int i = 0; i < 2; ++i) {
+        const double *a = model->affine + (size_t)4 * i;
+        pixel[i] = model->telecentric ? a[0] * world[0] + a[1] * world[1] + a[2] * world[2] + a[3]
+                                      : model->k[4 * i] * p[i] / p[2] + model->k[3 * i + 2];
+    }
+    return true;
+}
+
+double mcv_camera_model_depth(const mcv_camera_model *model, const double world[3]) {
+    double p[3];
+    to_camera(model, world, p);
+    return p[2];
+}
+
+void mcv_camera_model_scale(const mcv_camera_model *model, double depth, double per_metre[2]) {
+    for (int i = 0; i < 2; ++i) per_metre[i] = model->telecentric ? 1 / model->object_pixel[i] : model->k[4 * i] / depth;
+}
+
+void mcv_camera_model_unproject(const mcv_camera_model *model, const double pixel[2], double depth, double world[3]) {
+    double p[3] = {0, 0, depth};
+    for (int i = 0; i < 2; ++i) {
+        /* A (X, 1) = p / object_pixel + c: the centre is what is left of the last column. */
+        const double centre =
+            model->telecentric ? model->affine[4 * i + 3] - model->translation[i] / model->object_pixel[i] : model->k[3 * i + 2];
+        p[i] = model->telecentric ? (pixel[i] - centre) * model->object_pixel[i] : (pixel[i] - centre) / model->k[4 * i] * depth;
+    }
+    for (int j = 0; j < 3; ++j) {
+        world[j] = 0;
+        for (int i = 0; i < 3; ++i) world[j] += model->rotation[3 * i + j] * (p[i] - model->translation[i]);
+    }
+}
+
+/* How many nodes have the name, of the rig or of its assets; *frame is the last. */
+static uint32_t count_named(const mcv_camera_model *model, const char *name, bool of_asset, const mcv_placement **frame) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < model->node_count; ++i) {
+        if (model->nodes[i].of_asset != of_asset || strcmp(model->nodes[i].name, name) != 0) continue;
+        *frame = model->nodes + i;
+        ++count;
+    }
+    return count;
+}
+
+mcv_result mcv_camera_model_node(const mcv_camera_model *model, const char *name, const char *what, const mcv_placement **frame,
+                                 mcv_error *error) {
+    const uint32_t rigs = count_named(model, name, false, frame), found = rigs ? rigs : count_named(model, name, true, frame);
+    if (found == 1) return MCV_OK;
+    if (found > 1) return mcv_fail(error, MCV_USAGE, "%s: %u nodes are called \"%s\": give them names of their own", what, found, name);
+    const char **names = calloc((size_t)model->node_count + 1, sizeof *names);
+    for (uint32_t i = 0; names && i < model->node_count; ++i) names[i] = model->nodes[i].name;
+    const char *nearest = names ? mcv_nearest_word(name, names, model->node_count) : NULL;
+    free((void *)names);
+    if (nearest) return mcv_fail(error, MCV_USAGE, "%s: there is no node \"%s\"; did you mean \"%s\"?", what, name, nearest);
+    return mcv_fail(error, MCV_USAGE, "%s: there is no node \"%s\" among the %u that it names%s", what, name, model->node_count,
+                    model->node_count == MCV_CAMERA_MODEL_NODES ? ": --scene knows all" : "");
+}
+
+/* --- JSON ------------------------------------------------------------------------------------------------------- */
+
+static void put_numbers(json_t *object, const char *key, const double *values, size_t count) {
+    json_t *array = json_array();
+    for (size_t i = 0; i < count; ++i) json_array_append_new(array, json_real(values[i]));
+    json_object_set_new(object, key, array);
+}
+
+static void put_matrix(json_t *object, const char *key, const double *values, size_t rows, size_t columns) {
+    json_t *matrix = json_array();
+    for (size_t i = 0; i < rows; ++i) {
+        json_t *row = json_array();
+        for (size_t j = 0; j < columns; ++j) json_array_append_new(row, json_real(values[columns * i + j]));
+        json_array_append_new(matrix, row);
+    }
+    json_object_set_new(object, key, matrix);
+}
+
+/* JSON has neither infinity nor NaN: such members are left out. */
+static void put_number(json_t *object, const char *key, double value) {
+    if (isfinite(value)) json_object_set_new(object, key, json_real(value));
+}
+
+static void put_pair(json_t *object, const char *key, const uint32_t values[2]) {
+    json_object_set_new(object, key, json_pack("[i,i]", (int)values[0], (int)values[1]));
+}
+
+/* The frame as 3 x 4 by rows: axes, and the origin as the last column. */
+static json_t *node_of(const mcv_placement *frame) {
+    double matrix[12];
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) matrix[4 * i + j] = frame->to_world.m[3 * i + j];
+        matrix[4 * i + 3] = frame->to_world.m[9 + i];
+    }
+    json_t *node = json_object();
+    json_object_set_new(node, "name", json_string(frame->name));
+    put_matrix(node, "toWorld", matrix, 3, 4);
+    if (frame->of_asset) json_object_set_new(node, "ofAsset", json_true());
+    return node;
+}
+
+char *mcv_camera_model_write(const mcv_camera_model *model) {
+    json_t *object = json_object(), *nodes = json_array();
+    json_object_set_new(object, "format", json_string(format));
+    json_object_set_new(object, "model", json_string(model->telecentric ? "telecentric" : "perspective"));
+    json_object_set_new(object, "pixels", json_string("from the top-left corner of the image"));
+    put_numbers(object, "centreOfFirstPixel", (const double[]){0.5, 0.5}, 2);
+    json_object_set_new(object, "axes", json_string("x right, y down, z forward; metres"));
+    put_pair(object, "size", model->size);
+    if (model->macro[0] > 1 || model->macro[1] > 1) put_pair(object, "macroPixel", model->macro);
+    if (model->telecentric)
+        put_matrix(object, "A", model->affine, 2, 4);
+    else
+        put_matrix(object, "K", model->k, 3, 3);
+    put_matrix(object, "R", model->rotation, 3, 3);
+    put_numbers(object, "t", model->translation, 3);
+    put_numbers(object, "pixelSize", model->pixel, 2);
+    put_number(object, "focusedDepth", model->focused_depth);
+    if (model->object_pixel[0] > 0) put_numbers(object, "objectPixel", model->object_pixel, 2);
+    put_number(object, "fNumber", model->f_number);
+    put_number(object, "numericalAperture", model->numerical_aperture);
+    put_number(object, "bits", model->bits);
+    put_number(object, "blackLevel", model->black_level);
+    put_number(object, "gain", model->gain);
+    for (uint32_t i = 0; i < model->node_count && i < MCV_CAMERA_MODEL_NODES; ++i) json_array_append_new(nodes, node_of(model->nodes + i));
+    json_object_set_new(object, "nodes", nodes);
+    char *text = json_dumps(object, JSON_COMPACT | JSON_ENSURE_ASCII | JSON_REAL_PRECISION(17));
+    json_decref(object);
+    return text;
+}
+
+/* A member that must be there: an array of arrays, or of numbers where there is one row. */
+static mcv_result get_matrix(const json_t *object, const char *key, size_t rows, size_t columns, double *out, const mcv_place *where,
+                             mcv_error *error) {
+    const mcv_place here = mcv_place_key(where, key);
+    const json_t *matrix = json_object_get(object, key);
+    bool right = json_array_size(matrix) == (rows == 1 ? columns : rows);
+    for (size_t i = 0; right && i < rows; ++i) {
+        const json_t *row = rows == 1 ? matrix : json_array_get(matrix, i);
+        right = json_array_size(row) == columns;
+        for (size_t j = 0; right && j < columns; ++j) {
+            const json_t *number = json_array_get(row, j);
+            right = json_is_number(number);
+            out[columns * i + j] = json_number_value(number);
+        }
+    }
+    if (right) return MCV_OK;
+    return mcv_fail_at(&here, error, "must be %zu x %zu numbers", rows, columns);
+}
+
+static mcv_result get_number(const json_t *object, const char *key, double absent, double *out, const mcv_place *where, mcv_error *error) {
+    *out = absent;
+    return mcv_json_number(object, key, -DBL_MAX, DBL_MAX, out, where, error);
+}
+
+static mcv_result get_pair(const json_t *object, const char *key, uint32_t out[2], const mcv_place *where, mcv_error *error) {
+    double pair[2] = {1, 1};
+    MCV_TRY(mcv_json_numbers(object, key, 2, 1, 1 << 24, pair, where, error));
+    for (int i = 0; i < 2; ++i) out[i] = (uint32_t)pair[i];
+    return MCV_OK;
+}
+
+static mcv_result get_nodes(const json_t *object, mcv_camera_model *model, const mcv_place *where, mcv_error *error) {
+    const mcv_place list = mcv_place_key(where, "nodes");
+    json_t *nodes;
+    size_t i;
+    const json_t *node;
+    MCV_TRY(json_array_size(json_object_get(object, "nodes")) ? mcv_json_array(object, "nodes", &nodes, where, error) : MCV_OK);
+    nodes = json_object_get(object, "nodes");
+    model->nodes = calloc(json_array_size(nodes) + 1, sizeof *model->nodes);
+    if (!model->nodes) return mcv_fail_memory(where, error);
+    json_array_foreach(nodes, i, node) {
+        const mcv_place here = mcv_place_index(&list, i);
+        double matrix[12] = {0};
+        mcv_placement *frame = model->nodes + model->node_count;
+        MCV_TRY(get_matrix(node, "toWorld", 3, 4, matrix, &here, error));
+        for (int k = 0; k < 3; ++k) {
+            for (int j = 0; j < 3; ++j) frame->to_world.m[3 * k + j] = matrix[4 * k + j];
+            frame->to_world.m[9 + k] = matrix[4 * k + 3];
+        }
+        frame->of_asset = json_is_true(json_object_get(node, "ofAsset"));
+        frame->name = strdup(mcv_json_name(node));
+        if (!frame->name) return mcv_fail_memory(where, error);
+        ++model->node_count;
+    }
+    return MCV_OK;
+}
+
+static mcv_result get_all(const json_t *object, mcv_camera_model *model, const mcv_place *where, mcv_error *error) {
+    const char *kind = "";
+    MCV_TRY(mcv_json_string(object, "model", &kind, where, error));
+    model->telecentric = strcmp(kind, "telecentric") == 0;
+    MCV_TRY(get_pair(object, "size", model->size, where, error));
+    MCV_TRY(get_pair(object, "macroPixel", model->macro, where, error));
+    MCV_TRY(get_matrix(object, "R", 3, 3, model->rotation, where, error));
+    MCV_TRY(get_matrix(object, "t", 1, 3, model->translation, where, error));
+    MCV_TRY(get_matrix(object, "pixelSize", 1, 2, model->pixel, where, error));
+    if (model->telecentric || json_object_get(object, "objectPixel"))
+        MCV_TRY(get_matrix(object, "objectPixel", 1, 2, model->object_pixel, where, error));
+    MCV_TRY(model->telecentric ? get_matrix(object, "A", 2, 4, model->affine, where, error)
+                               : get_matrix(object, "K", 3, 3, model->k, where, error));
+    MCV_TRY(get_number(object, "focusedDepth", INFINITY, &model->focused_depth, where, error));
+    MCV_TRY(get_number(object, "fNumber", NAN, &model->f_number, where, error));
+    MCV_TRY(get_number(object, "numericalAperture", NAN, &model->numerical_aperture, where, error));
+    MCV_TRY(get_number(object, "bits", NAN, &model->bits, where, error));
+    MCV_TRY(get_number(object, "blackLevel", NAN, &model->black_level, where, error));
+    MCV_TRY(get_number(object, "gain", NAN, &model->gain, where, error));
+    return get_nodes(object, model, where, error);
+}
+
+mcv_result mcv_camera_model_read(const char *text, const char *path, mcv_camera_model *model, bool *is_one, mcv_error *error) {
+    json_t *object = text ? json_loads(text, 0, NULL) : NULL;
+    const char *said = json_string_value(json_object_get(object, "format"));
+    const mcv_place file = mcv_place_file(path), where = mcv_place_key(&file, MCV_CAMERA_MODEL_KEY);
+    *model = (mcv_camera_model){0};
+    *is_one = said && strcmp(said, format) == 0;
+    const mcv_result result = *is_one ? get_all(object, model, &where, error) : MCV_OK;
+    json_decref(object);
+    if (result != MCV_OK) mcv_camera_model_free(model);
+    return result;
+}
