@@ -28,6 +28,7 @@ typedef struct mcv_packed {
     double centre[3]; /* world point that is the device's origin, on a grid of a power of two */
 
     uint32_t vertex_count, triangle_count, instance_count, material_count, emitter_count, texture_count;
+    uint32_t texcoord_sets; /* one after the other in texcoords */
     size_t texel_count, cdf_count;
     float *positions, *normals, *texcoords; /* 3, 3, 2 per vertex; normals and texcoords NULL where no feature needs them */
     mcv_device_solid *solids;               /* solid_count; NULL without any */

@@ -212,10 +212,12 @@ typedef struct mcv_device_texture {
     uint width, height;
     uint first; /* texel */
     uint wrap_s, wrap_t, nearest;
-    uint linear; /* 1: a texel is three floats instead of one word of sRGB */
-    uint padding;
+    uint linear;         /* 1: a texel is three floats instead of one word of sRGB */
+    uint first_texcoord; /* of vertex 0 in the set of texture coordinates that the image lies by */
+    float transform[6];  /* mcv_texture */
+    uint padding[2];
 } mcv_device_texture;
-MCV_ASSERT_SIZE(mcv_device_texture, 32);
+MCV_ASSERT_SIZE(mcv_device_texture, 64);
 
 /*
  * Where in the pupil, in its radii, a pixel's rays of sight meet a parallel emitter within its cone, to first order: about
