@@ -15,9 +15,14 @@ typedef struct mcv_box {
     double lower[3], upper[3]; /* [m]; lower > upper: empty */
 } mcv_box;
 
-/* What the albedos of some microfacets come from: of an interface between two indices, or without these of what only reflects. */
+/*
+ * What the albedos of some microfacets come from: of an interface between two indices, or without these of what only reflects; or with
+ * `multiple` their tables of multiple scattering, of a metal or without n and k of Schlick's reflectances.
+ */
 typedef struct mcv_albedo_source {
     double roughness, anisotropy, n_outside, n_inside, coating;
+    double n[3], k[3];
+    bool multiple;
     uint32_t azimuths, roughnesses, table; /* where they begin */
 } mcv_albedo_source;
 

@@ -130,7 +130,8 @@ typedef struct mcv_device_gloss {
     float transmission; /* share of the light below the layer that passes a thin wall */
     float diffuse_transmission;
     float n[3], k[3]; /* conductor: refractive index n - ik */
-    uint padding[6];
+    uint multiple;    /* where its tables of multiple scattering begin, one per roughness (MCV_MULTIPLE_ROUGHNESSES); or MCV_NONE */
+    uint padding[5];
 } mcv_device_gloss;
 MCV_ASSERT_SIZE(mcv_device_gloss, 96);
 
