@@ -103,24 +103,27 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
     const float layer = gloss->layer * ((float)(MCV_MULTIPLE_ROUGHNESSES - 1) / (float)(MCV_ALBEDO_ROUGHNESSES - 1));
     const uint low = m->roughnesses > 1 ? min((uint)layer, (uint)(MCV_MULTIPLE_ROUGHNESSES - 2)) : 0;
     const float part = m->roughnesses > 1 ? layer - (float)low : 0.0f;
-    const uint count = gloss->type == MCV_MATERIAL_CONDUCTOR ? MCV_CHANNELS : MCV_MULTIPLE_WORDS;
-    float words[MCV_MULTIPLE_WORDS] = {0.0f, 0.0f, 0.0f, 0.0f};
     /* In rows and columns by the triangles that the diagonal divides a cell into: light that comes and leaves at like angles is special. */
     const float both = f < g ? f : g;
     const float either = f < g ? g : f;
+    const uint count = gloss->type == MCV_MATERIAL_CONDUCTOR ? MCV_CHANNELS : MCV_MULTIPLE_WORDS;
+    float words[MCV_MULTIPLE_WORDS] = {0.0f, 0.0f, 0.0f, 0.0f};
+    const float ends[3] = {1.0f - either, either - both, both};
+    const uint edge = f > g ? MCV_MULTIPLE_COSINES : 1u; /* from the near corner to the one beyond an edge, in entries of azimuths */
+    const uint corners[3] = {0u, edge, MCV_MULTIPLE_COSINES + 1u};
+    for (uint level = 0; level < (m->roughnesses > 1 ? 2u : 1u); ++level) {
+        const float share = level ? part : 1.0f - part;
+        __global const float *from = tables + m->multiple + (low + level) * size +
+                                     MCV_MULTIPLE_WORDS * ((row * MCV_MULTIPLE_COSINES + column) * MCV_MULTIPLE_AZIMUTHS + entry);
 #pragma unroll
-    for (uint k = 0; k < 12; ++k) {
-        const uint corner = k % 6 / 2; /* the near one; the one beyond an edge; the far one */
-        if (k > 5 && m->roughnesses == 1) break;
-        const float weight = (corner == 0   ? 1.0f - either
-                              : corner == 1 ? either - both
-                                            : both) *
-                             (k & 1 ? h : 1.0f - h) * (k > 5 ? part : 1.0f - part);
-        const uint down = corner == 2 || (corner == 1 && f > g), right = corner == 2 || (corner == 1 && !(f > g));
-        const uint at = ((row + down) * MCV_MULTIPLE_COSINES + column + right) * MCV_MULTIPLE_AZIMUTHS + entry + (k & 1);
-        __global const float *from = tables + m->multiple + (low + (k > 5)) * size + MCV_MULTIPLE_WORDS * at;
-        for (uint word = 0; word < MCV_MULTIPLE_WORDS; ++word)
-            if (word < count) words[word] = mcv_fma(weight, from[word], words[word]);
+        for (uint corner = 0; corner < 3; ++corner) {
+            __global const float *near = from + MCV_MULTIPLE_WORDS * MCV_MULTIPLE_AZIMUTHS * corners[corner];
+#pragma unroll
+            for (uint word = 0; word < MCV_MULTIPLE_WORDS; ++word)
+                if (word < count)
+                    words[word] =
+                        mcv_fma(share * ends[corner], mcv_fma(h, near[word + MCV_MULTIPLE_WORDS] - near[word], near[word]), words[word]);
+        }
     }
     mcv_color multiple;
     MCV_EACH_CHANNEL(c) {
@@ -129,6 +132,11 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
         multiple.c[c] = gloss->type == MCV_MATERIAL_CONDUCTOR ? words[c] : schlick;
     }
     return multiple;
+}
+
+/* Is there a table of multiple scattering? A metal without a direction always has one, which is known beforehand of plain surfaces. */
+MCV_LOOP_FUNCTION int mcv_has_multiple(const mcv_device_gloss *m, const mcv_gloss *gloss) {
+    return gloss->type == MCV_MATERIAL_CONDUCTOR ? m->azimuths == 1 : m->multiple != MCV_NONE;
 }
 
 /* The lobes of a surface seen from o. */
@@ -180,7 +188,7 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
 #endif
     const float missing = mean.a > 0.0f ? at.a / mean.a : 0.0f;
     if (gloss->type == MCV_MATERIAL_CONDUCTOR) {
-        if (m->multiple == MCV_NONE) lobes.near_b = mcv_dim(gloss->base, missing);
+        if (!mcv_has_multiple(m, gloss)) lobes.near_b = mcv_dim(gloss->base, missing);
         lobes.specular = 1.0f - at.a;
         lobes.near_chance = at.a;
         return lobes;
@@ -265,7 +273,8 @@ MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, cons
     mcv_color passed;
     mcv_color reflected = mcv_gloss_fresnel(m, gloss, cosine);
     const float chance = mcv_gloss_reflects(m, gloss, lobes, cosine, reflected, &passed);
-    if (m->multiple != MCV_NONE) {
+    const int multiplied = mcv_has_multiple(m, gloss);
+    if (multiplied) {
         const mcv_color multiple = mcv_gloss_multiple(m, gloss, albedos, lobes->more, o, mirrored);
         MCV_EACH_CHANNEL(k) reflected.c[k] += multiple.c[k];
     }
@@ -274,13 +283,9 @@ MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, cons
     MCV_EACH_CHANNEL(k) response.value.c[k] = meets ? (far ? passed.c[k] : reflected.c[k]) * seen : 0.0f;
     response.density = meets ? lobes->specular * (far ? 1.0f - chance : chance) * facets / (1.0f + lobes->lambda) : 0.0f;
 
-    if ((gloss->type == MCV_MATERIAL_CONDUCTOR) & (m->multiple != MCV_NONE)) { /* no cosine lobe, but that of choices */
-        MCV_EACH_CHANNEL(k) response.value.c[k] = sees ? response.value.c[k] : 0.0f;
-        const float chosen = mcv_fma(far ? lobes->far_chance : lobes->near_chance, mirrored.z * (1.0f / MCV_PI), response.density);
-        response.density = sees ? chosen : 0.0f;
-        return response;
-    }
-    const mcv_albedo weights = mcv_gloss_weights(m, gloss, mcv_albedo_at(m, gloss, albedos, i, 0));
+    mcv_albedo weights = {0.0f, 0.0f};
+    if (gloss->type != MCV_MATERIAL_CONDUCTOR || !multiplied) /* such a metal has no cosine lobe, but in its choices */
+        weights = mcv_gloss_weights(m, gloss, mcv_albedo_at(m, gloss, albedos, i, 0));
     const float diffuse = mirrored.z * (1.0f / MCV_PI);
     MCV_EACH_CHANNEL(k) {
         const float a = far ? lobes->far_a.c[k] : lobes->near_a.c[k];
