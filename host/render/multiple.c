@@ -156,7 +156,8 @@ static void count_reflections(double alpha, const heading *from, double shares[3
     for (int f = 0; f < RADII_1 * ANGLES_1; ++f) {
         /* Steep microfacets send light down: left = v² puts points there. Both sides of the plane of incidence are alike. */
         const double v = (f % RADII_1 + 0.5) / RADII_1, first = 4 * v * v * v / (RADII_1 * ANGLES_1);
-        const double angle = pi * (f / RADII_1 + 0.5) / ANGLES_1, turn[2] = {cos(angle), sin(angle)};
+        const int around = f / RADII_1;
+        const double angle = pi * (around + 0.5) / ANGLES_1, turn[2] = {cos(angle), sin(angle)};
         double w[3], back[3], c, h_z;
         reflect(alpha, o, v * v, turn, w, &c, &h_z);
         const double hit = lambda(alpha, fmax(fabs(w[2]), 1e-12)), goes_on = w[2] > 0 ? hit / (1 + own + hit) : 1;
@@ -164,7 +165,8 @@ static void count_reflections(double alpha, const heading *from, double shares[3
         for (int k = 0; k < 3; ++k) back[k] = -w[k];
         for (int g = 0; g < RADII_2 * ANGLES_2; ++g) {
             const double u = (g % RADII_2 + 0.5) / RADII_2, second = first * 4 * u * u * u / (RADII_2 * ANGLES_2);
-            const double other = 2 * pi * (g / RADII_2 + 0.5) / ANGLES_2, to[2] = {cos(other), sin(other)};
+            const int about = g / RADII_2;
+            const double other = 2 * pi * (about + 0.5) / ANGLES_2, to[2] = {cos(other), sin(other)};
             double i[3];
             reflect(alpha, back, u * u, to, i, &c, &h_z);
             const double out = i[2] > 0 ? lambda(alpha, i[2]) : 0;
@@ -213,8 +215,9 @@ static double thrice(double alpha, const heading *from, const heading *to, doubl
     const double all = 1 + from->lambda + to->lambda;
     double sum = 0;
     for (int choice = 0; choice < 3 * CHOICES; ++choice) {
+        const int number = choice / 3 + 1;
         double u[4], w1[3], w2[3], m1[3], m2[3], cosine, h_z;
-        for (int k = 0; k < 4; ++k) u[k] = fmod(0.5 + steps[k] * (choice / 3 + 1), 1);
+        for (int k = 0; k < 4; ++k) u[k] = fmod(0.5 + steps[k] * number, 1);
         const double turn1[2] = {cos(2 * pi * u[1]), sin(2 * pi * u[1])}, turn2[2] = {cos(2 * pi * u[3]), sin(2 * pi * u[3])};
         const int first = choice % 3; /* 0: one from each end; 1: both from o, 2: both from i */
         if (first < 2) {
@@ -282,7 +285,8 @@ static void follow(double alpha, const heading *from, const float *white, double
     const double o[3] = {from->sine, 0, from->cosine};
     memset(shares, 0, COSINES * sizeof *shares);
     for (int f = 0; f < RADII * ANGLES; ++f) {
-        const double left = (f % RADII + 0.5) / RADII, angle = pi * (f / RADII + 0.5) / ANGLES, turn[2] = {cos(angle), sin(angle)};
+        const int around = f / RADII;
+        const double left = (f % RADII + 0.5) / RADII, angle = pi * (around + 0.5) / ANGLES, turn[2] = {cos(angle), sin(angle)};
         double w[3], c, h_z;
         reflect(alpha, o, left, turn, w, &c, &h_z);
         if (!(w[2] > 0)) continue;
