@@ -71,9 +71,78 @@ MCV_LOOP_FUNCTION mcv_albedo mcv_albedo_at(const mcv_device_gloss *m, const mcv_
     return low;
 }
 
+/* The row of a table of multiple scattering for a cosine, with how far it is to the next. */
+MCV_LOOP_FUNCTION float mcv_multiple_row(float z) {
+    const float c = mcv_abs(z) < 1.0f ? mcv_abs(z) : 1.0f;
+    const float root = mcv_sqrt(c);
+    return root / (root + mcv_sqrt(1.0f - c)) * (float)(MCV_MULTIPLE_COSINES - 1);
+}
+
+/* What leaves towards i after two and more reflections, over what white microfacets send there by one; both directions lie above. */
+MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *tables,
+                                               mcv_color more, mcv_vec3 o, mcv_vec3 i) {
+    const uint size = MCV_MULTIPLE_WORDS * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_AZIMUTHS;
+    const float x = mcv_multiple_row(o.z);
+    const float y = mcv_multiple_row(i.z);
+    const float o_sine = mcv_sqrt(mcv_fma(o.x, o.x, o.y * o.y));
+    const float i_sine = mcv_sqrt(mcv_fma(i.x, i.x, i.y * i.y));
+    const float o_scale = o_sine > 0.0f ? 0.5f / o_sine : 0.0f;
+    const float i_scale = i_sine > 0.0f ? 0.5f / i_sine : 0.0f;
+    const float across = mcv_fma(o.x, o_scale, i.x * i_scale);
+    const float up = mcv_fma(o.y, o_scale, i.y * i_scale);
+    const float length = mcv_sqrt(mcv_fma(across, across, up * up)); /* |cos φ/2|, to a rounding */
+    const float half_turn = length < 1.0f ? length : 1.0f;
+    const float sum = o.z + i.z + MCV_MULTIPLE_LEAST;
+    const float z = half_turn * (1.0f + sum) / (half_turn + sum) * (float)(MCV_MULTIPLE_AZIMUTHS - 1);
+    const uint row = min((uint)x, (uint)(MCV_MULTIPLE_COSINES - 2));
+    const uint column = min((uint)y, (uint)(MCV_MULTIPLE_COSINES - 2));
+    const uint entry = min((uint)z, (uint)(MCV_MULTIPLE_AZIMUTHS - 2));
+    const float f = x - (float)row;
+    const float g = y - (float)column;
+    const float h = z - (float)entry;
+    const float layer = gloss->layer * ((float)(MCV_MULTIPLE_ROUGHNESSES - 1) / (float)(MCV_ALBEDO_ROUGHNESSES - 1));
+    const uint low = m->roughnesses > 1 ? min((uint)layer, (uint)(MCV_MULTIPLE_ROUGHNESSES - 2)) : 0;
+    const float part = m->roughnesses > 1 ? layer - (float)low : 0.0f;
+    /* In rows and columns by the triangles that the diagonal divides a cell into: light that comes and leaves at like angles is special. */
+    const float both = f < g ? f : g;
+    const float either = f < g ? g : f;
+    const uint count = gloss->type == MCV_MATERIAL_CONDUCTOR ? MCV_CHANNELS : MCV_MULTIPLE_WORDS;
+    float words[MCV_MULTIPLE_WORDS] = {0.0f, 0.0f, 0.0f, 0.0f};
+    const float ends[3] = {1.0f - either, either - both, both};
+    const uint edge = f > g ? MCV_MULTIPLE_COSINES : 1u; /* from the near corner to the one beyond an edge, in entries of azimuths */
+    const uint corners[3] = {0u, edge, MCV_MULTIPLE_COSINES + 1u};
+    for (uint level = 0; level < (m->roughnesses > 1 ? 2u : 1u); ++level) {
+        const float share = level ? part : 1.0f - part;
+        __global const float *from = tables + m->multiple + (low + level) * size +
+                                     MCV_MULTIPLE_WORDS * ((row * MCV_MULTIPLE_COSINES + column) * MCV_MULTIPLE_AZIMUTHS + entry);
+#pragma unroll
+        for (uint corner = 0; corner < 3; ++corner) {
+            __global const float *near = from + MCV_MULTIPLE_WORDS * MCV_MULTIPLE_AZIMUTHS * corners[corner];
+#pragma unroll
+            for (uint word = 0; word < MCV_MULTIPLE_WORDS; ++word)
+                if (word < count)
+                    words[word] =
+                        mcv_fma(share * ends[corner], mcv_fma(h, near[word + MCV_MULTIPLE_WORDS] - near[word], near[word]), words[word]);
+        }
+    }
+    mcv_color multiple;
+    MCV_EACH_CHANNEL(c) {
+        const float b = gloss->base.c[c];
+        const float schlick = gloss->metallic * mcv_fma(more.c[c], words[3], mcv_fma(b, mcv_fma(b, words[0], words[1]), words[2]));
+        multiple.c[c] = gloss->type == MCV_MATERIAL_CONDUCTOR ? words[c] : schlick;
+    }
+    return multiple;
+}
+
+/* Is there a table of multiple scattering? A metal without a direction always has one, which is known beforehand of plain surfaces. */
+MCV_LOOP_FUNCTION int mcv_has_multiple(const mcv_device_gloss *m, const mcv_gloss *gloss) {
+    return gloss->type == MCV_MATERIAL_CONDUCTOR ? m->azimuths == 1 : m->multiple != MCV_NONE;
+}
+
 /* The lobes of a surface seen from o. */
 typedef struct mcv_lobes {
     float lambda;                /* Λ(o) */
+    mcv_color more;              /* metallic-roughness: three and more reflections, as a share of those of white microfacets */
     mcv_color passing;           /* factor of what passes a thin wall */
     mcv_color near_a, near_b;    /* cosine lobes on the ray's side: near_a a(i) + near_b b(i) … */
     mcv_color far_a, far_b;      /* … and on the other */
@@ -95,7 +164,7 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
     const mcv_albedo at = mcv_albedo_at(m, gloss, albedos, o, 0);
     const mcv_albedo mean = mcv_albedo_at(m, gloss, albedos, o, 1);
     lobes.lambda = mcv_ggx_lambda(gloss->alpha, o);
-    lobes.passing = mcv_grey(0.0f);
+    lobes.passing = lobes.more = mcv_grey(0.0f);
     lobes.near_a = lobes.near_b = lobes.far_a = lobes.far_b = mcv_grey(0.0f);
     lobes.far_chance = 0.0f;
 #if MCV_WITH_DIELECTRIC
@@ -119,7 +188,7 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
 #endif
     const float missing = mean.a > 0.0f ? at.a / mean.a : 0.0f;
     if (gloss->type == MCV_MATERIAL_CONDUCTOR) {
-        lobes.near_b = mcv_dim(gloss->base, missing);
+        if (!mcv_has_multiple(m, gloss)) lobes.near_b = mcv_dim(gloss->base, missing);
         lobes.specular = 1.0f - at.a;
         lobes.near_chance = at.a;
         return lobes;
@@ -130,10 +199,11 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
     MCV_EACH_CHANNEL(i) {
         const float f = mcv_fma(gloss->base.c[i], 1.0f - 1.0f / 21.0f, 1.0f / 21.0f);
         const float again = f * f * (1.0f - mean.a) / mcv_fma(-f, mean.a, 1.0f);
+        lobes.more.c[i] = f * again;
         lobes.passing.c[i] = gloss->base.c[i] * m->transmission * (1.0f - gloss->metallic);
         lobes.near_a.c[i] = gloss->base.c[i] * below * (1.0f - m->transmission) * (1.0f - m->diffuse_transmission);
         lobes.far_a.c[i] = gloss->base.c[i] * below * (1.0f - m->transmission) * m->diffuse_transmission;
-        lobes.near_b.c[i] = gloss->metallic * again * missing;
+        lobes.near_b.c[i] = m->multiple == MCV_NONE ? gloss->metallic * again * missing : 0.0f;
         lobes.far_b.c[i] = lobes.passing.c[i] * missing;
     }
     /* By how much light they bring, of the brightest channel. */
@@ -201,14 +271,21 @@ MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, cons
     const float jacobian = refracts ? (behind > 0.0f ? behind / (sum * sum) : 0.0f) : 0.25f / cosine;
     const int meets = sees & (cosine > 0.0f) & (jacobian > 0.0f) & (jacobian < INFINITY);
     mcv_color passed;
-    const mcv_color reflected = mcv_gloss_fresnel(m, gloss, cosine);
+    mcv_color reflected = mcv_gloss_fresnel(m, gloss, cosine);
     const float chance = mcv_gloss_reflects(m, gloss, lobes, cosine, reflected, &passed);
+    const int multiplied = mcv_has_multiple(m, gloss);
+    if (multiplied) {
+        const mcv_color multiple = mcv_gloss_multiple(m, gloss, albedos, lobes->more, o, mirrored);
+        MCV_EACH_CHANNEL(k) reflected.c[k] += multiple.c[k];
+    }
     const float facets = mcv_ggx_density(gloss->alpha, h) * cosine * jacobian / o.z;
     const float seen = facets / (1.0f + lobes->lambda + mcv_ggx_lambda(gloss->alpha, i));
     MCV_EACH_CHANNEL(k) response.value.c[k] = meets ? (far ? passed.c[k] : reflected.c[k]) * seen : 0.0f;
     response.density = meets ? lobes->specular * (far ? 1.0f - chance : chance) * facets / (1.0f + lobes->lambda) : 0.0f;
 
-    const mcv_albedo weights = mcv_gloss_weights(m, gloss, mcv_albedo_at(m, gloss, albedos, i, 0));
+    mcv_albedo weights = {0.0f, 0.0f};
+    if (gloss->type != MCV_MATERIAL_CONDUCTOR || !multiplied) /* such a metal has no cosine lobe, but in its choices */
+        weights = mcv_gloss_weights(m, gloss, mcv_albedo_at(m, gloss, albedos, i, 0));
     const float diffuse = mirrored.z * (1.0f / MCV_PI);
     MCV_EACH_CHANNEL(k) {
         const float a = far ? lobes->far_a.c[k] : lobes->near_a.c[k];

@@ -493,8 +493,8 @@ static mcv_gloss_meeting mcv_meet_gloss(mcv_world world, const mcv_meeting *meet
     float scale = 1.0f, metallic = 1.0f;
 #if MCV_WITH_TEXTURE
     if (from.texture != MCV_NONE) {
-        const float s = mcv_texcoord(world, meeting->surface, 0);
-        const float t = mcv_texcoord(world, meeting->surface, 1);
+        const float s = mcv_image_place(world, meeting->surface, from.texture, 0);
+        const float t = mcv_image_place(world, meeting->surface, from.texture, 1);
         scale = mcv_texture_value(world, from.texture, s, t, 1);
         metallic = mcv_texture_value(world, from.texture, s, t, 2);
     }

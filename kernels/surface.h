@@ -108,17 +108,28 @@ MCV_LOOP_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, flo
 }
 
 #if MCV_WITH_TEXTURE
-/* Coordinate 0 or 1 of the place on its texture. */
-MCV_LOOP_FUNCTION float mcv_texcoord(mcv_world world, mcv_surface surface, uint axis) {
+/* Coordinate 0 or 1 of the place in the set of texture coordinates that begins with `first`. */
+MCV_LOOP_FUNCTION float mcv_texcoord_of(mcv_world world, mcv_surface surface, uint first, uint axis) {
     const float w = 1.0f - surface.u - surface.v;
-    __global const float *a = world.texcoords + 2 * surface.corners.x;
-    __global const float *b = world.texcoords + 2 * surface.corners.y;
-    __global const float *c = world.texcoords + 2 * surface.corners.z;
+    __global const float *a = world.texcoords + 2 * (first + surface.corners.x);
+    __global const float *b = world.texcoords + 2 * (first + surface.corners.y);
+    __global const float *c = world.texcoords + 2 * (first + surface.corners.z);
     return mcv_fma(surface.v, c[axis], mcv_fma(surface.u, b[axis], w * a[axis]));
 }
 
+MCV_LOOP_FUNCTION float mcv_texcoord(mcv_world world, mcv_surface surface, uint axis) { return mcv_texcoord_of(world, surface, 0, axis); }
+
+/* How far across (0) or down (1) a texture's image the place lies. */
+MCV_LOOP_FUNCTION float mcv_image_place(mcv_world world, mcv_surface surface, uint texture, uint axis) {
+    __global const mcv_device_texture *t = world.textures + texture;
+    __global const float *row = t->transform + 3 * axis;
+    const float u = mcv_texcoord_of(world, surface, t->first_texcoord, 0);
+    const float v = mcv_texcoord_of(world, surface, t->first_texcoord, 1);
+    return mcv_fma(row[0], u, mcv_fma(row[1], v, row[2]));
+}
+
 MCV_LOOP_FUNCTION mcv_color mcv_texture_at(mcv_world world, mcv_surface surface, uint texture) {
-    return mcv_texture_lookup(world, texture, mcv_texcoord(world, surface, 0), mcv_texcoord(world, surface, 1));
+    return mcv_texture_lookup(world, texture, mcv_image_place(world, surface, texture, 0), mcv_image_place(world, surface, texture, 1));
 }
 #endif
 

@@ -350,22 +350,35 @@ static void test_rough_images(void **state) {
 /* Roughness and metallic from a texture; and a brushed sheet that its node mirrors: tangent and bitangent turn with it. */
 static void test_textured_roughness(void **state) {
     float positions[] = {-0.5F, -0.5F, 0, 0.5F, -0.5F, 0, 0.5F, 0.5F, 0, -0.5F, 0.5F, 0};
-    float texcoords[] = {0, 1, 1, 0.9F, 1, 0, 0, 0.2F};
+    float texcoords[] = {0, 1, 1, 0.9F, 1, 0, 0, 0.2F}, other[] = {1, 1, 0.8F, 0, 0, 0.1F, 0.3F, 1};
     uint32_t indices[] = {0, 1, 2, 0, 2, 3};
     float linear[] = {0, 0.5F, 1, 0, 0.9F, 0.5F, 0, 0.7F, 0, 0, 1, 1};
     const double s = sqrt(0.5);
     (void)state;
     for (int mirrored = 0; mirrored < 2; ++mirrored) {
         mcv_scene *scene = mcv_scene_new("sheet");
-        const mcv_texture texture = {
-            .name = (char *)"image", .width = 2, .height = 2, .wrap_s = 33071, .wrap_t = 33071, .linear = linear, .is_data = true};
+        const mcv_texture texture = {.name = (char *)"image",
+                                     .width = 2,
+                                     .height = 2,
+                                     .wrap_s = 33071,
+                                     .wrap_t = 33071,
+                                     .linear = linear,
+                                     .is_data = true,
+                                     .texcoord_set = 1,
+                                     .is_transformed = true,
+                                     .transform = {0.6, 0.5, -0.1, -0.4, 0.9, 0.2}};
         BUILD(mcv_scene_add_texture(scene, &texture, &builder_error));
         const mcv_material sheet = {.surface_texture = mirrored ? MCV_NONE : 0,
                                     .as.metallic_roughness = {{0.9, 0.7, 0.5}, 1, 1.5, 0, 0, 0.6, mirrored ? 0.7 : 0, 0.5}};
         add_pinhole(scene, 2, 0.1, looking((const double[]){s, 0, s}, (const double[]){-s, 0, -s}, (const double[]){0, 1, 0}));
         mcv_transform place = mcv_transform_identity();
         if (mirrored) place.m[0] = -1;
-        const mcv_mesh mesh = {.vertex_count = 4, .triangle_count = 2, .positions = positions, .texcoords = texcoords, .indices = indices};
+        const mcv_mesh mesh = {.vertex_count = 4,
+                               .triangle_count = 2,
+                               .positions = positions,
+                               .texcoords = texcoords,
+                               .texcoords1 = other,
+                               .indices = indices};
         add_instance(scene, &mesh, add_material(scene, MCV_MATERIAL_METALLIC_ROUGHNESS, &sheet), place);
         add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 0.6, 0.6, add_absorber(scene), looking_down_z(-0.4, 0.3, 0.9)), 3, 0);
         expect_same(mirrored ? "brushed sheet, mirrored" : "textured sheet", scene);
@@ -402,13 +415,75 @@ static void test_texture(void **state) {
     }
 }
 
+/*
+ * KHR_texture_transform on that lamp, all white but one texel of four. By the extension's own examples: scale ½, turned by π/2 and moved
+ * by (0, 1) shows the lower left quarter of the image; scale (1, -1) moved by (0, 1) turns it upside down. Then what lies beyond the edge
+ * is as far right as can be. The last one takes another set of coordinates, all of which lie in the lower right quarter.
+ */
+static void test_texture_transform(void **state) {
+    static const struct {
+        const char *name;
+        uint32_t set;
+        double transform[6], expected[3];
+    } cases[] = {
+        {"quarter turn", 0, {0, 0.5, 0, -0.5, 0, 1}, {0, 0, 1}},
+        {"upside down, right half", 0, {0.5, 0, 0.5, 0, -1, 1}, {0.5, 0.5, 0}},
+        {"upside down, upper right quarter", 0, {0.5, 0, 0.5, 0, -0.5, 1}, {1, 0, 0}},
+        {"moved by half", 0, {1, 0, 0.5, 0, 1, 0}, {0.5, 0.5, 0}},
+        {"another set", 1, {1, 0, 0, 0, 1, 0}, {1, 0, 0}},
+    };
+    float positions[] = {-5e-4F, -5e-4F, 0, 5e-4F, -5e-4F, 0, 5e-4F, 5e-4F, 0, -5e-4F, 5e-4F, 0};
+    float texcoords[] = {0, 1, 1, 1, 1, 0, 0, 0}, corner[] = {0.5F, 1, 1, 1, 1, 0.5F, 0.5F, 0.5F};
+    uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    uint8_t rgba[] = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 0, 0, 255};
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; ++k) {
+        mcv_scene *scene = mcv_scene_new("texture transform");
+        mcv_texture texture = {.name = (char *)"image",
+                               .width = 2,
+                               .height = 2,
+                               .wrap_s = 33071,
+                               .wrap_t = 33071,
+                               .nearest = true,
+                               .rgba = rgba,
+                               .texcoord_set = cases[k].set,
+                               .is_transformed = true};
+        memcpy(texture.transform, cases[k].transform, sizeof texture.transform);
+        BUILD(mcv_scene_add_texture(scene, &texture, &builder_error));
+        add_pinhole(scene, 2, 1e-3, looking_down_z(0, 0, 1));
+        const mcv_mesh mesh = {.vertex_count = 4,
+                               .triangle_count = 2,
+                               .positions = positions,
+                               .texcoords = texcoords,
+                               .texcoords1 = corner,
+                               .indices = indices};
+        mcv_emitter emitter = {.name = (char *)"emitter",
+                               .type = MCV_EMITTER_AREA,
+                               .instance = add_instance(scene, &mesh, add_absorber(scene), mcv_transform_identity())};
+        mcv_params_set_defaults(mcv_emitter_table(MCV_EMITTER_AREA), &emitter.as);
+        for (int c = 0; c < 3; ++c) emitter.as.area.radiance[c] = 1;
+        BUILD(mcv_scene_add_emitter(scene, &emitter, &builder_error));
+        expect(cases[k].name, scene, cases[k].expected);
+        mcv_scene_free(scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_absorbing_slab),     cmocka_unit_test(test_sheet),        cmocka_unit_test(test_mirror),
-        cmocka_unit_test(test_beam_splitter),      cmocka_unit_test(test_texture),      cmocka_unit_test(test_conductor),
-        cmocka_unit_test(test_rough_furnace),      cmocka_unit_test(test_rough_images), cmocka_unit_test(test_endless_medium),
-        cmocka_unit_test(test_retroreflector),     cmocka_unit_test(test_coating),      cmocka_unit_test(test_translucent),
+        cmocka_unit_test(test_absorbing_slab),
+        cmocka_unit_test(test_sheet),
+        cmocka_unit_test(test_mirror),
+        cmocka_unit_test(test_beam_splitter),
+        cmocka_unit_test(test_texture),
+        cmocka_unit_test(test_conductor),
+        cmocka_unit_test(test_rough_furnace),
+        cmocka_unit_test(test_rough_images),
+        cmocka_unit_test(test_endless_medium),
+        cmocka_unit_test(test_retroreflector),
+        cmocka_unit_test(test_coating),
+        cmocka_unit_test(test_translucent),
         cmocka_unit_test(test_textured_roughness),
+        cmocka_unit_test(test_texture_transform),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

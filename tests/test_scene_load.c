@@ -362,6 +362,75 @@ static void test_textures(void **state) {
     free(data);
 }
 
+/*
+ * KHR_texture_transform. The extension's own examples: the lower left quarter of the image by an offset of (0, 1), a rotation of π/2 and a
+ * scale of ½, so that (0, 0) (1, 0) (0, 1) of the mesh lie at (0, 1) (0, ½) (½, 1); an image with its origin below by an offset of (0, 1)
+ * and a scale of (1, -1). Four uses of one picture, of which two are alike, share its pixels.
+ */
+static void test_texture_transform(void **state) {
+    static const char format[] =
+        "\"nodes\":[{\"mesh\":0}],\"extensionsRequired\":[\"KHR_texture_transform\"],\"images\":[{\"uri\":\"data:image/png;base64,%s\"}],"
+        "\"textures\":[{\"source\":0}],\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"extensions\":{"
+        "\"KHR_texture_transform\":{\"offset\":[0,1],\"rotation\":1.5707963267948966,\"scale\":[0.5,0.5]}}},"
+        "\"metallicRoughnessTexture\":{\"index\":0,\"texCoord\":5,\"extensions\":{\"KHR_texture_transform\":{\"scale\":[2,3],"
+        "\"texCoord\":0}}}},\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":0,\"texCoord\":1}},"
+        "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"offset\":[0,1],"
+        "\"scale\":[1,-1]}}}},\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":"
+        "{\"scale\":[1,-1],\"rotation\":0,\"offset\":[0,1]}}}},"
+        "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"texCoord\":1,\"extensions\":{\"KHR_texture_transform\":{"
+        "\"texCoord\":2}}}}}]";
+    static const double expected[4][6] = {{0, 0.5, 0, -0.5, 0, 1}, {1, 0, 0, 0, -1, 1}, {2, 0, 0, 0, 3, 0}, {0}};
+    (void)state;
+    char *data = base64(png, sizeof png), *rest = text_of(format, data);
+    char *text = square_scene(",\"material\":0", rest), *with_set;
+    mcv_scene *scene;
+    mcv_error error;
+    assert_int_equal(load_text("scene_load.gltf", text, NULL, &scene, &error), MCV_BAD_INPUT);
+    assert_non_null(strstr(error.text, "must have TEXCOORD_1 for the texture of its material 0"));
+    free(text);
+    text = square_scene(",\"material\":0", rest);
+    char *set = strstr(text, "\"TEXCOORD_0\":1");
+    assert_non_null(set);
+    with_set = text_of("%.*s\"TEXCOORD_1\":1,%s", (int)(set - text), text, set);
+    scene = must_load(with_set, NULL);
+    assert_warns(scene, "asks for another set than TEXCOORD_0 and TEXCOORD_1");
+    const mcv_material *m = scene->materials;
+    assert_int_equal(m[2].texture, MCV_NONE);
+    const uint32_t numbers[4] = {m[0].texture, m[1].texture, m[0].surface_texture, scene->emitters[0].texture};
+    for (int k = 0; k < 4; ++k) {
+        const mcv_texture *texture = scene->textures + numbers[k];
+        assert_int_equal(texture->texcoord_set, k == 3);
+        assert_int_equal(texture->is_transformed, k < 3);
+        if (k != 2) assert_ptr_equal(texture->rgba, scene->textures[m[0].texture].rgba);
+        for (int i = 0; i < 6; ++i) assert_close(texture->transform[i], expected[k][i], 1, 2, "the transform");
+    }
+    assert_int_equal(scene->texture_count, 6); /* as it is, three times placed otherwise; as data, once placed otherwise */
+    assert_non_null(scene->meshes[0].texcoords1);
+    mcv_scene_free(scene);
+    free(with_set);
+    free(text);
+    free(rest);
+    free(data);
+}
+
+/* A camera's node that mirrors: the image is not mirrored, and a warning says so; one that is turned half round gives none. */
+static void test_mirrored_sensor(void **state) {
+    (void)state;
+    for (int mirrored = 0; mirrored < 2; ++mirrored) {
+        char *rest = text_of("\"nodes\":[{\"mesh\":0,\"children\":[1]},{\"name\":\"eye\",\"camera\":0,\"scale\":[-1,%d,1]}],"
+                             "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.5,\"znear\":0.1}}]",
+                             mirrored ? 1 : -1);
+        char *text = square_scene("", rest);
+        mcv_scene *scene = must_load(text, NULL);
+        uint32_t count = 0;
+        for (uint32_t i = 0; i < scene->warning_count; ++i) count += strstr(scene->warnings[i], "sensor \"eye\": its node mirrors") != NULL;
+        assert_int_equal(count, mirrored);
+        mcv_scene_free(scene);
+        free(text);
+        free(rest);
+    }
+}
+
 /* --- GLB and files ---------------------------------------------------------------------------------------------- */
 
 /* A GLB whose chunk holds a picture behind the square's positions, and a buffer in a file that is longer than it says. */
@@ -720,7 +789,8 @@ int main(void) {
                                        cmocka_unit_test(test_normals),         cmocka_unit_test(test_hierarchy),
                                        cmocka_unit_test(test_mirrored),        cmocka_unit_test(test_made_by_hand),
                                        cmocka_unit_test(test_materials),       cmocka_unit_test(test_metals),
-                                       cmocka_unit_test(test_textures),        cmocka_unit_test(test_glb),
+                                       cmocka_unit_test(test_textures),        cmocka_unit_test(test_texture_transform),
+                                       cmocka_unit_test(test_mirrored_sensor), cmocka_unit_test(test_glb),
                                        cmocka_unit_test(test_cameras),         cmocka_unit_test(test_rectangle),
                                        cmocka_unit_test(test_power_of_meshes), cmocka_unit_test(test_overrides),
                                        cmocka_unit_test(test_ambiguous_name),  cmocka_unit_test(test_needles),

@@ -28,7 +28,7 @@ TRUTHS = {
     "T12": ("Fresnel", "R((n-1)/(n+1))^2, Brewster's angle, critical angle, any step and angle"),
     "T13": ("diffuse light on an interface, n = 1.5", "R = 0.0917779594 from outside, 0.5963457598 from inside"),
     "T14": ("slab, unpolarised at each interface", "T = (1 - R)/(1 + R)"),
-    "T15": ("furnace", "lossless bodies vanish; n^2 L inside; lost energy added back"),
+    "T15": ("furnace", "lossless bodies vanish; n^2 L inside; lost energy added back; rough metals send light where walks on microfacets do"),
     "T16": ("disk light", "E = pi L/2 (1 - (z^2 + p^2 - a^2)/sqrt((z^2 + p^2 + a^2)^2 - 4 a^2 p^2))"),
     "T17": ("sphere light", "E = pi L (r/d)^2 cos a"),
     "T18": ("polygon light", "E = L/2 sum gamma_i n.Gamma_i"),

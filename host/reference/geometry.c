@@ -350,10 +350,9 @@ ref_surface ref_surface_at(const ref_geometry *geometry, const ref_hit *hit) {
     for (int i = 0; i < 3; ++i) {
         surface.position = ref_add(surface.position, ref_scale(hit->weights[i], corner[i]));
         if (mesh->normals) sum = ref_add(sum, ref_scale(hit->weights[i], ref_from(normals[i])));
-        if (mesh->texcoords) {
-            const float *texcoord = &mesh->texcoords[2 * (size_t)vertices[i]];
-            for (int axis = 0; axis < 2; ++axis) surface.texcoord[axis] += hit->weights[i] * texcoord[axis];
-        }
+        const float *const sets[2] = {mesh->texcoords, mesh->texcoords1};
+        for (int k = 0; k < 4; ++k)
+            if (sets[k / 2]) surface.texcoord[k / 2][k % 2] += hit->weights[i] * sets[k / 2][2 * (size_t)vertices[i] + (size_t)(k % 2)];
     }
     if (ref_dot(sum, sum) > 0) surface.normal = ref_unit(sum);
     for (int i = 0; mesh->tangents && i < 3; ++i) {

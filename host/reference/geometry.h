@@ -47,11 +47,11 @@ typedef struct ref_skip {
 /* What shading needs to know of a hit. */
 typedef struct ref_surface {
     ref_vec position;
-    ref_vec geometric;  /* unit normal of the triangle, on its front side */
-    ref_vec normal;     /* unit, interpolated from the vertices, on the front side as the file has it */
-    double texcoord[2]; /* 0 where the mesh has none */
-    ref_vec tangent;    /* unit, at right angles to the normal; zero where the mesh has none */
-    double hand;        /* 1 or -1: which way the bitangent points, from normal x tangent */
+    ref_vec geometric;     /* unit normal of the triangle, on its front side */
+    ref_vec normal;        /* unit, interpolated from the vertices, on the front side as the file has it */
+    double texcoord[2][2]; /* of two sets; 0 where the mesh has none */
+    ref_vec tangent;       /* unit, at right angles to the normal; zero where the mesh has none */
+    double hand;           /* 1 or -1: which way the bitangent points, from normal x tangent */
     uint32_t instance;
     uint32_t number; /* of the triangle */
 } ref_surface;

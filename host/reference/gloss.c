@@ -4,7 +4,9 @@
 #include <complex.h>
 #include <stdlib.h>
 
+#include "mcvisi/materials/microfacet.h"
 #include "reference/interface.h"
+#include "render/multiple.h"
 
 enum { COSINES = 100, AZIMUTHS = 25, ROUGHNESSES = 33, NORMALS = 64 };
 
@@ -157,6 +159,50 @@ static bool albedos_new(ref_albedos *albedos, const mcv_material *material, doub
     return true;
 }
 
+/* Tables of multiple scattering at each roughness, where the material is a metal that has no direction. */
+static bool orders_new(const mcv_material *material, uint32_t roughnesses, float **orders) {
+    const mcv_roughness roughness = mcv_material_roughness(material);
+    const bool conductor = material->type == MCV_MATERIAL_CONDUCTOR, layered = material->type == MCV_MATERIAL_METALLIC_ROUGHNESS;
+    const double *n = conductor ? material->as.conductor.n : NULL, *k = conductor ? material->as.conductor.k : NULL;
+    const uint32_t count = roughnesses > 1 ? MCV_MULTIPLE_ROUGHNESSES : 1;
+    bool made = true;
+    *orders = NULL;
+    if (roughness.anisotropy > 0 || !(conductor || (layered && material->as.metallic_roughness.metallic > 0))) return true;
+    *orders = malloc(sizeof(float) * mcv_multiple_words() * count);
+    for (uint32_t i = 0; *orders && i < count; ++i) {
+        double alpha[2];
+        alphas(&roughness, count > 1 ? i / (count - 1.0) : 1, alpha);
+        made = made && mcv_multiple_reflection(alpha[1], n, k, *orders + (size_t)i * mcv_multiple_words());
+    }
+    return *orders && made;
+}
+
+/* The words of the entry for two directions, in between by lines, and by triangles among the two cosines. */
+static void orders_at(const ref_gloss *g, ref_vec o, ref_vec i, double words[MCV_MULTIPLE_WORDS]) {
+    enum { N = MCV_MULTIPLE_COSINES, M = MCV_MULTIPLE_AZIMUTHS, LAST = MCV_MULTIPLE_ROUGHNESSES - 1 };
+    const double z[2] = {fmin(o.z, 1), fmin(i.z, 1)}, sum = z[0] + z[1] + MCV_MULTIPLE_LEAST;
+    const double turn = atan2(o.y, o.x) - atan2(i.y, i.x), c = fabs(cos(turn / 2));
+    const double entry = (M - 1) * c * (1 + sum) / (c + sum), roughness = g->table->albedos.roughnesses > 1 ? g->roughness * LAST : 0;
+    double place[2], share[2];
+    for (int k = 0; k < 2; ++k) place[k] = (N - 1) * sqrt(z[k]) / (sqrt(z[k]) + sqrt(1 - z[k]));
+    const int low[2] = {(int)fmin(place[0], N - 2), (int)fmin(place[1], N - 2)}, first = (int)fmin(entry, M - 2);
+    for (int k = 0; k < 2; ++k) share[k] = place[k] - low[k];
+    const bool below = share[0] > share[1];
+    const int corners[3][2] = {{0, 0}, {below, !below}, {1, 1}};
+    const double most = fmax(share[0], share[1]), least = fmin(share[0], share[1]), weights[3] = {1 - most, most - least, least};
+    const int layer = (int)fmin(roughness, LAST - 1);
+    for (int word = 0; word < MCV_MULTIPLE_WORDS; ++word) words[word] = 0;
+    for (int k = 0; k < 12; ++k) {
+        const int corner = k / 4, next = k & 1, above = k >> 1 & 1;
+        const double weight =
+            weights[corner] * (next ? entry - first : 1 - (entry - first)) * (above ? roughness - layer : 1 - (roughness - layer));
+        if (weight == 0) continue;
+        const float *at = g->table->orders + (size_t)(layer + above) * mcv_multiple_words() +
+                          MCV_MULTIPLE_WORDS * (((low[0] + corners[corner][0]) * N + low[1] + corners[corner][1]) * M + first + next);
+        for (int word = 0; word < MCV_MULTIPLE_WORDS; ++word) words[word] += weight * (double)at[word];
+    }
+}
+
 static bool add_table(ref_gloss_tables *tables, const mcv_scene *scene, uint32_t material, double outside) {
     const mcv_material *from = &scene->materials[material];
     for (uint32_t i = 0; i < tables->count; ++i)
@@ -166,7 +212,7 @@ static bool add_table(ref_gloss_tables *tables, const mcv_scene *scene, uint32_t
     tables->items = items;
     ref_gloss_table *table = &items[tables->count++];
     *table = (ref_gloss_table){.material = material, .outside = outside};
-    if (!albedos_new(&table->albedos, from, outside)) return false;
+    if (!albedos_new(&table->albedos, from, outside) || !orders_new(from, table->albedos.roughnesses, &table->orders)) return false;
     for (int channel = 0; from->type == MCV_MATERIAL_CONDUCTOR && channel < 3; ++channel) {
         enum { STEPS = 2000 };
         const double escape = table->albedos.means[0];
@@ -206,6 +252,7 @@ void ref_gloss_tables_free(ref_gloss_tables *tables) {
     for (uint32_t i = 0; i < tables->count; ++i) {
         free(tables->items[i].albedos.pairs);
         free(tables->items[i].albedos.means);
+        free(tables->items[i].orders);
     }
     free(tables->items);
     *tables = (ref_gloss_tables){0};
@@ -233,6 +280,7 @@ typedef struct lobes {
     double chance[3];             /* of microfacets, of the near and the far hemisphere */
     double thin[3];               /* factor of light that passes the layer straight */
     double near[2][3], far[2][3]; /* factors of the two functions of i in `weigh` */
+    double more[3];               /* a metal's three and more reflections, over those of white microfacets */
 } lobes;
 
 static double largest(const double a[3]) { return fmax(a[0], fmax(a[1], a[2])); }
@@ -276,7 +324,7 @@ static lobes lobes_at(const ref_gloss *g, ref_vec o) {
     }
     const double missing = own[1] / average[1];
     if (g->material->type == MCV_MATERIAL_CONDUCTOR) {
-        for (int c = 0; c < 3; ++c) l.near[1][c] = missing * g->table->multiple[c];
+        for (int c = 0; c < 3; ++c) l.near[1][c] = g->table->orders ? 0 : missing * g->table->multiple[c];
         l.chance[0] = pair[0];
         l.chance[1] = 1 - pair[0];
         return l;
@@ -288,7 +336,9 @@ static lobes lobes_at(const ref_gloss *g, ref_vec o) {
         l.thin[c] = plain * p->transmission * g->base[c];
         l.near[0][c] = plain * (1 - p->transmission) * (1 - p->diffuseTransmission) * g->base[c] * below;
         l.far[0][c] = plain * (1 - p->transmission) * p->diffuseTransmission * g->base[c] * below;
-        l.near[1][c] = g->metallic * schlick_mean * schlick_mean * mean[0] / (1 - schlick_mean * (1 - mean[0])) * missing;
+        const double twice = schlick_mean * schlick_mean * mean[0] / (1 - schlick_mean * (1 - mean[0]));
+        l.near[1][c] = g->table->orders ? 0 : g->metallic * twice * missing;
+        l.more[c] = schlick_mean * twice;
         l.far[1][c] = l.thin[c] * missing;
     }
     const double specular = f0 + g->metallic * (bright - f0), passed = plain * p->transmission * bright;
@@ -340,6 +390,14 @@ double ref_gloss_evaluate(const ref_gloss *g, ref_vec o, ref_vec i, double value
         double reflects[3], passes[3];
         const double chance = split(g, &l, c, reflects, passes);
         const double facets = distribution(l.alpha, h) * c / o.z * jacobian, own = lambda(l.alpha, o);
+        double words[MCV_MULTIPLE_WORDS];
+        if (g->table->orders && !far) orders_at(g, o, i, words);
+        for (int channel = 0; g->table->orders && !far && channel < 3; ++channel) {
+            const double b = g->base[channel];
+            reflects[channel] += g->material->type == MCV_MATERIAL_CONDUCTOR
+                                     ? words[channel]
+                                     : g->metallic * (b * b * words[0] + b * words[1] + words[2] + l.more[channel] * words[3]);
+        }
         for (int channel = 0; channel < 3; ++channel)
             value[channel] = (far ? passes : reflects)[channel] * facets / (1 + own + lambda(l.alpha, i));
         density = l.chance[0] * (far ? 1 - chance : chance) * facets / (1 + own);

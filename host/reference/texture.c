@@ -23,11 +23,17 @@ void ref_texel(const mcv_texture *texture, uint32_t column, uint32_t row, double
             texture->linear ? texture->linear[3 * number + (size_t)channel] : decode(texture->rgba[4 * number + (size_t)channel]);
 }
 
-void ref_texture_lookup(const mcv_scene *scene, uint32_t texture, const double texcoord[2], double rgb[3]) {
+void ref_texture_lookup(const mcv_scene *scene, uint32_t texture, const double texcoord[2][2], double rgb[3]) {
     rgb[0] = rgb[1] = rgb[2] = 1;
     if (texture == MCV_NONE) return;
     const mcv_texture *t = &scene->textures[texture];
-    const double u = texcoord[0] * t->width, v = texcoord[1] * t->height;
+    const double *at = texcoord[t->texcoord_set], *m = t->transform;
+    double across = at[0], down = at[1];
+    if (t->is_transformed) {
+        across = m[0] * at[0] + m[1] * at[1] + m[2];
+        down = m[3] * at[0] + m[4] * at[1] + m[5];
+    }
+    const double u = across * t->width, v = down * t->height;
     double left = floor(u), top = floor(v), right_share = 0, bottom_share = 0;
     if (!t->nearest) { /* between the centres of texels */
         left = floor(u - 0.5);

@@ -82,7 +82,7 @@ static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene 
         {&d->triangles, "the triangles", 16 * triangles, p->triangles},
         {&d->positions, "the vertices", 12 * vertices, p->positions},
         {&d->normals, "the normals", present(p->normals, 12 * vertices), p->normals},
-        {&d->texcoords, "the texture coordinates", present(p->texcoords, 8 * vertices), p->texcoords},
+        {&d->texcoords, "the texture coordinates", present(p->texcoords, 8 * p->texcoord_sets * vertices), p->texcoords},
         {&d->tangents, "the tangents", present(p->tangents, 16 * vertices), p->tangents},
         {&d->instances, "the instances", p->instance_count * sizeof *p->instances, p->instances},
         {&d->materials, "the materials", p->material_count * sizeof *p->materials, p->materials},

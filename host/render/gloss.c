@@ -7,6 +7,7 @@
 
 #include "mcvisi/materials/microfacet.h"
 #include "render/albedo.h"
+#include "render/multiple.h"
 
 /* α along the tangent and across, as the device computes it. */
 static void alphas(double roughness, double anisotropy, double alpha[2]) {
@@ -14,18 +15,29 @@ static void alphas(double roughness, double anisotropy, double alpha[2]) {
     alpha[0] = alpha[1] + (1 - alpha[1]) * anisotropy;
 }
 
-static void integrate(const mcv_albedo_source *source, float *table) {
-    const uint32_t words = mcv_albedo_words(source->azimuths);
+/* Floats of a table, for each of its roughnesses. */
+static uint32_t words_of(const mcv_albedo_source *source) {
+    return source->multiple ? mcv_multiple_words() : mcv_albedo_words(source->azimuths);
+}
+
+/* False: no memory. */
+static bool integrate(const mcv_albedo_source *source, float *table) {
+    const uint32_t words = words_of(source);
+    const bool metal = source->n[0] > 0 || source->k[0] > 0;
+    bool made = true;
     for (uint32_t r = 0; r < source->roughnesses; ++r) {
         const double share = source->roughnesses > 1 ? (double)r / (source->roughnesses - 1) : 1;
         double alpha[2];
         alphas(share * source->roughness, source->anisotropy, alpha);
         float *block = table + (size_t)r * words;
-        if (source->n_outside > 0)
+        if (source->multiple)
+            made &= mcv_multiple_reflection(alpha[1], metal ? source->n : NULL, metal ? source->k : NULL, block);
+        else if (source->n_outside > 0)
             mcv_albedo_interface(alpha[0], alpha[1], source->n_outside, source->n_inside, source->coating, source->azimuths, block);
         else
             mcv_albedo_reflection(alpha[0], alpha[1], source->azimuths, block);
     }
+    return made;
 }
 
 static const mcv_albedo_source *find_source(const mcv_packed *packed, const mcv_albedo_source *like) {
@@ -33,7 +45,8 @@ static const mcv_albedo_source *find_source(const mcv_packed *packed, const mcv_
         const mcv_albedo_source *s = packed->albedo_sources + i;
         if (s->roughness == like->roughness && s->anisotropy == like->anisotropy && s->n_outside == like->n_outside &&
             s->n_inside == like->n_inside && s->coating == like->coating && s->azimuths == like->azimuths &&
-            s->roughnesses == like->roughnesses)
+            s->roughnesses == like->roughnesses && s->multiple == like->multiple && memcmp(s->n, like->n, sizeof s->n) == 0 &&
+            memcmp(s->k, like->k, sizeof s->k) == 0)
             return s;
     }
     return NULL;
@@ -46,7 +59,7 @@ static mcv_result find_table(const mcv_packed *earlier, mcv_packed *packed, mcv_
         *table = found->table;
         return MCV_OK;
     }
-    const size_t words = (size_t)mcv_albedo_words(source.azimuths) * source.roughnesses;
+    const size_t words = (size_t)words_of(&source) * source.roughnesses;
     float *albedos = realloc(packed->albedos, (packed->albedo_count + words) * sizeof *albedos);
     if (albedos) packed->albedos = albedos;
     mcv_albedo_source *sources = realloc(packed->albedo_sources, (packed->albedo_source_count + 1) * sizeof *sources);
@@ -56,8 +69,8 @@ static mcv_result find_table(const mcv_packed *earlier, mcv_packed *packed, mcv_
     found = find_source(earlier, &source);
     if (found)
         memcpy(albedos + *table, earlier->albedos + found->table, words * sizeof *albedos);
-    else
-        integrate(&source, albedos + *table);
+    else if (!integrate(&source, albedos + *table))
+        return mcv_fail(error, MCV_FAILED, "no memory for the multiple scattering of microfacets");
     sources[packed->albedo_source_count++] = source;
     packed->albedo_count += words;
     return MCV_OK;
@@ -83,6 +96,7 @@ mcv_result mcv_pack_gloss(const mcv_scene *scene, const mcv_packed *earlier, mcv
                                  .anisotropy = (float)(roughness.anisotropy * roughness.anisotropy),
                                  .direction = {(float)cos(roughness.rotation), (float)sin(roughness.rotation)},
                                  .table = MCV_NONE,
+                                 .multiple = MCV_NONE,
                                  .azimuths = roughness.anisotropy > 0 ? MCV_ALBEDO_AZIMUTHS : 1,
                                  .roughnesses = 1,
                                  .texture = mcv_material_surface_texture(from)};
@@ -98,6 +112,11 @@ mcv_result mcv_pack_gloss(const mcv_scene *scene, const mcv_packed *earlier, mcv
             to->diffuse_transmission = (float)p->diffuseTransmission;
             MCV_TRY(find_table(earlier, packed, source, &to->table, error));
         }
+        mcv_albedo_source multiple = source;
+        multiple.multiple = true;
+        if (multiple.roughnesses > 1) multiple.roughnesses = MCV_MULTIPLE_ROUGHNESSES;
+        if (from->type == MCV_MATERIAL_METALLIC_ROUGHNESS && to->metallic > 0 && to->azimuths == 1)
+            MCV_TRY(find_table(earlier, packed, multiple, &to->multiple, error));
         if (from->type != MCV_MATERIAL_CONDUCTOR) continue;
         for (int k = 0; k < 3; ++k) {
             to->n[k] = (float)from->as.conductor.n[k];
@@ -105,6 +124,9 @@ mcv_result mcv_pack_gloss(const mcv_scene *scene, const mcv_packed *earlier, mcv
         }
         if (!mcv_material_is_rough(from)) continue;
         MCV_TRY(find_table(earlier, packed, source, &to->table, error));
+        memcpy(multiple.n, from->as.conductor.n, sizeof multiple.n);
+        memcpy(multiple.k, from->as.conductor.k, sizeof multiple.k);
+        if (to->azimuths == 1) MCV_TRY(find_table(earlier, packed, multiple, &to->multiple, error));
         for (int k = 0; k < 3; ++k)
             packed->materials[i].value[k] =
                 (float)left_by_facets(mcv_conductor_mean(from->as.conductor.n[k], from->as.conductor.k[k]), packed->albedos[to->table]);

@@ -111,6 +111,8 @@ static void pack_instance(const mcv_scene *scene, mcv_packed *packed, uint32_t i
             for (int k = 0; k < 4; ++k) packed->tangents[4 * to + k] = (float)t[k];
         }
         if (packed->texcoords && mesh->texcoords) memcpy(packed->texcoords + 2 * to, mesh->texcoords + 2 * (size_t)v, 2 * sizeof(float));
+        if (packed->texcoord_sets > 1 && mesh->texcoords1)
+            memcpy(packed->texcoords + 2 * (packed->vertex_count + to), mesh->texcoords1 + 2 * (size_t)v, 2 * sizeof(float));
     }
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
         const size_t to = instance->first_triangle + (size_t)t;
@@ -329,18 +331,30 @@ static mcv_device_material pack_material(const mcv_material *material) {
 /* Words of device memory per texel. */
 static size_t texel_words(const mcv_texture *texture) { return texture->linear ? 3 : 1; }
 
+/* Word of its first texel; that of the one before whose pixels it shares. */
+static uint32_t first_texel(const mcv_scene *scene, const mcv_packed *packed, uint32_t texture, size_t next) {
+    const mcv_texture *t = &scene->textures[texture];
+    for (uint32_t i = 0; t->shares_pixels && i < texture; ++i)
+        if (scene->textures[i].rgba == t->rgba && scene->textures[i].linear == t->linear) return packed->textures[i].first;
+    return (uint32_t)next;
+}
+
 static void pack_textures(const mcv_scene *scene, mcv_packed *packed) {
+    static const double as_it_is[6] = {1, 0, 0, 0, 1, 0};
     size_t next = 256;
     for (unsigned i = 0; i < 256; ++i) packed->texels[i] = as_uint((float)mcv_srgb_decode((uint8_t)i));
     for (uint32_t i = 0; i < scene->texture_count; ++i) {
         const mcv_texture *texture = &scene->textures[i];
         packed->textures[i] = (mcv_device_texture){.width = texture->width,
                                                    .height = texture->height,
-                                                   .first = (uint32_t)next,
+                                                   .first = first_texel(scene, packed, i, next),
+                                                   .first_texcoord = texture->texcoord_set * packed->vertex_count,
                                                    .wrap_s = texture->wrap_s,
                                                    .wrap_t = texture->wrap_t,
                                                    .nearest = texture->nearest,
                                                    .linear = texture->linear != NULL};
+        for (int k = 0; k < 6; ++k) packed->textures[i].transform[k] = (float)(texture->is_transformed ? texture->transform : as_it_is)[k];
+        if (texture->shares_pixels) continue;
         const size_t texels = (size_t)texture->width * texture->height;
         for (size_t k = 0; texture->linear && k < 3 * texels; ++k, ++next) packed->texels[next] = as_uint(texture->linear[k]);
         for (size_t k = 0; texture->rgba && k < texels; ++k, ++next) {
@@ -704,9 +718,11 @@ static mcv_result pack_all(const mcv_scene *scene, const mcv_packed *earlier, mc
     packed->material_count = scene->material_count;
     packed->texture_count = scene->texture_count;
     packed->texel_count = 256;
+    packed->texcoord_sets = 1;
     for (uint32_t i = 0; i < scene->texture_count; ++i) {
         const mcv_texture *texture = &scene->textures[i];
-        packed->texel_count += texel_words(texture) * texture->width * texture->height;
+        if (!texture->shares_pixels) packed->texel_count += texel_words(texture) * texture->width * texture->height;
+        if (packed->features >> MCV_FEATURE_TEXTURE & 1 && texture->texcoord_set > 0) packed->texcoord_sets = 2;
     }
     packed->cdf_count = 2;
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
@@ -725,7 +741,8 @@ static mcv_result pack_all(const mcv_scene *scene, const mcv_packed *earlier, mc
 
     packed->positions = allocate(3 * vertices, sizeof(float), &failed);
     if (packed->features >> MCV_FEATURE_NORMALS & 1) packed->normals = allocate(3 * vertices, sizeof(float), &failed);
-    if (packed->features >> MCV_FEATURE_TEXTURE & 1) packed->texcoords = allocate(2 * vertices, sizeof(float), &failed);
+    if (packed->features >> MCV_FEATURE_TEXTURE & 1)
+        packed->texcoords = allocate(2 * packed->texcoord_sets * vertices, sizeof(float), &failed);
     if (packed->features >> MCV_FEATURE_GLOSS & 1) packed->gloss = allocate(scene->material_count, sizeof *packed->gloss, &failed);
     if (mcv_scene_has_directions(scene)) packed->tangents = allocate(4 * vertices, sizeof(float), &failed);
     packed->indices = allocate(3 * (size_t)scene->triangle_count, sizeof(uint32_t), &failed);

@@ -15,9 +15,14 @@ typedef struct mcv_box {
     double lower[3], upper[3]; /* [m]; lower > upper: empty */
 } mcv_box;
 
-/* What the albedos of some microfacets come from: of an interface between two indices, or without these of what only reflects. */
+/*
+ * What the albedos of some microfacets come from: of an interface between two indices, or without these of what only reflects; or with
+ * `multiple` their tables of multiple scattering, of a metal or without n and k of Schlick's reflectances.
+ */
 typedef struct mcv_albedo_source {
     double roughness, anisotropy, n_outside, n_inside, coating;
+    double n[3], k[3];
+    bool multiple;
     uint32_t azimuths, roughnesses, table; /* where they begin */
 } mcv_albedo_source;
 
@@ -28,6 +33,7 @@ typedef struct mcv_packed {
     double centre[3]; /* world point that is the device's origin, on a grid of a power of two */
 
     uint32_t vertex_count, triangle_count, instance_count, material_count, emitter_count, texture_count;
+    uint32_t texcoord_sets; /* one after the other in texcoords */
     size_t texel_count, cdf_count;
     float *positions, *normals, *texcoords; /* 3, 3, 2 per vertex; normals and texcoords NULL where no feature needs them */
     mcv_device_solid *solids;               /* solid_count; NULL without any */

@@ -267,6 +267,12 @@ static mcv_result add_sensor(mcv_loader *loader, mcv_sensor *sensor, const char 
     char *unique = NULL;
     bool taken = true;
     if (!mcv_transform_rigid(to_world, &sensor->to_world)) return mcv_fail_at(place, error, "its scale must not be 0");
+    if (mcv_transform_determinant(to_world) < 0)
+        MCV_TRY(
+            mcv_scene_warn(scene, error,
+                           "sensor \"%s\": its node mirrors (a negative scale), which is left out: the image is not mirrored; to see it "
+                           "mirrored, put a mirror into the scene or flip the image",
+                           name));
     for (unsigned n = 1; taken; ++n) {
         free(unique);
         if ((n == 1 ? asprintf(&unique, "%s", name) : asprintf(&unique, "%s-%u", name, n)) < 0) return mcv_fail_memory(place, error);

@@ -86,6 +86,50 @@ static mcv_result decode_data(mcv_texture *texture, const mcv_place *place, mcv_
     return MCV_OK;
 }
 
+/* KHR_texture_transform: the image's coordinates are offset + R(rotation) (scale u); to positive angles, v turns towards u. */
+static mcv_result read_transform(const json_t *info, mcv_texture *texture, const mcv_place *place, mcv_error *error) {
+    enum { LARGEST = 65536 }; /* the largest coordinate of kernels/texture.h */
+    double offset[2] = {0, 0}, rotation = 0, scale[2] = {1, 1};
+    uint64_t set = 0;
+    json_t *extensions, *object;
+    const mcv_place all = mcv_place_key(place, "extensions"), here = mcv_place_key(&all, "KHR_texture_transform");
+    texture->texcoord_set = (uint32_t)mcv_texcoord_set(info);
+    MCV_TRY(mcv_json_uint(info, "texCoord", 0, UINT32_MAX, &set, place, error));
+    MCV_TRY(mcv_json_object(info, "extensions", &extensions, place, error));
+    MCV_TRY(mcv_json_object(extensions, "KHR_texture_transform", &object, &all, error));
+    if (!object) return MCV_OK;
+    MCV_TRY(mcv_json_numbers(object, "offset", 2, -LARGEST, LARGEST, offset, &here, error));
+    MCV_TRY(mcv_json_number(object, "rotation", -LARGEST, LARGEST, &rotation, &here, error));
+    MCV_TRY(mcv_json_numbers(object, "scale", 2, -LARGEST, LARGEST, scale, &here, error));
+    MCV_TRY(mcv_json_uint(object, "texCoord", 0, UINT32_MAX, &set, &here, error));
+    const double c = cos(rotation), s = sin(rotation);
+    const double transform[6] = {c * scale[0], s * scale[1], offset[0], -s * scale[0], c * scale[1], offset[1]};
+    memcpy(texture->transform, transform, sizeof transform);
+    texture->is_transformed = true;
+    return MCV_OK;
+}
+
+/* The scene's number of a texture with the pixels of texture `like`, but placed as `placed` is. */
+static mcv_result place_texture(mcv_scene *scene, uint32_t like, const mcv_texture *placed, uint32_t *number, const mcv_place *place,
+                                mcv_error *error) {
+    mcv_texture own = scene->textures[like];
+    for (uint32_t i = like; i < scene->texture_count; ++i) {
+        const mcv_texture *t = &scene->textures[i];
+        *number = i;
+        if (t->rgba == own.rgba && t->linear == own.linear && t->texcoord_set == placed->texcoord_set &&
+            t->is_transformed == placed->is_transformed && memcmp(t->transform, placed->transform, sizeof t->transform) == 0)
+            return MCV_OK;
+    }
+    own.shares_pixels = true;
+    own.texcoord_set = placed->texcoord_set;
+    own.is_transformed = placed->is_transformed;
+    memcpy(own.transform, placed->transform, sizeof own.transform);
+    own.name = strdup(own.name);
+    if (!own.name) return mcv_fail_memory(place, error);
+    *number = scene->texture_count;
+    return mcv_scene_take_texture(scene, &own, error);
+}
+
 /* The scene's number of a texture; reads it when first asked for, as colours or as data. */
 static mcv_result load_texture(mcv_loader *loader, const json_t *part, const char *key, bool is_data, uint32_t *scene_texture,
                                const mcv_place *place, mcv_error *error) {
@@ -95,8 +139,12 @@ static mcv_result load_texture(mcv_loader *loader, const json_t *part, const cha
     MCV_TRY(texture_source(loader, part, key, &index, &source, place, error));
     if (source == MCV_NONE) return MCV_OK;
     const json_t *info = json_object_get(part, key);
-    if (json_number_value(json_object_get(info, "texCoord")) != 0)
-        return mcv_scene_warn(loader->scene, error, "a use of texture %u is left out: it asks for another set than TEXCOORD_0", index);
+    const mcv_place here = mcv_place_key(place, key);
+    mcv_texture placed = {0};
+    MCV_TRY(read_transform(info, &placed, &here, error));
+    if (placed.texcoord_set > 1)
+        return mcv_scene_warn(loader->scene, error,
+                              "a use of texture %u is left out: it asks for another set than TEXCOORD_0 and TEXCOORD_1", index);
     if (loaded[index] == MCV_NONE) {
         const json_t *texture = json_array_get(json_object_get(loader->root, "textures"), index);
         const json_t *samplers = json_object_get(loader->root, "samplers");
@@ -115,8 +163,7 @@ static mcv_result load_texture(mcv_loader *loader, const json_t *part, const cha
         MCV_TRY(result);
         loaded[index] = loader->scene->texture_count - 1;
     }
-    *scene_texture = loaded[index];
-    return MCV_OK;
+    return place_texture(loader->scene, loaded[index], &placed, scene_texture, place, error);
 }
 
 /* --- core materials --------------------------------------------------------------------------------------------- */

@@ -92,6 +92,7 @@ static mcv_result read_primitive(mcv_loader *loader, const json_t *primitive, ui
     MCV_TRY(read_attribute(loader, attributes, "NORMAL", &mesh->normals, &vertices, &here, error));
     if (needs_tangents) MCV_TRY(read_attribute(loader, attributes, "TANGENT", &mesh->tangents, &vertices, &here, error));
     MCV_TRY(read_attribute(loader, attributes, "TEXCOORD_0", &mesh->texcoords, &vertices, &here, error));
+    MCV_TRY(read_attribute(loader, attributes, "TEXCOORD_1", &mesh->texcoords1, &vertices, &here, error));
     mesh->vertex_count = (uint32_t)vertices;
     uint64_t listed = vertices;
     uint32_t *list = NULL;

@@ -51,6 +51,7 @@ mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_place *p
     MCV_TRY(check_finite(mesh->positions, mesh->vertex_count, 3, "POSITION", place, error));
     MCV_TRY(check_finite(mesh->normals, mesh->vertex_count, 3, "NORMAL", place, error));
     MCV_TRY(check_finite(mesh->texcoords, mesh->vertex_count, 2, "TEXCOORD_0", place, error));
+    MCV_TRY(check_finite(mesh->texcoords1, mesh->vertex_count, 2, "TEXCOORD_1", place, error));
     MCV_TRY(check_finite(mesh->tangents, mesh->vertex_count, 4, "TANGENT", place, error));
     for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; ++i)
         if (mesh->indices[i] >= mesh->vertex_count) {
@@ -112,6 +113,7 @@ void mcv_mesh_free(mcv_mesh *mesh) {
     free(mesh->positions);
     free(mesh->normals);
     free(mesh->texcoords);
+    free(mesh->texcoords1);
     free(mesh->tangents);
     free(mesh->indices);
     *mesh = (mcv_mesh){0};

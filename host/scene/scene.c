@@ -30,6 +30,7 @@ void mcv_scene_free(mcv_scene *scene) {
     if (!scene) return;
     for (uint32_t i = 0; i < scene->texture_count; ++i) {
         free(scene->textures[i].name);
+        if (scene->textures[i].shares_pixels) continue;
         free(scene->textures[i].rgba);
         free(scene->textures[i].linear);
     }
@@ -102,8 +103,10 @@ mcv_result mcv_scene_take_texture(mcv_scene *scene, mcv_texture *texture, mcv_er
     const mcv_place file = mcv_place_file(scene->path);
     if (append(&scene->textures, &scene->texture_count, texture, sizeof *texture)) return MCV_OK;
     free(texture->name);
-    free(texture->rgba);
-    free(texture->linear);
+    if (!texture->shares_pixels) {
+        free(texture->rgba);
+        free(texture->linear);
+    }
     return mcv_fail_memory(&file, error);
 }
 
@@ -209,6 +212,7 @@ mcv_result mcv_scene_add_mesh(mcv_scene *scene, const mcv_mesh *mesh, mcv_error 
     own.positions = copy(mesh->positions, 3 * vertices * sizeof(float), &failed);
     own.normals = copy(mesh->normals, 3 * vertices * sizeof(float), &failed);
     own.texcoords = copy(mesh->texcoords, 2 * vertices * sizeof(float), &failed);
+    own.texcoords1 = copy(mesh->texcoords1, 2 * vertices * sizeof(float), &failed);
     own.tangents = copy(mesh->tangents, 4 * vertices * sizeof(float), &failed);
     own.indices = copy(mesh->indices, 3 * (size_t)mesh->triangle_count * sizeof(uint32_t), &failed);
     uint32_t repaired;

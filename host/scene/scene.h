@@ -68,6 +68,10 @@ typedef struct mcv_texture {
     uint8_t *rgba;           /* or NULL: then linear */
     float *linear;           /* R G B, finite, 0 or more */
     bool is_data;            /* no colour: roughness and metallic */
+    bool shares_pixels;      /* they belong to a texture before this one, which is placed otherwise */
+    uint32_t texcoord_set;   /* of the mesh: 0 or 1 */
+    bool is_transformed;     /* by KHR_texture_transform; where not, the image lies as the set says */
+    double transform[6];     /* the place in the image: t[0] u + t[1] v + t[2] across, t[3] u + t[4] v + t[5] down */
 } mcv_texture;
 
 typedef struct mcv_material {
@@ -91,6 +95,7 @@ typedef struct mcv_mesh {
     float *positions;  /* 3 per vertex [m] */
     float *normals;    /* 3 per vertex, unit, or NULL: flat */
     float *texcoords;  /* 2 per vertex (TEXCOORD_0), or NULL */
+    float *texcoords1; /* the same of TEXCOORD_1 */
     float *tangents;   /* 4 per vertex: direction and the bitangent's sign; NULL where no material asks for them */
     uint32_t *indices; /* 3 per triangle */
 } mcv_mesh;

@@ -24,6 +24,9 @@ typedef mcv_result mcv_validate_one(const json_t *root, const json_t *object, mc
 mcv_result mcv_validate_each(const json_t *root, const char *of, mcv_validate_one *check, mcv_bytes binary, const mcv_place *file,
                              mcv_error *error);
 
+/* The set of texture coordinates that a textureInfo asks for: KHR_texture_transform's before its own. At most 1000. */
+int mcv_texcoord_set(const json_t *info);
+
 /* Is this buffer the binary chunk of the GLB? */
 bool mcv_buffer_is_chunk(const json_t *root, const json_t *buffer, mcv_bytes binary);
 

@@ -19,7 +19,7 @@ static mcv_result check_attribute(const char *key, const mcv_accessor *accessor,
         if (accessor->components == 3 && (floats || integers)) return MCV_OK;
         return mcv_fail_at(place, error, "must be a VEC3 of floats, or of 8- or 16-bit integers");
     }
-    if (strcmp(key, "TEXCOORD_0") == 0) {
+    if (strcmp(key, "TEXCOORD_0") == 0 || strcmp(key, "TEXCOORD_1") == 0) {
         if (accessor->components == 2 && (floats || integers)) return MCV_OK;
         return mcv_fail_at(place, error, "must be a VEC2 of floats, or of 8- or 16-bit integers");
     }
@@ -47,12 +47,18 @@ static mcv_result check_attributes(const json_t *root, json_t *attributes, const
     return MCV_OK;
 }
 
+int mcv_texcoord_set(const json_t *info) {
+    const json_t *moved = json_object_get(mcv_json_extension(info, "KHR_texture_transform"), "texCoord");
+    return (int)fmin(fmax(json_number_value(moved ? moved : json_object_get(info, "texCoord")), 0), 1000);
+}
+
 /* The set of texture coordinates that the material's textures ask for but the attributes lack; -1 if there is none. */
 static int missing_texcoord(const json_t *material, const json_t *attributes) {
-    const json_t *infos[] = {json_object_get(json_object_get(material, "pbrMetallicRoughness"), "baseColorTexture"),
+    const json_t *core = json_object_get(material, "pbrMetallicRoughness");
+    const json_t *infos[] = {json_object_get(core, "baseColorTexture"), json_object_get(core, "metallicRoughnessTexture"),
                              json_object_get(material, "emissiveTexture")};
-    for (int i = 0; i < 2; ++i) {
-        const int set = (int)fmin(json_number_value(json_object_get(infos[i], "texCoord")), 1000);
+    for (int i = 0; i < 3; ++i) {
+        const int set = mcv_texcoord_set(infos[i]);
         char name[32];
         snprintf(name, sizeof name, "TEXCOORD_%d", set);
         if (infos[i] && !json_object_get(attributes, name)) return set;

@@ -130,7 +130,8 @@ typedef struct mcv_device_gloss {
     float transmission; /* share of the light below the layer that passes a thin wall */
     float diffuse_transmission;
     float n[3], k[3]; /* conductor: refractive index n - ik */
-    uint padding[6];
+    uint multiple;    /* where its tables of multiple scattering begin, one per roughness (MCV_MULTIPLE_ROUGHNESSES); or MCV_NONE */
+    uint padding[5];
 } mcv_device_gloss;
 MCV_ASSERT_SIZE(mcv_device_gloss, 96);
 
@@ -212,10 +213,12 @@ typedef struct mcv_device_texture {
     uint width, height;
     uint first; /* texel */
     uint wrap_s, wrap_t, nearest;
-    uint linear; /* 1: a texel is three floats instead of one word of sRGB */
-    uint padding;
+    uint linear;         /* 1: a texel is three floats instead of one word of sRGB */
+    uint first_texcoord; /* of vertex 0 in the set of texture coordinates that the image lies by */
+    float transform[6];  /* mcv_texture */
+    uint padding[2];
 } mcv_device_texture;
-MCV_ASSERT_SIZE(mcv_device_texture, 32);
+MCV_ASSERT_SIZE(mcv_device_texture, 64);
 
 /*
  * Where in the pupil, in its radii, a pixel's rays of sight meet a parallel emitter within its cone, to first order: about

@@ -22,6 +22,16 @@
 #define MCV_ALBEDO_AZIMUTHS 17
 #define MCV_ALBEDO_ROUGHNESSES 17
 
+/*
+ * A table of multiple scattering: rows and columns of cosines, where √μ/(√μ + √(1 - μ)) goes from 0 to 1 by equal steps; angles φ between
+ * azimuths, where c (1 + k)/(c + k) does, with c = |cos φ/2| and k the sum of the cosines and of this; words of an entry; roughnesses.
+ */
+#define MCV_MULTIPLE_COSINES 23
+#define MCV_MULTIPLE_AZIMUTHS 8
+#define MCV_MULTIPLE_LEAST 0.02f
+#define MCV_MULTIPLE_WORDS 4
+#define MCV_MULTIPLE_ROUGHNESSES 9
+
 typedef struct mcv_alpha {
     float x, y; /* along the tangent, across */
 } mcv_alpha;
