@@ -424,11 +424,9 @@ MCV_LOOP_FUNCTION int mcv_make_shadow_ray(mcv_world world, mcv_slot slot, const 
     MCV_LOAD_COLOR(slot, throughput, light);
     light = mcv_tint(mcv_tint(light, response.value), shadow.light);
     light = mcv_dim(light, shadow.density > 0.0f ? mcv_choice_weight(shadow.density, response.density) : 1.0f);
-#if MCV_WITH_DIELECTRIC
-    light = mcv_dim(light, world.media[mcv_filling_medium(response.media)].inverse_index_squared);
-#if MCV_WITH_GLOSS
+    light = mcv_basic_radiance(world, light, response.media);
+#if MCV_WITH_DIELECTRIC && MCV_WITH_GLOSS
     MCV_WORD(slot, shadow_media, 0) = response.media;
-#endif
 #endif
 #if MCV_WITH_SURFACES
     MCV_WORD(slot, shadow_left, 0) = shading.exact ? mcv_leave_meeting(world, *meeting, shadow.direction) : MCV_NONE;

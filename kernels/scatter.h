@@ -711,32 +711,6 @@ MCV_LOOP_FUNCTION int mcv_is_plate(mcv_world world, mcv_meeting meeting) {
 }
 #endif
 
-/* What the surface emits towards the ray, L/n², weighed against next-event estimation by the power heuristic. */
-MCV_FUNCTION mcv_color mcv_emission_met(mcv_world world, mcv_meeting meeting, uint emitter, uint media, float density, float distance) {
-#if MCV_WITH_EMISSION
-    mcv_color radiance = mcv_emitted(world, meeting.surface, emitter, mcv_scale(meeting.direction, -1.0f));
-#if MCV_WITH_DIELECTRIC
-    radiance = mcv_dim(radiance, world.media[mcv_filling_medium(media)].inverse_index_squared);
-#else
-    (void)media;
-#endif
-#if MCV_WITH_NEXT_EVENT
-    if (density > 0.0f && mcv_brightest(radiance) > 0.0f) {
-        const mcv_vec3 receiver = mcv_along(meeting.surface.point, -distance, meeting.direction);
-        const float other = mcv_emitter_density(world, receiver, meeting.surface, emitter, meeting.direction, distance);
-        radiance = mcv_dim(radiance, mcv_choice_weight(density, other));
-    }
-#else
-    (void)density;
-    (void)distance;
-#endif
-    return radiance;
-#else
-    (void)world, (void)meeting, (void)emitter, (void)media, (void)density, (void)distance;
-    return mcv_grey(0.0f);
-#endif
-}
-
 /* Chooses how the path goes on from the surface it met. *other: how it would have by the other way on of a smooth surface that has two, and
  * if the path may part there, of rough glass; elsewhere its chance is 0. */
 MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_meeting meeting, uint media, mcv_pair pair, float choice, int parts,

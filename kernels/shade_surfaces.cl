@@ -57,15 +57,44 @@ MCV_LOOP_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, const mcv
  * The density of a ray's choice, as it is to be weighed against that of next-event estimation which takes emitters by power alone: it has
  * taken this one so much more often.
  */
-MCV_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint emitter, float density) {
+MCV_LOOP_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint emitter, float density) {
 #if MCV_WITH_NEXT_EVENT && MCV_WITH_REACH
     const mcv_reach reach = {MCV_LOAD(slot, reach, 0), MCV_LOAD(slot, reach, 1)};
-    if (density > 0.0f) density /= mcv_preference(world.emitters + emitter, MCV_LOAD_3(slot, origin), reach);
+    const float against = density / mcv_preference(world.emitters + emitter, MCV_LOAD_3(slot, origin), reach);
+    density = density > 0.0f ? against : density;
 #else
     (void)world, (void)slot, (void)emitter;
 #endif
     return density;
 }
+
+#if MCV_WITH_EMISSION
+/*
+ * Adds the radiance that an emitter's surface sends along the path that has met it. It is weighed against next-event estimation, which
+ * would have chosen this direction with the density `other`, by the power heuristic; `share` is what light paths leave of it.
+ */
+MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot, uint emitter, mcv_color emitted, float other, float share) {
+    mcv_color throughput, radiance;
+    MCV_LOAD_COLOR(slot, throughput, throughput);
+    MCV_LOAD_COLOR(slot, radiance, radiance);
+    emitted = mcv_basic_radiance(world, emitted, mcv_path_media(slot));
+#if MCV_WITH_NEXT_EVENT
+    float own = mcv_density_against(world, slot, emitter, mcv_path_density(slot));
+#if MCV_WITH_LIGHT_TRACING
+    /* Sharp surfaces have not looked for it (mcv_choose_emitter). */
+    const int carried = (MCV_WORD(slot, trail, 0) == MCV_TRAIL_CARRIED) & (world.emitters[emitter].light_flux > 0.0f);
+    own = carried ? 0.0f : own;
+#endif
+    const float weight = mcv_choice_weight(own, other);
+    emitted = mcv_dim(emitted, (own > 0.0f) & (mcv_brightest(emitted) > 0.0f) ? weight : 1.0f);
+#else
+    (void)emitter, (void)other;
+#endif
+    emitted = mcv_dim(emitted, share);
+    MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], emitted.c[i], radiance.c[i]);
+    MCV_STORE_COLOR(slot, radiance, radiance);
+}
+#endif
 
 #if MCV_WITH_MIXED
 /* Where the path goes on, and with it how: *on gets the direction. */
@@ -266,25 +295,24 @@ MCV_LOOP_FUNCTION mcv_shaded mcv_shade_hit(mcv_world world, mcv_slot slot, const
     return shaded;
 }
 
+#if MCV_WITH_EMISSION
 /* Adds what a surface emits that the path has met. */
-static void mcv_add_emission(mcv_world world, mcv_slot slot, mcv_meeting meeting) {
+static void mcv_meet_emitter(mcv_world world, mcv_slot slot, mcv_meeting meeting) {
     const uint emitter = world.instances[meeting.surface.instance].emitter;
-    mcv_color throughput, radiance;
     if (emitter == MCV_NONE) return;
-    MCV_LOAD_COLOR(slot, throughput, throughput);
-    MCV_LOAD_COLOR(slot, radiance, radiance);
-    float own = mcv_density_against(world, slot, emitter, mcv_path_density(slot));
-#if MCV_WITH_LIGHT_TRACING
-    /* Sharp surfaces have not looked for it (mcv_choose_emitter). */
-    if (MCV_WORD(slot, trail, 0) == MCV_TRAIL_CARRIED && world.emitters[emitter].light_flux > 0.0f) own = 0.0f;
+    const mcv_color emitted = mcv_emitted(world, meeting.surface, emitter, mcv_scale(meeting.direction, -1.0f));
+    float other = 0.0f, share = 1.0f;
+#if MCV_WITH_NEXT_EVENT
+    const float distance = MCV_LOAD(slot, hit, 0);
+    const mcv_vec3 receiver = mcv_along(meeting.surface.point, -distance, meeting.direction);
+    other = mcv_emitter_density(world, receiver, meeting.surface, emitter, meeting.direction, distance);
 #endif
-    mcv_color met = mcv_emission_met(world, meeting, emitter, mcv_path_media(slot), own, MCV_LOAD(slot, hit, 0));
 #if MCV_WITH_LIGHT_TRACING
-    met = mcv_dim(met, mcv_camera_share(world, slot, meeting, emitter));
+    share = mcv_camera_share(world, slot, meeting, emitter);
 #endif
-    MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], met.c[i], radiance.c[i]);
-    MCV_STORE_COLOR(slot, radiance, radiance);
+    mcv_add_emission(world, slot, emitter, emitted, other, share);
 }
+#endif
 
 /* MCV_GOES_ON: the path, which has met a surface, does; MCV_BRANCHES_OFF: so does a branch, in the slot beside. */
 static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, uint depth, uint *unmatched) {
@@ -292,7 +320,9 @@ static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, u
     world = mcv_disperse(world, slot);
 #endif
     const mcv_meeting meeting = mcv_meet_surface(world, slot);
-    mcv_add_emission(world, slot, meeting);
+#if MCV_WITH_EMISSION
+    mcv_meet_emitter(world, slot, meeting);
+#endif
 #if MCV_WITH_REACH && MCV_WITH_NEXT_EVENT
     mcv_keep_reach(slot);
 #endif
