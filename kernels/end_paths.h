@@ -87,7 +87,6 @@ MCV_LOOP_FUNCTION uint mcv_see_lamp(mcv_world world, uint *apart, uint count, ui
         const uint triangle = MCV_WORD(slot, hit, 3);
         const mcv_vec3 direction = MCV_LOAD_3(slot, direction);
         mcv_facet facet;
-        mcv_color throughput, radiance;
 #if MCV_WITH_RECTANGLE
         const int first = two && triangle == two->first.triangle;
         if (two)
@@ -97,52 +96,31 @@ MCV_LOOP_FUNCTION uint mcv_see_lamp(mcv_world world, uint *apart, uint count, ui
             facet = mcv_facet_of(world, triangle);
         const mcv_surface there = mcv_surface_on(facet, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
         const int shines = mcv_shines(e, there.face, there.normal, mcv_scale(direction, -1.0f));
-        mcv_color met;
-        MCV_LOAD_COLOR(slot, throughput, throughput);
-        MCV_LOAD_COLOR(slot, radiance, radiance);
+        mcv_color emitted;
+        float other = 0.0f;
         MCV_EACH_CHANNEL(c) {
             const float full = e->radiance[c];
-            met.c[c] = shines ? full : 0.0f;
+            emitted.c[c] = shines ? full : 0.0f;
         }
-#if MCV_WITH_DIELECTRIC
-        const uint filling = mcv_filling_medium(MCV_WORD(slot, media, 0));
-#if MCV_WITH_DISPERSION
-        met = mcv_dim(met, mcv_in_channel(world, mcv_kept_channel(throughput)).media[filling].inverse_index_squared);
-#else
-        met = mcv_dim(met, world.media[filling].inverse_index_squared);
-#endif
-#endif
 #if MCV_WITH_NEXT_EVENT
-        if (chosen) {
-            const float distance = MCV_LOAD(slot, hit, 0), before = MCV_LOAD(slot, density, 0);
-            float own = before, share;
-#if MCV_WITH_REACH
-            const mcv_reach reach = {MCV_LOAD(slot, reach, 0), MCV_LOAD(slot, reach, 1)};
-            own = before / mcv_preference(e, MCV_LOAD_3(slot, origin), reach);
-            own = before > 0.0f ? own : before;
-#endif
-#if MCV_WITH_LIGHT_TRACING
-            const int carried = (MCV_WORD(slot, trail, 0) == MCV_TRAIL_CARRIED) & (e->light_flux > 0.0f);
-            own = carried ? 0.0f : own;
-#endif
+        float share;
 #if MCV_WITH_RECTANGLE
-            if (two)
-                share = first ? two->first_share : two->second_share;
-            else
+        if (two)
+            share = first ? two->first_share : two->second_share;
+        else
 #endif
-                share = mcv_triangle_share(world, e, triangle);
-            const mcv_vec3 receiver = mcv_along(there.point, -distance, direction);
-            const float other = mcv_density_towards(e, two != 0, share, receiver, there, direction, distance);
-            const float weight = mcv_choice_weight(own, other);
-            const int weighed = (own > 0.0f) & (mcv_brightest(met) > 0.0f);
-            met = mcv_dim(met, weighed ? weight : 1.0f);
-        }
+            share = mcv_triangle_share(world, e, triangle);
+        const float distance = MCV_LOAD(slot, hit, 0);
+        const mcv_vec3 receiver = mcv_along(there.point, -distance, direction);
+        if (chosen) other = mcv_density_towards(e, two != 0, share, receiver, there, direction, distance);
 #endif
-#if MCV_WITH_LIGHT_TRACING
-        if (chosen) met = mcv_dim(met, shares[i]);
+#if MCV_WITH_DISPERSION
+        mcv_color throughput;
+        MCV_LOAD_COLOR(slot, throughput, throughput);
+        mcv_add_emission(mcv_in_channel(world, mcv_kept_channel(throughput)), slot, emitter, emitted, other, shares[i]);
+#else
+        mcv_add_emission(world, slot, emitter, emitted, other, shares[i]);
 #endif
-        MCV_EACH_CHANNEL(c) radiance.c[c] = mcv_fma(throughput.c[c], met.c[c], radiance.c[c]);
-        MCV_STORE_COLOR(slot, radiance, radiance);
         nonfinite += mcv_end_path(world, slot, values);
     }
     return nonfinite;
@@ -155,7 +133,6 @@ static __attribute__((noinline)) void mcv_share_lamp(mcv_world world, uint *apar
     slot.base = apart;
     for (slot.index = 0; slot.index < count; ++slot.index) {
         const mcv_hit hit = {MCV_LOAD(slot, hit, 0), MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2), MCV_WORD(slot, hit, 3)};
-        shares[slot.index] = 1.0f;
         if (MCV_WORD(slot, trail, 0) != MCV_TRAIL_CARRIED) continue;
         const mcv_vec3 direction = MCV_LOAD_3(slot, direction);
         const mcv_meeting meeting = mcv_meet_at(mcv_surface_at(world, hit.triangle, hit.u, hit.v), direction);
@@ -167,6 +144,7 @@ static __attribute__((noinline)) void mcv_share_lamp(mcv_world world, uint *apar
 /* The paths end, which have met a lamp. */
 static __attribute__((noinline)) uint mcv_end_at_lamp(mcv_world world, uint *apart, uint count, uint emitter, int chosen, float *values) {
     float shares[MCV_SLOTS];
+    for (uint i = 0; i < count; ++i) shares[i] = 1.0f;
 #if MCV_WITH_LIGHT_TRACING
     if (chosen) mcv_share_lamp(world, apart, count, emitter, shares);
 #endif

@@ -53,7 +53,7 @@ MCV_FUNCTION int mcv_needs_choice(__constant const mcv_frame *frame, uint depth)
 }
 
 /* A pair of random numbers of the surface that a path has met. */
-MCV_FUNCTION mcv_pair mcv_draw(mcv_slot slot, uint depth, uint pair) {
+MCV_LOOP_FUNCTION mcv_pair mcv_draw(mcv_slot slot, uint depth, uint pair) {
 #if MCV_TILE
     const mcv_pair drawn = {MCV_LOAD(slot, drawn, 2u * pair), MCV_LOAD(slot, drawn, 2u * pair + 1u)};
     (void)depth;
@@ -61,6 +61,18 @@ MCV_FUNCTION mcv_pair mcv_draw(mcv_slot slot, uint depth, uint pair) {
 #else
     return mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0), MCV_SURFACE_PAIR(depth, pair));
 #endif
+}
+
+/*
+ * The pair that chooses a lobe and plays roulette; any numbers where a surface needs none. Its first number has chosen an emitter, too,
+ * which is another estimate.
+ */
+MCV_LOOP_FUNCTION mcv_pair mcv_draw_choice(mcv_slot slot, uint depth) {
+#if !MCV_TILE && !(MCV_WITH_GLOSS || MCV_WITH_RETROREFLECTOR || MCV_WITH_TRANSLUCENT)
+    const mcv_pair unused = {0.0f, 0.0f};
+    if (depth < MCV_ROULETTE_DEPTH) return unused;
+#endif
+    return mcv_draw(slot, depth, MCV_PAIR_CHOICE);
 }
 
 #endif

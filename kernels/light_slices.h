@@ -11,7 +11,7 @@
 #define MCV_LIGHT_TOGETHER (MCV_LEAVES_TOGETHER && MCV_WITH_NEXT_EVENT && !MCV_WITH_BEAM && !MCV_WITH_DISPERSION)
 
 #if MCV_LIGHT_TOGETHER
-MCV_FUNCTION mcv_light_path mcv_load_light(mcv_slot slot) {
+MCV_LOOP_FUNCTION mcv_light_path mcv_load_light(mcv_slot slot) {
     mcv_light_path path;
     path.origin = MCV_LOAD_3(slot, origin);
     path.direction = MCV_LOAD_3(slot, direction);
@@ -44,6 +44,20 @@ MCV_FUNCTION void mcv_store_light(mcv_slot slot, mcv_light_path path) {
     MCV_WORD(slot, value, 0) = path.emitter;
     MCV_WORD(slot, trail, 0) = path.trail;
     MCV_STORE(slot, footprint, 0, path.length);
+}
+
+/* What mcv_continue_light has changed, if it is not to be skipped. */
+MCV_LOOP_FUNCTION void mcv_store_light_step(mcv_slot slot, int skipped, mcv_light_path path) {
+    const mcv_vec3 direction = mcv_choose(skipped, MCV_LOAD_3(slot, direction), path.direction);
+    MCV_STORE_3(slot, direction, direction);
+    MCV_EACH_CHANNEL(c) MCV_STORE(slot, throughput, c, skipped ? MCV_LOAD(slot, throughput, c) : path.throughput.c[c]);
+#if MCV_WITH_SURFACES
+    MCV_WORD(slot, left, 0) = skipped ? MCV_WORD(slot, left, 0) : path.left;
+#endif
+#if MCV_WITH_DIELECTRIC
+    MCV_WORD(slot, media, 0) = skipped ? MCV_WORD(slot, media, 0) : path.media;
+#endif
+    MCV_WORD(slot, trail, 0) = skipped ? MCV_WORD(slot, trail, 0) : path.trail;
 }
 
 /* Whether all emitters that light paths start at are areas that shine alike everywhere. */
@@ -234,6 +248,10 @@ static __attribute__((noinline)) void mcv_meet_lights(mcv_world world, uint *pat
     }
     mcv_order_paths(paths, kinds, count, ends);
     mcv_find_surfaces(world, paths, ends);
+#if MCV_WITH_PLAIN
+    mcv_find_reflectances(world, paths, ends[MCV_MET_SMOOTH_EXACT], ends[MCV_MET_DIFFUSE_EXACT]);
+    mcv_find_reflectances(world, paths, ends[MCV_MET_GLOSS_TRIANGLE], ends[MCV_MET_DIFFUSE_TRIANGLE]);
+#endif
 }
 
 /* Lists the paths that have a connection to the lens, and their shadow rays; returns how many. */
@@ -302,100 +320,34 @@ static __attribute__((noinline)) void mcv_follow_connections(mcv_world world, mc
     }
 }
 
-#if MCV_WITH_SMOOTH
-/* mcv_send_light_on */
-MCV_LOOP_FUNCTION void mcv_send_smooth_on(mcv_world world, uint *paths, uint first, uint last, int roulette, int exact, uint *ways,
-                                          uint *unmatched) {
-    mcv_slot slot;
-    slot.base = paths;
-    MCV_PARALLEL
-    for (uint i = first; i < last; ++i) {
-        slot.index = i;
-        mcv_color throughput;
-        mcv_scattering other;
-        uint differs = 0u;
-        const mcv_meeting meeting = mcv_meet_surface(world, slot);
-        const mcv_scattering on =
-            mcv_scatter_dielectric(world, meeting, MCV_WORD(slot, media, 0), MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER), &differs, &other);
-        unmatched[i] = differs;
-        MCV_LOAD_COLOR(slot, throughput, throughput);
-        const mcv_light_passed passed = mcv_pass_light(MCV_WORD(slot, trail, 0), 0, 0, mcv_tint(throughput, on.factor), 0.0f, 1.0f, 1.0f,
-                                                       roulette, MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE + 1));
-        MCV_STORE_COLOR(slot, throughput, passed.throughput);
-        MCV_WORD(slot, trail, 0) = passed.trail;
-        MCV_STORE_3(slot, direction, on.direction);
-        MCV_WORD(slot, media, 0) = on.media;
-#if MCV_WITH_SURFACES
-        MCV_WORD(slot, left, 0) = mcv_leave_plain(world, slot, on.direction, exact);
-#endif
-        ways[i] = (uint)passed.goes_on;
-    }
-    (void)exact;
+#if MCV_WITH_PLAIN || MCV_WITH_SMOOTH
+/* Sends a path on from a surface of a kind that is known: how the path continues, and in *ways whether it does. */
+MCV_LOOP_FUNCTION mcv_light_path mcv_send_light_as(mcv_world world, mcv_slot slot, const mcv_meeting *meeting, mcv_shading shading,
+                                                   uint depth, uint *ways, uint *unmatched) {
+    const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_SCATTER), choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
+    mcv_light_path path = mcv_load_light(slot);
+    mcv_scattering other;
+    int left = 0;
+    const mcv_scattering on = mcv_scatter_as(world, slot, meeting, shading, pair, choice.x, 0, unmatched, &other, &left);
+    const int goes_on = mcv_continue_light(world, meeting, shading, on, depth, choice.y, &path);
+    *ways = left ? (uint)MCV_IS_LEFT : (uint)goes_on;
+    return path;
 }
-#endif
 
-#if MCV_WITH_PLAIN
-/* The same; `type` is known to the compiler; `gloss`: the glossy material. */
-MCV_LOOP_FUNCTION void mcv_send_plain_on(mcv_world world, uint *paths, uint first, uint last, int roulette, int exact, uint type,
-                                         uint gloss, uint *ways, uint *unmatched) {
+/* The same for the paths in the slots first … last - 1. */
+MCV_LOOP_FUNCTION void mcv_send_light_range(mcv_world world, uint *paths, uint first, uint last, mcv_shading shading, uint depth,
+                                            uint *ways, uint *unmatched) {
     mcv_slot slot;
     slot.base = paths;
-    (void)exact, (void)gloss;
-#if MCV_WITH_GLOSS
-    mcv_device_gloss from;
-    if (type != MCV_MATERIAL_DIFFUSE) from = mcv_plain_gloss(world, gloss);
-#endif
-    MCV_PARALLEL
+    MCV_PARALLEL_MASKED
     for (uint i = first; i < last; ++i) {
         slot.index = i;
-        mcv_vec3 direction;
-        mcv_color factor, throughput;
-        float density = 0.0f;
-        uint media = mcv_path_media(slot), differs = 0u;
-        int reflects, smooth = 0;
+        uint differs = 0u, what;
         const mcv_meeting meeting = mcv_meet_surface(world, slot);
-        __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
-        (void)media;
-        if (type == MCV_MATERIAL_DIFFUSE) {
-            direction = MCV_LOAD_3(slot, bounce);
-            density = MCV_LOAD(slot, bounce, 3);
-            reflects = mcv_dot(direction, meeting.face) > 0.0f;
-            MCV_EACH_CHANNEL(c) factor.c[c] = material->value[c];
-        } else {
-#if MCV_WITH_GLOSS
-            const mcv_gloss_meeting m = mcv_meet_plain_gloss(world, &meeting, &from, gloss, type, media);
-            mcv_pair pair;
-            pair.x = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
-            pair.y = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER + 1);
-            direction = mcv_choose_gloss_of(&from, &m, pair, MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE));
-            const mcv_scattering on = mcv_turn_by_gloss(world, &meeting, &from, &m, direction);
-            smooth = m.gloss.table == MCV_NONE;
-            differs = (uint)(!smooth & (m.near_media != media));
-            density = on.density;
-            reflects = density > 0.0f;
-            factor = on.factor;
-            direction = mcv_choose(smooth, meeting.direction, direction);
-            media = smooth ? media : on.media;
-#endif
-        }
+        const mcv_light_path path = mcv_send_light_as(world, slot, &meeting, shading, depth, &what, &differs);
+        mcv_store_light_step(slot, shading.kind == MCV_SHADING_GLOSS ? what == MCV_IS_LEFT : 0, path);
         unmatched[i] = differs;
-        MCV_LOAD_COLOR(slot, throughput, throughput);
-        const uint before = MCV_WORD(slot, trail, 0);
-        const int left = ((before & MCV_LIGHT_FOUND) != 0u) & (material->wide == 0u);
-        const float within = mcv_within_range(world.emitters + MCV_WORD(slot, value, 0), MCV_LOAD(slot, footprint, 0));
-        const mcv_light_passed passed =
-            mcv_pass_light(before, left, material->sharp != 0u, mcv_tint(throughput, factor), density,
-                           mcv_flux_correction(meeting, direction), within, roulette, MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE + 1));
-        MCV_EACH_CHANNEL(c) MCV_STORE(slot, throughput, c, smooth ? throughput.c[c] : passed.throughput.c[c]);
-        MCV_WORD(slot, trail, 0) = smooth ? before : passed.trail;
-        MCV_STORE_3(slot, direction, direction);
-#if MCV_WITH_DIELECTRIC
-        MCV_WORD(slot, media, 0) = media;
-#endif
-#if MCV_WITH_SURFACES
-        MCV_WORD(slot, left, 0) = smooth ? MCV_WORD(slot, left, 0) : mcv_leave_plain(world, slot, direction, exact);
-#endif
-        ways[i] = smooth ? (uint)MCV_IS_LEFT : (uint)(reflects & passed.goes_on);
+        ways[i] = what;
     }
 }
 #endif
@@ -404,34 +356,40 @@ MCV_LOOP_FUNCTION void mcv_send_plain_on(mcv_world world, uint *paths, uint firs
 static __attribute__((noinline)) uint mcv_send_lights_on(mcv_world world, mcv_slot slot, const uint *ends, uint gloss, uint depth,
                                                          uint *unmatched) {
     const uint alive = ends[MCV_MET_EXACT], smooth = ends[MCV_MET_SMOOTH_EXACT];
-    const int roulette = depth >= MCV_LIGHT_ROULETTE_DEPTH;
     uint ways[MCV_SLOTS], chosen[MCV_SLOTS], differs[MCV_SLOTS];
     uint alone = smooth; /* where those begin that are sent on one by one */
-    (void)gloss, (void)roulette;
+    (void)gloss;
 #if MCV_WITH_SMOOTH
-    mcv_send_smooth_on(world, slot.base, 0, ends[MCV_MET_SMOOTH_TRIANGLE], roulette, 0, ways, differs);
+    mcv_send_light_range(world, slot.base, 0, ends[MCV_MET_SMOOTH_TRIANGLE], mcv_shading_of(MCV_SHADING_SMOOTH, 0, 0), depth, ways,
+                         differs);
 #if MCV_WITH_SURFACES
-    mcv_send_smooth_on(world, slot.base, ends[MCV_MET_SMOOTH_TRIANGLE], smooth, roulette, 1, ways, differs);
+    mcv_send_light_range(world, slot.base, ends[MCV_MET_SMOOTH_TRIANGLE], smooth, mcv_shading_of(MCV_SHADING_SMOOTH, 1, 0), depth, ways,
+                         differs);
 #endif
 #endif
 #if MCV_WITH_PLAIN
     const uint first = ends[MCV_MET_DIFFUSE_EXACT], last = ends[MCV_MET_GLOSS_TRIANGLE];
     alone = ends[MCV_MET_DIFFUSE_TRIANGLE];
-    mcv_send_plain_on(world, slot.base, last, alone, roulette, 0, MCV_MATERIAL_DIFFUSE, MCV_NONE, ways, differs);
+    mcv_send_light_range(world, slot.base, last, alone, mcv_shading_of(MCV_SHADING_DIFFUSE, 0, 0), depth, ways, differs);
 #if MCV_WITH_SURFACES
-    mcv_send_plain_on(world, slot.base, smooth, first, roulette, 1, MCV_MATERIAL_DIFFUSE, MCV_NONE, ways, differs);
+    mcv_send_light_range(world, slot.base, smooth, first, mcv_shading_of(MCV_SHADING_DIFFUSE, 1, 0), depth, ways, differs);
 #endif
 #if MCV_WITH_GLOSS
-    const uint type = gloss == MCV_NONE ? MCV_NONE : world.materials[gloss].type;
-    if (type == MCV_MATERIAL_CONDUCTOR)
-        mcv_send_plain_on(world, slot.base, first, last, roulette, MCV_WITH_SURFACES, MCV_MATERIAL_CONDUCTOR, gloss, ways, differs);
-    if (type == MCV_MATERIAL_METALLIC_ROUGHNESS)
-        mcv_send_plain_on(world, slot.base, first, last, roulette, MCV_WITH_SURFACES, MCV_MATERIAL_METALLIC_ROUGHNESS, gloss, ways,
-                          differs);
+    if (gloss != MCV_NONE) {
+        const uint type = world.materials[gloss].type;
+        const mcv_device_gloss from = mcv_plain_gloss(world, gloss);
+        mcv_shading shading = mcv_shading_of(MCV_SHADING_GLOSS, MCV_WITH_SURFACES, 0);
+        shading.material = gloss;
+        shading.gloss = &from;
+        shading.type = MCV_MATERIAL_CONDUCTOR;
+        if (type == MCV_MATERIAL_CONDUCTOR) mcv_send_light_range(world, slot.base, first, last, shading, depth, ways, differs);
+        shading.type = MCV_MATERIAL_METALLIC_ROUGHNESS;
+        if (type == MCV_MATERIAL_METALLIC_ROUGHNESS) mcv_send_light_range(world, slot.base, first, last, shading, depth, ways, differs);
 #if MCV_WITH_DIELECTRIC
-    if (type == MCV_MATERIAL_DIELECTRIC)
-        mcv_send_plain_on(world, slot.base, first, last, roulette, MCV_WITH_SURFACES, MCV_MATERIAL_DIELECTRIC, gloss, ways, differs);
+        shading.type = MCV_MATERIAL_DIELECTRIC;
+        if (type == MCV_MATERIAL_DIELECTRIC) mcv_send_light_range(world, slot.base, first, last, shading, depth, ways, differs);
 #endif
+    }
 #endif
     (void)first;
 #endif

@@ -381,4 +381,49 @@ static __attribute__((noinline)) void mcv_look_for_emitters(mcv_world world, uin
     }
 }
 
+#if MCV_WITH_PLAIN
+/* Whether the paths in the slots first … last - 1, whose surfaces are of one kind, have a shadow ray to follow. */
+MCV_LOOP_FUNCTION void mcv_make_shadow_range(mcv_world world, uint *paths, uint first, uint last, mcv_shading shading, uint *casts) {
+    mcv_slot slot;
+    slot.base = paths;
+    MCV_PARALLEL_MASKED
+    for (uint i = first; i < last; ++i) {
+        slot.index = i;
+        const mcv_meeting meeting = mcv_meet_surface(world, slot);
+        casts[i] = (uint)mcv_make_shadow_ray(world, slot, &meeting, shading, mcv_shadow_in(slot));
+    }
+}
+
+/* Lists those of the paths on plain surfaces that have a shadow ray to follow; returns how many. */
+static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, uint *paths, const uint *ends, uint gloss, uint *shadows) {
+    uint casts[MCV_ROW];
+    const uint begin = ends[MCV_MET_SMOOTH_EXACT], end = ends[MCV_MET_DIFFUSE_TRIANGLE];
+    (void)gloss;
+    mcv_make_shadow_range(world, paths, ends[MCV_MET_GLOSS_TRIANGLE], end, mcv_shading_of(MCV_SHADING_DIFFUSE, 0, 0), casts);
+#if MCV_WITH_SURFACES
+    mcv_make_shadow_range(world, paths, begin, ends[MCV_MET_DIFFUSE_EXACT], mcv_shading_of(MCV_SHADING_DIFFUSE, 1, 0), casts);
+#endif
+#if MCV_WITH_GLOSS
+    if (gloss != MCV_NONE) {
+        const uint first = ends[MCV_MET_DIFFUSE_EXACT], last = ends[MCV_MET_GLOSS_TRIANGLE], type = world.materials[gloss].type;
+        const mcv_device_gloss from = mcv_plain_gloss(world, gloss);
+        mcv_shading shading = mcv_shading_of(MCV_SHADING_GLOSS, MCV_WITH_SURFACES, 0);
+        shading.material = gloss;
+        shading.gloss = &from;
+        shading.type = MCV_MATERIAL_CONDUCTOR;
+        if (type == MCV_MATERIAL_CONDUCTOR) mcv_make_shadow_range(world, paths, first, last, shading, casts);
+        shading.type = MCV_MATERIAL_METALLIC_ROUGHNESS;
+        if (type == MCV_MATERIAL_METALLIC_ROUGHNESS) mcv_make_shadow_range(world, paths, first, last, shading, casts);
+#if MCV_WITH_DIELECTRIC
+        shading.type = MCV_MATERIAL_DIELECTRIC;
+        if (type == MCV_MATERIAL_DIELECTRIC) mcv_make_shadow_range(world, paths, first, last, shading, casts);
+#endif
+    }
+#endif
+    const uint listed = mcv_list(casts + begin, end - begin, shadows);
+    for (uint i = 0; i < listed; ++i) shadows[i] += begin;
+    return listed;
+}
+#endif
+
 #endif

@@ -10,8 +10,7 @@
 #ifndef MCVISI_KERNELS_PLAIN_SURFACES_H
 #define MCVISI_KERNELS_PLAIN_SURFACES_H
 
-#define MCV_WITH_PLAIN (MCV_WITH_DIFFUSE && MCV_LEAVES_TOGETHER && !MCV_WITH_TRANSLUCENT && !MCV_WITH_DISPERSION)
-#define MCV_WITH_SMOOTH (MCV_WITH_DIELECTRIC && MCV_LEAVES_TOGETHER && !MCV_WITH_DISPERSION)
+#include "shading.h"
 
 /* What paths have met. The paths of a kind lie side by side in this order; ends[kind] is where the next kind begins. */
 enum {
@@ -29,9 +28,6 @@ enum {
      * order (kernels/end_paths.h). */
     MCV_MET_BLACK = MCV_MET_COUNT
 };
-
-/* Instead of MCV_GOES_ON …: the path is left to mcv_shade_surface. */
-enum { MCV_IS_LEFT = 4 };
 
 /* Where a ray has met nothing or the other sort of surface, the first one is read instead; `triangles` may be read there. */
 MCV_LOOP_FUNCTION uint mcv_kind_met(mcv_world world, __global const uint *triangles, uint met) {
@@ -189,22 +185,6 @@ static __attribute__((noinline)) void mcv_order_paths(uint *paths, uint *kinds, 
     }
 }
 
-#if MCV_WITH_PLAIN || MCV_WITH_SMOOTH
-/* mcv_leave_meeting */
-MCV_LOOP_FUNCTION uint mcv_leave_plain(mcv_world world, mcv_slot slot, mcv_vec3 direction, int exact) {
-#if MCV_WITH_SURFACES
-    if (exact && MCV_WORD(slot, hit, 3) >= MCV_EXACT) {
-        const uint met = MCV_WORD(slot, hit, 3), number = (met & ~MCV_EXACT) >> 2, piece = met & 3u;
-        const mcv_vec3 face = mcv_scale(MCV_LOAD_3(slot, face), MCV_WORD(slot, inside, 0) != 0u ? -1.0f : 1.0f);
-        const uint outwards = mcv_dot(direction, face) > 0.0f;
-        return mcv_surface_of_piece(world.solids + number, number, piece) << 1 | (piece == MCV_PIECE_FIRST_CAP ? 1u - outwards : outwards);
-    }
-#endif
-    (void)world, (void)slot, (void)direction, (void)exact;
-    return MCV_NONE;
-}
-#endif
-
 #if MCV_WITH_PLAIN
 MCV_LOOP_FUNCTION mcv_color mcv_reflectance_of(mcv_world world, uint instance) {
     mcv_color reflectance;
@@ -237,224 +217,74 @@ static __attribute__((noinline)) void mcv_find_reflectances(mcv_world world, uin
     }
 }
 
-#if MCV_WITH_GLOSS
-/* What is known of a plain glossy material beforehand. */
-static mcv_device_gloss mcv_plain_gloss(mcv_world world, uint material) {
-    mcv_device_gloss from = world.gloss[material];
-    from.azimuths = from.roughnesses = 1u;
-    from.anisotropy = 0.0f;
-    return from;
-}
-
-MCV_LOOP_FUNCTION mcv_gloss_meeting mcv_meet_plain_gloss(mcv_world world, const mcv_meeting *meeting, const mcv_device_gloss *from,
-                                                         uint material, uint type, uint media) {
-    mcv_color base;
-    MCV_EACH_CHANNEL(c) base.c[c] = world.materials[material].value[c];
-    return mcv_meet_gloss_of(world, meeting, from, type, base, 1.0f, 1.0f, media);
-}
 #endif
 
-#if MCV_WITH_NEXT_EVENT
-/* mcv_cast_shadow: whether there is a shadow ray to follow. `type` is known to the compiler; `gloss`: the glossy material. */
-MCV_LOOP_FUNCTION void mcv_cast_plain_shadows(mcv_world world, uint *paths, uint first, uint last, int exact, uint type, uint gloss,
-                                              uint *casts) {
+#if MCV_WITH_PLAIN || MCV_WITH_SMOOTH
+/* How the paths in the slots first … last - 1 continue, whose surfaces are of one kind; into `parted` how their branches do. */
+MCV_LOOP_FUNCTION void mcv_shade_range(mcv_world world, uint *paths, uint first, uint last, mcv_shading shading, uint depth, uint *ways,
+                                       uint *unmatched) {
     mcv_slot slot;
     slot.base = paths;
-    (void)world, (void)exact, (void)gloss;
-#if MCV_WITH_GLOSS
-    mcv_device_gloss from;
-    if (type != MCV_MATERIAL_DIFFUSE) from = mcv_plain_gloss(world, gloss);
-#endif
     MCV_PARALLEL_MASKED
     for (uint i = first; i < last; ++i) {
         slot.index = i;
-        const mcv_vec3 way = MCV_LOAD_3(slot, shadow_direction), direction = mcv_normalize(way);
-        const float density = MCV_LOAD(slot, shadow_density, 0);
-        int lit = 1;
-        mcv_response response;
-        response.media = mcv_path_media(slot);
-        if (type == MCV_MATERIAL_DIFFUSE) {
-            const float cosine = mcv_dot(direction, MCV_LOAD_3(slot, normal));
-            lit &= (cosine > 0.0f) & (mcv_dot(direction, MCV_LOAD_3(slot, face)) > 0.0f);
-            response.density = mcv_diffuse_density(cosine);
-            MCV_EACH_CHANNEL(c) response.value.c[c] = MCV_LOAD(slot, reflectance, c) * response.density;
-        } else {
-#if MCV_WITH_GLOSS
-            const mcv_meeting meeting = mcv_meet_surface(world, slot);
-            const mcv_gloss_meeting m = mcv_meet_plain_gloss(world, &meeting, &from, gloss, type, response.media);
-            response = mcv_respond_gloss_of(world, &meeting, &from, &m, direction);
-            lit &= m.gloss.table != MCV_NONE;
-            const uint emitter = MCV_WORD(slot, emitter, 0);
-            lit &= !mcv_leaves_to_light_paths(world, slot, emitter == MCV_NONE ? 0u : emitter, (int)world.materials[gloss].sharp);
+        uint differs = 0u;
+        const mcv_meeting meeting = mcv_meet_surface(world, slot);
+        const mcv_shaded shaded = mcv_shade_hit(world, slot, &meeting, shading, depth, &differs);
+#if MCV_WITH_SPLIT
+        if (shading.splits) mcv_keep_parting(slot, shaded.parting);
 #endif
-        }
-        const float weight = density > 0.0f ? mcv_choice_weight(density, response.density) : 1.0f;
-        float most_sent = 0.0f, most_reflected = 0.0f;
-        mcv_color sent, light;
-        MCV_LOAD_COLOR(slot, throughput, light);
-        MCV_LOAD_COLOR(slot, shadow_light, sent);
-        MCV_EACH_CHANNEL(c) {
-            most_sent = sent.c[c] > most_sent ? sent.c[c] : most_sent;
-            most_reflected = response.value.c[c] > most_reflected ? response.value.c[c] : most_reflected;
-            light.c[c] = light.c[c] * response.value.c[c] * sent.c[c] * weight;
-        }
-#if MCV_WITH_DIELECTRIC
-        light = mcv_dim(light, world.media[mcv_filling_medium(response.media)].inverse_index_squared);
-#if MCV_WITH_GLOSS
-        MCV_WORD(slot, shadow_media, 0) = response.media;
+#if MCV_WITH_NEXT_EVENT && MCV_WITH_REACH
+        if (shading.kind != MCV_SHADING_SMOOTH) mcv_keep_reach(slot);
 #endif
-#endif
-#if MCV_WITH_SURFACES
-        MCV_WORD(slot, shadow_left, 0) = mcv_leave_plain(world, slot, way, exact);
-#endif
-        MCV_STORE_COLOR(slot, shadow_light, light);
-        casts[i] = (uint)(lit & (most_sent > 0.0f) & (most_reflected > 0.0f));
+        mcv_continue_path(world, slot, &meeting, shading, shaded.on, shaded.throughput,
+                          shading.kind == MCV_SHADING_GLOSS ? shaded.ways == MCV_IS_LEFT : 0);
+        ways[i] = shaded.ways;
+        unmatched[i] = differs;
     }
 }
 
-/* Lists those of the plain paths that have a shadow ray to follow; returns how many. */
-static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, uint *paths, const uint *ends, uint gloss, uint *shadows) {
-    uint casts[MCV_ROW];
-    const uint first = ends[MCV_MET_DIFFUSE_EXACT], last = ends[MCV_MET_GLOSS_TRIANGLE];
-    (void)gloss, (void)first;
-    mcv_cast_plain_shadows(world, paths, last, ends[MCV_MET_DIFFUSE_TRIANGLE], 0, MCV_MATERIAL_DIFFUSE, MCV_NONE, casts);
-#if MCV_WITH_SURFACES
-    mcv_cast_plain_shadows(world, paths, ends[MCV_MET_SMOOTH_EXACT], first, 1, MCV_MATERIAL_DIFFUSE, MCV_NONE, casts);
-#endif
-#if MCV_WITH_GLOSS
-    const uint type = gloss == MCV_NONE ? MCV_NONE : world.materials[gloss].type;
-    if (type == MCV_MATERIAL_CONDUCTOR)
-        mcv_cast_plain_shadows(world, paths, first, last, MCV_WITH_SURFACES, MCV_MATERIAL_CONDUCTOR, gloss, casts);
-    if (type == MCV_MATERIAL_METALLIC_ROUGHNESS)
-        mcv_cast_plain_shadows(world, paths, first, last, MCV_WITH_SURFACES, MCV_MATERIAL_METALLIC_ROUGHNESS, gloss, casts);
-#if MCV_WITH_DIELECTRIC
-    if (type == MCV_MATERIAL_DIELECTRIC)
-        mcv_cast_plain_shadows(world, paths, first, last, MCV_WITH_SURFACES, MCV_MATERIAL_DIELECTRIC, gloss, casts);
-#endif
-#endif
-    const uint begin = ends[MCV_MET_SMOOTH_EXACT];
-    const uint listed = mcv_list(casts + begin, ends[MCV_MET_DIFFUSE_TRIANGLE] - begin, shadows);
-    for (uint i = 0; i < listed; ++i) shadows[i] += begin;
-    return listed;
-}
-#endif
-
-/* mcv_shade_surface; into `parted` how branches go on. `type`, and whether it is glass whose paths may part, are known to the compiler;
- * `gloss`: the glossy material. */
-MCV_LOOP_FUNCTION void mcv_shade_plain(mcv_world world, uint *paths, uint first, uint last, uint depth, int exact, uint type, int parts,
-                                       uint gloss, uint *ways, uint *unmatched) {
-    const int roulette = depth >= MCV_ROULETTE_DEPTH;
-    (void)world, (void)exact, (void)parts, (void)gloss, (void)unmatched;
-    mcv_slot slot;
-    slot.base = paths;
-#if MCV_WITH_GLOSS
-    mcv_device_gloss from;
-    if (type != MCV_MATERIAL_DIFFUSE) from = mcv_plain_gloss(world, gloss);
-#endif
-    MCV_PARALLEL_MASKED
-    for (uint i = first; i < last; ++i) {
-        slot.index = i;
-        mcv_vec3 direction;
-        mcv_color factor;
-        float density = 0.0f;
-        uint media = mcv_path_media(slot), branches = 0u;
-        int reflects, smooth = 0;
-        (void)media;
-        mcv_color before, throughput;
-        MCV_LOAD_COLOR(slot, throughput, before);
-        factor = mcv_grey(0.0f);
-        if (type == MCV_MATERIAL_DIFFUSE) {
-            direction = MCV_LOAD_3(slot, bounce);
-            density = MCV_LOAD(slot, bounce, 3);
-            reflects = mcv_dot(direction, MCV_LOAD_3(slot, face)) > 0.0f;
-            MCV_LOAD_COLOR(slot, reflectance, factor);
-        } else {
-#if MCV_WITH_GLOSS
-            const mcv_meeting meeting = mcv_meet_surface(world, slot);
-            const mcv_gloss_meeting m = mcv_meet_plain_gloss(world, &meeting, &from, gloss, type, media);
-            mcv_pair pair;
-            pair.x = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
-            pair.y = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER + 1);
-            const float chosen = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE);
-            mcv_scattering on;
-            smooth = m.gloss.table == MCV_NONE;
-#if MCV_WITH_SPLIT && MCV_WITH_SMOOTH
-            if (parts) {
-                mcv_scattering other;
-                on = mcv_part_by_gloss(world, &meeting, &from, &m, pair, chosen, &other);
-                other.chance = smooth ? 0.0f : other.chance;
-                const mcv_parting parting = mcv_part(slot, on.rest, before, on, other);
-                on = parting.on;
-                branches = mcv_keep_parting(slot, parting);
-            } else
-#endif
-                on = mcv_turn_by_gloss(world, &meeting, &from, &m, mcv_choose_gloss_of(&from, &m, pair, chosen));
-            unmatched[i] = (uint)(!smooth & (m.near_media != media));
-            density = on.density;
-            reflects = density > 0.0f;
-            factor = on.factor;
-            direction = mcv_choose(smooth, MCV_LOAD_3(slot, direction), on.direction);
-            media = smooth ? media : on.media;
-#endif
-        }
-        throughput = mcv_tint(before, factor);
-        const float brightest = mcv_brightest(throughput);
-        const int plays = roulette & (brightest < MCV_ROULETTE_WEIGHT);
-        const float lives = brightest / MCV_ROULETTE_WEIGHT;
-        const float choice = roulette ? MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE + 1) : 0.0f;
-        const float more = 1.0f / lives;
-        MCV_EACH_CHANNEL(c) {
-            throughput.c[c] = plays ? throughput.c[c] * more : throughput.c[c];
-            throughput.c[c] = smooth ? before.c[c] : throughput.c[c];
-        }
-        MCV_STORE_COLOR(slot, throughput, throughput);
-        MCV_STORE_3(slot, direction, direction);
-#if MCV_WITH_SURFACES
-        MCV_WORD(slot, left, 0) = smooth ? MCV_WORD(slot, left, 0) : mcv_leave_plain(world, slot, direction, exact);
-#endif
-#if MCV_WITH_DIELECTRIC
-        MCV_WORD(slot, media, 0) = media;
-#endif
-#if MCV_WITH_NEXT_EVENT
-        MCV_STORE(slot, density, 0, smooth ? MCV_LOAD(slot, density, 0) : density);
-#if MCV_WITH_REACH
-        MCV_WORD(slot, reach, 0) = MCV_WORD(slot, reach_here, 0);
-        MCV_WORD(slot, reach, 1) = MCV_WORD(slot, reach_here, 1);
-#endif
-#endif
-#if MCV_WITH_LIGHT_TRACING
-        __global const mcv_device_material *material = world.materials + world.instances[MCV_WORD(slot, instance, 0)].material;
-        const uint trail = MCV_WORD(slot, trail, 0);
-        mcv_leave_trail_at(world, slot, MCV_LOAD_3(slot, point), 1, (int)material->wide, (int)material->sharp, 0);
-        MCV_WORD(slot, trail, 0) = smooth ? trail : MCV_WORD(slot, trail, 0);
-#endif
-        const int on = reflects & (brightest > 0.0f) & !(plays & (choice >= lives));
-        ways[i] = smooth ? MCV_IS_LEFT : branches | (on ? MCV_GOES_ON : 0u);
-    }
-}
-
-/* All plain surfaces of a slice: whether their paths go on. */
-static __attribute__((noinline)) void mcv_shade_plain_surfaces(mcv_world world, uint *paths, const uint *ends, uint gloss, uint depth,
-                                                               uint *ways, uint *unmatched) {
-    const uint first = ends[MCV_MET_DIFFUSE_EXACT], last = ends[MCV_MET_GLOSS_TRIANGLE];
+/* The paths on all surfaces whose kind is known. */
+static __attribute__((noinline)) void mcv_shade_ranges(mcv_world world, uint *paths, const uint *ends, uint gloss, uint depth, uint *ways,
+                                                       uint *unmatched) {
     uint differs[MCV_SLOTS];
-    mcv_shade_plain(world, paths, last, ends[MCV_MET_DIFFUSE_TRIANGLE], depth, 0, MCV_MATERIAL_DIFFUSE, 0, MCV_NONE, ways, differs);
+    (void)gloss;
+#if MCV_WITH_SMOOTH
+    mcv_shade_range(world, paths, 0, ends[MCV_MET_SMOOTH_TRIANGLE], mcv_shading_of(MCV_SHADING_SMOOTH, 0, MCV_WITH_SPLIT), depth, ways,
+                    differs);
 #if MCV_WITH_SURFACES
-    mcv_shade_plain(world, paths, ends[MCV_MET_SMOOTH_EXACT], first, depth, 1, MCV_MATERIAL_DIFFUSE, 0, MCV_NONE, ways, differs);
+    mcv_shade_range(world, paths, ends[MCV_MET_SMOOTH_TRIANGLE], ends[MCV_MET_SMOOTH_EXACT],
+                    mcv_shading_of(MCV_SHADING_SMOOTH, 1, MCV_WITH_SPLIT), depth, ways, differs);
+#endif
+    for (uint i = 0; i < ends[MCV_MET_SMOOTH_EXACT]; ++i) *unmatched += differs[i];
+#endif
+#if MCV_WITH_PLAIN
+    mcv_shade_range(world, paths, ends[MCV_MET_GLOSS_TRIANGLE], ends[MCV_MET_DIFFUSE_TRIANGLE], mcv_shading_of(MCV_SHADING_DIFFUSE, 0, 0),
+                    depth, ways, differs);
+#if MCV_WITH_SURFACES
+    mcv_shade_range(world, paths, ends[MCV_MET_SMOOTH_EXACT], ends[MCV_MET_DIFFUSE_EXACT], mcv_shading_of(MCV_SHADING_DIFFUSE, 1, 0), depth,
+                    ways, differs);
 #endif
 #if MCV_WITH_GLOSS
-    const uint type = gloss == MCV_NONE ? MCV_NONE : world.materials[gloss].type;
-    if (type == MCV_MATERIAL_CONDUCTOR)
-        mcv_shade_plain(world, paths, first, last, depth, MCV_WITH_SURFACES, MCV_MATERIAL_CONDUCTOR, 0, gloss, ways, differs);
-    if (type == MCV_MATERIAL_METALLIC_ROUGHNESS)
-        mcv_shade_plain(world, paths, first, last, depth, MCV_WITH_SURFACES, MCV_MATERIAL_METALLIC_ROUGHNESS, 0, gloss, ways, differs);
+    if (gloss != MCV_NONE) {
+        const uint first = ends[MCV_MET_DIFFUSE_EXACT], last = ends[MCV_MET_GLOSS_TRIANGLE], type = world.materials[gloss].type;
+        const mcv_device_gloss from = mcv_plain_gloss(world, gloss);
+        mcv_shading shading = mcv_shading_of(MCV_SHADING_GLOSS, MCV_WITH_SURFACES, 0);
+        shading.material = gloss;
+        shading.gloss = &from;
+        shading.type = MCV_MATERIAL_CONDUCTOR;
+        if (type == MCV_MATERIAL_CONDUCTOR) mcv_shade_range(world, paths, first, last, shading, depth, ways, differs);
+        shading.type = MCV_MATERIAL_METALLIC_ROUGHNESS;
+        if (type == MCV_MATERIAL_METALLIC_ROUGHNESS) mcv_shade_range(world, paths, first, last, shading, depth, ways, differs);
 #if MCV_WITH_DIELECTRIC
-    if (type == MCV_MATERIAL_DIELECTRIC)
-        mcv_shade_plain(world, paths, first, last, depth, MCV_WITH_SURFACES, MCV_MATERIAL_DIELECTRIC, MCV_WITH_SPLIT, gloss, ways, differs);
+        shading.type = MCV_MATERIAL_DIELECTRIC;
+        shading.splits = MCV_WITH_SPLIT && MCV_WITH_SMOOTH;
+        if (type == MCV_MATERIAL_DIELECTRIC) mcv_shade_range(world, paths, first, last, shading, depth, ways, differs);
 #endif
-    for (uint i = first; i < last; ++i) *unmatched += differs[i];
+        for (uint i = first; i < last; ++i) *unmatched += differs[i];
+    }
 #endif
-    (void)gloss, (void)first, (void)unmatched;
+#endif
 }
 #endif
 

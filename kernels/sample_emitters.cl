@@ -13,6 +13,7 @@
 #include "identity.h"
 #include "meet_surface.h"
 #include "reach.h"
+#include "shading.h"
 
 /* Where an emitter is looked for from. */
 typedef struct mcv_receiver {
@@ -381,32 +382,57 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_prefer(mcv_world world, mcv_slot slot, mcv_vec3
 #define mcv_prefer(world, slot, point, emitter, shadow) (shadow)
 #endif
 
-/* What the surface makes of it, and the power heuristic against its own choice: 1 if there is a shadow ray to follow. */
-MCV_LOOP_FUNCTION int mcv_cast_shadow(mcv_world world, mcv_slot slot, mcv_meeting meeting, mcv_shadow shadow) {
+/* mcv_respond for a surface of a kind that is known. */
+MCV_LOOP_FUNCTION mcv_response mcv_respond_as(mcv_world world, mcv_slot slot, const mcv_meeting *meeting, mcv_shading shading,
+                                              mcv_vec3 direction) {
+    const uint media = mcv_path_media(slot);
+#if MCV_WITH_PLAIN
+    if (shading.kind == MCV_SHADING_DIFFUSE) {
+        mcv_color reflectance;
+        MCV_LOAD_COLOR(slot, reflectance, reflectance);
+        return mcv_respond_diffuse(meeting, reflectance, media, direction);
+    }
+#if MCV_WITH_GLOSS
+    if (shading.kind == MCV_SHADING_GLOSS) {
+        const mcv_gloss_meeting m = mcv_meet_plain_gloss(world, meeting, shading, media);
+        mcv_response response = mcv_respond_gloss_of(world, meeting, shading.gloss, &m, direction);
+        /* Where it has not chosen an emitter any number will do. */
+        const uint emitter = MCV_WORD(slot, emitter, 0), some = emitter == MCV_NONE ? 0u : emitter;
+        const int sharp = (int)world.materials[shading.material].sharp;
+        const int left = (m.gloss.table == MCV_NONE) | mcv_leaves_to_light_paths(world, slot, some, sharp);
+        MCV_EACH_CHANNEL(c) response.value.c[c] = left ? 0.0f : response.value.c[c];
+        return response;
+    }
+#endif
+#endif
+    (void)shading;
+    return mcv_respond(world, *meeting, media, direction);
+}
+
+/*
+ * Makes a shadow ray of what comes from an emitter: what the surface makes of the light, and the power heuristic against the surface's own
+ * choice of directions. 1 if there is a ray to follow. Its origin, direction and target are the shadow's.
+ */
+MCV_LOOP_FUNCTION int mcv_make_shadow_ray(mcv_world world, mcv_slot slot, const mcv_meeting *meeting, mcv_shading shading,
+                                          mcv_shadow shadow) {
 #if MCV_WITH_DISPERSION
     world = mcv_disperse(world, slot);
 #endif
-    if (!(mcv_brightest(shadow.light) > 0.0f)) return 0;
-    const mcv_response response = mcv_respond(world, meeting, mcv_path_media(slot), mcv_normalize(shadow.direction));
-    if (!(mcv_brightest(response.value) > 0.0f)) return 0;
+    if (shading.kind == MCV_SHADING_ANY && !(mcv_brightest(shadow.light) > 0.0f)) return 0;
+    const mcv_response response = mcv_respond_as(world, slot, meeting, shading, mcv_normalize(shadow.direction));
     mcv_color light;
     MCV_LOAD_COLOR(slot, throughput, light);
     light = mcv_tint(mcv_tint(light, response.value), shadow.light);
-    if (shadow.density > 0.0f) light = mcv_dim(light, mcv_choice_weight(shadow.density, response.density));
-#if MCV_WITH_DIELECTRIC
-    light = mcv_dim(light, world.media[mcv_filling_medium(response.media)].inverse_index_squared);
-#if MCV_WITH_GLOSS
+    light = mcv_dim(light, shadow.density > 0.0f ? mcv_choice_weight(shadow.density, response.density) : 1.0f);
+    light = mcv_basic_radiance(world, light, response.media);
+#if MCV_WITH_DIELECTRIC && MCV_WITH_GLOSS
     MCV_WORD(slot, shadow_media, 0) = response.media;
 #endif
-#endif
-    MCV_STORE_3(slot, shadow_origin, shadow.origin);
-    MCV_STORE_3(slot, shadow_direction, shadow.direction);
 #if MCV_WITH_SURFACES
-    MCV_WORD(slot, shadow_left, 0) = mcv_leave_meeting(world, meeting, shadow.direction);
+    MCV_WORD(slot, shadow_left, 0) = shading.exact ? mcv_leave_meeting(world, *meeting, shadow.direction) : MCV_NONE;
 #endif
-    MCV_WORD(slot, shadow_target, 0) = shadow.target;
     MCV_STORE_COLOR(slot, shadow_light, light);
-    return 1;
+    return (mcv_brightest(shadow.light) > 0.0f) & (mcv_brightest(response.value) > 0.0f);
 }
 
 /* 1 if there is a shadow ray to follow. */
@@ -415,6 +441,10 @@ MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) 
     if (emitter == MCV_NONE) return 0;
     const mcv_meeting meeting = mcv_meet_surface(world, slot);
     const mcv_receiver at = mcv_receiver_of(meeting);
-    const mcv_shadow shadow = mcv_sample_towards(world, at, emitter, mcv_draw(slot, depth, MCV_PAIR_EMITTER));
-    return mcv_cast_shadow(world, slot, meeting, mcv_prefer(world, slot, at.point, emitter, shadow));
+    const mcv_shadow shadow =
+        mcv_prefer(world, slot, at.point, emitter, mcv_sample_towards(world, at, emitter, mcv_draw(slot, depth, MCV_PAIR_EMITTER)));
+    MCV_STORE_3(slot, shadow_origin, shadow.origin);
+    MCV_STORE_3(slot, shadow_direction, shadow.direction);
+    MCV_WORD(slot, shadow_target, 0) = shadow.target;
+    return mcv_make_shadow_ray(world, slot, &meeting, mcv_any_shading(), shadow);
 }

@@ -196,7 +196,7 @@ MCV_FUNCTION mcv_vec3 mcv_onward_origin(mcv_meeting meeting, mcv_vec3 direction)
 
 #if MCV_WITH_SURFACES
 /* What a ray remembers of the exact surface that it starts on (mcv_leave), or MCV_NONE. */
-MCV_FUNCTION uint mcv_leave_meeting(mcv_world world, mcv_meeting meeting, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION uint mcv_leave_meeting(mcv_world world, mcv_meeting meeting, mcv_vec3 direction) {
     mcv_surface surface = meeting.surface;
 #if MCV_WITH_CONTACT
     if (meeting.touched != MCV_NONE) {
@@ -380,7 +380,7 @@ static mcv_scattering mcv_scatter_beam_splitter(mcv_meeting meeting, mcv_device_
 #endif
 
 #if MCV_WITH_DIFFUSE
-static mcv_scattering mcv_scatter_diffuse(mcv_meeting meeting, mcv_color reflectance, uint media, mcv_pair pair) {
+MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_diffuse(mcv_meeting meeting, mcv_color reflectance, uint media, mcv_pair pair) {
     mcv_scattering scattering;
 #if MCV_TILE
     if (meeting.bounces) {
@@ -390,7 +390,8 @@ static mcv_scattering mcv_scatter_diffuse(mcv_meeting meeting, mcv_color reflect
 #endif
         scattering.direction = mcv_diffuse_sample(meeting.normal, pair.x, pair.y, &scattering.density);
     scattering.chance = 1.0f;
-    scattering.factor = mcv_dot(scattering.direction, meeting.face) > 0.0f ? reflectance : mcv_grey(0.0f);
+    const int reflects = mcv_dot(scattering.direction, meeting.face) > 0.0f;
+    MCV_EACH_CHANNEL(i) scattering.factor.c[i] = reflects ? reflectance.c[i] : 0.0f;
     scattering.media = media;
     scattering.event = MCV_EVENT_END;
     return scattering;
@@ -641,6 +642,19 @@ static mcv_scattering mcv_scatter_retroreflector(mcv_world world, mcv_meeting me
 }
 #endif
 
+#if MCV_WITH_DIFFUSE
+/* The direction is unit. */
+MCV_LOOP_FUNCTION mcv_response mcv_respond_diffuse(const mcv_meeting *meeting, mcv_color reflectance, uint media, mcv_vec3 direction) {
+    mcv_response response;
+    const float cosine = mcv_dot(direction, meeting->normal);
+    const int comes = (cosine > 0.0f) & (mcv_dot(direction, meeting->face) > 0.0f);
+    response.density = comes ? mcv_diffuse_density(cosine) : 0.0f;
+    response.value = mcv_dim(reflectance, response.density);
+    response.media = media;
+    return response;
+}
+#endif
+
 #if MCV_WITH_NEXT_EVENT
 /* The direction is unit and leads away from the surface; what cannot come from there is 0. */
 MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, uint media, mcv_vec3 direction) {
@@ -651,18 +665,16 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, uint
     response.media = media;
 #if MCV_WITH_DIFFUSE
     if (world.materials[instance.material].type == MCV_MATERIAL_DIFFUSE) {
-        const float cosine = mcv_dot(direction, meeting.normal);
-        const float side = mcv_dot(direction, meeting.face);
 #if MCV_WITH_TRANSLUCENT
-        if (cosine < 0.0f && side < 0.0f) {
+        const float cosine = mcv_dot(direction, meeting.normal);
+        if (cosine < 0.0f && mcv_dot(direction, meeting.face) < 0.0f) {
             response.density = mcv_diffuse_density(-cosine);
             response.value = mcv_dim(mcv_material_passed(world, meeting.surface, instance.material), response.density);
             response.density *= 1.0f - world.materials[instance.material].chance;
+            return response;
         }
 #endif
-        if (!(cosine > 0.0f) || !(side > 0.0f)) return response;
-        response.density = mcv_diffuse_density(cosine);
-        response.value = mcv_dim(mcv_material_value(world, meeting.surface, instance.material), response.density);
+        response = mcv_respond_diffuse(&meeting, mcv_material_value(world, meeting.surface, instance.material), media, direction);
 #if MCV_WITH_TRANSLUCENT
         response.density *= world.materials[instance.material].chance;
 #endif
@@ -684,46 +696,20 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_meeting meeting, uint
 #endif
 
 #if MCV_WITH_LIGHT_TRACING
-MCV_FUNCTION int mcv_is_wide(mcv_world world, mcv_meeting meeting) {
+MCV_LOOP_FUNCTION int mcv_is_wide(mcv_world world, mcv_meeting meeting) {
     return world.materials[world.instances[meeting.surface.instance].material].wide;
 }
 
-MCV_FUNCTION int mcv_is_sharp(mcv_world world, mcv_meeting meeting) {
+MCV_LOOP_FUNCTION int mcv_is_sharp(mcv_world world, mcv_meeting meeting) {
     return world.materials[world.instances[meeting.surface.instance].material].sharp;
 }
 
 /* Does the surface pass light straight on, but for what it reflects? */
-MCV_FUNCTION int mcv_is_plate(mcv_world world, mcv_meeting meeting) {
+MCV_LOOP_FUNCTION int mcv_is_plate(mcv_world world, mcv_meeting meeting) {
     const uint type = world.materials[world.instances[meeting.surface.instance].material].type;
     return type == MCV_MATERIAL_SHEET || type == MCV_MATERIAL_BEAM_SPLITTER;
 }
 #endif
-
-/* What the surface emits towards the ray, L/n², weighed against next-event estimation by the power heuristic. */
-MCV_FUNCTION mcv_color mcv_emission_met(mcv_world world, mcv_meeting meeting, uint emitter, uint media, float density, float distance) {
-#if MCV_WITH_EMISSION
-    mcv_color radiance = mcv_emitted(world, meeting.surface, emitter, mcv_scale(meeting.direction, -1.0f));
-#if MCV_WITH_DIELECTRIC
-    radiance = mcv_dim(radiance, world.media[mcv_filling_medium(media)].inverse_index_squared);
-#else
-    (void)media;
-#endif
-#if MCV_WITH_NEXT_EVENT
-    if (density > 0.0f && mcv_brightest(radiance) > 0.0f) {
-        const mcv_vec3 receiver = mcv_along(meeting.surface.point, -distance, meeting.direction);
-        const float other = mcv_emitter_density(world, receiver, meeting.surface, emitter, meeting.direction, distance);
-        radiance = mcv_dim(radiance, mcv_choice_weight(density, other));
-    }
-#else
-    (void)density;
-    (void)distance;
-#endif
-    return radiance;
-#else
-    (void)world, (void)meeting, (void)emitter, (void)media, (void)density, (void)distance;
-    return mcv_grey(0.0f);
-#endif
-}
 
 /* Chooses how the path goes on from the surface it met. *other: how it would have by the other way on of a smooth surface that has two, and
  * if the path may part there, of rough glass; elsewhere its chance is 0. */

@@ -10,11 +10,11 @@
 #endif
 #include "meet_surface.h"
 #include "reach.h"
+#include "roulette.h"
+#include "shading.h"
 #if MCV_WITH_MIXED
 #include "precise.h"
 #endif
-
-enum { MCV_GOES_ON = 1, MCV_BRANCHES_OFF = 2 };
 
 /*
  * How much oftener than by its chance the less likely way on is followed. Nothing much comes by it where all light is narrow; wide light
@@ -46,9 +46,9 @@ MCV_LOOP_FUNCTION void mcv_leave_trail_at(mcv_world world, mcv_slot slot, mcv_ve
     MCV_WORD(slot, trail, 0) = before == MCV_TRAIL_OTHER ? before : (spreads & !(carries & sharp)) ? spread : smooth;
 }
 
-MCV_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, mcv_meeting meeting, mcv_scattering on) {
-    const int passes = on.event == MCV_EVENT_PASS && mcv_is_plate(world, meeting);
-    mcv_leave_trail_at(world, slot, meeting.surface.point, on.density > 0.0f, mcv_is_wide(world, meeting), mcv_is_sharp(world, meeting),
+MCV_LOOP_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, const mcv_meeting *meeting, mcv_shading shading, mcv_scattering on) {
+    const int passes = shading.kind == MCV_SHADING_ANY && on.event == MCV_EVENT_PASS && mcv_is_plate(world, *meeting);
+    mcv_leave_trail_at(world, slot, meeting->surface.point, on.density > 0.0f, mcv_is_wide(world, *meeting), mcv_is_sharp(world, *meeting),
                        passes);
 }
 #endif
@@ -57,15 +57,44 @@ MCV_FUNCTION void mcv_leave_trail(mcv_world world, mcv_slot slot, mcv_meeting me
  * The density of a ray's choice, as it is to be weighed against that of next-event estimation which takes emitters by power alone: it has
  * taken this one so much more often.
  */
-MCV_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint emitter, float density) {
+MCV_LOOP_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint emitter, float density) {
 #if MCV_WITH_NEXT_EVENT && MCV_WITH_REACH
     const mcv_reach reach = {MCV_LOAD(slot, reach, 0), MCV_LOAD(slot, reach, 1)};
-    if (density > 0.0f) density /= mcv_preference(world.emitters + emitter, MCV_LOAD_3(slot, origin), reach);
+    const float against = density / mcv_preference(world.emitters + emitter, MCV_LOAD_3(slot, origin), reach);
+    density = density > 0.0f ? against : density;
 #else
     (void)world, (void)slot, (void)emitter;
 #endif
     return density;
 }
+
+#if MCV_WITH_EMISSION
+/*
+ * Adds the radiance that an emitter's surface sends along the path that has met it. It is weighed against next-event estimation, which
+ * would have chosen this direction with the density `other`, by the power heuristic; `share` is what light paths leave of it.
+ */
+MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot, uint emitter, mcv_color emitted, float other, float share) {
+    mcv_color throughput, radiance;
+    MCV_LOAD_COLOR(slot, throughput, throughput);
+    MCV_LOAD_COLOR(slot, radiance, radiance);
+    emitted = mcv_basic_radiance(world, emitted, mcv_path_media(slot));
+#if MCV_WITH_NEXT_EVENT
+    float own = mcv_density_against(world, slot, emitter, mcv_path_density(slot));
+#if MCV_WITH_LIGHT_TRACING
+    /* Sharp surfaces have not looked for it (mcv_choose_emitter). */
+    const int carried = (MCV_WORD(slot, trail, 0) == MCV_TRAIL_CARRIED) & (world.emitters[emitter].light_flux > 0.0f);
+    own = carried ? 0.0f : own;
+#endif
+    const float weight = mcv_choice_weight(own, other);
+    emitted = mcv_dim(emitted, (own > 0.0f) & (mcv_brightest(emitted) > 0.0f) ? weight : 1.0f);
+#else
+    (void)emitter, (void)other;
+#endif
+    emitted = mcv_dim(emitted, share);
+    MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], emitted.c[i], radiance.c[i]);
+    MCV_STORE_COLOR(slot, radiance, radiance);
+}
+#endif
 
 #if MCV_WITH_MIXED
 /* Where the path goes on, and with it how: *on gets the direction. */
@@ -106,33 +135,56 @@ MCV_LOOP_FUNCTION void mcv_leave_scene(mcv_world world, mcv_slot slot) {
 #endif
 }
 
-/* The path goes on from the surface. */
-MCV_FUNCTION void mcv_send_on(mcv_world world, mcv_slot slot, mcv_meeting meeting, uint media, mcv_scattering on, mcv_color throughput) {
+/*
+ * The path continues from the surface. skipped: 1 leaves it as it is; known to the compiler where that cannot be. Where origins are worked
+ * out for many paths at once, after all else, the old one stays.
+ */
+MCV_LOOP_FUNCTION void mcv_continue_path(mcv_world world, mcv_slot slot, const mcv_meeting *meeting, mcv_shading shading, mcv_scattering on,
+                                         mcv_color throughput, int skipped) {
 #if MCV_WITH_MIXED
-    mcv_leave_precisely(world, slot, &meeting, media, &on);
+    mcv_leave_precisely(world, slot, meeting, mcv_path_media(slot), &on);
 #elif !MCV_LEAVES_TOGETHER
-    MCV_STORE_3(slot, origin, mcv_onward_origin(meeting, on.direction));
+    MCV_STORE_3(slot, origin, mcv_onward_origin(*meeting, on.direction));
 #endif
-    MCV_STORE_3(slot, direction, on.direction);
+    const mcv_vec3 direction = mcv_choose(skipped, meeting->direction, on.direction);
+    MCV_STORE_3(slot, direction, direction);
 #if MCV_WITH_SURFACES
-    MCV_WORD(slot, left, 0) = mcv_leave_meeting(world, meeting, on.direction);
+    const uint left = shading.exact ? mcv_leave_meeting(world, *meeting, on.direction) : MCV_NONE;
+    MCV_WORD(slot, left, 0) = skipped ? MCV_WORD(slot, left, 0) : left;
 #endif
-    MCV_STORE_COLOR(slot, throughput, throughput);
+    MCV_EACH_CHANNEL(i) MCV_STORE(slot, throughput, i, skipped ? MCV_LOAD(slot, throughput, i) : throughput.c[i]);
 #if MCV_WITH_DIELECTRIC
-    MCV_WORD(slot, media, 0) = on.media;
+    MCV_WORD(slot, media, 0) = skipped ? MCV_WORD(slot, media, 0) : on.media;
 #endif
 #if MCV_WITH_NEXT_EVENT
-    MCV_STORE(slot, density, 0, on.density);
+    MCV_STORE(slot, density, 0, skipped ? MCV_LOAD(slot, density, 0) : on.density);
 #endif
 #if MCV_WITH_LIGHT_TRACING
-    mcv_leave_trail(world, slot, meeting, on);
+    const uint trail = MCV_WORD(slot, trail, 0);
+    mcv_leave_trail(world, slot, meeting, shading, on);
+    MCV_WORD(slot, trail, 0) = skipped ? trail : MCV_WORD(slot, trail, 0);
 #endif
-    (void)world, (void)meeting, (void)media;
+    (void)world, (void)shading;
+}
+
+#if MCV_WITH_NEXT_EVENT && MCV_WITH_REACH
+/* After what this surface emits, which the chances of the surface before are for, and before a branch takes them over. */
+MCV_LOOP_FUNCTION void mcv_keep_reach(mcv_slot slot) {
+    MCV_WORD(slot, reach, 0) = MCV_WORD(slot, reach_here, 0);
+    MCV_WORD(slot, reach, 1) = MCV_WORD(slot, reach_here, 1);
+}
+#endif
+
+MCV_LOOP_FUNCTION int mcv_may_part(mcv_slot slot) {
+#if MCV_WITH_SPLIT
+    return MCV_WORD(slot, branch, 0) + 1u < MCV_BRANCHES;
+#else
+    (void)slot;
+    return 0;
+#endif
 }
 
 #if MCV_WITH_SPLIT
-MCV_LOOP_FUNCTION int mcv_may_part(mcv_slot slot) { return MCV_WORD(slot, branch, 0) + 1u < MCV_BRANCHES; }
-
 /* How a path splits. */
 typedef struct mcv_parting {
     mcv_scattering on, other; /* the path's and the branch's way, */
@@ -171,14 +223,12 @@ MCV_LOOP_FUNCTION mcv_parting mcv_part(mcv_slot slot, float xi, mcv_color throug
 }
 
 #if MCV_TILE
-/* Puts into `parted` how a branch goes on; whether there is one. */
-MCV_LOOP_FUNCTION uint mcv_keep_parting(mcv_slot slot, mcv_parting parting) {
-    MCV_WORD(slot, branch, 0) += (uint)parting.splits;
+/* Puts into `parted` how a branch continues. */
+MCV_LOOP_FUNCTION void mcv_keep_parting(mcv_slot slot, mcv_parting parting) {
     MCV_STORE_3(slot, parted, parting.other.direction);
     MCV_WORD(slot, parted, 3) = parting.other.media;
     MCV_STORE(slot, parted, 4, parting.other.density);
     MCV_EACH_CHANNEL(c) MCV_STORE(slot, parted, 5 + c, parting.carried.c[c]);
-    return parting.branches ? MCV_BRANCHES_OFF : 0u;
 }
 #endif
 
@@ -190,7 +240,7 @@ MCV_LOOP_FUNCTION void mcv_name_branch(mcv_slot slot, mcv_slot beside) {
     MCV_EACH_CHANNEL(i) MCV_STORE(beside, radiance, i, 0.0f);
 }
 
-static void mcv_branch_off(mcv_world world, mcv_slot slot, mcv_slot beside, mcv_meeting meeting, uint media, mcv_parting parting) {
+static void mcv_branch_off(mcv_world world, mcv_slot slot, mcv_slot beside, const mcv_meeting *meeting, mcv_parting parting) {
     for (uint word = 0; word < MCV_PATH_hit; ++word) {
         const uint row = word * MCV_CAPACITY(slot);
         beside.base[row + beside.index] = slot.base[row + slot.index];
@@ -199,86 +249,91 @@ static void mcv_branch_off(mcv_world world, mcv_slot slot, mcv_slot beside, mcv_
     MCV_WORD(beside, hit, 0) = MCV_WORD(slot, hit, 0);
 #endif
     mcv_name_branch(slot, beside);
-    mcv_send_on(world, beside, meeting, media, parting.other, parting.carried);
+    mcv_continue_path(world, beside, meeting, mcv_any_shading(), parting.other, parting.carried, 0);
 #if MCV_LEAVES_TOGETHER
-    const mcv_vec3 origin = mcv_onward_origin(meeting, parting.other.direction);
+    const mcv_vec3 origin = mcv_onward_origin(*meeting, parting.other.direction);
     MCV_STORE_3(beside, origin, origin);
 #endif
 }
 #endif
 
+/* How a path continues from a surface, and whether it does. */
+typedef struct mcv_shaded {
+    mcv_scattering on;
+    mcv_color throughput;
+#if MCV_WITH_SPLIT
+    mcv_parting parting; /* where it splits */
+#endif
+    uint ways; /* MCV_GOES_ON | MCV_BRANCHES_OFF, or MCV_IS_LEFT: the class does not hold this surface, mcv_shade_surface does */
+} mcv_shaded;
+
+/* Chooses how a path continues from the surface that it has met: scattering, splitting, Russian roulette. */
+MCV_LOOP_FUNCTION mcv_shaded mcv_shade_hit(mcv_world world, mcv_slot slot, const mcv_meeting *meeting, mcv_shading shading, uint depth,
+                                           uint *unmatched) {
+    mcv_shaded shaded;
+    mcv_scattering other;
+    int left = 0;
+    const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_SCATTER), choice = mcv_draw_choice(slot, depth);
+    MCV_LOAD_COLOR(slot, throughput, shaded.throughput);
+    shaded.ways = 0u;
+    shaded.on = mcv_scatter_as(world, slot, meeting, shading, pair, choice.x, mcv_may_part(slot), unmatched, &other, &left);
+#if MCV_WITH_SPLIT
+    shaded.parting.branches = 0;
+    if (shading.kind == MCV_SHADING_ANY ? other.chance > 0.0f : shading.splits) {
+        shaded.parting = mcv_part(slot, shaded.on.event == MCV_EVENT_END ? shaded.on.rest : pair.x, shaded.throughput, shaded.on, other);
+        shaded.on = shaded.parting.on;
+        MCV_WORD(slot, branch, 0) += (uint)shaded.parting.splits;
+        shaded.ways = shaded.parting.branches ? MCV_BRANCHES_OFF : 0u;
+    }
+#endif
+    shaded.throughput = mcv_tint(shaded.throughput, shaded.on.factor);
+    const mcv_roulette roulette =
+        mcv_play_roulette(depth >= MCV_ROULETTE_DEPTH, mcv_brightest(shaded.throughput), MCV_ROULETTE_WEIGHT, choice.y);
+    shaded.throughput = mcv_after_roulette(roulette, shaded.throughput);
+    shaded.ways |= roulette.survives ? MCV_GOES_ON : 0u;
+    shaded.ways = left ? MCV_IS_LEFT : shaded.ways;
+    return shaded;
+}
+
+#if MCV_WITH_EMISSION
+/* Adds what a surface emits that the path has met. */
+static void mcv_meet_emitter(mcv_world world, mcv_slot slot, mcv_meeting meeting) {
+    const uint emitter = world.instances[meeting.surface.instance].emitter;
+    if (emitter == MCV_NONE) return;
+    const mcv_color emitted = mcv_emitted(world, meeting.surface, emitter, mcv_scale(meeting.direction, -1.0f));
+    float other = 0.0f, share = 1.0f;
+#if MCV_WITH_NEXT_EVENT
+    const float distance = MCV_LOAD(slot, hit, 0);
+    const mcv_vec3 receiver = mcv_along(meeting.surface.point, -distance, meeting.direction);
+    other = mcv_emitter_density(world, receiver, meeting.surface, emitter, meeting.direction, distance);
+#endif
+#if MCV_WITH_LIGHT_TRACING
+    share = mcv_camera_share(world, slot, meeting, emitter);
+#endif
+    mcv_add_emission(world, slot, emitter, emitted, other, share);
+}
+#endif
+
 /* MCV_GOES_ON: the path, which has met a surface, does; MCV_BRANCHES_OFF: so does a branch, in the slot beside. */
 static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, uint depth, uint *unmatched) {
-    uint ways = 0;
 #if MCV_WITH_DISPERSION
     world = mcv_disperse(world, slot);
 #endif
-    const uint media = mcv_path_media(slot);
-    mcv_color throughput;
-    mcv_color radiance;
-    MCV_LOAD_COLOR(slot, throughput, throughput);
-    MCV_LOAD_COLOR(slot, radiance, radiance);
-
     const mcv_meeting meeting = mcv_meet_surface(world, slot);
-    const uint emitter = world.instances[meeting.surface.instance].emitter;
-    if (emitter != MCV_NONE) {
-        float own = mcv_density_against(world, slot, emitter, mcv_path_density(slot));
-#if MCV_WITH_LIGHT_TRACING
-        /* Sharp surfaces have not looked for it (mcv_choose_emitter). */
-        if (MCV_WORD(slot, trail, 0) == MCV_TRAIL_CARRIED && world.emitters[emitter].light_flux > 0.0f) own = 0.0f;
+#if MCV_WITH_EMISSION
+    mcv_meet_emitter(world, slot, meeting);
 #endif
-        mcv_color met = mcv_emission_met(world, meeting, emitter, media, own, MCV_LOAD(slot, hit, 0));
-#if MCV_WITH_LIGHT_TRACING
-        met = mcv_dim(met, mcv_camera_share(world, slot, meeting, emitter));
-#endif
-        MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], met.c[i], radiance.c[i]);
-        MCV_STORE_COLOR(slot, radiance, radiance);
-    }
-
 #if MCV_WITH_REACH && MCV_WITH_NEXT_EVENT
-    /* After what this surface emits, which those of the surface before are for, and before a branch takes them over. */
-    for (uint i = 0; i < 2; ++i) MCV_WORD(slot, reach, i) = MCV_WORD(slot, reach_here, i);
+    mcv_keep_reach(slot);
 #endif
-
-    const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_SCATTER);
-    float chosen = 0.0f;
-#if MCV_WITH_GLOSS || MCV_WITH_RETROREFLECTOR || MCV_WITH_TRANSLUCENT
-    /* The other number of this pair plays roulette; this one has chosen an emitter, which is another estimate. */
-    chosen = mcv_draw(slot, depth, MCV_PAIR_CHOICE).x;
-#endif
-    int parts = 0;
+    const mcv_shaded shaded = mcv_shade_hit(world, slot, &meeting, mcv_any_shading(), depth, unmatched);
 #if MCV_WITH_SPLIT
-    parts = mcv_may_part(slot);
-#endif
-    mcv_scattering other;
-    mcv_scattering on = mcv_scatter(world, meeting, media, pair, chosen, parts, unmatched, &other);
-#if MCV_WITH_SPLIT
-    if (other.chance > 0.0f) {
-        const mcv_parting parting = mcv_part(slot, on.event == MCV_EVENT_END ? on.rest : pair.x, throughput, on, other);
-        on = parting.on;
-        MCV_WORD(slot, branch, 0) += (uint)parting.splits;
-        if (parting.branches) {
-            mcv_branch_off(world, slot, beside, meeting, media, parting);
-            ways = MCV_BRANCHES_OFF;
-        }
-    }
+    if (shaded.ways & MCV_BRANCHES_OFF) mcv_branch_off(world, slot, beside, &meeting, shaded.parting);
 #else
     (void)beside;
 #endif
-    throughput = mcv_tint(throughput, on.factor);
-    const float brightest = mcv_brightest(throughput);
-    if (!(brightest > 0.0f)) return ways;
-
-    /* Russian roulette, on the throughput alone. */
-    if (depth >= MCV_ROULETTE_DEPTH && brightest < MCV_ROULETTE_WEIGHT) {
-        const float lives = brightest / MCV_ROULETTE_WEIGHT;
-        const mcv_pair choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
-        if (choice.y >= lives) return ways;
-        throughput = mcv_dim(throughput, 1.0f / lives);
-    }
-
-    mcv_send_on(world, slot, meeting, media, on, throughput);
-    return ways | MCV_GOES_ON;
+    if (shaded.ways & MCV_GOES_ON) mcv_continue_path(world, slot, &meeting, mcv_any_shading(), shaded.on, shaded.throughput, 0);
+    return shaded.ways;
 }
 
 /* What the path would still have carried, in units of 2^-11: a million paths fit the counter. */

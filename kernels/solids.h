@@ -223,7 +223,7 @@ MCV_LOOP_FUNCTION uint mcv_surface_of_piece(__global const mcv_device_solid *sol
 }
 
 /* The surface of the piece that a hit is on. */
-MCV_FUNCTION uint mcv_exact_surface(mcv_world world, uint hit) {
+MCV_LOOP_FUNCTION uint mcv_exact_surface(mcv_world world, uint hit) {
     const uint number = (hit & ~MCV_EXACT) >> 2;
     return mcv_surface_of_piece(world.solids + number, number, hit & 3u);
 }
@@ -526,7 +526,7 @@ static mcv_surface mcv_exact_surface_at(mcv_world world, uint met, float u, mcv_
 }
 
 /* What a ray remembers that leaves a surface in this direction. */
-MCV_FUNCTION uint mcv_leave(mcv_world world, mcv_surface surface, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION uint mcv_leave(mcv_world world, mcv_surface surface, mcv_vec3 direction) {
     if (surface.triangle < MCV_EXACT) return MCV_NONE;
     const uint outwards = mcv_dot(direction, surface.face) > 0.0f;
     return mcv_exact_surface(world, surface.triangle) << 1 | ((surface.triangle & 3u) == MCV_PIECE_FIRST_CAP ? 1u - outwards : outwards);

@@ -321,6 +321,16 @@ MCV_FUNCTION float mcv_emitter_density(mcv_world world, mcv_vec3 receiver, mcv_s
 MCV_FUNCTION uint mcv_filling_medium(uint media) { return 32u - clz(media); }
 #endif
 
+/* Radiance L of light in a medium as paths carry it, L/n². */
+MCV_LOOP_FUNCTION mcv_color mcv_basic_radiance(mcv_world world, mcv_color radiance, uint media) {
+#if MCV_WITH_DIELECTRIC
+    radiance = mcv_dim(radiance, world.media[mcv_filling_medium(media)].inverse_index_squared);
+#else
+    (void)world, (void)media;
+#endif
+    return radiance;
+}
+
 #if MCV_WITH_ABSORPTION
 /* What the medium leaves of light over a distance. */
 MCV_FUNCTION mcv_color mcv_medium_transmittance(mcv_world world, uint media, float distance) {

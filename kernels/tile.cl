@@ -504,7 +504,8 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
     mcv_look_for_emitters(world, slot.base, first, alive);
     for (slot.index = first; slot.index < alive; ++slot.index) {
         if (MCV_WORD(slot, emitter, 0) == MCV_NONE) continue;
-        if (mcv_cast_shadow(world, slot, mcv_meet_surface(world, slot), mcv_shadow_in(slot))) shadows[shadow_count++] = slot.index;
+        const mcv_meeting meeting = mcv_meet_surface(world, slot);
+        if (mcv_make_shadow_ray(world, slot, &meeting, mcv_any_shading(), mcv_shadow_in(slot))) shadows[shadow_count++] = slot.index;
     }
     return shadow_count;
 }
@@ -614,14 +615,11 @@ static __attribute__((noinline)) void mcv_render_slice(mcv_world world, uint sli
         mcv_slot beside = slot;
         beside.index = alive;
         for (uint i = 0; i < alive; ++i) ways[i] = MCV_IS_LEFT;
-#if MCV_WITH_PLAIN
-        mcv_shade_plain_surfaces(world, paths, ends, gloss, depth, ways, &counts[MCV_COUNTER_unmatched]);
+#if MCV_WITH_PLAIN || MCV_WITH_SMOOTH
+        mcv_shade_ranges(world, paths, ends, gloss, depth, ways, &counts[MCV_COUNTER_unmatched]);
 #endif
-#if MCV_WITH_SMOOTH
-        mcv_shade_smooth_surfaces(world, paths, ends, depth, ways, &counts[MCV_COUNTER_unmatched]);
-#if MCV_WITH_SPLIT
+#if MCV_WITH_SMOOTH && MCV_WITH_SPLIT
         beside.index = mcv_branch_off_together(world, paths, ways, ends[MCV_MET_GLOSS_TRIANGLE], alive);
-#endif
 #endif
         MCV_PARALLEL
         for (uint i = 0; i < alive; ++i) flags[i] = ways[i] == MCV_IS_LEFT;

@@ -96,8 +96,14 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         /* Go through it. */
         const mcv_hit hit = {distance, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2), triangle};
         const mcv_meeting meeting = mcv_meet(world, origin, direction, hit);
+        radiance = 0.0f;
+#if MCV_WITH_EMISSION
         const uint emitter = world.instances[meeting.surface.instance].emitter;
-        radiance = emitter == MCV_NONE ? 0.0f : mcv_emission_met(world, meeting, emitter, on.media, 0.0f, 0.0f).c[0];
+        if (emitter != MCV_NONE) {
+            const mcv_color emitted = mcv_emitted(world, meeting.surface, emitter, mcv_scale(meeting.direction, -1.0f));
+            radiance = mcv_basic_radiance(world, emitted, on.media).c[0];
+        }
+#endif
         const uint before = on.media;
         mcv_scattering other;
         on = mcv_scatter(world, meeting, before, always_refract, 1.0f, 0, &unmatched, &other);

@@ -15,7 +15,9 @@
 #include "choose.h"
 #include "closest.h"
 #include "light.h"
+#include "roulette.h"
 #include "scatter.h"
+#include "shading.h"
 #include "splat_film.cl"
 
 /* Which light path it is. They are numbered sample by sample: Sobol' points of one replicate, over pixels and samples. */
@@ -334,8 +336,8 @@ MCV_FUNCTION mcv_world mcv_disperse_light(mcv_world world, mcv_light_identity id
 #endif
 
 /* Is what comes to the surface left to camera paths? */
-MCV_FUNCTION int mcv_is_left_to_camera(mcv_world world, mcv_meeting meeting, uint trail) {
-    return (trail & MCV_LIGHT_FOUND) != 0u && !mcv_is_wide(world, meeting);
+MCV_LOOP_FUNCTION int mcv_is_left_to_camera(mcv_world world, mcv_meeting meeting, uint trail) {
+    return ((trail & MCV_LIGHT_FOUND) != 0u) & !mcv_is_wide(world, meeting);
 }
 
 #if MCV_WITH_NEXT_EVENT
@@ -348,61 +350,45 @@ MCV_FUNCTION int mcv_connect_light(mcv_world world, mcv_meeting meeting, mcv_lig
 }
 #endif
 
-/* What goes on from a surface. */
-typedef struct mcv_light_passed {
-    mcv_color throughput;
-    uint trail;
-    int goes_on;
-} mcv_light_passed;
-
 /*
- * `before`: MCV_LIGHT_… of what comes; `left`: mcv_is_left_to_camera; density: 0 if the surface has not spread the light; correction:
- * mcv_flux_correction; within: mcv_within_range; roulette: it may end the path, if xi tells so.
+ * A light path continues from a surface that has scattered it so: all but its origin. Returns whether it does. Roulette plays for what it
+ * carries of its start.
  */
-MCV_LOOP_FUNCTION mcv_light_passed mcv_pass_light(uint before, int left, int sharp, mcv_color throughput, float density, float correction,
-                                                  float within, int roulette, float xi) {
-    mcv_light_passed passed;
+MCV_LOOP_FUNCTION int mcv_continue_light(mcv_world world, const mcv_meeting *meeting, mcv_shading shading, mcv_scattering on, uint depth,
+                                         float xi, mcv_light_path *path) {
+    const uint before = path->trail;
     const int carried = (before & MCV_LIGHT_CARRIED) != 0u, open = (before & MCV_LIGHT_OPEN) != 0u;
-    const int spreads = density > 0.0f, parts = spreads & !(open & sharp), first = spreads & ((before & MCV_LIGHT_SPREAD) == 0u);
-    const float brightest = mcv_brightest(throughput);
-    const int plays = roulette & (brightest < 1.0f);
-    const float more = 1.0f / brightest;
+    const int spreads = on.density > 0.0f, parts = spreads & !(open & mcv_is_sharp(world, *meeting));
+    const int first = spreads & ((before & MCV_LIGHT_SPREAD) == 0u);
     /* What comes straight from the emitter, next-event estimation has; what comes to a glossy surface, camera paths. */
-    const int ends = parts & (!carried | (open & left));
+    const int ends = parts & (!carried | (open & mcv_is_left_to_camera(world, *meeting, before)));
     /* The first surface finds the emitter by next-event estimation. */
-    const uint on = before | MCV_LIGHT_CARRIED | ((spreads & !carried) ? (uint)MCV_LIGHT_FOUND : 0u);
-    MCV_EACH_CHANNEL(c) {
-        float carries = throughput.c[c];
-        carries = parts ? carries * correction : carries;
-        carries = first ? carries * within : carries;
-        passed.throughput.c[c] = plays ? carries * more : carries;
-    }
-    passed.trail = (parts ? before & ~(uint)MCV_LIGHT_OPEN : on) | (spreads ? (uint)MCV_LIGHT_SPREAD : 0u);
-    passed.goes_on = (brightest > 0.0f) & !ends & !(plays & (xi >= brightest));
-    return passed;
+    const uint after = before | MCV_LIGHT_CARRIED | ((spreads & !carried) ? (uint)MCV_LIGHT_FOUND : 0u);
+    mcv_color throughput = mcv_tint(path->throughput, on.factor);
+    const mcv_roulette roulette = mcv_play_roulette(depth >= MCV_LIGHT_ROULETTE_DEPTH, mcv_brightest(throughput), 1.0f, xi);
+    const float correction = mcv_flux_correction(*meeting, on.direction);
+    const float within = mcv_within_range(world.emitters + path->emitter, path->length);
+    throughput = mcv_dim(mcv_dim(throughput, parts ? correction : 1.0f), first ? within : 1.0f);
+    path->throughput = mcv_after_roulette(roulette, throughput);
+    path->trail = (parts ? before & ~(uint)MCV_LIGHT_OPEN : after) | (spreads ? (uint)MCV_LIGHT_SPREAD : 0u);
+    path->direction = on.direction;
+    path->media = on.media;
+#if MCV_WITH_SURFACES
+    path->left = shading.exact ? mcv_leave_meeting(world, *meeting, on.direction) : MCV_NONE;
+#endif
+    (void)shading;
+    return roulette.survives & !ends;
 }
 
-/* Whether the path goes on from the surface, and how. */
+/* Whether the path continues from the surface, and how. */
 MCV_FUNCTION int mcv_send_light_on(mcv_world world, mcv_meeting meeting, mcv_pair pair, mcv_pair choice, uint depth, uint *unmatched,
                                    mcv_light_path *path) {
     mcv_scattering other;
-    /* It would end there: mcv_pass_light. */
+    /* It would end there: mcv_continue_light. */
     if (!(path->trail & MCV_LIGHT_CARRIED) && mcv_is_wide(world, meeting)) return 0;
     const mcv_scattering on = mcv_scatter(world, meeting, path->media, pair, choice.x, 0, unmatched, &other);
-    const mcv_light_passed passed =
-        mcv_pass_light(path->trail, mcv_is_left_to_camera(world, meeting, path->trail), mcv_is_sharp(world, meeting),
-                       mcv_tint(path->throughput, on.factor), on.density, mcv_flux_correction(meeting, on.direction),
-                       mcv_within_range(world.emitters + path->emitter, path->length), depth >= MCV_LIGHT_ROULETTE_DEPTH, choice.y);
-    if (!passed.goes_on) return 0;
-    path->throughput = passed.throughput;
-    path->trail = passed.trail;
     path->origin = mcv_onward_origin(meeting, on.direction);
-#if MCV_WITH_SURFACES
-    path->left = mcv_leave_meeting(world, meeting, on.direction);
-#endif
-    path->direction = on.direction;
-    path->media = on.media;
-    return 1;
+    return mcv_continue_light(world, &meeting, mcv_any_shading(), on, depth, choice.y, path);
 }
 
 MCV_FUNCTION void mcv_trace_emitter_path(mcv_world world, uint index, __global uint *splats, uint counts[MCV_COUNTER_COUNT]) {

@@ -23,9 +23,9 @@ HEADING = "### From a part to a measurement\n"
 
 
 def commands_of(readme):
-    """The indented lines below the heading that call mcvisi, without comments."""
+    """The first five indented lines below the heading that call mcvisi, without comments."""
     section = open(readme, encoding="utf-8").read().split(HEADING)[1].split("\n#")[0]
-    lines = [shlex.split(line, comments=True) for line in section.splitlines() if line.startswith("    mcvisi ")]
+    lines = [shlex.split(line, comments=True) for line in section.splitlines() if line.startswith("    mcvisi ")][:5]
     assert [line[1] for line in lines] == ["new", "check", "render", "camera", "measure"], "the recipe has other lines: %s" % lines
     return lines
 

@@ -251,7 +251,7 @@ static void plant(const char *folder, const planted *error) {
 static void test_wrong_kernels_are_rejected(void **state) {
     static const planted errors[] = {
         {"no error", "kernels/scatter.h", "response.density", "response.density"},
-        {"no cosine of the receiver", "kernels/plain_surfaces.h", "reflectance, c) * response.density", "reflectance, c) * 0.31830989f"},
+        {"no cosine of the receiver", "kernels/scatter.h", "mcv_dim(reflectance, response.density)", "mcv_dim(reflectance, 0.31830989f)"},
         {"no n^2 of the sensor's medium", "kernels/accumulate_film.cl", " * world.frame->sensor_index_squared[channel]", ""},
         {"half a pixel aside", "kernels/generate_rays.cl", "film.x = inside.x;", "film.x = inside.x + 0.5f;"},
         {"random numbers used twice", "kernels/sampler.h", "MCV_PAIR_CHOICE, MCV_PAIR_STRIDE",
