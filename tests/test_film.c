@@ -65,6 +65,26 @@ static void test_merge_of_rounds_equals_the_whole(void **state) {
     mcv_film_free(&film);
 }
 
+/* What light paths bring counts beside the camera paths' sums, in its unit, and films are merged with it. */
+static void test_splats_are_added(void **state) {
+    (void)state;
+    const double camera[2] = {3, 5};
+    mcv_error error = {""};
+    mcv_film films[2];
+    for (int i = 0; i < 2; ++i) {
+        assert_int_equal(mcv_film_new(&films[i], 1, 1, 1, 2, &error), MCV_OK);
+        assert_int_equal(mcv_film_take_splats(&films[i], 0.25, &error), MCV_OK);
+        films[i].splats[0] = 4, films[i].splats[1] = 6;
+        mcv_film_add(&films[i], camera, 8);
+    }
+    assert_true(films[0].sums[0] == 4 && films[0].sums[1] == 6.5);
+    /* Only films of as many samples are merged. */
+    assert_int_equal(mcv_film_merge(&films[0], &films[1], &error), MCV_OK);
+    assert_int_equal(films[0].samples, 16);
+    assert_true(films[0].sums[0] == 8 && films[0].sums[1] == 13);
+    for (int i = 0; i < 2; ++i) mcv_film_free(&films[i]);
+}
+
 static void test_merge_refuses_what_does_not_fit(void **state) {
     (void)state;
     mcv_error error = {""};
@@ -178,6 +198,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tree_sum_is_the_same_for_every_split),
         cmocka_unit_test(test_merge_of_rounds_equals_the_whole),
+        cmocka_unit_test(test_splats_are_added),
         cmocka_unit_test(test_merge_refuses_what_does_not_fit),
         cmocka_unit_test(test_develop_gives_mean_and_standard_error),
         cmocka_unit_test(test_develop_at_the_edges),

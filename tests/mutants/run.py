@@ -6,6 +6,7 @@ mutants.toml says what is planted where; README.md beside it says what each test
 
 import argparse
 import concurrent.futures
+import fcntl
 import fnmatch
 import os
 import pathlib
@@ -200,7 +201,8 @@ def processor_seconds():
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("part", nargs="?", default="1/1", help="K/N: of N parts the K-th")
-    parser.add_argument("--only", default="*", metavar="PATTERN", help="mutants whose names match (* and ?)")
+    parser.add_argument("--only", action="append", metavar="PATTERN", help="mutants whose names match (* and ?); may be repeated")
+    parser.add_argument("--where", default="*", metavar="PATTERN", help="those whose `where` matches: device, host*")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), metavar="N", help="copies of the sources that work at once")
     parser.add_argument("--list", action="store_true", help="check that every text is found, and end")
     parser.add_argument("--no-control", action="store_true", help="leave out the tests without a fault")
@@ -213,7 +215,9 @@ def main():
         mutants = read_mutants(HERE / "mutants.toml")
     except (ValueError, KeyError, tomllib.TOMLDecodeError) as why:
         sys.exit(f"mutants: mutants.toml: {why}")
-    mutants = [m for m in mutants if fnmatch.fnmatchcase(m.name, arguments.only)][part - 1::parts]
+    only = arguments.only or ["*"]
+    mutants = [m for m in mutants if any(fnmatch.fnmatchcase(m.name, o) for o in only) and fnmatch.fnmatchcase(m.where, arguments.where)]
+    mutants = mutants[part - 1::parts]
     lost = 0
     for mutant in mutants:
         try:
@@ -226,6 +230,12 @@ def main():
     if lost or arguments.list or not mutants:
         sys.exit(f"mutants: {lost} cannot be planted" if lost else None)
 
+    WORK.mkdir(parents=True, exist_ok=True)
+    lock = open(WORK / "lock", "w")
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        sys.exit(f"mutants: another run works in {WORK}")
     begun = time.monotonic()
     count = max(1, min(arguments.workers, len(mutants)))
     jobs = max(1, (os.cpu_count() or 1) // count)
