@@ -333,6 +333,10 @@ static void test_lossless_materials(void **state) {
         add_environment(scene, 1);
         add_sphere(scene, 1, 24, add_material(scene, kinds[k].type, &kinds[k].material), mcv_transform_identity());
         add_pinhole(scene, 16, 0.6, looking_down_z(0, 0, 3));
+        /* One program for all: patches of 0.1 mm, which one ray of 10^9 meets. */
+        for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i)
+            add_rectangle(scene, 1e-4, 1e-4, add_material(scene, kinds[i].type, &kinds[i].material),
+                          looking_down_z(2, 0.1 * (double)i, 0));
         for (int reference = 0; reference < 2; ++reference) {
             char what[64];
             mcv_render_stats stats;
