@@ -12,10 +12,10 @@
 
 #include "film/film.h"
 
-/* A value whose sum depends on the order of adding: uniform bits, exponents spread over 2^±20. */
+/* A value whose sum depends on the order of adding: uniform bits, exponents spread over 2^±64, far more than a double holds. */
 static double scattered(uint32_t *state) {
     *state = *state * 1664525u + 1013904223u;
-    return ldexp((double)(*state >> 8) / 16777216.0 - 0.25, (int)(*state >> 27) - 16);
+    return ldexp((double)(*state >> 8) / 16777216.0 - 0.25, (int)(*state >> 25) - 64);
 }
 
 static void test_tree_sum_is_the_same_for_every_split(void **state) {

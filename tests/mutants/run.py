@@ -217,7 +217,8 @@ def main():
         sys.exit(f"mutants: mutants.toml: {why}")
     only = arguments.only or ["*"]
     mutants = [m for m in mutants if any(fnmatch.fnmatchcase(m.name, o) for o in only) and fnmatch.fnmatchcase(m.where, arguments.where)]
-    mutants = mutants[part - 1::parts]
+    # What is built with a fault stays until the next build: those of the device, for which nothing is built, come first.
+    mutants = sorted(mutants[part - 1::parts], key=lambda m: not m.on_device)
     lost = 0
     for mutant in mutants:
         try:
