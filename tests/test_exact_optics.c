@@ -9,7 +9,7 @@
 
 #include "mcvisi/interface.h"
 
-/* test_exact_optics_slow.c sets it: renders by the stream schedule, too, whose bits are those of the other one. */
+/* test_exact_optics_slow.c sets it: all renders, and by the stream schedule, too, whose bits are those of the other one. */
 #ifndef SLOW
 #define SLOW 0
 #endif
@@ -456,17 +456,15 @@ static void plates_in_furnace(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(steps_of_index),
-        cmocka_unit_test(diffuse_average),
-        cmocka_unit_test(fresnel_along_rays),
-        cmocka_unit_test(prism),
-        cmocka_unit_test(rainbow),
-        cmocka_unit_test(meshes_converge),
+        cmocka_unit_test(steps_of_index), cmocka_unit_test(diffuse_average), cmocka_unit_test(fresnel_along_rays),
+        cmocka_unit_test(prism),          cmocka_unit_test(rainbow),         cmocka_unit_test(meshes_converge),
+        cmocka_unit_test(slabs),          cmocka_unit_test(unmatched_sides), cmocka_unit_test(plates_in_contact),
+    };
+    const struct CMUnitTest long_tests[] = {
         cmocka_unit_test(slabs),
         cmocka_unit_test(cameras_inside),
         cmocka_unit_test(unmatched_sides),
-        cmocka_unit_test(plates_in_contact),
         cmocka_unit_test(plates_in_furnace),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return SLOW ? cmocka_run_group_tests(long_tests, NULL, NULL) : cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -168,12 +168,13 @@ static void images(void **state) {
     mcv_scene_free(scene);
 }
 
+#ifndef IMAGES
+#define IMAGES SLOW
+#endif
+
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ball_lens),
-        cmocka_unit_test(reflections_in_a_ball),
-        cmocka_unit_test(meshes_against_reference),
-        cmocka_unit_test(images),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest rays[] = {cmocka_unit_test(ball_lens), cmocka_unit_test(reflections_in_a_ball),
+                                      cmocka_unit_test(meshes_against_reference)};
+    const struct CMUnitTest renders[] = {cmocka_unit_test(images)};
+    return IMAGES ? cmocka_run_group_tests(renders, NULL, NULL) : cmocka_run_group_tests(rays, NULL, NULL);
 }
