@@ -298,6 +298,8 @@ static void slabs(void **state) {
             add_solid(scene, &plate, glass, glass);
         }
         add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 1000, 1000, add_absorber(scene), looking_up_z(0, 0, -4)), 1, 0);
+        /* Behind the lamp: with it all of them absorb, and have one program. */
+        add_rectangle(scene, 1, 1, add_glass(scene, n, 1, 0), looking_up_z(0, 0, -5));
         add_spot_camera(scene, (const double[3]){2 * sin(angle), 0, 2 * cos(angle)}, (const double[3]){0, 0, 0}, 1e-6);
         double s, p;
         ref_fresnel(1, n, cos(angle), &s, &p);

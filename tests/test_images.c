@@ -211,8 +211,10 @@ static void test_light_field_display(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_report_clean), cmocka_unit_test(test_wider_cone_is_seen),  cmocka_unit_test(test_furnace),
-        cmocka_unit_test(test_projector),    cmocka_unit_test(test_light_field_display),
+        cmocka_unit_test(test_report_clean),
+        cmocka_unit_test(test_wider_cone_is_seen),
+        cmocka_unit_test(test_furnace),
+        cmocka_unit_test(test_light_field_display),
     };
     const struct CMUnitTest long_tests[] = {
         cmocka_unit_test(test_report_bubble),
@@ -224,6 +226,7 @@ int main(void) {
         cmocka_unit_test(test_part_arealight),
         cmocka_unit_test(test_diffuse_box),
         cmocka_unit_test(test_thin_lens),
+        cmocka_unit_test(test_projector),
         cmocka_unit_test(test_lens_projector),
     };
     const int failed = SLOW ? cmocka_run_group_tests(long_tests, NULL, NULL) : cmocka_run_group_tests(tests, NULL, NULL);

@@ -19,7 +19,7 @@ enum { PIXELS = 32, REPLICATES = 16, DEPTH = 4 };
 /* Of seeds: for each planted error, and of renders without one. test_planted_errors_slow.c has more. */
 #ifndef ERROR_PAIRS
 #define ERROR_PAIRS 1
-#define EQUAL_PAIRS 30
+#define EQUAL_PAIRS 24
 #endif
 
 /*

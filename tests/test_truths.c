@@ -358,10 +358,12 @@ static void test_lossless_materials(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_thick_lens),   cmocka_unit_test(test_mesh_convergence),   cmocka_unit_test(test_report_lens),
-        cmocka_unit_test(test_sphere_light), cmocka_unit_test(test_integrating_sphere),
+        cmocka_unit_test(test_thick_lens),
+        cmocka_unit_test(test_report_lens),
+        cmocka_unit_test(test_sphere_light),
+        cmocka_unit_test(test_integrating_sphere),
     };
-    const struct CMUnitTest lossless[] = {cmocka_unit_test(test_lossless_materials)};
+    const struct CMUnitTest lossless[] = {cmocka_unit_test(test_lossless_materials), cmocka_unit_test(test_mesh_convergence)};
     const struct CMUnitTest long_tests[] = {cmocka_unit_test(test_power_is_linear), cmocka_unit_test(test_forward_and_backward)};
     if (LOSSLESS) return cmocka_run_group_tests(lossless, NULL, NULL);
     return SLOW ? cmocka_run_group_tests(long_tests, NULL, NULL) : cmocka_run_group_tests(tests, NULL, NULL);
