@@ -128,6 +128,15 @@ static mcv_comparison compare(const mcv_film *x, const mcv_film *y) {
     return c;
 }
 
+/* Of n independent p-values the smallest is at most p with the probability 1 - (1 - p)^n; for small ones n p, without cancellation. */
+static void test_sidak(void **state) {
+    (void)state;
+    assert_true(fabs(mcv_sidak(0.5, 2) - 0.75) < 1e-15);
+    assert_true(fabs(mcv_sidak(0.1, 10) - (1 - pow(0.9, 10))) < 1e-14);
+    assert_true(fabs(mcv_sidak(1e-20, 3) / 3e-20 - 1) < 1e-14);
+    assert_true(mcv_sidak(1, 5) == 1 && mcv_sidak(0, 5) == 0);
+}
+
 /*
  * Pairs of the same distribution. The verdict: at most 4 x 2.5e-4 of them are rejected, so that of 300 pairs more than 3 are with
  * a probability of 3e-4 (Poisson, 0.3). The p-values: p <= 0.05 in at most 5 % of the cases; 300 pairs give 15 ± 3.8, five SDs are 34.
@@ -330,6 +339,7 @@ int main(void) {
         cmocka_unit_test(test_incomplete_beta),
         cmocka_unit_test(test_student),
         cmocka_unit_test(test_counting_distributions),
+        cmocka_unit_test(test_sidak),
         cmocka_unit_test(test_equal_pictures_are_accepted),
         cmocka_unit_test(test_planted_errors_are_rejected),
         cmocka_unit_test(test_pictures_without_noise),
