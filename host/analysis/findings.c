@@ -87,6 +87,16 @@ uint32_t mcv_node_end(const mcv_scene *scene, uint32_t first) {
     return last;
 }
 
+uint32_t mcv_body_end(const mcv_scene *scene, uint32_t first) {
+    const mcv_instance *a = scene->instances + first;
+    uint32_t last = first + 1;
+    for (; last < scene->instance_count; ++last) {
+        const mcv_instance *b = scene->instances + last;
+        if (strcmp(a->name, b->name) != 0 || memcmp(&a->to_world, &b->to_world, sizeof a->to_world) != 0) break;
+    }
+    return last;
+}
+
 bool mcv_is_part(const mcv_scene *scene, uint32_t instance) {
     const char *name = scene->instances[instance].name;
     uint32_t first = instance;
