@@ -2,6 +2,7 @@
 #include "analysis/growth.h"
 
 #include "analysis/find.h"
+#include "core/basics.h"
 #include "scene/emitters.h"
 
 #include <math.h>
@@ -114,14 +115,15 @@ bool mcv_growth_of(const mcv_scene *scene, const mcv_sensor *sensor, mcv_growth 
 
 void mcv_growth_sentence(const mcv_scene *scene, const mcv_growth *growth, char text[512]) {
     const double most = (growth->glossy ? 2 : 1) * growth->edge.value;
+    const char *emitter = scene->emitters[growth->emitter].name, *node = scene->instances[growth->instance].name;
     char by[64];
     if (growth->light_is_narrower)
         snprintf(by, sizeof by, "in its light's cone of %.2g°", atan(growth->cone) * 180 / M_PI);
     else
         snprintf(by, sizeof by, "at f/%.3g", growth->f_number);
     snprintf(text, 512,
-             "before emitter \"%.60s\" the edges of node \"%.60s\", %.3g mm thick, grow by %s %.3g µm each %s, a width by %.3g µm%s",
-             scene->emitters[growth->emitter].name, scene->instances[growth->instance].name, 1e3 * growth->thickness,
+             "before emitter \"%.*s\" the edges of node \"%.*s\", %.3g mm thick, grow by %s %.3g µm each %s, a width by %.3g µm%s",
+             mcv_whole_characters(emitter, 60), emitter, mcv_whole_characters(node, 60), node, 1e3 * growth->thickness,
              growth->glossy ? "up to" : "about", 1e6 * most, by, 2e6 * most,
              growth->telecentric ? ": `measure --nominal` takes it off" : " on the axis; elsewhere perspective shows one rim or the other");
 }
