@@ -632,7 +632,7 @@ static void test_invert_undoes_sample(void **state) {
             if (!(sight.weight > 0)) continue;
             const bool whole = sensor->type == MCV_SENSOR_LIGHT_FIELD; /* knows the pixel only; its edge is left out by rounding */
             const double x = film.column + (whole ? 0.5 : (double)film.x), y = film.row + (whole ? 0.5 : (double)film.y);
-            if (whole && (fmin(u[2], u[3]) < 1e-4f || fmax(u[2], u[3]) > 1 - 1e-4f)) continue;
+            if (whole && (fminf(u[2], u[3]) < 1e-4f || fmaxf(u[2], u[3]) > 1 - 1e-4f)) continue;
             if (!(fabs((double)place.column - x) <= width * 0x1p-20 && fabs((double)place.row - y) <= width * 0x1p-20))
                 fail_msg("%s: (%.9g, %.9g) comes back as (%.9g, %.9g)", kinds[kind], x, y, place.column, place.row);
         }
