@@ -107,7 +107,7 @@ static void test_spot(void **state) {
     mcv_film film = film_of(spot);
     for (double budget = 0.5; budget <= 1; budget += 0.125) {
         BUILD(mcv_allocate_samples(&film, 1, budget, levels, &gain, &builder_error));
-        const int within = levels[18 * WIDTH + 26], without = levels[40 * WIDTH + 50];
+        const signed char within = levels[18 * WIDTH + 26], without = levels[40 * WIDTH + 50];
         if (within - without != 3 && within - without != 4) fail_msg("levels %d and %d", within, without);
         /* Pixels cross a power of two one by one: what is left of the budget is less than the largest of them brings. */
         const double power = mean_power(levels);
@@ -127,7 +127,7 @@ static void test_line(void **state) {
     BUILD(mcv_allocate_samples(&film, 1, 1, levels, &gain, &builder_error));
     for (uint32_t y = 0; y < HEIGHT; ++y) {
         for (uint32_t x = 0; x < WIDTH; ++x) {
-            const int level = levels[y * WIDTH + x];
+            const signed char level = levels[y * WIDTH + x];
             if (x >= 28 && x <= 30 ? level < 2 : level > 0) fail_msg("pixel %u, %u: level %d", x, y, level);
         }
     }

@@ -205,7 +205,10 @@ static void test_text_gives_every_bit_back(void **state) {
 
 /* A text without any of its members, or with another there, is refused by a sentence with the file and the member, or is not missed. */
 static void test_damaged_texts(void **state) {
-    static const char *const needed[] = {"R", "t", "A", "pixelSize", "objectPixel"};
+    static const char *const needed[] = {"R", "t", "A", "pixelSize", "objectPixel", "model", "size", "nodes"};
+    static const char *const wrong[][2] = {{"objectPixel", "[0,1]"}, {"objectPixel", "[1,-1]"}, {"size", "[40.5,30]"},
+                                           {"pixelSize", "[0,1]"},   {"nodes", "[1]"},          {"nodes", "[[]]"},
+                                           {"bits", "\"12\""},       {"macroPixel", "[0,1]"}};
     mcv_camera_model model, read;
     mcv_error error = {""};
     bool is_one;
@@ -225,6 +228,15 @@ static void test_damaged_texts(void **state) {
         }
         json_decref(object);
     }
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        json_t *object = json_loads(text, 0, NULL);
+        json_object_set_new(object, wrong[i][0], json_loads(wrong[i][1], JSON_DECODE_ANY, NULL));
+        char *damaged = json_dumps(object, 0);
+        if (mcv_camera_model_read(damaged, "image.png", &read, &is_one, &error) != MCV_BAD_INPUT || !strstr(error.text, wrong[i][0]))
+            fail_msg("%s %s: %s", wrong[i][0], wrong[i][1], error.text);
+        free(damaged);
+        json_decref(object);
+    }
     static const char *const others[] = {"", "{}", "[]", "a picture of a bracket", "{\"format\":7}", "{\"format\":\"mcvisi camera model 1"};
     for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i) {
         assert_int_equal(mcv_camera_model_read(others[i], "image.png", &read, &is_one, &error), MCV_OK);
@@ -235,6 +247,13 @@ static void test_damaged_texts(void **state) {
     free(text);
     mcv_camera_model_free(&model);
     mcv_scene_free(scene);
+}
+
+/* 256 times 2^24 is 2^32, not 0. */
+static void test_sizes_that_overflow(void **state) {
+    mcv_camera_model model = {.size = {0, 0}, .macro = {1 << 24, 1 << 24}};
+    (void)state;
+    assert_false(mcv_camera_model_fit(&model, 256, 256));
 }
 
 static void test_nodes_by_name(void **state) {
@@ -366,6 +385,7 @@ int main(void) {
         cmocka_unit_test(test_numbers_by_hand),
         cmocka_unit_test(test_text_gives_every_bit_back),
         cmocka_unit_test(test_damaged_texts),
+        cmocka_unit_test(test_sizes_that_overflow),
         cmocka_unit_test(test_nodes_by_name),
         cmocka_unit_test(test_nodes_of_a_file),
         cmocka_unit_test(test_every_file_tells),

@@ -903,7 +903,8 @@ static void write_discs(const char *path, uint32_t width, uint32_t height, const
     FILE *stream = fopen(path, "wb");
     assert_non_null(stream);
     memset(header, ' ', sizeof header);
-    memcpy(header, "\x93NUMPY\x01\x00\x76\x00", 10);
+    static const char magic[10] = {'\x93', 'N', 'U', 'M', 'P', 'Y', 1, 0, 118, 0};
+    memcpy(header, magic, sizeof magic);
     const int length = snprintf(header + 10, 118, "{'descr': '<f4', 'fortran_order': False, 'shape': (%u, %u), }", height, width);
     header[10 + length] = ' ';
     header[127] = '\n';

@@ -56,7 +56,8 @@ static void steps_of_index(void **state) {
                 if (!(c2 > 0) || c1 == 0) continue;
                 const float s1 = (float)sqrt(1 - c1 * (double)c1);
                 const mcv_vec3 d = mcv_vec(s1, 0, -c1), t = mcv_refract(between, d, mcv_vec(0, 0, 1), c1, got_c2);
-                const double length = hypot(s1, c1), truth[2] = {n1 / n2 * s1 / length, sqrt(1 - pow(n1 / n2 * s1 / length, 2))};
+                const double length = hypot((double)s1, (double)c1),
+                             truth[2] = {n1 / n2 * s1 / length, sqrt(1 - pow(n1 / n2 * s1 / length, 2))};
                 const double turn = fabs(atan2(t.x * truth[1] + t.z * truth[0], t.x * truth[0] - t.z * truth[1]));
                 const double bound = 4 * u * (1 + n1 / n2 * truth[0] / truth[1]);
                 worst_turn = fmax(worst_turn, turn / bound);

@@ -278,7 +278,7 @@ static void channels(void **state) {
                 for (int pixel = 0; pixel < PIXELS; ++pixel) {
                     const int at = (grey - 1) * PIXELS + pixel;
                     const double off = coloured[renderer].pixels[at] - mean.pixels[pixel];
-                    const double se = hypot(noise[renderer].pixels[at], error.pixels[pixel]);
+                    const double se = hypot((double)noise[renderer].pixels[at], (double)error.pixels[pixel]);
                     if (se > 0) worst = fmax(worst, fabs(off) / se);
                     shift += off;
                     variance += se * se;
@@ -297,7 +297,7 @@ static void channels(void **state) {
         /* And the channels do differ: by more than their noise. */
         double apart = 0, variance = 0;
         for (int pixel = 0; pixel < PIXELS; ++pixel) {
-            apart += fabs(coloured[0].pixels[pixel] - coloured[0].pixels[2 * PIXELS + pixel]);
+            apart += fabs((double)coloured[0].pixels[pixel] - coloured[0].pixels[2 * PIXELS + pixel]);
             variance += pow(noise[0].pixels[pixel], 2) + pow(noise[0].pixels[2 * PIXELS + pixel], 2);
         }
         assert_true(apart > 10 * sqrt(variance));

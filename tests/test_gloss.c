@@ -181,7 +181,7 @@ static double largest_near(const bench *b, ref_vec w) {
 static double least_mean(const bench *b) {
     const float *means = (const float *)(const void *)(b->element + 1) + b->element->table;
     const uint32_t size = 2 + 2 * b->element->material.azimuths * MCV_ALBEDO_COSINES;
-    if (b->gloss.material->type == MCV_MATERIAL_DIELECTRIC) return fmin(means[0], means[1]);
+    if (b->gloss.material->type == MCV_MATERIAL_DIELECTRIC) return fmin((double)means[0], (double)means[1]);
     return means[(uint32_t)b->element->layer * size];
 }
 

@@ -110,6 +110,13 @@ static void test_contour_of_the_mesh(void **state) {
     check("growth, a step at the edge", edge.value, 2 / (3 * M_PI) * a * thickness + more, 1e-3 * growth.edge.value);
     assert_true(more > 0.05 * growth.edge.value);
 
+    const double so_far = edge.value; /* a table below the light and a plate behind the camera cast no shadow */
+    add_box(scene, (const double[3]){5e-3, 5e-3, 1e-3}, add_absorber(scene), looking_up_z(0, 0, -0.05));
+    add_box(scene, (const double[3]){5e-3, 5e-3, 1e-3}, add_material(scene, MCV_MATERIAL_MIRROR, NULL), looking_up_z(0, 0, 0.2));
+    BUILD(mcv_growth_at(scene, &model, &growth, point, normal, 4, 6, &edge, &error));
+    check("growth before a light on a table", edge.value, so_far, 1e-15);
+    assert_true(edge.uncertainty < 0.02 * edge.value);
+
     assert_int_equal(mcv_growth_at(scene, &model, &growth, (const double[2]){20, 2}, normal, 4, 3, &edge, &error), MCV_FAILED);
     assert_non_null(strstr(error.text, "no contour"));
     mcv_camera_model_free(&model);

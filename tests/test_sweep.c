@@ -192,6 +192,7 @@ static void test_camera(void **state) {
 static void test_foreign_locale(void **state) {
     static const char *const lines[] = {
         "check s.gltf --set sensors/cam/imageDistance=10.5mm --json",
+        // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): one line of two texts
         "sweep s.gltf --vary emitters/panel/radiance=0.5..2.5:3 --tie nodes/stand/translation/z=-0.75*radiance --where 'radiance<2.75' "
         "--region mid=8.5,6.5,8,4 --metric 'x:=0.5*mid.mean' --until x=0.125 --spp 16 --images kept -o x.csv",
         "camera kept/set-00001.exr --electrons-per-unit 1000.5 --gain 0.25 --bits 12 -o grey.png --json",

@@ -461,7 +461,7 @@ static mcv_result size_of(const panel *p, uint32_t *width, uint32_t *height, mcv
 
 static mcv_result say_number(const entry *e, int number, const char *renders, char *text, mcv_error *error) {
     images seen = {0};
-    uint32_t width, height;
+    uint32_t width = 0, height = 0;
     mcv_result result = size_of(e->panels + number, &width, &height, error);
     for (int n = 0; n < count_images(e->panels + number) && result == MCV_OK; ++n) {
         char path[4096];

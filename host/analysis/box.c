@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "analysis/box.h"
 
+#include "core/basics.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -27,7 +29,7 @@ mcv_result mcv_boxes_parse(const char *what, const char *text, size_t number, co
     const char *equals = strchr(text, '=');
     const char *rest = equals && equals > text ? equals + 1 : text;
     if (rest > text)
-        snprintf(name, 64, "%.*s", (int)(equals - text), text);
+        snprintf(name, 64, "%.*s", mcv_whole_characters(text, equals - text < 63 ? (int)(equals - text) : 63), text);
     else
         snprintf(name, 64, "%zu", number);
     for (*count = 0;; ++*count) {

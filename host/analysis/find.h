@@ -22,6 +22,9 @@ static inline double mcv_dot3(const double a[3], const double b[3]) { return a[0
 /* The primitives of a node stand one after the other, with one name. */
 uint32_t mcv_node_end(const mcv_scene *scene, uint32_t first);
 
+/* The same of a body: those of one name that stand in one place. */
+uint32_t mcv_body_end(const mcv_scene *scene, uint32_t first);
+
 /* Neither does it emit, nor does its node: housings and half mirrors belong to lights. */
 bool mcv_is_part(const mcv_scene *scene, uint32_t instance);
 

@@ -6,7 +6,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* --- open_body, thin_body --------------------------------------------------------------------------------------- */
 
@@ -20,21 +19,10 @@ static bool is_thin(const mcv_material *material) {
            (material->type == MCV_MATERIAL_METALLIC_ROUGHNESS && material->as.metallic_roughness.transmission > 0);
 }
 
-/* The primitives of a node stand one after the other, with one name and one place. */
-static bool same_node(const mcv_instance *a, const mcv_instance *b) {
-    return strcmp(a->name, b->name) == 0 && memcmp(&a->to_world, &b->to_world, sizeof a->to_world) == 0;
-}
-
-static uint32_t body_end(const mcv_scene *scene, uint32_t first) {
-    uint32_t last = first + 1;
-    while (last < scene->instance_count && same_node(scene->instances + first, scene->instances + last)) ++last;
-    return last;
-}
-
 mcv_result mcv_find_open_body(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
     for (uint32_t first = 0, last; first < scene->instance_count; first = last) {
         bool dielectric = false;
-        last = body_end(scene, first);
+        last = mcv_body_end(scene, first);
         for (uint32_t i = first; i < last; ++i) dielectric = dielectric || material_of(scene, i)->type == MCV_MATERIAL_DIELECTRIC;
         if (!dielectric) continue;
         uint32_t edges;

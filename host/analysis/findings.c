@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "analysis/find.h"
+#include "core/basics.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -77,13 +78,25 @@ const char *mcv_length_in_words(double metres, char text[32]) {
 
 const char *mcv_instance_label(const mcv_scene *scene, uint32_t instance, char text[MCV_LABEL]) {
     const char *name = scene->instances[instance].name, *mesh = scene->meshes[scene->instances[instance].mesh].name;
-    snprintf(text, MCV_LABEL, *name || !*mesh ? "node \"%.80s\"" : "mesh \"%.80s\"", *name || !*mesh ? name : mesh);
+    const bool is_node = *name || !*mesh;
+    if (!is_node) name = mesh;
+    snprintf(text, MCV_LABEL, "%s \"%.*s\"", is_node ? "node" : "mesh", mcv_whole_characters(name, 80), name);
     return text;
 }
 
 uint32_t mcv_node_end(const mcv_scene *scene, uint32_t first) {
     uint32_t last = first + 1;
     while (last < scene->instance_count && strcmp(scene->instances[first].name, scene->instances[last].name) == 0) ++last;
+    return last;
+}
+
+uint32_t mcv_body_end(const mcv_scene *scene, uint32_t first) {
+    const mcv_instance *a = scene->instances + first;
+    uint32_t last = first + 1;
+    for (; last < scene->instance_count; ++last) {
+        const mcv_instance *b = scene->instances + last;
+        if (strcmp(a->name, b->name) != 0 || memcmp(&a->to_world, &b->to_world, sizeof a->to_world) != 0) break;
+    }
     return last;
 }
 

@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "analysis/growth.h"
 
+#include "analysis/find.h"
+#include "core/basics.h"
 #include "scene/emitters.h"
-#include "scene/sensors.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* First-order optics leave out the fall-off over the cone, below its tangent squared, and what matte walls reflect, below that as well. */
 static const double left_out = 0.01;
-
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /* Depths of an instance along the sensor's axis. */
 static void depths_of(const mcv_scene *scene, uint32_t instance, const mcv_sensor *sensor, double depths[2]) {
@@ -21,7 +19,7 @@ static void depths_of(const mcv_scene *scene, uint32_t instance, const mcv_senso
     for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
         double world[3];
         mcv_scene_vertex(scene, instance, v, world);
-        const double depth = dot(world, forward) - dot(m + 9, forward);
+        const double depth = mcv_dot3(world, forward) - mcv_dot3(m + 9, forward);
         depths[0] = fmin(depths[0], depth);
         depths[1] = fmax(depths[1], depth);
     }
@@ -35,7 +33,7 @@ static bool faces(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_
     double normal[3];
     if (emitter->instance == MCV_NONE || scene->meshes[scene->instances[emitter->instance].mesh].triangle_count == 0) return false;
     mcv_scene_face_normal(scene, emitter->instance, 0, normal);
-    return dot(normal, forward) < -0.5 * sqrt(dot(normal, normal));
+    return mcv_dot3(normal, forward) < -0.5 * sqrt(mcv_dot3(normal, normal));
 }
 
 /* Of the emitters that face the sensor, the one that is farthest away; its depth. */
@@ -65,11 +63,6 @@ static bool is_glossy(const mcv_scene *scene, uint32_t instance) {
     return type != MCV_MATERIAL_DIFFUSE && type != MCV_MATERIAL_ABSORBER && type != MCV_MATERIAL_RETROREFLECTOR;
 }
 
-/* The primitives of a node stand one after the other. */
-static bool same_node(const mcv_instance *a, const mcv_instance *b) {
-    return strcmp(a->name, b->name) == 0 && memcmp(&a->to_world, &b->to_world, sizeof a->to_world) == 0;
-}
-
 static bool casts_shadow(const mcv_scene *scene, uint32_t instance, const mcv_sensor *sensor, double backlight, double depths[2]) {
     depths[0] = INFINITY;
     depths[1] = -INFINITY;
@@ -86,7 +79,9 @@ static double pupil(const mcv_sensor *sensor) {
 
 bool mcv_growth_of(const mcv_scene *scene, const mcv_sensor *sensor, mcv_growth *growth) {
     double backlight;
-    *growth = (mcv_growth){.emitter = find_backlight(scene, sensor, &backlight),
+    const uint32_t emitter = find_backlight(scene, sensor, &backlight);
+    *growth = (mcv_growth){.emitter = emitter,
+                           .backlight = backlight,
                            .instance = MCV_NONE,
                            .cone = pupil(sensor),
                            .f_number = mcv_sensor_optics(sensor).f_number,
@@ -95,11 +90,12 @@ bool mcv_growth_of(const mcv_scene *scene, const mcv_sensor *sensor, mcv_growth 
     for (uint32_t first = 0, last; first < scene->instance_count; first = last) {
         double node[2] = {INFINITY, -INFINITY}, depths[2];
         bool glossy = false;
-        for (last = first; last < scene->instance_count && same_node(scene->instances + first, scene->instances + last); ++last) {
-            if (!casts_shadow(scene, last, sensor, backlight, depths)) continue;
+        last = mcv_body_end(scene, first);
+        for (uint32_t i = first; i < last; ++i) {
+            if (!casts_shadow(scene, i, sensor, backlight, depths)) continue;
             node[0] = fmin(node[0], depths[0]);
             node[1] = fmax(node[1], depths[1]);
-            glossy = glossy || is_glossy(scene, last);
+            glossy = glossy || is_glossy(scene, i);
         }
         if (!(node[1] - node[0] > growth->thickness)) continue;
         growth->thickness = node[1] - node[0];
@@ -119,14 +115,15 @@ bool mcv_growth_of(const mcv_scene *scene, const mcv_sensor *sensor, mcv_growth 
 
 void mcv_growth_sentence(const mcv_scene *scene, const mcv_growth *growth, char text[512]) {
     const double most = (growth->glossy ? 2 : 1) * growth->edge.value;
+    const char *emitter = scene->emitters[growth->emitter].name, *node = scene->instances[growth->instance].name;
     char by[64];
     if (growth->light_is_narrower)
         snprintf(by, sizeof by, "in its light's cone of %.2g°", atan(growth->cone) * 180 / M_PI);
     else
         snprintf(by, sizeof by, "at f/%.3g", growth->f_number);
     snprintf(text, 512,
-             "before emitter \"%.60s\" the edges of node \"%.60s\", %.3g mm thick, grow by %s %.3g µm each %s, a width by %.3g µm%s",
-             scene->emitters[growth->emitter].name, scene->instances[growth->instance].name, 1e3 * growth->thickness,
+             "before emitter \"%.*s\" the edges of node \"%.*s\", %.3g mm thick, grow by %s %.3g µm each %s, a width by %.3g µm%s",
+             mcv_whole_characters(emitter, 60), emitter, mcv_whole_characters(node, 60), node, 1e3 * growth->thickness,
              growth->glossy ? "up to" : "about", 1e6 * most, by, 2e6 * most,
              growth->telecentric ? ": `measure --nominal` takes it off" : " on the axis; elsewhere perspective shows one rim or the other");
 }
@@ -194,7 +191,7 @@ static double mean_shadow(const contour *c, double cone) {
     enum { STEPS = 64 };
     double sum = 0;
     for (int i = 0; i < STEPS; ++i) {
-        /* u = a cos φ with φ in the middle of equal steps: Gauss and Chebyshev's weights of the second kind, sin²φ. */
+        /* u = a cos φ at φ = kπ/(n + 1), with weights of sin²φ: Gauss and Chebyshev's rule of the second kind. */
         const double angle = M_PI * (i + 1) / (STEPS + 1), u = cone * cos(angle);
         double h = -INFINITY;
         for (size_t k = 0; k < c->count; ++k) h = fmax(h, c->points[k][0] - u * c->points[k][1]);
@@ -209,9 +206,9 @@ static double outermost(const contour *c) {
     return h;
 }
 
-/* Clips the part's triangles to the surroundings of the edge. */
-static bool gather(const mcv_scene *scene, const mcv_camera_model *model, uint32_t instance, const double point[2], const double normal[2],
-                   double length, double reach, double pixel, contour *found) {
+/* Clips triangles between the sensor and the backlight to the surroundings of the edge. */
+static bool gather(const mcv_scene *scene, const mcv_camera_model *model, double backlight, uint32_t instance, const double point[2],
+                   const double normal[2], double length, double reach, double pixel, contour *found) {
     const mcv_mesh *mesh = scene->meshes + scene->instances[instance].mesh;
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
         double corners[3][3];
@@ -219,12 +216,12 @@ static bool gather(const mcv_scene *scene, const mcv_camera_model *model, uint32
         int count = 3;
         mcv_scene_corners(scene, instance, t, corners);
         for (int k = 0; k < 3; ++k) {
+            const double depth = mcv_camera_model_depth(model, corners[k]);
             double at[2];
-            if (!mcv_camera_model_project(model, corners[k], at)) count = 0;
+            if (!(depth > 0 && depth < backlight) || !mcv_camera_model_project(model, corners[k], at)) count = 0;
             if (count == 0) break;
             const double dx = at[0] - point[0], dy = at[1] - point[1];
-            polygons[0][k] =
-                (corner){dy * normal[0] - dx * normal[1], dx * normal[0] + dy * normal[1], mcv_camera_model_depth(model, corners[k])};
+            polygons[0][k] = (corner){dy * normal[0] - dx * normal[1], dx * normal[0] + dy * normal[1], depth};
         }
         for (int plane = 0; plane < 4 && count > 0; ++plane)
             count = clip(polygons[plane % 2], count, plane, length, reach, polygons[(plane + 1) % 2]);
@@ -242,7 +239,7 @@ mcv_result mcv_growth_at(const mcv_scene *scene, const mcv_camera_model *model, 
     for (uint32_t i = 0; i < scene->instance_count && enough; ++i) {
         if (scene->instances[i].emitter != MCV_NONE || !is_opaque(scene, i)) continue;
         const size_t before = found.count;
-        enough = gather(scene, model, i, point, normal, length, reach, pixel, &found);
+        enough = gather(scene, model, growth->backlight, i, point, normal, length, reach, pixel, &found);
         glossy = glossy || (found.count > before && is_glossy(scene, i));
     }
     const double whole = found.count ? mean_shadow(&found, growth->cone) - outermost(&found) : NAN;

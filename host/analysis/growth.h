@@ -25,6 +25,7 @@
 
 typedef struct mcv_growth {
     uint32_t emitter;       /* the backlight, of the scene */
+    double backlight;       /* its depth [m]: what lies behind casts no shadow */
     uint32_t instance;      /* of the thickest opaque node before it */
     double thickness;       /* of that node along the optical axis [m] */
     double cone;            /* a */

@@ -2,6 +2,7 @@
 #include "analysis/line.h"
 
 #include "analysis/form.h"
+#include "core/basics.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -89,7 +90,7 @@ mcv_result mcv_line_locate(mcv_readings *readings, double least, mcv_line *line,
     if (!rows) return mcv_fail(error, MCV_FAILED, "line %s: no memory for its edges", line->edge.name);
     for (size_t i = 0; result == MCV_OK && i < line->box_count; ++i) {
         mcv_edge edge = {.box = line->boxes[i]};
-        snprintf(edge.name, sizeof edge.name, "%.40s, box %zu", line->edge.name, i + 1);
+        snprintf(edge.name, sizeof edge.name, "%.*s, box %zu", mcv_whole_characters(line->edge.name, 40), line->edge.name, i + 1);
         result = mcv_edge_locate(readings, least, &edge, error);
         if (result != MCV_OK) break;
         rows[i] = edge.rows;
@@ -185,7 +186,8 @@ mcv_result mcv_caliper_locate(mcv_readings *readings, double least, mcv_caliper 
         const uint32_t middle = i ? high : low, beside = i ? length - 1 - high : low, reach = half < beside ? half : beside;
         mcv_edge *edge = caliper->edges + i;
         *edge = (mcv_edge){.box = *box};
-        snprintf(edge->name, sizeof edge->name, "%.40s, %s edge", caliper->name, i ? "second" : "first");
+        snprintf(edge->name, sizeof edge->name, "%.*s, %s edge", mcv_whole_characters(caliper->name, 40), caliper->name,
+                 i ? "second" : "first");
         if (reach < 5)
             return mcv_fail(
                 error, MCV_FAILED,

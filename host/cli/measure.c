@@ -537,7 +537,8 @@ static mcv_result draw_grid(subject *s, mcv_error *error) {
                         text);
     if (equals) {
         char *name = strndup(text, (size_t)(equals - text));
-        const mcv_result found = name ? mcv_camera_model_node(&s->model, name, "--grid", &node, error) : MCV_FAILED;
+        const mcv_result found = name ? mcv_camera_model_node(&s->model, name, "--grid", &node, error)
+                                      : mcv_fail(error, MCV_FAILED, "--grid %s: no memory for its node", text);
         free(name);
         MCV_TRY(found);
     } else if (s->has_model && s->model.node_count) {

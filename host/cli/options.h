@@ -256,7 +256,8 @@ enum {
     X(list, set, "set", 0, "PATH=VALUE", MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE | MCV_IN_COMPARE, NULL, 0, 0, \
       "change the scene, as in --set sensors/cam/fNumber=8 or --set emitters/back/halfAngle=0.2deg; may be repeated") \
     X(text, html, "html", 0, "F.html", MCV_IN_CHECK, NULL, 0, 0, \
-      "draw the set-up, too: a page with each sensor's view from the side and from above, with rays, field, focus, depth of field, lights and " \
+      "draw the set-up, too: a page with each sensor's view from the side and from above, with rays, field, focus, depth of field, " \
+      "lights and " \
       "dimensions, and the findings") \
     X(flag, defines, "defines", 0, NULL, MCV_IN_CHECK, NULL, 0, 0, \
       "print the -D options that specialise the scene's OpenCL programs; without a scene, those with all features") \

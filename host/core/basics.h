@@ -10,4 +10,7 @@ double mcv_seconds(void);
 /* Whether a file's name has this ending, ".png", in capitals or not. */
 bool mcv_ends_in(const char *path, const char *ending);
 
+/* How many bytes of a text, at most so many, end with a whole character of UTF-8: for "%.*s". */
+int mcv_whole_characters(const char *text, int most);
+
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "output/grid.h"
 
+#include "core/basics.h"
 #include "output/figure.h"
 #include "output/png.h"
 
@@ -90,8 +91,9 @@ static void draw_lines(const mcv_grid *grid, const double a[3], const char *name
     const bool upright = fabs(a[0]) >= fabs(a[1]);
     char before[16];
     snprintf(before, sizeof before, "%s ", name);
-    for (double n = ceil(low / step); n * step <= high; ++n) {
-        if (!clip(grid, a[0], a[1], n * step - a[2], ends)) continue;
+    for (int line = 0; line <= LINES; ++line) { /* so many at the most: steps from far off may be less than rounding */
+        const double value = step * (ceil(low / step) + line);
+        if (!(value <= high) || !clip(grid, a[0], a[1], value - a[2], ends)) continue;
         cairo_set_source_rgba(grid->page, colour[0], colour[1], colour[2], 0.6);
         cairo_move_to(grid->page, grid->left + grid->zoom * ends[0][0], grid->top + grid->zoom * ends[0][1]);
         cairo_line_to(grid->page, grid->left + grid->zoom * ends[1][0], grid->top + grid->zoom * ends[1][1]);
@@ -99,7 +101,7 @@ static void draw_lines(const mcv_grid *grid, const double a[3], const char *name
         cairo_set_source_rgb(grid->page, colour[0], colour[1], colour[2]);
         const int last = upright ? ends[1][1] >= ends[0][1] : ends[1][0] >= ends[0][0]; /* the lower, the right one */
         const double x = grid->left + grid->zoom * ends[last][0], y = grid->top + grid->zoom * ends[last][1];
-        put_number(grid, x + (upright ? 0 : 6), y + (upright ? 16 : 0.35 * LETTERS), upright ? 0.5 : 0, before, 1e3 * n * step);
+        put_number(grid, x + (upright ? 0 : 6), y + (upright ? 16 : 0.35 * LETTERS), upright ? 0.5 : 0, before, 1e3 * value);
     }
 }
 
@@ -116,8 +118,8 @@ static void draw_node(const mcv_grid *grid, const mcv_camera_model *model, const
     for (int k = 0; k < 3; ++k)
         if (k != hidden) draw_lines(grid, a[k], names[k], colours[shown++]);
     cairo_set_source_rgb(grid->page, 0, 0, 0);
-    snprintf(title, sizeof title, "mm of node %.128s, in the plane in focus: %s = %.4g mm in its middle", node->name, names[hidden],
-             1e3 * middle + 0.0);
+    snprintf(title, sizeof title, "mm of node %.*s, in the plane in focus: %s = %.4g mm in its middle",
+             mcv_whole_characters(node->name, 128), node->name, names[hidden], 1e3 * middle + 0.0);
     mcv_page_text(grid->page, grid->left, 16, 0, title);
 }
 

@@ -2,6 +2,7 @@
 #include "output/setup_page.h"
 
 #include "analysis/find.h"
+#include "core/basics.h"
 #include "output/file.h"
 #include "output/html.h"
 #include "scene/emitters.h"
@@ -366,7 +367,8 @@ static void put_dimensions(canvas *c, const double parts[2]) {
             at = to_drawing(c, e->to_world.m + 9).depth;
         else
             continue;
-        snprintf(words, sizeof words, "%.60s at %s", *e->name ? e->name : "light", mcv_length_in_words(fabs(at), text[0]));
+        const char *name = *e->name ? e->name : "light";
+        snprintf(words, sizeof words, "%.*s at %s", mcv_whole_characters(name, 60), name, mcv_length_in_words(fabs(at), text[0]));
         if (at < 0) snprintf(words + strlen(words), sizeof words - strlen(words), " behind the lens");
         if (at > c->depth[0] && at < c->depth[1]) put_dimension(c, "of-light", fmin(0, at), fmax(0, at), words);
     }

@@ -390,7 +390,7 @@ double ref_gloss_evaluate(const ref_gloss *g, ref_vec o, ref_vec i, double value
         double reflects[3], passes[3];
         const double chance = split(g, &l, c, reflects, passes);
         const double facets = distribution(l.alpha, h) * c / o.z * jacobian, own = lambda(l.alpha, o);
-        double words[MCV_MULTIPLE_WORDS];
+        double words[MCV_MULTIPLE_WORDS] = {0};
         if (g->table->orders && !far) orders_at(g, o, i, words);
         for (int channel = 0; g->table->orders && !far && channel < 3; ++channel) {
             const double b = g->base[channel];

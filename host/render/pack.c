@@ -111,7 +111,7 @@ static void pack_instance(const mcv_scene *scene, mcv_packed *packed, uint32_t i
             for (int k = 0; k < 4; ++k) packed->tangents[4 * to + k] = (float)t[k];
         }
         if (packed->texcoords && mesh->texcoords) memcpy(packed->texcoords + 2 * to, mesh->texcoords + 2 * (size_t)v, 2 * sizeof(float));
-        if (packed->texcoord_sets > 1 && mesh->texcoords1)
+        if (packed->texcoords && packed->texcoord_sets > 1 && mesh->texcoords1)
             memcpy(packed->texcoords + 2 * (packed->vertex_count + to), mesh->texcoords1 + 2 * (size_t)v, 2 * sizeof(float));
     }
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {

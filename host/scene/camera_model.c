@@ -91,7 +91,7 @@ void mcv_camera_model_free(mcv_camera_model *model) {
 bool mcv_camera_model_fit(mcv_camera_model *model, uint32_t width, uint32_t height) {
     const uint32_t size[2] = {width, height};
     if (width == model->size[0] && height == model->size[1]) return true;
-    if (width * model->macro[0] != model->size[0] || height * model->macro[1] != model->size[1]) return false;
+    if ((uint64_t)width * model->macro[0] != model->size[0] || (uint64_t)height * model->macro[1] != model->size[1]) return false;
     for (int i = 0; i < 2; ++i) {
         model->k[4 * i] /= model->macro[i];
         model->k[3 * i + 2] /= model->macro[i];
@@ -266,20 +266,29 @@ static mcv_result get_number(const json_t *object, const char *key, double absen
     return mcv_json_number(object, key, -DBL_MAX, DBL_MAX, out, where, error);
 }
 
+/* Two whole numbers, or 1 and 1. */
 static mcv_result get_pair(const json_t *object, const char *key, uint32_t out[2], const mcv_place *where, mcv_error *error) {
     double pair[2] = {1, 1};
+    const mcv_place here = mcv_place_key(where, key);
     MCV_TRY(mcv_json_numbers(object, key, 2, 1, 1 << 24, pair, where, error));
-    for (int i = 0; i < 2; ++i) out[i] = (uint32_t)pair[i];
+    for (int i = 0; i < 2; ++i) {
+        if (pair[i] != floor(pair[i])) return mcv_fail_at(&here, error, "must be whole numbers");
+        out[i] = (uint32_t)pair[i];
+    }
     return MCV_OK;
+}
+
+static mcv_result get_lengths(const json_t *object, const char *key, double out[2], const mcv_place *where, mcv_error *error) {
+    const mcv_place here = mcv_place_key(where, key);
+    MCV_TRY(get_matrix(object, key, 1, 2, out, where, error));
+    return out[0] > 0 && out[1] > 0 ? MCV_OK : mcv_fail_at(&here, error, "must be lengths above 0");
 }
 
 static mcv_result get_nodes(const json_t *object, mcv_camera_model *model, const mcv_place *where, mcv_error *error) {
     const mcv_place list = mcv_place_key(where, "nodes");
-    json_t *nodes;
+    const json_t *nodes = json_object_get(object, "nodes"), *node;
     size_t i;
-    const json_t *node;
-    MCV_TRY(json_array_size(json_object_get(object, "nodes")) ? mcv_json_array(object, "nodes", &nodes, where, error) : MCV_OK);
-    nodes = json_object_get(object, "nodes");
+    if (!json_is_array(nodes)) return mcv_fail_at(&list, error, "must be an array");
     model->nodes = calloc(json_array_size(nodes) + 1, sizeof *model->nodes);
     if (!model->nodes) return mcv_fail_memory(where, error);
     json_array_foreach(nodes, i, node) {
@@ -300,16 +309,20 @@ static mcv_result get_nodes(const json_t *object, mcv_camera_model *model, const
 }
 
 static mcv_result get_all(const json_t *object, mcv_camera_model *model, const mcv_place *where, mcv_error *error) {
+    const mcv_place kind_place = mcv_place_key(where, "model"), size = mcv_place_key(where, "size");
     const char *kind = "";
     MCV_TRY(mcv_json_string(object, "model", &kind, where, error));
     model->telecentric = strcmp(kind, "telecentric") == 0;
+    if (!model->telecentric && strcmp(kind, "perspective") != 0)
+        return mcv_fail_at(&kind_place, error, "must be \"perspective\" or \"telecentric\"");
+    if (!json_object_get(object, "size")) return mcv_fail_at(&size, error, "is missing");
     MCV_TRY(get_pair(object, "size", model->size, where, error));
     MCV_TRY(get_pair(object, "macroPixel", model->macro, where, error));
     MCV_TRY(get_matrix(object, "R", 3, 3, model->rotation, where, error));
     MCV_TRY(get_matrix(object, "t", 1, 3, model->translation, where, error));
-    MCV_TRY(get_matrix(object, "pixelSize", 1, 2, model->pixel, where, error));
+    MCV_TRY(get_lengths(object, "pixelSize", model->pixel, where, error));
     if (model->telecentric || json_object_get(object, "objectPixel"))
-        MCV_TRY(get_matrix(object, "objectPixel", 1, 2, model->object_pixel, where, error));
+        MCV_TRY(get_lengths(object, "objectPixel", model->object_pixel, where, error));
     MCV_TRY(model->telecentric ? get_matrix(object, "A", 2, 4, model->affine, where, error)
                                : get_matrix(object, "K", 3, 3, model->k, where, error));
     MCV_TRY(get_number(object, "focusedDepth", INFINITY, &model->focused_depth, where, error));

@@ -103,11 +103,7 @@ bool mcv_lens_is_one_of(const char *word, const char *list) {
 }
 
 void mcv_lens_copy_name(char out[MCV_LENS_NAME], const char *text) {
-    size_t n = strlen(text);
-    if (n > MCV_LENS_NAME - 1) n = MCV_LENS_NAME - 1;
-    while (n > 0 && ((unsigned char)text[n] & 0xc0) == 0x80) --n;
-    memcpy(out, text, n);
-    out[n] = '\0';
+    snprintf(out, MCV_LENS_NAME, "%.*s", mcv_whole_characters(text, MCV_LENS_NAME - 1), text);
 }
 
 mcv_result mcv_lens_distance(const mcv_lens *l, const char *word, double *value, mcv_error *error) {

@@ -80,7 +80,8 @@ static mcv_result decode_data(mcv_texture *texture, const mcv_place *place, mcv_
     const size_t pixels = (size_t)texture->width * texture->height;
     texture->linear = malloc(3 * sizeof(float) * pixels);
     if (!texture->linear) return mcv_fail_memory(place, error);
-    for (size_t i = 0; i < 3 * pixels; ++i) texture->linear[i] = (float)(texture->rgba[4 * (i / 3) + i % 3] / 255.0);
+    for (size_t i = 0; i < pixels; ++i)
+        for (size_t c = 0; c < 3; ++c) texture->linear[3 * i + c] = (float)(texture->rgba[4 * i + c] / 255.0);
     texture->rgba = NULL;
     texture->is_data = true;
     return MCV_OK;

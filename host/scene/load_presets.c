@@ -77,8 +77,9 @@ static mcv_result add_turned(mcv_loader *loader, const char *name, const profile
     mesh.positions = malloc(3 * sizeof(float) * mesh.vertex_count);
     mesh.normals = malloc(3 * sizeof(float) * mesh.vertex_count);
     mesh.indices = malloc(6 * sizeof(uint32_t) * mesh.vertex_count);
-    mcv_result result = mesh.positions && mesh.normals && mesh.indices ? MCV_OK : mcv_fail_memory(place, error);
-    for (uint32_t i = 0; i < mesh.vertex_count && result == MCV_OK; ++i) {
+    const bool memory = mesh.positions && mesh.normals && mesh.indices;
+    mcv_result result = memory ? MCV_OK : mcv_fail_memory(place, error);
+    for (uint32_t i = 0; i < mesh.vertex_count && memory; ++i) {
         const uint32_t row = i / SEGMENTS, next = row * SEGMENTS + (i + 1) % SEGMENTS;
         turn(profile + row, i % SEGMENTS, mesh.positions + 3 * (size_t)i, mesh.normals + 3 * (size_t)i);
         if (row + 1 == count) continue;

@@ -154,15 +154,16 @@ static mcv_result define_lens(mcv_loader *loader, const json_t *object, mcv_body
     lens_surface *surfaces = calloc(n, sizeof *surfaces);
     body->solids = calloc(n, sizeof *body->solids);
     body->materials = calloc(n, 2 * sizeof *body->materials);
-    mcv_result result = surfaces && body->solids && body->materials ? MCV_OK : mcv_fail_memory(place, error);
+    const bool memory = surfaces && body->solids && body->materials;
+    mcv_result result = memory ? MCV_OK : mcv_fail_memory(place, error);
     double z = 0;
-    for (uint32_t i = 0; i < n && result == MCV_OK; ++i) {
+    for (uint32_t i = 0; i < n && memory && result == MCV_OK; ++i) {
         const mcv_place at = mcv_place_index(&here, i);
         result = read_lens_surface(loader, json_array_get(array, i), surfaces + i, &at, error);
         surfaces[i].cap.z = z;
         z += surfaces[i].params.thickness;
     }
-    if (result == MCV_OK) result = assemble_lens(surfaces, n, rim, body, &here, error);
+    if (memory && result == MCV_OK) result = assemble_lens(surfaces, n, rim, body, &here, error);
     free(surfaces);
     return result;
 }

@@ -219,8 +219,7 @@ mcv_result mcv_mesh_make_normals(mcv_mesh *mesh, double crease_angle, const mcv_
         for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
             float *faces = c.normals + 9 * (size_t)t;
             face_normal(mesh->positions + 9 * (size_t)t, faces);
-            memcpy(faces + 3, faces, 3 * sizeof(float));
-            memcpy(faces + 6, faces, 3 * sizeof(float));
+            for (int i = 3; i < 9; ++i) faces[i] = faces[i - 3];
         }
         result = crease(&c, sums, normals, place, error);
     } else {

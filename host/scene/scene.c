@@ -117,6 +117,7 @@ mcv_result mcv_scene_add_texture(mcv_scene *scene, const mcv_texture *texture, m
         return mcv_fail_at(here, error, "must have pixels");
     bool failed = false;
     mcv_texture own = *texture;
+    own.shares_pixels = false;
     own.name = copy_name(texture->name, &failed);
     own.rgba = copy(texture->rgba, 4 * (size_t)texture->width * texture->height, &failed);
     own.linear = copy(texture->linear, 3 * sizeof(float) * texture->width * texture->height, &failed);
