@@ -86,7 +86,7 @@ MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot, uint emi
     own = carried ? 0.0f : own;
 #endif
     const float weight = mcv_choice_weight(own, other);
-    emitted = mcv_dim(emitted, (own > 0.0f) & (mcv_brightest(emitted) > 0.0f) ? weight : 1.0f);
+    emitted = mcv_dim(emitted, ((own > 0.0f) & (mcv_brightest(emitted) > 0.0f)) ? weight : 1.0f);
 #else
     (void)emitter, (void)other;
 #endif
