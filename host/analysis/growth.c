@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "analysis/growth.h"
 
+#include "analysis/find.h"
 #include "scene/emitters.h"
 #include "scene/sensors.h"
 
@@ -129,6 +130,18 @@ void mcv_growth_sentence(const mcv_scene *scene, const mcv_growth *growth, char 
              scene->emitters[growth->emitter].name, scene->instances[growth->instance].name, 1e3 * growth->thickness,
              growth->glossy ? "up to" : "about", 1e6 * most, by, 2e6 * most,
              growth->telecentric ? ": `measure --nominal` takes it off" : " on the axis; elsewhere perspective shows one rim or the other");
+}
+
+mcv_result mcv_find_growth(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
+    for (uint32_t i = 0; i < scene->sensor_count; ++i) {
+        const mcv_sensor *sensor = scene->sensors + i;
+        mcv_growth growth;
+        char sentence[512];
+        if (!mcv_growth_of(scene, sensor, &growth)) continue;
+        mcv_growth_sentence(scene, &growth, sentence);
+        MCV_TRY(mcv_findings_add(findings, MCV_SEVERITY_NOTE, "sensors", sensor->name, NULL, error, "%s", sentence));
+    }
+    return MCV_OK;
 }
 
 /* --- at an edge of the image ------------------------------------------------------------------------------------ */
