@@ -5,6 +5,7 @@
 
 #include "analysis/blur.h"
 #include "analysis/camera.h"
+#include "analysis/render_error.h"
 #include "cli/report.h"
 #include "core/basics.h"
 #include "core/parallel.h"
@@ -158,9 +159,12 @@ static mcv_attribute number_attribute(const char *name, double number) {
 
 static mcv_attribute text_attribute(const char *name, const char *text) { return (mcv_attribute){.name = name, .text = text}; }
 
-/* The image's camera model, with what the grey values are. The header of another program may have none. */
-static mcv_result describe(const char *path, const mcv_exr *exr, const mcv_camera *camera, mcv_image *grey, mcv_error *error) {
+/* The image's camera model, with what the grey values are; `in_header` where the render's error has no other place in the file. The header
+ * of another program may have none. */
+static mcv_result describe(const char *path, const mcv_exr *exr, const mcv_camera *camera, const mcv_correlation *correlation,
+                           bool in_header, mcv_exposure *exposure, mcv_error *error) {
     const mcv_attribute *text = mcv_exr_attribute(exr, MCV_CAMERA_MODEL_KEY);
+    const double *freedom = mcv_exr_numbers(exr, "mcvisi:errorFreedom", 1);
     mcv_camera_model model;
     bool is_one;
     MCV_TRY(mcv_camera_model_read(text ? text->text : NULL, path, &model, &is_one, error));
@@ -168,9 +172,15 @@ static mcv_result describe(const char *path, const mcv_exr *exr, const mcv_camer
     model.bits = camera->bits;
     model.black_level = camera->black_level;
     model.gain = camera->gain;
-    grey->description = mcv_camera_model_write(&model);
+    mcv_result result = MCV_OK;
+    if (in_header && exposure->render.pixels)
+        result = mcv_render_error_of(&exposure->grey, &exposure->render, correlation, freedom ? *freedom : 0, &model.render_error, error);
+    if (result == MCV_OK) {
+        exposure->grey.description = mcv_camera_model_write(&model);
+        if (!exposure->grey.description) result = mcv_fail(error, MCV_FAILED, "%s: no memory for its header", path);
+    }
     mcv_camera_model_free(&model);
-    return grey->description ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: no memory for its header", path);
+    return result;
 }
 
 /* The image's header, but what the values are, and the camera. */
@@ -302,7 +312,7 @@ mcv_result mcv_camera_read_out(const mcv_command *command, const char *path, mcv
 /* Two files that are written at once. */
 typedef struct values {
     const char *grey, *preview; /* NULL: none */
-    const mcv_image *image;
+    const mcv_image *image, *shown;
     int bits;
     mcv_result results[2];
     mcv_error errors[2];
@@ -312,15 +322,18 @@ static void write_one(void *user, size_t i) {
     values *v = user;
     mcv_preview shown = {.white = (double)((1u << v->bits) - 1)};
     if (i == 0) v->results[0] = mcv_values_write(v->grey, v->image, v->bits > 8 ? 16 : 8, v->errors);
-    if (i == 1 && v->preview) v->results[1] = mcv_png_write_preview(v->preview, v->image, "DN", &shown, v->errors + 1);
+    if (i == 1 && v->preview) v->results[1] = mcv_png_write_preview(v->preview, v->shown, "DN", &shown, v->errors + 1);
 }
 
-/* Grey values as they are, and a preview in which the largest is white. */
-static mcv_result write_values(const mcv_command *command, const char *grey, const mcv_camera *camera, const mcv_exposure *exposure,
-                               mcv_error *error) {
+/* Grey values as they are, and a preview in which the largest is white: its values are no grey values, and its header does not say so. */
+static mcv_result write_values(const mcv_command *command, const mcv_exr *exr, const char *grey, const mcv_camera *camera,
+                               const mcv_exposure *exposure, mcv_error *error) {
     char preview[PATH_MAX];
-    const bool shown = mcv_camera_preview(command, grey, preview);
-    values v = {.grey = grey, .preview = shown ? preview : NULL, .image = &exposure->grey, .bits = (int)camera->bits};
+    const bool wanted = mcv_camera_preview(command, grey, preview);
+    const mcv_attribute *model = mcv_exr_attribute(exr, MCV_CAMERA_MODEL_KEY);
+    mcv_image shown = exposure->grey;
+    if (shown.description) shown.description = (char *)model->text;
+    values v = {.grey = grey, .preview = wanted ? preview : NULL, .image = &exposure->grey, .shown = &shown, .bits = (int)camera->bits};
     mcv_in_parallel(2, write_one, &v);
     const int failed = v.results[0] == MCV_OK;
     if (v.results[failed] != MCV_OK) *error = v.errors[failed];
@@ -334,13 +347,14 @@ static mcv_result expose(const mcv_command *command, const char *path, mcv_exr *
     mcv_camera camera = camera_of(command);
     mcv_correlation correlation;
     MCV_TRY(read_out(command, path, exr, &camera, &exposure, &unit, lens, &correlation, error));
-    mcv_result result = describe(path, exr, &camera, &exposure.grey, error);
+    const bool is_exr = mcv_ends_in(grey, ".exr");
+    mcv_result result = describe(path, exr, &camera, &correlation, !is_exr, &exposure, error);
     if (result != MCV_OK) {
         mcv_exposure_free(&exposure);
         return result;
     }
-    result = mcv_ends_in(grey, ".exr") ? write_exr(command, grey, exr, &camera, &exposure, lens, &correlation, error)
-                                       : write_values(command, grey, &camera, &exposure, error);
+    result = is_exr ? write_exr(command, grey, exr, &camera, &exposure, lens, &correlation, error)
+                    : write_values(command, exr, grey, &camera, &exposure, error);
     if (result == MCV_OK) warn(grey, &camera, &exposure);
     if (result == MCV_OK && told) result = report_exposure(command, grey, &camera, &exposure, unit, lens, error);
     mcv_exposure_free(&exposure);
