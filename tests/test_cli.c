@@ -805,6 +805,34 @@ static void test_measure(void **state) {
     assert_non_null(strstr(out, " ± "));
 }
 
+/*
+ * --expose-to takes the same level of a render of few samples as of one of many, within what is stated of both (one in 1000 is 3.3
+ * deviations off). A scratch in dark field is noisy: of 16 samples the brightest square of 16 x 16 pixels is known to 1 or 2 %.
+ */
+static void test_level_of_a_render(void **state) {
+    static const int samples[] = {256, 16, 16, 16, 64};
+    double levels[5], uncertainties[5];
+    (void)state;
+    for (int i = 0; i < 5; ++i) {
+        char line[512];
+        snprintf(line, sizeof line, "render " MCV_SOURCE_DIR "/scenes/scratch.gltf --resolution 64x48 --spp %d --seed %d -o s.exr",
+                 samples[i], i);
+        run_well(line);
+        run_well("camera s.exr -o grey.exr --expose-to 0.8 --json");
+        json_t *report = json_loads(out, 0, NULL);
+        const double level = measured(report, "level", uncertainties + i);
+        assert_true(level == 8000);
+        levels[i] = 1 / json_number_value(json_object_get(report, "electrons_per_unit"));
+        uncertainties[i] *= levels[i] / level;
+        json_decref(report);
+        const double off = levels[i] - levels[0];
+        print_message("%d samples: %+.3f %%, stated %.3f %%\n", samples[i], 100 * off / levels[0], 100 * uncertainties[i] / levels[i]);
+        if (fabs(off) > 3.3 * hypot(uncertainties[0], uncertainties[i]))
+            fail_msg("%d samples: the level is off by %g of %g ± %g", samples[i], off, levels[0], uncertainties[i]);
+    }
+    assert_true(uncertainties[0] > 0 && uncertainties[0] < 0.01 * levels[0]);
+}
+
 /* --- the render's own error ------------------------------------------------------------------------------------- */
 
 /* What a render of so many samples gives of a bright half and a darker one; irradiance, 4 replicates, f/4. */
@@ -1294,6 +1322,7 @@ int main(void) {
         TEST(test_camera_bad_input),
         TEST(test_measure_a_render),
         TEST(test_measure),
+        TEST(test_level_of_a_render),
         TEST(test_contrast_without_the_render),
         TEST(test_units_of_options),
         TEST(test_measure_circles),

@@ -120,14 +120,13 @@ bool mcv_growth_of(const mcv_scene *scene, const mcv_sensor *sensor, mcv_growth 
 
 void mcv_growth_sentence(const mcv_scene *scene, const mcv_growth *growth, char text[512]) {
     const double most = (growth->glossy ? 2 : 1) * growth->edge.value;
-    char by[64];
+    char by[64], label[MCV_LABEL];
     if (growth->light_is_narrower)
         snprintf(by, sizeof by, "in its light's cone of %.2g°", atan(growth->cone) * 180 / M_PI);
     else
         snprintf(by, sizeof by, "at f/%.3g", growth->f_number);
-    snprintf(text, 512,
-             "before emitter \"%.60s\" the edges of node \"%.60s\", %.3g mm thick, grow by %s %.3g µm each %s, a width by %.3g µm%s",
-             scene->emitters[growth->emitter].name, scene->instances[growth->instance].name, 1e3 * growth->thickness,
+    snprintf(text, 512, "before emitter \"%.60s\" the edges of %s, %.3g mm thick, grow by %s %.3g µm each %s, a width by %.3g µm%s",
+             scene->emitters[growth->emitter].name, mcv_instance_label(scene, growth->instance, label), 1e3 * growth->thickness,
              growth->glossy ? "up to" : "about", 1e6 * most, by, 2e6 * most,
              growth->telecentric ? ": `measure --nominal` takes it off" : " on the axis; elsewhere perspective shows one rim or the other");
 }
