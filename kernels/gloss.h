@@ -188,10 +188,12 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
         const float sum = apart ? larger : near + far_mean;
         const float share = near > 0.0f ? missing / sum : 0.0f;
         const float back = near > 0.0f ? (sum - far_mean) / near_mean : 0.0f;
-        const float returns = apart ? 0.25f : (sum - far_mean) / sum; /* the table's share, by the near lobe's directions */
-        lobes.specular = near > 0.0f ? 1.0f - missing : 1.0f;
+        /* What the table sends back is chosen by the near lobe, too: more of it in the denser medium. */
+        const float square = gloss->between.eta * gloss->between.eta;
+        const float returns = apart ? (1.0f - missing) * (square < 1.0f ? square : 1.0f) : (sum - far_mean) / sum;
         lobes.near_chance = near > 0.0f ? missing * returns : 0.0f;
-        lobes.far_chance = near > 0.0f ? missing * (1.0f - returns) : 0.0f;
+        lobes.far_chance = near > 0.0f ? (apart ? missing : missing - lobes.near_chance) : 0.0f;
+        lobes.specular = 1.0f - lobes.near_chance - lobes.far_chance;
         MCV_EACH_CHANNEL(k) {
             lobes.near_a.c[k] = gloss->inside ? 0.0f : share * back;
             lobes.near_b.c[k] = gloss->inside ? share * back : 0.0f;

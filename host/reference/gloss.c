@@ -331,14 +331,14 @@ static lobes lobes_at(const ref_gloss *g, ref_vec o) {
     weigh(g, mean, average);
     if (g->material->type == MCV_MATERIAL_DIELECTRIC) {
         const double near = g->from * g->from * average[0], far = g->to * g->to * average[1];
-        const double all = g->table->orders ? fmax(near, far) : near + far, returns = g->table->orders ? 0.25 : near / all;
+        const double all = g->table->orders ? fmax(near, far) : near + far;
         if (!(near > 0)) {
             l.chance[0] = 1;
             return l;
         }
-        l.chance[0] = 1 - own[0];
-        l.chance[1] = own[0] * returns;
-        l.chance[2] = own[0] * (1 - returns);
+        l.chance[1] = own[0] * (g->table->orders ? (1 - own[0]) * fmin(pow(g->from / g->to, 2), 1) : near / all);
+        l.chance[2] = g->table->orders ? own[0] : own[0] - l.chance[1];
+        l.chance[0] = 1 - l.chance[1] - l.chance[2];
         for (int c = 0; c < 3; ++c) {
             l.near[0][c] = own[0] * (1 - far / all) / average[0];
             l.far[1][c] = own[0] * g->to * g->to / all;
