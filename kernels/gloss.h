@@ -78,7 +78,10 @@ MCV_LOOP_FUNCTION float mcv_multiple_row(float z) {
     return root / (root + mcv_sqrt(1.0f - c)) * (float)(MCV_MULTIPLE_COSINES - 1);
 }
 
-/* What leaves towards i after two and more reflections, over what white microfacets send there by one; both directions lie above. */
+/*
+ * What leaves towards i after two and more meetings with microfacets, over what white ones send there by one; both directions lie above.
+ * The table of an interface lies behind its albedos.
+ */
 MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *tables,
                                                mcv_color more, mcv_vec3 o, mcv_vec3 i) {
     const uint size = MCV_MULTIPLE_WORDS * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_AZIMUTHS;
@@ -106,14 +109,17 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
     /* In rows and columns by the triangles that the diagonal divides a cell into: light that comes and leaves at like angles is special. */
     const float both = f < g ? f : g;
     const float either = f < g ? g : f;
-    const uint count = gloss->type == MCV_MATERIAL_CONDUCTOR ? MCV_CHANNELS : MCV_MULTIPLE_WORDS;
+    const int dielectric = gloss->type == MCV_MATERIAL_DIELECTRIC;
+    const uint others = gloss->type == MCV_MATERIAL_CONDUCTOR ? MCV_CHANNELS : MCV_MULTIPLE_WORDS;
+    const uint count = dielectric ? 1 : others;
+    const uint table = dielectric ? gloss->table + 2 + 2 * MCV_ALBEDO_COSINES + gloss->inside : m->multiple;
     float words[MCV_MULTIPLE_WORDS] = {0.0f, 0.0f, 0.0f, 0.0f};
     const float ends[3] = {1.0f - either, either - both, both};
     const uint edge = f > g ? MCV_MULTIPLE_COSINES : 1u; /* from the near corner to the one beyond an edge, in entries of azimuths */
     const uint corners[3] = {0u, edge, MCV_MULTIPLE_COSINES + 1u};
     for (uint level = 0; level < (m->roughnesses > 1 ? 2u : 1u); ++level) {
         const float share = level ? part : 1.0f - part;
-        __global const float *from = tables + m->multiple + (low + level) * size +
+        __global const float *from = tables + table + (low + level) * size +
                                      MCV_MULTIPLE_WORDS * ((row * MCV_MULTIPLE_COSINES + column) * MCV_MULTIPLE_AZIMUTHS + entry);
 #pragma unroll
         for (uint corner = 0; corner < 3; ++corner) {
@@ -129,14 +135,14 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
     MCV_EACH_CHANNEL(c) {
         const float b = gloss->base.c[c];
         const float schlick = gloss->metallic * mcv_fma(more.c[c], words[3], mcv_fma(b, mcv_fma(b, words[0], words[1]), words[2]));
-        multiple.c[c] = gloss->type == MCV_MATERIAL_CONDUCTOR ? words[c] : schlick;
+        multiple.c[c] = dielectric ? words[0] : gloss->type == MCV_MATERIAL_CONDUCTOR ? words[c] : schlick;
     }
     return multiple;
 }
 
-/* Is there a table of multiple scattering? A metal without a direction always has one, which is known beforehand of plain surfaces. */
+/* Is there a table of multiple scattering? Metal and glass without a direction have one, which is known beforehand of plain surfaces. */
 MCV_LOOP_FUNCTION int mcv_has_multiple(const mcv_device_gloss *m, const mcv_gloss *gloss) {
-    return gloss->type == MCV_MATERIAL_CONDUCTOR ? m->azimuths == 1 : m->multiple != MCV_NONE;
+    return gloss->type == MCV_MATERIAL_METALLIC_ROUGHNESS ? m->multiple != MCV_NONE : m->azimuths == 1;
 }
 
 /* The lobes of a surface seen from o. */
@@ -169,17 +175,28 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
     lobes.far_chance = 0.0f;
 #if MCV_WITH_DIELECTRIC
     if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
-        /* a: what is missing outside the body, b: inside. Light in the medium s leaves into t with the share n_t² M_t/Σ n² M. */
+        /*
+         * a: what is missing outside the body, b: inside. Light in the medium s leaves into t with the share n_t² M_t/X, by X = Σ n² M.
+         * Where the table above has what comes back, X is the larger of both: they are equal but for rounding and the walks' noise.
+         */
         const float missing = gloss->inside ? at.b : at.a;
-        const float near = gloss->between.eta * gloss->between.eta;
-        const float sum = gloss->inside ? mcv_fma(near, mean.b, mean.a) : mcv_fma(near, mean.a, mean.b);
-        const float share = sum > 0.0f ? missing / sum : 0.0f;
-        lobes.specular = sum > 0.0f ? 1.0f - missing : 1.0f;
-        lobes.near_chance = share * near * (gloss->inside ? mean.b : mean.a);
-        lobes.far_chance = share * (gloss->inside ? mean.a : mean.b);
+        const float near_mean = gloss->inside ? mean.b : mean.a;
+        const float far_mean = gloss->inside ? mean.a : mean.b;
+        const float near = gloss->between.eta * gloss->between.eta * near_mean;
+        const int apart = mcv_has_multiple(m, gloss);
+        const float larger = near > far_mean ? near : far_mean;
+        const float sum = apart ? larger : near + far_mean;
+        const float share = near > 0.0f ? missing / sum : 0.0f;
+        const float back = near > 0.0f ? (sum - far_mean) / near_mean : 0.0f;
+        /* What the table sends back is chosen by the near lobe, too: more of it in the denser medium. */
+        const float square = gloss->between.eta * gloss->between.eta;
+        const float returns = apart ? (1.0f - missing) * (square < 1.0f ? square : 1.0f) : (sum - far_mean) / sum;
+        lobes.near_chance = near > 0.0f ? missing * returns : 0.0f;
+        lobes.far_chance = near > 0.0f ? (apart ? missing : missing - lobes.near_chance) : 0.0f;
+        lobes.specular = 1.0f - lobes.near_chance - lobes.far_chance;
         MCV_EACH_CHANNEL(k) {
-            lobes.near_a.c[k] = gloss->inside ? 0.0f : share * near;
-            lobes.near_b.c[k] = gloss->inside ? share * near : 0.0f;
+            lobes.near_a.c[k] = gloss->inside ? 0.0f : share * back;
+            lobes.near_b.c[k] = gloss->inside ? share * back : 0.0f;
             lobes.far_a.c[k] = gloss->inside ? share : 0.0f;
             lobes.far_b.c[k] = gloss->inside ? 0.0f : share;
         }
@@ -279,7 +296,11 @@ MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, cons
         MCV_EACH_CHANNEL(k) reflected.c[k] += multiple.c[k];
     }
     const float facets = mcv_ggx_density(gloss->alpha, h) * cosine * jacobian / o.z;
-    const float seen = facets / (1.0f + lobes->lambda + mcv_ggx_lambda(gloss->alpha, i));
+    const float lambda = mcv_ggx_lambda(gloss->alpha, i);
+    float seen = facets / (1.0f + lobes->lambda + lambda);
+#if MCV_WITH_DIELECTRIC
+    if (refracts) seen = facets * mcv_opposite_masking(lobes->lambda, lambda);
+#endif
     MCV_EACH_CHANNEL(k) response.value.c[k] = meets ? (far ? passed.c[k] : reflected.c[k]) * seen : 0.0f;
     response.density = meets ? lobes->specular * (far ? 1.0f - chance : chance) * facets / (1.0f + lobes->lambda) : 0.0f;
 

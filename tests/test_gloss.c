@@ -189,7 +189,7 @@ static double least_mean(const bench *b) {
  * f cosθ and density, device against reference, over uniform directions and over such as light takes. The albedos of both are integrals
  * by different quadratures, interpolated over different grids; an entry is off by ε = 2e-3, most at grazing, or 4e-3 where it is
  * interpolated between 17 azimuths too or has a kink at the critical angle. The cosine lobe m(o) m(i)/M is then off by
- * ε (m(o) + m(i))/M, and its chance by ε.
+ * ε (m(o) + m(i))/M, and its chance by ε; that of glass's microfacets, (1 - m) (1 - w m) with w <= 1, by 2 ε.
  */
 static void test_reference(void **state) {
     float *cases = floats(6 * CASES), *results = floats(2 * CASES);
@@ -217,7 +217,7 @@ static void test_reference(void **state) {
             const double spread = entry * fabs(i.z) / M_PI * (2 + share);
             for (int what = 0; what < 2; ++what) {
                 const double off = fabs(results[2 * n + (size_t)what] - expected[what]);
-                const double bound = error * expected[what] + spread + 2 * entry * expected[what] * what;
+                const double bound = error * expected[what] + spread + (glass ? 4 : 2) * entry * expected[what] * what;
                 worst = fmax(worst, off / bound);
                 if (!(off <= bound) && error < 0.1)
                     fail_msg("%s, %s of o (%g %g %g), i (%g %g %g): %.8g, expected %.8g within %.2g", s->name, what ? "density" : "value",
@@ -305,7 +305,7 @@ static double albedo_of(const bench *b, double z, double phi, ref_random *random
 static const double cosines[] = {0.02, 0.1, 0.3, 0.7, 1};
 enum { ANGLES = 5 };
 
-/* The surface's albedo, 1 where nothing is lost: within 1 %, the goal (standard error below 3e-3). */
+/* The surface's albedo, 1 where nothing is lost: within 1 %, the goal (standard error below 3.5e-3). */
 static void test_furnace(void **state) {
     float *cases = floats(6 * CASES), *results = floats(2 * CASES);
     (void)state;

@@ -3,7 +3,8 @@
  * Surfaces of microfacets: metals, the layered core material of glTF, rough dielectrics. Normals by GGX, height-correlated masking
  * by Smith (Walter et al. 2007, Heitz 2014), sampled as Heitz (2018) does. What microfacets lose to each other comes back as Kulla and
  * Conty (2017) propose; the albedos that this takes are integrals over all microfacet normals, tabulated here. Metals without a direction
- * send it where walks from microfacet to microfacet do: the table of it is the device's, which test_gloss.c holds against walks.
+ * send it where walks from microfacet to microfacet do, and glass what it reflects: the table of it is the device's, which test_gloss.c and
+ * test_rough_glass.c hold against walks.
  *
  * Directions are given in the frame (tangent, bitangent, normal) of the surface; o.z > 0.
  */
@@ -26,7 +27,7 @@ typedef struct ref_gloss_table {
     double outside; /* index, 0 but for dielectrics */
     ref_albedos albedos;
     double multiple[3]; /* conductor: what reflection between microfacets leaves */
-    float *orders; /* of metals that are alike in all directions: two and more reflections (render/multiple.h), per roughness; or NULL */
+    float *orders;      /* of metal and glass alike in all directions: two and more meetings (render/multiple.h), per roughness; or NULL */
 } ref_gloss_table;
 
 typedef struct ref_gloss_tables {

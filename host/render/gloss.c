@@ -17,7 +17,8 @@ static void alphas(double roughness, double anisotropy, double alpha[2]) {
 
 /* Floats of a table, for each of its roughnesses. */
 static uint32_t words_of(const mcv_albedo_source *source) {
-    return source->multiple ? mcv_multiple_words() : mcv_albedo_words(source->azimuths);
+    const uint32_t behind = source->n_outside > 0 && source->azimuths == 1 ? mcv_multiple_words() : 0; /* an interface's albedos */
+    return source->multiple ? mcv_multiple_words() : mcv_albedo_words(source->azimuths) + behind;
 }
 
 /* False: no memory. */
@@ -30,12 +31,16 @@ static bool integrate(const mcv_albedo_source *source, float *table) {
         double alpha[2];
         alphas(share * source->roughness, source->anisotropy, alpha);
         float *block = table + (size_t)r * words;
-        if (source->multiple)
+        float *multiple = source->azimuths == 1 ? block + mcv_albedo_words(1) : NULL; /* of an interface */
+        if (source->multiple) {
             made &= mcv_multiple_reflection(alpha[1], metal ? source->n : NULL, metal ? source->k : NULL, block);
-        else if (source->n_outside > 0)
-            mcv_albedo_interface(alpha[0], alpha[1], source->n_outside, source->n_inside, source->coating, source->azimuths, block);
-        else
+        } else if (source->n_outside > 0) {
+            made &= !multiple || mcv_multiple_interface(alpha[1], source->n_outside, source->n_inside, source->coating, multiple);
+            mcv_albedo_interface(alpha[0], alpha[1], source->n_outside, source->n_inside, source->coating, source->azimuths, multiple,
+                                 block);
+        } else {
             mcv_albedo_reflection(alpha[0], alpha[1], source->azimuths, block);
+        }
     }
     return made;
 }

@@ -278,7 +278,7 @@ static double ratio_at(double ratios[COARSE][COARSE][TURNS], uint32_t row, uint3
 
 /*
  * Of what white microfacets do with light from the direction of a row: shares[b] by three reflections towards column b, as the device
- * interpolates. `white` holds two reflections, one word per entry.
+ * interpolates. `white` holds two reflections, one word per entry. ratios == NULL: by what `white` holds.
  */
 static void follow(double alpha, const heading *from, const float *white, double ratios[COARSE][COARSE][TURNS], uint32_t row,
                    double shares[COSINES]) {
@@ -296,7 +296,8 @@ static void follow(double alpha, const heading *from, const float *white, double
         const uint32_t column = (uint32_t)fmin(place, COSINES - 2), first = (uint32_t)fmin(entry, AZIMUTHS - 2);
         for (uint32_t k = 0; k < 2; ++k) {
             const float *at = white + (row * COSINES + column + k) * AZIMUTHS + first;
-            const double value = (at[0] + (entry - first) * (double)(at[1] - at[0])) * ratio_at(ratios, row, column + k, entry);
+            const double value =
+                (at[0] + (entry - first) * (double)(at[1] - at[0])) * (ratios ? ratio_at(ratios, row, column + k, entry) : 1);
             shares[column + k] += kept / FACETS * value * (k ? place - column : 1 - (place - column));
         }
     }
@@ -377,5 +378,220 @@ bool mcv_multiple_reflection(double alpha, const double *n, const double *k, flo
     const bool made = work && white;
     free(work);
     free(white);
+    return made;
+}
+
+/* --- interfaces ---------------------------------------------------------------------------------------------------- */
+
+/* An interface that light meets from index n1; eta = n1/n2. */
+typedef struct interface {
+    double eta, scale, offset;
+} interface;
+
+static double interface_reflectance(const interface *at, double c) {
+    const double squared = 1 - at->eta * at->eta * (1 - c * c), c2 = squared > 0 ? sqrt(squared) : 0;
+    const double s = (at->eta * c - c2) / (at->eta * c + c2), p = (c - at->eta * c2) / (c + at->eta * c2);
+    return c2 > 0 ? fmax(at->scale * 0.5 * (s * s + p * p) + at->offset, 0) : 1;
+}
+
+/* splitmix64, as a number in (0, 1). */
+static double unit(uint64_t *state) {
+    uint64_t x = *state += 0x9e3779b97f4a7c15U;
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9U;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebU;
+    return ((double)((x ^ x >> 31) >> 11) + 0.5) * 0x1p-53;
+}
+
+enum { EVEN = (COSINES + 1) / 2, GOALS = EVEN * AZIMUTHS };
+
+/*
+ * Light that walks on microfacets of an interface from the direction of a node until it leaves (Heitz and others 2016): adds what each
+ * meeting but the first sends to each goal on its own side, as f cosθ. `below` is the share of the surface below the light. Where it has
+ * passed the interface it walks on the surface turned about. Half the walks reflect first, half refract. Returns the share that leaves on
+ * the other side after more than one meeting.
+ */
+static double walk_interface(double alpha, const interface sides[2], const heading *from, double goals[GOALS][4], uint64_t *state,
+                             double sums[GOALS]) {
+    enum { WALKS = 12000, MEETINGS = 60 };
+    double passed = 0;
+    memset(sums, 0, GOALS * sizeof *sums);
+    for (int walk = 0; walk < WALKS; ++walk) {
+        double o[3] = {from->sine, 0, from->cosine}, below = 1, weight = 1;
+        int side = 0;
+        for (int meeting = 0; meeting < MEETINGS; ++meeting) {
+            const double l = lambda(alpha, fmax(fabs(o[2]), 1e-12));
+            const bool up = o[2] < 0; /* light goes against o */
+            double chance = unit(state);
+            if (meeting == 1 && up) { /* it stays: what leaves by now is counted elsewhere */
+                const double leaves = pow(below, l);
+                weight *= 1 - leaves;
+                chance = leaves + (1 - leaves) * chance;
+            }
+            const double left = up ? pow(chance, 1 / fmax(l, 1e-12)) : pow(chance, -1 / (1 + l));
+            if (up && below >= left && meeting != 1) {
+                if (side == 1) passed += weight / WALKS;
+                break;
+            }
+            below = fmin(below / left, 1);
+            const interface *at = &sides[side];
+            const double seen = visible(alpha, o);
+            for (int g = 0; meeting > 0 && g < GOALS; ++g) {
+                const double *to = goals[g], z = side ? -to[2] : to[2];
+                if (side == 0) {
+                    const double h[3] = {o[0] + to[0], o[1] + to[1], o[2] + z}, squared = h[0] * h[0] + h[1] * h[1] + h[2] * h[2];
+                    if (!(h[2] > 0 && squared > 1e-20)) continue;
+                    const double c = fmin(0.5 * sqrt(squared), 1);
+                    sums[g] +=
+                        weight * interface_reflectance(at, c) * density(alpha, h[2] * h[2] / squared) / (4 * seen) * pow(below, to[3]);
+                    continue;
+                }
+                double h[3] = {at->eta * o[0] + to[0], at->eta * o[1] + to[1], at->eta * o[2] + z};
+                const double squared = h[0] * h[0] + h[1] * h[1] + h[2] * h[2], length = h[2] < 0 ? -sqrt(squared) : sqrt(squared);
+                const double c = (h[0] * o[0] + h[1] * o[1] + h[2] * o[2]) / length,
+                             behind = -(h[0] * to[0] + h[1] * to[1] + h[2] * z) / length;
+                if (!(c > 0 && behind > 0)) continue;
+                sums[g] += weight * (1 - interface_reflectance(at, fmin(c, 1))) * c * behind / squared *
+                           density(alpha, h[2] * h[2] / squared) / seen * pow(1 - below, to[3]);
+            }
+            double w[3], c, h_z;
+            const double angle = 2 * pi * unit(state), turn[2] = {cos(angle), sin(angle)};
+            reflect(alpha, o, sqrt(unit(state)), turn, w, &c, &h_z);
+            const double reflectance = interface_reflectance(at, c);
+            const bool reflects = unit(state) < (meeting == 0 ? walk & 1 : reflectance);
+            if (meeting == 0) weight *= 2 * (reflects ? reflectance : 1 - reflectance);
+            if (!(weight > 0)) break;
+            if (reflects) {
+                for (int k = 0; k < 3; ++k) o[k] = -w[k];
+                continue;
+            }
+            const double turned = at->eta * c - sqrt(fmax(1 - at->eta * at->eta * (1 - c * c), 0));
+            for (int k = 0; k < 3; ++k) {
+                const double h = c > 1e-9 ? (w[k] + o[k]) / (2 * c) : (k == 2);
+                o[k] = (at->eta * o[k] - turned * h) * (k == 2 ? -1 : 1);
+            }
+            below = 1 - below;
+            side = !side;
+        }
+    }
+    for (int g = 0; g < GOALS; ++g) sums[g] /= WALKS;
+    return passed;
+}
+
+/*
+ * What the ratios of one side, one per entry, leave to pass after more than one meeting, where `once` leaves after one. With `passed`, the
+ * ratios are scaled first by r(o) r(i) such that this is what passes.
+ */
+static void complete(const surface *work, const double once[COSINES], const double *passed, float *ratios, double rest[COSINES]) {
+    enum { ROUNDS = 40 };
+    double shares[COSINES][COSINES], r[COSINES];
+    for (uint32_t row = 0; row < COSINES; ++row) {
+        follow(work->alpha, &work->nodes[row], ratios, NULL, row, shares[row]);
+        r[row] = 1;
+    }
+    for (int round = 0; round <= ROUNDS; ++round)
+        for (uint32_t row = 0; row < COSINES; ++row) {
+            double sum = 0;
+            for (uint32_t b = 0; b < COSINES; ++b) sum += shares[row][b] * r[b];
+            rest[row] = fmax(1 - once[row] - r[row] * sum, 0);
+            if (passed && round < ROUNDS && sum > 0) r[row] = fmin(fmax(sqrt(r[row] * fmax(1 - once[row] - passed[row], 0) / sum), 0.5), 2);
+        }
+    for (uint32_t entry = 0; entry < COSINES * COSINES * AZIMUTHS; ++entry)
+        ratios[entry] *= (float)(r[entry / AZIMUTHS / COSINES] * r[entry / AZIMUTHS % COSINES]);
+}
+
+double mcv_multiple_at(const float *table, const double o[3], const double i[3]) {
+    const double z[2] = {fmin(o[2], 1), fmin(i[2], 1)}, across[2] = {hypot(o[0], o[1]), hypot(i[0], i[1])};
+    const double c = across[0] * across[1] > 0 ? (o[0] * i[0] + o[1] * i[1]) / (across[0] * across[1]) : -0.5; /* as on the device */
+    const double entry = entry_of(sqrt(fmax(0.5 + 0.5 * c, 0)), z[0] + z[1]), places[2] = {place_of(z[0]), place_of(z[1])};
+    const uint32_t row = (uint32_t)fmin(places[0], COSINES - 2), column = (uint32_t)fmin(places[1], COSINES - 2);
+    const uint32_t first = (uint32_t)fmin(entry, AZIMUTHS - 2);
+    const double f = places[0] - row, g = places[1] - column, ends[3] = {1 - fmax(f, g), fabs(f - g), fmin(f, g)};
+    const uint32_t corners[3] = {0, f > g ? COSINES : 1, COSINES + 1};
+    double sum = 0;
+    for (int k = 0; k < 3; ++k) {
+        const float *at = table + (size_t)WORDS * ((row * COSINES + column + corners[k]) * AZIMUTHS + first);
+        sum += ends[k] * ((double)at[0] + (entry - first) * (double)(at[WORDS] - at[0]));
+    }
+    return sum;
+}
+
+/* The mean 2 ∫ μ dμ of a share that is given for nodes. */
+static double mean_of(const double shares[COSINES]) {
+    double sum = 0;
+    for (uint32_t k = 0; k + 1 < COSINES; ++k) {
+        const double low = k > 0 ? cosine_at(k) : 0, high = cosine_at(k + 1);
+        sum += 0.5 * (shares[k] + shares[k + 1]) * (high * high - low * low);
+    }
+    return sum;
+}
+
+/* The ratios of one side, by entry, and what leaves on the other side after more than one meeting, by node; half of both by lines. */
+static void fill_interface(const surface *work, const interface sides[2], uint64_t *state, float ratios[EVEN][EVEN][AZIMUTHS], float *plain,
+                           double passed[COSINES]) {
+    for (uint32_t row = 0; row < EVEN; ++row) {
+        const heading *from = &work->nodes[2 * row];
+        double goals[GOALS][4], sums[GOALS];
+        for (uint32_t g = 0; g < GOALS; ++g) {
+            const heading *to = &work->nodes[2 * (g / AZIMUTHS)];
+            const double half = half_at(g % AZIMUTHS, from->cosine + to->cosine), c = 2 * half * half - 1;
+            const double goal[4] = {to->sine * c, to->sine * sqrt(fmax(1 - c * c, 0)), to->cosine, to->lambda};
+            memcpy(goals[g], goal, sizeof goal);
+        }
+        passed[2 * row] = walk_interface(work->alpha, sides, from, goals, state, sums);
+        for (uint32_t g = 0; g < GOALS; ++g) {
+            const heading *to = &work->nodes[2 * (g / AZIMUTHS)];
+            const double once = once_at(work->alpha, from, to, half_at(g % AZIMUTHS, from->cosine + to->cosine));
+            ratios[row][g / AZIMUTHS][g % AZIMUTHS] = (float)(sums[g] * 4 * from->cosine * (1 + from->lambda + to->lambda) / once);
+        }
+    }
+    for (uint32_t column = 0; column < EVEN; ++column) { /* upright light sees no azimuth */
+        float mean = 0;
+        for (uint32_t entry = 0; entry < AZIMUTHS; ++entry) mean += ratios[EVEN - 1][column][entry] / AZIMUTHS;
+        for (uint32_t entry = 0; entry < AZIMUTHS; ++entry) ratios[EVEN - 1][column][entry] = mean;
+    }
+    for (uint32_t row = 1; row < COSINES; row += 2) passed[row] = 0.5 * (passed[row - 1] + passed[row + 1]);
+    for (uint32_t entry = 0; entry < COSINES * COSINES * AZIMUTHS; ++entry) { /* the same both ways */
+        const uint32_t row = entry / AZIMUTHS / COSINES, column = entry / AZIMUTHS % COSINES, turn = entry % AZIMUTHS;
+        const uint32_t low[2] = {row / 2, column / 2}, high[2] = {(row + 1) / 2, (column + 1) / 2};
+        plain[entry] = 0.25F * (ratios[low[0]][low[1]][turn] + ratios[low[1]][low[0]][turn] + ratios[high[0]][high[1]][turn] +
+                                ratios[high[1]][high[0]][turn]);
+    }
+}
+
+bool mcv_multiple_interface(double alpha, double n_outside, double n_inside, double coating, float *table) {
+    enum { ENTRIES = COSINES * COSINES * AZIMUTHS };
+    surface *work = malloc(sizeof *work);
+    float(*ratios)[EVEN][AZIMUTHS] = malloc(EVEN * sizeof *ratios);
+    float *plain[2] = {malloc(ENTRIES * sizeof(float)), malloc(ENTRIES * sizeof(float))};
+    const bool made = work && ratios && plain[0] && plain[1];
+    const double both[2] = {alpha, alpha}, eta[2] = {n_outside / n_inside, n_inside / n_outside};
+    double passed[2][COSINES], once[2][COSINES];
+    uint64_t state = 0;
+    if (made) {
+        interface sides[3];
+        work->alpha = alpha;
+        for (int k = 0; k < 3; ++k) {
+            sides[k].eta = eta[k % 2];
+            mcv_coat(coating, sides[k].eta, 1, &sides[k].scale, &sides[k].offset);
+        }
+        for (uint32_t row = 0; row < COSINES; ++row) {
+            fill_node(alpha, cosine_at(row), &work->nodes[row]);
+            const double o[3] = {work->nodes[row].sine, 0, work->nodes[row].cosine};
+            for (int side = 0; side < 2; ++side) once[side][row] = mcv_albedo_left(both, o, eta[side], coating, NULL);
+        }
+        for (int side = 0; side < 2; ++side) fill_interface(work, sides + side, &state, ratios, plain[side], passed[side]);
+        /* Walks in the thinner medium tell best what passes. n² times its mean is the same both ways. */
+        const int thin = n_outside > n_inside;
+        double rest[COSINES];
+        complete(work, once[thin], NULL, plain[thin], rest);
+        const double scale = eta[thin] * eta[thin] * mean_of(rest) / fmax(mean_of(passed[!thin]), 1e-12);
+        for (uint32_t row = 0; row < COSINES; ++row) passed[!thin][row] *= scale;
+        complete(work, once[!thin], passed[!thin], plain[!thin], rest);
+        for (uint32_t word = 0; word < WORDS * ENTRIES; ++word) table[word] = word % WORDS < 2 ? plain[word % WORDS][word / WORDS] : 0;
+    }
+    free(work);
+    free(ratios);
+    free(plain[0]);
+    free(plain[1]);
     return made;
 }

@@ -21,6 +21,15 @@ uint32_t mcv_multiple_words(void);
 bool mcv_multiple_reflection(double alpha, const double *n, const double *k, float *table);
 
 /*
+ * The same for an interface between two indices, of light that leaves on its own side: the first word outside, the second inside. By walks.
+ * coating: its reflectance at normal incidence, 0: none. False: no memory.
+ */
+bool mcv_multiple_interface(double alpha, double n_outside, double n_inside, double coating, float *table);
+
+/* The word of such a table for two directions above the surface, as the device interpolates. */
+double mcv_multiple_at(const float *table, const double o[3], const double i[3]);
+
+/*
  * The factor of three and more reflections of a mean reflectance, beyond that of two: Σ over 3, 4 … of which the share `left` goes on.
  */
 double mcv_more_reflections(double reflectance, double left);

@@ -9,7 +9,7 @@
 #ifndef MCVISI_MATERIALS_MICROFACET_H
 #define MCVISI_MATERIALS_MICROFACET_H
 
-#include "mcvisi/materials/material.h"
+#include "mcvisi/materials/dielectric.h"
 
 /*
  * The narrowest α: a direction in float32 is known to about 1e-7, so that below it the share of a microfacet's slope that is lost to
@@ -43,6 +43,45 @@ MCV_LOOP_FUNCTION float mcv_ggx_lambda(mcv_alpha alpha, mcv_vec3 w) {
     const float slope = mcv_fma(x, x, y * y);
     const float z = mcv_abs(w.z);
     return 0.5f * slope / (z * (z + mcv_sqrt(mcv_fma(z, z, slope))));
+}
+
+/* ln(1 + x) for x >= 0, relative error below 4e-7. */
+MCV_LOOP_FUNCTION float mcv_log_1_plus(float x) {
+    const float y = 1.0f + x;
+    /* y = 2^whole m with m from 0.7 to 1.4, ln m = 2 artanh(t). */
+    const uint whole = (as_uint(y) - 0x3f333333u) >> 23;
+    const float m = as_float(as_uint(y) - (whole << 23));
+    const float t = (m - 1.0f) / (m + 1.0f);
+    const float s = t * t;
+    float p = mcv_fma(s, 0.22222222f, 0.28571429f);
+    p = mcv_fma(s, p, 0.4f);
+    p = mcv_fma(s, p, 0.66666667f);
+    p = mcv_fma(s, p, 2.0f);
+    const float log_y = mcv_fma((float)whole, 0.69314718f, t * p);
+    return y > 1.0f ? log_y * (x / (y - 1.0f)) : x; /* what y has lost by rounding */
+}
+
+/*
+ * The mean, over the heights at which light meets microfacets first, of being seen from two directions on opposite sides, with these Λ:
+ * ∫ u^a (1 - u)^b du (Heitz and others 2016), Euler's B(1 + a, 1 + b), by Stirling's series for arguments larger by 2. Relative error
+ * below 2e-6 (1 + a + b).
+ */
+MCV_LOOP_FUNCTION float mcv_opposite_masking(float a, float b) {
+    const float x = (a < 1e9f ? a : 1e9f) + 1.0f;
+    const float y = (b < 1e9f ? b : 1e9f) + 1.0f;
+    const float s = x + y;
+    const float step = (s / x) * ((s + 1.0f) / (x + 1.0f)) * ((s + 2.0f) / y) * ((s + 3.0f) / (y + 1.0f));
+    const float p = x + 2.0f;
+    const float q = y + 2.0f;
+    const float r = s + 4.0f;
+    const float u = 1.0f / p;
+    const float v = 1.0f / q;
+    const float w = 1.0f / r;
+    const float series = mcv_fma(mcv_fma(u * u, mcv_fma(u * u, 7.9365079e-4f, -2.7777778e-3f), 8.3333333e-2f), u,
+                                 mcv_fma(mcv_fma(v * v, mcv_fma(v * v, 7.9365079e-4f, -2.7777778e-3f), 8.3333333e-2f), v,
+                                         -mcv_fma(w * w, mcv_fma(w * w, 7.9365079e-4f, -2.7777778e-3f), 8.3333333e-2f) * w));
+    const float powers = mcv_fma(p - 0.5f, mcv_log_1_plus(q * u), (q - 0.5f) * mcv_log_1_plus(p * v));
+    return step * mcv_exp_minus(powers - series) * (2.5066283f / mcv_sqrt(r)); /* √2π */
 }
 
 /* The density D(h) of microfacet normals, per area of the surface [1/sr]. */
