@@ -755,6 +755,12 @@ static void test_measure_a_render(void **state) {
         const double width = measured(caliper, "width_length", &u);
         if (fabs(width - 0.004) > 0.01 * 40e-6) fail_msg("width %.9g ± %g m", width, u);
         assert_true(measured(json_array_get(distances_found, 2), "distance", &u) < 0.01); /* of the line from the edge it follows */
+        /* The top is square to the sides: what stands between the boxes is no distance. */
+        const json_t *to_top = json_array_get(distances_found, 1);
+        assert_string_equal(json_string_value(json_object_get(to_top, "name")), "left to top");
+        assert_null(json_object_get(to_top, "distance"));
+        assert_null(json_object_get(to_top, "length"));
+        assert_non_null(strstr(json_string_value(json_object_get(to_top, "no_distance")), "not parallel"));
         json_decref(report);
     }
 }

@@ -233,6 +233,8 @@ static void test_refusals(void **state) {
                 "no width is left for it: on the axis already its lens overlaps");
     refuse_lens("test_lens_file.seq", "RDM\nS 50 5 NBK7\nS -50 90\nSI\n",
                 "line 2: surface 1: has no semi-diameter (DIAM, CIR), and no aperture");
+    refuse_lens("test_lens_file.seq", "RDM\nNAO .02\nS 50 5 NBK7\nS -50 90\nSI\n",
+                "the object is at infinity, where the object-side aperture");
 }
 
 /* What the file's semi-diameters leave no room for is cut, and said; the index beside an unknown glass is taken, and said. */

@@ -70,7 +70,8 @@ static void test_places_become_pixels(void **state) {
     expect_refused(&model, "a=@part:0,0,0,1deg,1mm", "lengths with units");
     expect_refused(&model, "a=@part:0,0,0,0mm,1mm", "lengths with units");
     expect_refused(&model, "a=@part", "lengths with units");
-    expect_refused(&model, "a=@part:0.9mm,0,0,1mm,1mm", "from row -30 to 20"); /* 45 rows above 40, 50 high */
+    expect_refused(&model, "a=@part:0.9mm,0,0,1mm,1mm", "from row -30 to 20");                   /* 45 rows above 40, 50 high */
+    expect_refused(&model, "a=@part:1mm,-20,0,1mm,1mm", "a length without a unit is in metres"); /* 20 m away */
     expect_refused(NULL, "a=@part:0,0,0,1mm,1mm", "--scene");
     mcv_camera_model_free(&model);
     mcv_scene_free(scene);

@@ -44,12 +44,12 @@ mcv_result mcv_find_thin_body(const mcv_scene *scene, mcv_findings *findings, mc
         MCV_TRY(mcv_open_edges(scene, i, i + 1, &edges, error));
         if (edges > 0) continue;
         char label[MCV_LABEL];
-        MCV_TRY(
-            mcv_findings_add(findings, MCV_SEVERITY_WARNING, "materials", material->name, NULL, error,
-                             "%s is a closed body, but its material \"%s\" is a thin pane, which bends no light: glass has "
-                             "KHR_materials_volume with a thicknessFactor above 0 (in Blender the input Thickness of the node group glTF "
-                             "Material Output), or MCVISI_materials with the type dielectric",
-                             mcv_instance_label(scene, i, label), material->name));
+        MCV_TRY(mcv_findings_add(
+            findings, MCV_SEVERITY_WARNING, "materials", material->name, NULL, error,
+            "%s is a closed body, but its material \"%s\" is a thin pane, which bends no light: give the asset a dielectric of the "
+            "rig, as in \"materials\": {\"%s\": \"glass\"}, or export it with KHR_materials_volume and a thicknessFactor "
+            "above 0 (in Blender the input Thickness of the node group glTF Material Output)",
+            mcv_instance_label(scene, i, label), material->name, material->name));
     }
     return MCV_OK;
 }

@@ -25,9 +25,20 @@ static const char *read_lengths(const char *text, double lengths[LENGTHS]) {
     return *text == '\0' || *text == '+' ? text : NULL;
 }
 
+/* Whether one of the lengths is a number other than 0 without a unit. */
+static bool has_bare_number(const char *text, const char *end) {
+    while (text < end) {
+        char *rest;
+        const double value = strtod(text, &rest);
+        if (value != 0 && (rest == end || *rest == ',')) return true;
+        text = rest + strcspn(rest, ",") + 1;
+    }
+    return false;
+}
+
 /* Pixels of the rectangle about a point of the world. */
 static mcv_result project(const char *what, const char *text, const mcv_camera_model *model, const double world[3], const double size[2],
-                          long box[4], mcv_error *error) {
+                          bool unitless, long box[4], mcv_error *error) {
     double pixel[2], per_metre[2];
     if (!mcv_camera_model_project(model, world, pixel)) return mcv_fail(error, MCV_USAGE, "%s %s: lies behind the camera", what, text);
     mcv_camera_model_scale(model, mcv_camera_model_depth(model, world), per_metre);
@@ -36,9 +47,9 @@ static mcv_result project(const char *what, const char *text, const mcv_camera_m
         if (!(first >= 0 && first + pixels <= model->size[i]))
             return mcv_fail(error, MCV_USAGE,
                             "%s %s: its middle lies at column %.1f, row %.1f, and it reaches from %s %.0f to %.0f: the image has %u x %u "
-                            "pixels",
+                            "pixels%s",
                             what, text, pixel[0], pixel[1], i == 0 ? "column" : "row", first, first + pixels, model->size[0],
-                            model->size[1]);
+                            model->size[1], unitless ? "; a length without a unit is in metres" : "");
         box[i] = (long)first;
         box[i + 2] = (long)pixels;
     }
@@ -66,7 +77,7 @@ static mcv_result resolve_place(const char *what, const char *text, const char *
     MCV_TRY(found);
     mcv_transform_point(&node->to_world, lengths, world);
     *end = ends;
-    return project(what, text, model, world, lengths + 3, box, error);
+    return project(what, text, model, world, lengths + 3, has_bare_number(colon + 1, ends), box, error);
 }
 
 mcv_result mcv_part_place_resolve(const char *what, const char *text, const mcv_camera_model *model, char **out, mcv_error *error) {

@@ -375,6 +375,7 @@ static void report_distance(const subject *s, mcv_report *report, const mcv_foun
     char name[136];
     snprintf(name, sizeof name, "%s to %s", mcv_found_name(a), mcv_found_name(b));
     mcv_report_element(report, name, "distance");
+    if (isnan(d.value)) mcv_report_text(report, "no_distance", MCV_NOT_PARALLEL);
     put(report, from_line ? "line_distance" : "distance", "pixels", d);
     put_length(report, from_line ? "line_length" : "length", d, mcv_scale_along(s->pixel, direction));
     mcv_report_close(report);

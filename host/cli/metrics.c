@@ -267,11 +267,18 @@ const char *mcv_found_name(const mcv_found *found) {
     return straight ? straight->name : found->form == MCV_FORM_CALIPER ? found->as.caliper.name : found->as.circle.name;
 }
 
+/* Within 10°: between others no distance is meant, and what stands between two boxes would depend on where they lie. */
+static bool are_parallel(const mcv_edge *a, const mcv_edge *b) {
+    return fabs(a->normal[0] * b->normal[0] + a->normal[1] * b->normal[1]) >= cos(10 * M_PI / 180);
+}
+
 mcv_quantity mcv_found_distance(const mcv_found *a, const mcv_found *b, double direction[2]) {
     const mcv_edge *line = mcv_found_straight(a), *other = mcv_found_straight(b);
     mcv_quantity d;
     if (line) {
-        d = other ? mcv_edge_distance(line, other) : mcv_edge_to_circle(line, &b->as.circle);
+        d = !other                      ? mcv_edge_to_circle(line, &b->as.circle)
+            : are_parallel(line, other) ? mcv_edge_distance(line, other)
+                                        : (mcv_quantity){NAN, NAN};
         memcpy(direction, line->normal, sizeof line->normal);
     } else {
         d = mcv_circle_distance(&a->as.circle, &b->as.circle);
@@ -349,6 +356,8 @@ static mcv_result measure_box(mcv_metrics *m, const choice *chosen, mcv_quantity
     }
     MCV_TRY(find_box_of(m, from_line ? first_straight(m->command) : first_like(m->command, chosen->form), 0, &first, error));
     *quantity = mcv_found_distance(&first, &found, direction);
+    if (isnan(quantity->value))
+        return mcv_fail(error, MCV_FAILED, "%s to %s: %s", mcv_found_name(&first), mcv_found_name(&found), MCV_NOT_PARALLEL);
     const double scale = mcv_scale_along(m->pixel, direction);
     if (strstr(figure, "length")) *quantity = (mcv_quantity){quantity->value * scale, quantity->uncertainty * scale};
     return MCV_OK;

@@ -195,6 +195,10 @@ mcv_result mcv_lens_find_semi_diameters(mcv_lens *l, int first, int end, const b
         const bool on_glass = mcv_lens_bounds_glass(l, i);
         if (on_glass && !given[i]) s->semi_diameter = given_beside(l, given, i);
         if (s->semi_diameter > 0 || (i != l->stop && !on_glass)) continue;
+        if (marginal == 0 && l->aperture_is == MCV_LENS_OBJECT_SLOPE && l->aperture > 0 && axial.object_slope == 0)
+            return mcv_lens_fail(l, s->line, i, error,
+                                 "has no semi-diameter, and the object is at infinity, where the object-side aperture (OBNA, NAO) says "
+                                 "nothing: give the object's distance (DISZ, SO) or another aperture (ENPD, EPD, FNO)");
         if (marginal == 0)
             return mcv_lens_fail(l, s->line, i, error,
                                  "has no semi-diameter (DIAM, CIR), and no aperture (ENPD, EPD, FNO, NAO …) tells how wide the bundle is");

@@ -410,8 +410,7 @@ const char *mcv_conversion(const char *path) {
     static const char *const exact[] = {".step", ".stp", ".iges", ".igs"};
     for (size_t i = 0; i < sizeof exact / sizeof exact[0]; ++i)
         if (mcv_ends_in(path, exact[i]))
-            return "it holds surfaces, and triangles are wanted: convert it with a chord tolerance of less than a tenth of a pixel, in "
-                   "FreeCAD by "
+            return "convert its surfaces to triangles, with a chord tolerance of less than a tenth of a pixel: in FreeCAD by "
                    "Mesh > Create Mesh from Shape, or in Python by cadquery.exporters.export(cadquery.importers.importStep(\"part.step\"), "
                    "\"part.stl\", tolerance=0.005)";
     return "convert other formats, for example by Blender";
