@@ -3,6 +3,7 @@
  * Single elements over arrays of cases, one work-item per case: how the tests see the very functions that the stages call
  * (tests/test_elements.c compares them with the reference).
  */
+#include "sampler.h"
 #include "world.h"
 #include "mcvisi/emitters/environment.h"
 #include "mcvisi/emitters/light_field.h"
@@ -34,6 +35,43 @@ __kernel void sample_sensor(__constant const mcv_sensor *sensor, __global const 
     out[4] = sight.direction.y;
     out[5] = sight.direction.z;
     out[6] = sight.weight;
+}
+
+#if MCV_WITH_LIGHT_TRACING
+/* cases: as above, then a depth; results: the place on the film that is found again, W, and there the lens's area and the footprint. */
+__kernel void invert_sensor(__constant const mcv_sensor *sensor, __global const uint *cases, __global float *results) {
+    const uint i = get_global_id(0);
+    __global const uint *in = cases + 7 * i;
+    mcv_film_sample film;
+    mcv_film_place place;
+    mcv_sight back;
+    film.column = in[0];
+    film.row = in[1];
+    film.x = as_float(in[2]);
+    film.y = as_float(in[3]);
+    const float depth = as_float(in[6]);
+    const mcv_sight sight = mcv_sensor_sample(sensor, film, as_float(in[4]), as_float(in[5]));
+    __global float *out = results + 6 * i;
+    out[2] = mcv_sensor_invert(sensor, sight, &place);
+    out[0] = place.column;
+    out[1] = place.row;
+    out[3] = mcv_sensor_connect(sensor, mcv_along(sight.origin, depth, sight.direction), as_float(in[4]), as_float(in[5]), &back);
+    out[4] = mcv_sensor_footprint(sensor, depth);
+    out[5] = sight.weight;
+}
+#endif
+
+/* cases: stream, sample, depth, use: 0 … 2 as MCV_PAIR_SCATTER …, else the sensor's; results: the pair's number, then the pair. */
+__kernel void draw_pairs(__global const uint *cases, __global uint *results) {
+    const uint i = get_global_id(0);
+    __global const uint *in = cases + 4 * i;
+    const uint number = in[3] < (uint)MCV_PAIR_STRIDE ? MCV_SURFACE_PAIR(in[2], in[3])
+                        : in[2]                       ? (uint)MCV_PAIR_APERTURE
+                                                      : (uint)MCV_PAIR_PIXEL;
+    const mcv_pair pair = mcv_sample_pair(in[0], in[1], number);
+    results[3 * i] = number;
+    results[3 * i + 1] = as_uint(pair.x);
+    results[3 * i + 2] = as_uint(pair.y);
 }
 
 /* cases: direction, normal; shares: of the radiance that leaves in that direction. */

@@ -96,11 +96,13 @@ MCV_LOOP_FUNCTION uint mcv_see_lamp(mcv_world world, uint *apart, uint count, ui
             facet = mcv_facet_of(world, triangle);
         const mcv_surface there = mcv_surface_on(facet, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
         const int shines = mcv_shines(e, there.face, there.normal, mcv_scale(direction, -1.0f));
-        mcv_color emitted;
-        float other = 0.0f;
+        mcv_emitter_hit met;
+        met.emitter = emitter;
+        met.other = 0.0f;
+        met.share = shares[i];
         MCV_EACH_CHANNEL(c) {
             const float full = e->radiance[c];
-            emitted.c[c] = shines ? full : 0.0f;
+            met.radiance.c[c] = shines ? full : 0.0f;
         }
 #if MCV_WITH_NEXT_EVENT
         float share;
@@ -112,14 +114,14 @@ MCV_LOOP_FUNCTION uint mcv_see_lamp(mcv_world world, uint *apart, uint count, ui
             share = mcv_triangle_share(world, e, triangle);
         const float distance = MCV_LOAD(slot, hit, 0);
         const mcv_vec3 receiver = mcv_along(there.point, -distance, direction);
-        if (chosen) other = mcv_density_towards(e, two != 0, share, receiver, there, direction, distance);
+        if (chosen) met.other = mcv_density_towards(e, two != 0, share, receiver, there, direction, distance);
 #endif
 #if MCV_WITH_DISPERSION
         mcv_color throughput;
         MCV_LOAD_COLOR(slot, throughput, throughput);
-        mcv_add_emission(mcv_in_channel(world, mcv_kept_channel(throughput)), slot, emitter, emitted, other, shares[i]);
+        mcv_add_emission(mcv_in_channel(world, mcv_kept_channel(throughput)), slot, &met);
 #else
-        mcv_add_emission(world, slot, emitter, emitted, other, shares[i]);
+        mcv_add_emission(world, slot, &met);
 #endif
         nonfinite += mcv_end_path(world, slot, values);
     }

@@ -328,6 +328,7 @@ MCV_LOOP_FUNCTION mcv_light_path mcv_send_light_as(mcv_world world, mcv_slot slo
     mcv_light_path path = mcv_load_light(slot);
     mcv_scattering other;
     int left = 0;
+    shading.splits = 0;
     const mcv_scattering on = mcv_scatter_as(world, slot, meeting, shading, pair, choice.x, 0, unmatched, &other, &left);
     const int goes_on = mcv_continue_light(world, meeting, shading, on, depth, choice.y, &path);
     *ways = left ? (uint)MCV_IS_LEFT : (uint)goes_on;
@@ -357,42 +358,13 @@ static __attribute__((noinline)) uint mcv_send_lights_on(mcv_world world, mcv_sl
                                                          uint *unmatched) {
     const uint alive = ends[MCV_MET_EXACT], smooth = ends[MCV_MET_SMOOTH_EXACT];
     uint ways[MCV_SLOTS], chosen[MCV_SLOTS], differs[MCV_SLOTS];
-    uint alone = smooth; /* where those begin that are sent on one by one */
+    /* Where those begin that are sent on one by one. */
+    const uint alone = MCV_WITH_PLAIN ? ends[MCV_MET_DIFFUSE_TRIANGLE] : smooth;
     (void)gloss;
-#if MCV_WITH_SMOOTH
-    mcv_send_light_range(world, slot.base, 0, ends[MCV_MET_SMOOTH_TRIANGLE], mcv_shading_of(MCV_SHADING_SMOOTH, 0, 0), depth, ways,
-                         differs);
-#if MCV_WITH_SURFACES
-    mcv_send_light_range(world, slot.base, ends[MCV_MET_SMOOTH_TRIANGLE], smooth, mcv_shading_of(MCV_SHADING_SMOOTH, 1, 0), depth, ways,
-                         differs);
-#endif
-#endif
-#if MCV_WITH_PLAIN
-    const uint first = ends[MCV_MET_DIFFUSE_EXACT], last = ends[MCV_MET_GLOSS_TRIANGLE];
-    alone = ends[MCV_MET_DIFFUSE_TRIANGLE];
-    mcv_send_light_range(world, slot.base, last, alone, mcv_shading_of(MCV_SHADING_DIFFUSE, 0, 0), depth, ways, differs);
-#if MCV_WITH_SURFACES
-    mcv_send_light_range(world, slot.base, smooth, first, mcv_shading_of(MCV_SHADING_DIFFUSE, 1, 0), depth, ways, differs);
-#endif
-#if MCV_WITH_GLOSS
-    if (gloss != MCV_NONE) {
-        const uint type = world.materials[gloss].type;
-        const mcv_device_gloss from = mcv_plain_gloss(world, gloss);
-        mcv_shading shading = mcv_shading_of(MCV_SHADING_GLOSS, MCV_WITH_SURFACES, 0);
-        shading.material = gloss;
-        shading.gloss = &from;
-        shading.type = MCV_MATERIAL_CONDUCTOR;
-        if (type == MCV_MATERIAL_CONDUCTOR) mcv_send_light_range(world, slot.base, first, last, shading, depth, ways, differs);
-        shading.type = MCV_MATERIAL_METALLIC_ROUGHNESS;
-        if (type == MCV_MATERIAL_METALLIC_ROUGHNESS) mcv_send_light_range(world, slot.base, first, last, shading, depth, ways, differs);
-#if MCV_WITH_DIELECTRIC
-        shading.type = MCV_MATERIAL_DIELECTRIC;
-        if (type == MCV_MATERIAL_DIELECTRIC) mcv_send_light_range(world, slot.base, first, last, shading, depth, ways, differs);
-#endif
-    }
-#endif
-    (void)first;
-#endif
+#define MCV_X(first, last, shading) mcv_send_light_range(world, slot.base, first, last, shading, depth, ways, differs);
+    MCV_SMOOTH_RANGES(MCV_X, ends)
+    MCV_PLAIN_RANGES(MCV_X, world, ends, gloss)
+#undef MCV_X
     for (uint i = 0; i < alone; ++i) *unmatched += differs[i];
     for (uint i = alone; i < alive; ++i) ways[i] = MCV_IS_LEFT;
     for (slot.index = smooth; slot.index < alive; ++slot.index) {

@@ -399,27 +399,9 @@ static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, ui
     uint casts[MCV_ROW];
     const uint begin = ends[MCV_MET_SMOOTH_EXACT], end = ends[MCV_MET_DIFFUSE_TRIANGLE];
     (void)gloss;
-    mcv_make_shadow_range(world, paths, ends[MCV_MET_GLOSS_TRIANGLE], end, mcv_shading_of(MCV_SHADING_DIFFUSE, 0, 0), casts);
-#if MCV_WITH_SURFACES
-    mcv_make_shadow_range(world, paths, begin, ends[MCV_MET_DIFFUSE_EXACT], mcv_shading_of(MCV_SHADING_DIFFUSE, 1, 0), casts);
-#endif
-#if MCV_WITH_GLOSS
-    if (gloss != MCV_NONE) {
-        const uint first = ends[MCV_MET_DIFFUSE_EXACT], last = ends[MCV_MET_GLOSS_TRIANGLE], type = world.materials[gloss].type;
-        const mcv_device_gloss from = mcv_plain_gloss(world, gloss);
-        mcv_shading shading = mcv_shading_of(MCV_SHADING_GLOSS, MCV_WITH_SURFACES, 0);
-        shading.material = gloss;
-        shading.gloss = &from;
-        shading.type = MCV_MATERIAL_CONDUCTOR;
-        if (type == MCV_MATERIAL_CONDUCTOR) mcv_make_shadow_range(world, paths, first, last, shading, casts);
-        shading.type = MCV_MATERIAL_METALLIC_ROUGHNESS;
-        if (type == MCV_MATERIAL_METALLIC_ROUGHNESS) mcv_make_shadow_range(world, paths, first, last, shading, casts);
-#if MCV_WITH_DIELECTRIC
-        shading.type = MCV_MATERIAL_DIELECTRIC;
-        if (type == MCV_MATERIAL_DIELECTRIC) mcv_make_shadow_range(world, paths, first, last, shading, casts);
-#endif
-    }
-#endif
+#define MCV_X(first, last, shading) mcv_make_shadow_range(world, paths, first, last, shading, casts);
+    MCV_PLAIN_RANGES(MCV_X, world, ends, gloss)
+#undef MCV_X
     const uint listed = mcv_list(casts + begin, end - begin, shadows);
     for (uint i = 0; i < listed; ++i) shadows[i] += begin;
     return listed;

@@ -219,6 +219,43 @@ static __attribute__((noinline)) void mcv_find_reflectances(mcv_world world, uin
 
 #endif
 
+/*
+ * The ranges of paths whose surfaces are of a kind that is known: X(first, last, shading), the shading known to the compiler. Smooth
+ * bodies; then diffuse surfaces, and glossy ones, all of one material.
+ */
+#if MCV_WITH_SMOOTH
+#define MCV_SMOOTH_RANGES(X, ends) \
+    X(0u, (ends)[MCV_MET_SMOOTH_TRIANGLE], mcv_shading_of(MCV_SHADING_SMOOTH, 0, MCV_WITH_SPLIT)) \
+    if (MCV_WITH_SURFACES) \
+    X((ends)[MCV_MET_SMOOTH_TRIANGLE], (ends)[MCV_MET_SMOOTH_EXACT], mcv_shading_of(MCV_SHADING_SMOOTH, 1, MCV_WITH_SPLIT))
+#else
+#define MCV_SMOOTH_RANGES(X, ends)
+#endif
+#if MCV_WITH_PLAIN
+#define MCV_DIFFUSE_RANGES(X, ends) \
+    X((ends)[MCV_MET_GLOSS_TRIANGLE], (ends)[MCV_MET_DIFFUSE_TRIANGLE], mcv_shading_of(MCV_SHADING_DIFFUSE, 0, 0)) \
+    if (MCV_WITH_SURFACES) X((ends)[MCV_MET_SMOOTH_EXACT], (ends)[MCV_MET_DIFFUSE_EXACT], mcv_shading_of(MCV_SHADING_DIFFUSE, 1, 0))
+#else
+#define MCV_DIFFUSE_RANGES(X, ends)
+#endif
+#if MCV_WITH_PLAIN && MCV_WITH_GLOSS
+#define MCV_GLOSS_RANGE(X, ends, TYPE) \
+    if (glossy.type == TYPE) X((ends)[MCV_MET_DIFFUSE_EXACT], (ends)[MCV_MET_GLOSS_TRIANGLE], mcv_shading_as(glossy, TYPE))
+#define MCV_PLAIN_RANGES(X, world, ends, gloss) \
+    MCV_DIFFUSE_RANGES(X, ends) \
+    if ((gloss) != MCV_NONE) { \
+        const mcv_device_gloss from = mcv_plain_gloss(world, gloss); \
+        const mcv_shading glossy = mcv_glossy_shading(world, gloss, &from); \
+        MCV_GLOSS_RANGE(X, ends, MCV_MATERIAL_CONDUCTOR) \
+        MCV_GLOSS_RANGE(X, ends, MCV_MATERIAL_METALLIC_ROUGHNESS) \
+        if (MCV_WITH_DIELECTRIC) { \
+            MCV_GLOSS_RANGE(X, ends, MCV_MATERIAL_DIELECTRIC) \
+        } \
+    }
+#else
+#define MCV_PLAIN_RANGES(X, world, ends, gloss) MCV_DIFFUSE_RANGES(X, ends)
+#endif
+
 #if MCV_WITH_PLAIN || MCV_WITH_SMOOTH
 /* How the paths in the slots first … last - 1 continue, whose surfaces are of one kind; into `parted` how their branches do. */
 MCV_LOOP_FUNCTION void mcv_shade_range(mcv_world world, uint *paths, uint first, uint last, mcv_shading shading, uint depth, uint *ways,
@@ -249,42 +286,11 @@ static __attribute__((noinline)) void mcv_shade_ranges(mcv_world world, uint *pa
                                                        uint *unmatched) {
     uint differs[MCV_SLOTS];
     (void)gloss;
-#if MCV_WITH_SMOOTH
-    mcv_shade_range(world, paths, 0, ends[MCV_MET_SMOOTH_TRIANGLE], mcv_shading_of(MCV_SHADING_SMOOTH, 0, MCV_WITH_SPLIT), depth, ways,
-                    differs);
-#if MCV_WITH_SURFACES
-    mcv_shade_range(world, paths, ends[MCV_MET_SMOOTH_TRIANGLE], ends[MCV_MET_SMOOTH_EXACT],
-                    mcv_shading_of(MCV_SHADING_SMOOTH, 1, MCV_WITH_SPLIT), depth, ways, differs);
-#endif
-    for (uint i = 0; i < ends[MCV_MET_SMOOTH_EXACT]; ++i) *unmatched += differs[i];
-#endif
-#if MCV_WITH_PLAIN
-    mcv_shade_range(world, paths, ends[MCV_MET_GLOSS_TRIANGLE], ends[MCV_MET_DIFFUSE_TRIANGLE], mcv_shading_of(MCV_SHADING_DIFFUSE, 0, 0),
-                    depth, ways, differs);
-#if MCV_WITH_SURFACES
-    mcv_shade_range(world, paths, ends[MCV_MET_SMOOTH_EXACT], ends[MCV_MET_DIFFUSE_EXACT], mcv_shading_of(MCV_SHADING_DIFFUSE, 1, 0), depth,
-                    ways, differs);
-#endif
-#if MCV_WITH_GLOSS
-    if (gloss != MCV_NONE) {
-        const uint first = ends[MCV_MET_DIFFUSE_EXACT], last = ends[MCV_MET_GLOSS_TRIANGLE], type = world.materials[gloss].type;
-        const mcv_device_gloss from = mcv_plain_gloss(world, gloss);
-        mcv_shading shading = mcv_shading_of(MCV_SHADING_GLOSS, MCV_WITH_SURFACES, 0);
-        shading.material = gloss;
-        shading.gloss = &from;
-        shading.type = MCV_MATERIAL_CONDUCTOR;
-        if (type == MCV_MATERIAL_CONDUCTOR) mcv_shade_range(world, paths, first, last, shading, depth, ways, differs);
-        shading.type = MCV_MATERIAL_METALLIC_ROUGHNESS;
-        if (type == MCV_MATERIAL_METALLIC_ROUGHNESS) mcv_shade_range(world, paths, first, last, shading, depth, ways, differs);
-#if MCV_WITH_DIELECTRIC
-        shading.type = MCV_MATERIAL_DIELECTRIC;
-        shading.splits = MCV_WITH_SPLIT && MCV_WITH_SMOOTH;
-        if (type == MCV_MATERIAL_DIELECTRIC) mcv_shade_range(world, paths, first, last, shading, depth, ways, differs);
-#endif
-        for (uint i = first; i < last; ++i) *unmatched += differs[i];
-    }
-#endif
-#endif
+#define MCV_X(first, last, shading) mcv_shade_range(world, paths, first, last, shading, depth, ways, differs);
+    MCV_SMOOTH_RANGES(MCV_X, ends)
+    MCV_PLAIN_RANGES(MCV_X, world, ends, gloss)
+#undef MCV_X
+    for (uint i = 0; i < ends[MCV_WITH_PLAIN ? MCV_MET_DIFFUSE_TRIANGLE : MCV_MET_SMOOTH_EXACT]; ++i) *unmatched += differs[i];
 }
 #endif
 

@@ -432,7 +432,8 @@ MCV_LOOP_FUNCTION int mcv_make_shadow_ray(mcv_world world, mcv_slot slot, const 
     MCV_WORD(slot, shadow_left, 0) = shading.exact ? mcv_leave_meeting(world, *meeting, shadow.direction) : MCV_NONE;
 #endif
     MCV_STORE_COLOR(slot, shadow_light, light);
-    return (mcv_brightest(shadow.light) > 0.0f) & (mcv_brightest(response.value) > 0.0f);
+    const int comes = mcv_brightest(shadow.light) > 0.0f, reflects = mcv_brightest(response.value) > 0.0f;
+    return comes & reflects;
 }
 
 /* 1 if there is a shadow ray to follow. */

@@ -69,28 +69,32 @@ MCV_LOOP_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint
 }
 
 #if MCV_WITH_EMISSION
-/*
- * Adds the radiance that an emitter's surface sends along the path that has met it. It is weighed against next-event estimation, which
- * would have chosen this direction with the density `other`, by the power heuristic; `share` is what light paths leave of it.
- */
-MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot, uint emitter, mcv_color emitted, float other, float share) {
+/* What a path has met of an emitter's surface. */
+typedef struct mcv_emitter_hit {
+    mcv_color radiance; /* that the surface sends along the path */
+    uint emitter;
+    float other; /* the density with which next-event estimation would have chosen this direction [1/sr] */
+    float share; /* what light paths leave of it */
+} mcv_emitter_hit;
+
+/* Adds what the path has met, weighed against next-event estimation by the power heuristic. */
+MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot, const mcv_emitter_hit *met) {
     mcv_color throughput, radiance;
     MCV_LOAD_COLOR(slot, throughput, throughput);
     MCV_LOAD_COLOR(slot, radiance, radiance);
-    emitted = mcv_basic_radiance(world, emitted, mcv_path_media(slot));
+    mcv_color emitted = mcv_basic_radiance(world, met->radiance, mcv_path_media(slot));
 #if MCV_WITH_NEXT_EVENT
-    float own = mcv_density_against(world, slot, emitter, mcv_path_density(slot));
+    float own = mcv_density_against(world, slot, met->emitter, mcv_path_density(slot));
 #if MCV_WITH_LIGHT_TRACING
     /* Sharp surfaces have not looked for it (mcv_choose_emitter). */
-    const int carried = (MCV_WORD(slot, trail, 0) == MCV_TRAIL_CARRIED) & (world.emitters[emitter].light_flux > 0.0f);
+    const int carried = (MCV_WORD(slot, trail, 0) == MCV_TRAIL_CARRIED) & (world.emitters[met->emitter].light_flux > 0.0f);
     own = carried ? 0.0f : own;
 #endif
-    const float weight = mcv_choice_weight(own, other);
-    emitted = mcv_dim(emitted, (own > 0.0f) & (mcv_brightest(emitted) > 0.0f) ? weight : 1.0f);
-#else
-    (void)emitter, (void)other;
+    const float weight = mcv_choice_weight(own, met->other);
+    const int chosen = own > 0.0f, shines = mcv_brightest(emitted) > 0.0f;
+    emitted = mcv_dim(emitted, (chosen & shines) ? weight : 1.0f);
 #endif
-    emitted = mcv_dim(emitted, share);
+    emitted = mcv_dim(emitted, met->share);
     MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], emitted.c[i], radiance.c[i]);
     MCV_STORE_COLOR(slot, radiance, radiance);
 }
@@ -300,17 +304,20 @@ MCV_LOOP_FUNCTION mcv_shaded mcv_shade_hit(mcv_world world, mcv_slot slot, const
 static void mcv_meet_emitter(mcv_world world, mcv_slot slot, mcv_meeting meeting) {
     const uint emitter = world.instances[meeting.surface.instance].emitter;
     if (emitter == MCV_NONE) return;
-    const mcv_color emitted = mcv_emitted(world, meeting.surface, emitter, mcv_scale(meeting.direction, -1.0f));
-    float other = 0.0f, share = 1.0f;
+    mcv_emitter_hit met;
+    met.radiance = mcv_emitted(world, meeting.surface, emitter, mcv_scale(meeting.direction, -1.0f));
+    met.emitter = emitter;
+    met.other = 0.0f;
+    met.share = 1.0f;
 #if MCV_WITH_NEXT_EVENT
     const float distance = MCV_LOAD(slot, hit, 0);
     const mcv_vec3 receiver = mcv_along(meeting.surface.point, -distance, meeting.direction);
-    other = mcv_emitter_density(world, receiver, meeting.surface, emitter, meeting.direction, distance);
+    met.other = mcv_emitter_density(world, receiver, meeting.surface, emitter, meeting.direction, distance);
 #endif
 #if MCV_WITH_LIGHT_TRACING
-    share = mcv_camera_share(world, slot, meeting, emitter);
+    met.share = mcv_camera_share(world, slot, meeting, emitter);
 #endif
-    mcv_add_emission(world, slot, emitter, emitted, other, share);
+    mcv_add_emission(world, slot, &met);
 }
 #endif
 

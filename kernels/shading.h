@@ -45,6 +45,22 @@ MCV_LOOP_FUNCTION mcv_shading mcv_shading_of(uint kind, int exact, int splits) {
 MCV_LOOP_FUNCTION mcv_shading mcv_any_shading(void) { return mcv_shading_of(MCV_SHADING_ANY, 1, 1); }
 
 #if MCV_WITH_PLAIN && MCV_WITH_GLOSS
+/* Of a plain glossy material; `from` is what mcv_plain_gloss says of it. */
+MCV_LOOP_FUNCTION mcv_shading mcv_glossy_shading(mcv_world world, uint material, const mcv_device_gloss *from) {
+    mcv_shading shading = mcv_shading_of(MCV_SHADING_GLOSS, MCV_WITH_SURFACES, 0);
+    shading.type = world.materials[material].type;
+    shading.material = material;
+    shading.gloss = from;
+    return shading;
+}
+
+/* The same, its type known to the compiler. */
+MCV_LOOP_FUNCTION mcv_shading mcv_shading_as(mcv_shading shading, uint type) {
+    shading.type = type;
+    shading.splits = type == MCV_MATERIAL_DIELECTRIC && MCV_WITH_SPLIT && MCV_WITH_SMOOTH;
+    return shading;
+}
+
 /* What is known of a plain glossy material beforehand: it has no direction and no texture. */
 static mcv_device_gloss mcv_plain_gloss(mcv_world world, uint material) {
     mcv_device_gloss from = world.gloss[material];
@@ -67,7 +83,7 @@ MCV_LOOP_FUNCTION mcv_gloss_meeting mcv_meet_plain_gloss(mcv_world world, const 
 MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_as(mcv_world world, mcv_slot slot, const mcv_meeting *meeting, mcv_shading shading,
                                                 mcv_pair pair, float choice, int parts, uint *unmatched, mcv_scattering *other, int *left) {
     const uint media = mcv_path_media(slot);
-    (void)left;
+    (void)left, (void)shading;
 #if MCV_WITH_PLAIN
     if (shading.kind == MCV_SHADING_DIFFUSE) {
         mcv_color reflectance;

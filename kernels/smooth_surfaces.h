@@ -10,6 +10,7 @@ static __attribute__((noinline)) uint mcv_branch_off_together(mcv_world world, u
     uint branches[MCV_SLOTS], count = 0;
     mcv_slot slot;
     slot.base = paths;
+    (void)world;
     MCV_PARALLEL
     for (uint i = 0; i < last; ++i) {
         branches[i] = (ways[i] & MCV_BRANCHES_OFF) != 0u;

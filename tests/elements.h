@@ -80,8 +80,9 @@ static inline ref_vec put(float *to, ref_vec v) {
     return (ref_vec){to[0], to[1], to[2]};
 }
 
-/* Rays of sight of `count` cases: column, row, x, y, ξ, η as words, integers first; to origin, direction, weight in the optical frame. */
-static inline void device_sights(const mcv_sensor *sensor, size_t count, const uint32_t *cases, float *sights) {
+/* Runs a kernel whose first argument is a sensor. */
+static inline void run_sensor(const char *kernel_name, const mcv_sensor *sensor, size_t count, const void *cases, size_t case_bytes,
+                              void *results, size_t result_bytes) {
     union {
 #define MCV_X(name, key, NAME) mcv_##name name;
         MCV_SENSORS(MCV_X)
@@ -98,8 +99,12 @@ static inline void device_sights(const mcv_sensor *sensor, size_t count, const u
     default:
         fail_msg("sensor type %u is unknown", sensor->type);
     }
-    run_elements("sample_sensor", sensor->type, &device, sizeof device, count, cases, 6 * sizeof(uint32_t) * count, sights,
-                 7 * sizeof(float) * count);
+    run_elements(kernel_name, sensor->type, &device, sizeof device, count, cases, case_bytes * count, results, result_bytes * count);
+}
+
+/* Rays of sight of `count` cases: column, row, x, y, ξ, η as words, integers first; to origin, direction, weight in the optical frame. */
+static inline void device_sights(const mcv_sensor *sensor, size_t count, const uint32_t *cases, float *sights) {
+    run_sensor("sample_sensor", sensor, count, cases, 6 * sizeof(uint32_t), sights, 7 * sizeof(float));
 }
 
 /* The unit square to the unit disk as mcvisi/sampling.h documents it (Shirley and Chiu), in double: radius and angle. */

@@ -134,6 +134,25 @@ static void test_structure(void **state) {
     }
 }
 
+/* A moved mesh's structure, fitted to it, is complete and tight as a new one's is; so is it where only some of the vertices move. */
+static void test_refit(void **state) {
+    (void)state;
+    for (int number = 0; number < 4; ++number) {
+        mesh m = number % 2 ? mesh_sphere(20, 0.1) : mesh_terrain(40, 0.3, 1);
+        mcv_error error = {""};
+        mcv_bvh bvh = build(&m, 1);
+        for (uint32_t i = 0; i < 3 * m.triangle_count; ++i) {
+            float *p = m.positions + 3 * (size_t)m.indices[i];
+            if (number >= 2 && p[0] < 0.2f) continue;
+            for (int axis = 0; axis < 3; ++axis) p[axis] += 1e-3f * (float)(axis + 1) + 1e-4f * (float)(m.indices[i] % 7);
+        }
+        assert_int_equal(mcv_bvh_refit(&bvh, m.positions, m.indices, &error), MCV_OK);
+        check(&m, &bvh);
+        mcv_bvh_free(&bvh);
+        mesh_free(&m);
+    }
+}
+
 /* Both above what one thread keeps to itself; long thin triangles are split in space. */
 static void test_any_number_of_threads_gives_the_same_bits(void **state) {
     (void)state;
@@ -210,9 +229,13 @@ static void test_too_many_triangles(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_structure),          cmocka_unit_test(test_any_number_of_threads_gives_the_same_bits),
-        cmocka_unit_test(test_few_triangles),      cmocka_unit_test(test_equal_triangles),
-        cmocka_unit_test(test_too_many_triangles), cmocka_unit_test(test_long_triangles_are_split),
+        cmocka_unit_test(test_structure),
+        cmocka_unit_test(test_refit),
+        cmocka_unit_test(test_any_number_of_threads_gives_the_same_bits),
+        cmocka_unit_test(test_few_triangles),
+        cmocka_unit_test(test_equal_triangles),
+        cmocka_unit_test(test_too_many_triangles),
+        cmocka_unit_test(test_long_triangles_are_split),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -453,13 +453,13 @@ static double truth_at(bool lines, uint32_t x, uint32_t y) {
 }
 
 /* As a render of so many samples in 4 replicates: each sample's deviation is twice its mean, which 16 of them bring to a half. */
-static double level_of(bool lines, double samples) {
+static mcv_quantity level_of(bool lines, double samples, uint32_t seed) {
     mcv_image light, light_error;
     mcv_error error = {""};
     assert_int_equal(mcv_image_new(&light, WIDE, HIGH, 1, &error), MCV_OK);
     assert_int_equal(mcv_image_new(&light_error, WIDE, HIGH, 1, &error), MCV_OK);
     for (uint32_t i = 0; i < WIDE * HIGH; ++i) {
-        mcv_noise noise = mcv_noise_begin((uint32_t)samples, 0, i);
+        mcv_noise noise = mcv_noise_begin((uint32_t)samples, seed, i);
         const double truth = truth_at(lines, i % WIDE, i / WIDE), deviation = 2 * truth / sqrt(samples / 4);
         double replicates[4], mean = 0, squares = 0;
         for (int k = 0; k < 4; ++k) mean += (replicates[k] = truth + deviation * mcv_noise_normal(&noise)) / 4;
@@ -467,7 +467,7 @@ static double level_of(bool lines, double samples) {
         light.pixels[i] = (float)mean;
         light_error.pixels[i] = (float)sqrt(squares / 12);
     }
-    const double level = mcv_camera_level(&light, &light_error, (const double[]){5, 5, 5});
+    const mcv_quantity level = mcv_camera_level(&light, &light_error, (const double[]){5, 5, 5});
     mcv_image_free(&light);
     mcv_image_free(&light_error);
     return level;
@@ -481,17 +481,42 @@ static void test_level(void **state) {
     static const double samples[] = {16, 256, 4096};
     (void)state;
     for (int lines = 0; lines < 2; ++lines) {
-        const double last = level_of(lines, 4096);
+        const double last = level_of(lines, 4096, 0).value;
         const double low = lines ? 1 / (1 + 0.001 * 79) - 0.005 : 0.95, high = lines ? 1 : 1.0;
         if (!(last > 5 * low && last < 5 * high)) fail_msg("level %g is not within %g and %g", last, 5 * low, 5 * high);
         for (int i = 0; i < 3; ++i) {
-            const double level = level_of(lines, samples[i]);
+            const double level = level_of(lines, samples[i], 0).value;
             if (fabs(level / last - 1) > 0.01) fail_msg("level %g of %g samples, but %g of 4096", level, samples[i], last);
         }
     }
     float black[1] = {0};
     const mcv_image dark = {.width = 1, .height = 1, .channels = 1, .pixels = black};
-    assert_true(mcv_camera_level(&dark, NULL, (const double[]){1, 1, 1}) == 0);
+    assert_true(mcv_camera_level(&dark, NULL, (const double[]){1, 1, 1}).value == 0);
+}
+
+/*
+ * The stated uncertainty, against the spread of 40 pictures of 16 samples: their deviation is known to 1/√78 = 11 %, 3 of which are
+ * allowed; 4 u^4 in place of at most 3 u^4 adds up to 4 % where the error is a half of the value. The mean of 40 is the level of 4096
+ * samples within 3.3 of its own deviations.
+ */
+static void test_level_uncertainty(void **state) {
+    enum { PICTURES = 40 };
+    (void)state;
+    for (int lines = 0; lines < 2; ++lines) {
+        const mcv_quantity last = level_of(lines, 4096, 0);
+        double sum = 0, squares = 0, stated = 0;
+        for (uint32_t n = 1; n <= PICTURES; ++n) {
+            const mcv_quantity level = level_of(lines, 16, n);
+            sum += level.value;
+            squares += level.value * level.value;
+            stated += level.uncertainty / PICTURES;
+        }
+        const double mean = sum / PICTURES, deviation = sqrt((squares - sum * mean) / (PICTURES - 1));
+        if (deviation > 1.37 * stated || stated > 1.41 * deviation)
+            fail_msg("%s: a deviation of %g, but %g is stated", lines ? "lines" : "plateau", deviation, stated);
+        if (fabs(mean - last.value) > 3.3 * hypot(deviation / sqrt(PICTURES), last.uncertainty))
+            fail_msg("%s: %g in the mean, but %g of 4096 samples", lines ? "lines" : "plateau", mean, last.value);
+    }
 }
 
 /* Each pixel of the mosaic reads its colour's channel with its colour's sensitivity; grey light falls on all. */
@@ -623,6 +648,7 @@ int main(void) {
         cmocka_unit_test(test_uncertainty_of_the_light),
         cmocka_unit_test(test_error_of_the_render),
         cmocka_unit_test(test_level),
+        cmocka_unit_test(test_level_uncertainty),
         cmocka_unit_test(test_bayer_patterns),
         cmocka_unit_test(test_files_of_values),
         cmocka_unit_test(test_bad_input),

@@ -3,6 +3,7 @@
 #include "scene_builder.h"
 #include "scene_files.h"
 
+#include "analysis/render_error.h"
 #include "output/exr.h"
 #include "output/values.h"
 #include "reference/sight.h"
@@ -256,6 +257,59 @@ static void test_sizes_that_overflow(void **state) {
     assert_false(mcv_camera_model_fit(&model, 256, 256));
 }
 
+/*
+ * An image with a contour through its cells, whose errors are 0.25 DN on one side and 3 DN on the other, in two channels: the text gives
+ * back each pixel's error, to half a thousandth. A text with too few numbers or absurdly many cells is refused.
+ */
+static void test_error_of_the_render(void **state) {
+    static const char *const lists[] = {"level", "milliBelow", "milliAbove", "correlation", "cells", "channels"};
+    enum { WIDTH = 41, HEIGHT = 19, COUNT = 2 * WIDTH * HEIGHT };
+    float values[COUNT], errors[COUNT];
+    const mcv_image grey = {.width = WIDTH, .height = HEIGHT, .channels = 2, .pixels = values};
+    const mcv_image known = {.width = WIDTH, .height = HEIGHT, .channels = 2, .pixels = errors};
+    mcv_image found;
+    mcv_camera_model model, read;
+    mcv_error error = {""};
+    bool is_one;
+    (void)state;
+    mcv_scene *scene = scene_of(MCV_SENSOR_TELECENTRIC, PLAIN);
+    BUILD(mcv_camera_model_of(scene, scene->sensors, &model, &builder_error));
+    for (size_t i = 0; i < COUNT; ++i) {
+        const bool bright = 3 * (i % WIDTH) > 2 * (i / WIDTH % HEIGHT) + 17;
+        values[i] = (float)((bright ? 3000 : 200) + i % 7);
+        errors[i] = bright ? 3 : 0.25F;
+    }
+    BUILD(mcv_render_error_of(&grey, &known, &(mcv_correlation){4, 2, 0.5, 0.3}, 3, &model.render_error, &builder_error));
+    char *text = mcv_camera_model_write(&model);
+    BUILD(mcv_camera_model_read(text, "image", &read, &is_one, &builder_error));
+    const mcv_render_error *told = &read.render_error;
+    assert_true(told->correlation[0] == 4 && told->correlation[1] == 2 && told->correlation[2] == 0.5 && told->freedom == 3);
+    BUILD(mcv_render_error_image(told, &grey, &found, &builder_error));
+    /* A cell of one side alone is told apart by its own noise. */
+    for (size_t i = 0; i < COUNT; ++i)
+        if (fabs((double)found.pixels[i] - (double)errors[i]) > 0.5e-3)
+            fail_msg("value %zu: an error of %g instead of %g", i, found.pixels[i], errors[i]);
+    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; ++i) {
+        json_t *object = json_loads(text, 0, NULL), *render = json_object_get(object, "renderError"),
+               *list = json_object_get(render, lists[i]);
+        if (i < 4)
+            json_array_remove(list, 0);
+        else
+            json_object_set_new(render, lists[i], i == 4 ? json_pack("[i,i]", 1 << 24, 1 << 24) : json_integer(1 << 20));
+        char *damaged = json_dumps(object, 0);
+        mcv_camera_model none;
+        assert_int_equal(mcv_camera_model_read(damaged, "image.png", &none, &is_one, &error), MCV_BAD_INPUT);
+        if (!strstr(error.text, "image.png") || !strstr(error.text, "renderError")) fail_msg("%s: %s", lists[i], error.text);
+        free(damaged);
+        json_decref(object);
+    }
+    free(text);
+    mcv_image_free(&found);
+    mcv_camera_model_free(&read);
+    mcv_camera_model_free(&model);
+    mcv_scene_free(scene);
+}
+
 static void test_nodes_by_name(void **state) {
     mcv_camera_model model;
     const mcv_placement *frame;
@@ -340,8 +394,9 @@ static char *model_text_of(const char *path) {
 
 /* Through the program: every file that it writes of one sensor tells the same model, grey values their bits as well. */
 static void test_every_file_tells(void **state) {
-    static const char *const files[] = {"cm.exr", "cm.png", "cm-grey.exr", "cm-grey.png", "cm-grey.tif"};
+    static const char *const files[] = {"cm.exr", "cm.png", "cm-grey-preview.png", "cm-grey.exr", "cm-grey.png", "cm-grey.tif"};
     mcv_scene *scene;
+    enum { FILES = sizeof files / sizeof files[0] };
     (void)state;
     char *path = write_bytes("camera_model.gltf", rig, strlen(rig));
     BUILD(mcv_scene_load(path, (mcv_overrides){NULL, 0}, &scene, &builder_error));
@@ -352,7 +407,7 @@ static void test_every_file_tells(void **state) {
         run("camera cm.exr --electrons-per-unit 100 --bits 10 --black-level 16 -o cm-grey.exr");
         run("camera cm.exr --electrons-per-unit 100 --bits 10 --black-level 16 -o cm-grey.png");
         run("camera cm.exr --electrons-per-unit 100 --bits 10 --black-level 16 -o cm-grey.tif");
-        for (int i = 0; i < 5; ++i) {
+        for (int i = 0; i < FILES; ++i) {
             mcv_camera_model model;
             bool is_one;
             double pixel[2];
@@ -366,15 +421,16 @@ static void test_every_file_tells(void **state) {
                 fail_msg("%s: (%.9f, %.9f) instead of (116, -42), times %d", files[i], pixel[0], pixel[1], 1 + resized);
             assert_true(fabs(model.object_pixel[0] * (1 + resized) - 20e-6) < 1e-18);
             assert_int_equal(model.node_count, 3);
-            if (i < 2)
+            if (i < 3)
                 assert_true(isnan(model.bits));
             else
                 assert_true(model.bits == 10 && model.black_level == 16 && fabs(model.gain - 1007.0 / 10000) < 1e-15);
+            assert_int_equal(model.render_error.items != NULL, i > 3); /* OpenEXR has it as a part; a preview has no grey values */
             mcv_camera_model_free(&model);
             free(text);
         }
     }
-    for (int i = 0; i < 5; ++i) unlink(files[i]);
+    for (int i = 0; i < FILES; ++i) unlink(files[i]);
     mcv_scene_free(scene);
     free(path);
 }
@@ -386,6 +442,7 @@ int main(void) {
         cmocka_unit_test(test_text_gives_every_bit_back),
         cmocka_unit_test(test_damaged_texts),
         cmocka_unit_test(test_sizes_that_overflow),
+        cmocka_unit_test(test_error_of_the_render),
         cmocka_unit_test(test_nodes_by_name),
         cmocka_unit_test(test_nodes_of_a_file),
         cmocka_unit_test(test_every_file_tells),

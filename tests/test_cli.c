@@ -26,6 +26,7 @@
 #include "area_samples.h"
 #include "output/exr.h"
 #include "output/figure.h"
+#include "scene/camera_model.h"
 
 #define PROGRAM MCV_BINARY_DIR "/mcvisi"
 
@@ -804,6 +805,34 @@ static void test_measure(void **state) {
     assert_non_null(strstr(out, " ± "));
 }
 
+/*
+ * --expose-to takes the same level of a render of few samples as of one of many, within what is stated of both (one in 1000 is 3.3
+ * deviations off). A scratch in dark field is noisy: of 16 samples the brightest square of 16 x 16 pixels is known to 1 or 2 %.
+ */
+static void test_level_of_a_render(void **state) {
+    static const int samples[] = {256, 16, 16, 16, 64};
+    double levels[5], uncertainties[5];
+    (void)state;
+    for (int i = 0; i < 5; ++i) {
+        char line[512];
+        snprintf(line, sizeof line, "render " MCV_SOURCE_DIR "/scenes/scratch.gltf --resolution 64x48 --spp %d --seed %d -o s.exr",
+                 samples[i], i);
+        run_well(line);
+        run_well("camera s.exr -o grey.exr --expose-to 0.8 --json");
+        json_t *report = json_loads(out, 0, NULL);
+        const double level = measured(report, "level", uncertainties + i);
+        assert_true(level == 8000);
+        levels[i] = 1 / json_number_value(json_object_get(report, "electrons_per_unit"));
+        uncertainties[i] *= levels[i] / level;
+        json_decref(report);
+        const double off = levels[i] - levels[0];
+        print_message("%d samples: %+.3f %%, stated %.3f %%\n", samples[i], 100 * off / levels[0], 100 * uncertainties[i] / levels[i]);
+        if (fabs(off) > 3.3 * hypot(uncertainties[0], uncertainties[i]))
+            fail_msg("%d samples: the level is off by %g of %g ± %g", samples[i], off, levels[0], uncertainties[i]);
+    }
+    assert_true(uncertainties[0] > 0 && uncertainties[0] < 0.01 * levels[0]);
+}
+
 /* --- the render's own error ------------------------------------------------------------------------------------- */
 
 /* What a render of so many samples gives of a bright half and a darker one; irradiance, 4 replicates, f/4. */
@@ -822,59 +851,91 @@ static void write_noisy(const char *path, double samples) {
         image.pixels[i] = (float)fmax(0, mean);
         deviation.pixels[i] = (float)sqrt(squares / 12);
     }
+    const mcv_camera_model model = {.telecentric = true,
+                                    .size = {WIDTH, HEIGHT},
+                                    .macro = {1, 1},
+                                    .pixel = {3.45e-6, 3.45e-6},
+                                    .object_pixel = {34.5e-6, 34.5e-6},
+                                    .bits = NAN,
+                                    .black_level = NAN,
+                                    .gain = NAN};
+    char *text = mcv_camera_model_write(&model);
     const mcv_attribute attributes[] = {{.name = "mcvisi:quantity", .text = "irradiance"},
                                         {.name = "mcvisi:unit", .text = "W/m^2"},
                                         {.name = "mcvisi:fNumber", .numbers = {4}, .count = 1},
                                         {.name = "mcvisi:pixelSize", .numbers = {3.45e-6, 3.45e-6}, .count = 2},
-                                        {.name = "mcvisi:errorFreedom", .numbers = {3}, .count = 1}};
+                                        {.name = "mcvisi:errorFreedom", .numbers = {3}, .count = 1},
+                                        {.name = MCV_CAMERA_MODEL_KEY, .text = text}};
     const mcv_exr_part parts[] = {{.name = "image", .image = image}, {.name = "error", .image = deviation}};
-    assert_int_equal(mcv_exr_write(path, parts, 2, attributes, 5, &error), MCV_OK);
+    assert_non_null(text);
+    assert_int_equal(mcv_exr_write(path, parts, 2, attributes, 6, &error), MCV_OK);
+    free(text);
     mcv_image_free(&image);
     mcv_image_free(&deviation);
 }
 
 /*
  * One scene, one camera, 16 to 16384 samples: contrast to noise, SNR and RMS contrast are those of the camera within 3.3 of their stated
- * uncertainties (one in 1000), or refused with the samples that are needed, never wrong; without the blur of the lens and with it. By hand,
- * of 10 000 e- of full well at 0.8, m = 8000 and b = 6400 e-: (m - b)/√(b + 25) and so on; rounding to 12 bits adds (10000/4095)²/12 = 0.5
- * e-².
+ * uncertainties (one in 1000), or refused with the samples that are needed, never wrong; without the blur of the lens and with it, from
+ * every file that has a header. By hand, of 10 000 e- of full well at 0.8, m = 8000 and b = 6400 e-: (m - b)/√(b + 25) and so on; rounding
+ * to 12 bits adds (10000/4095)²/12 = 0.5 e-².
+ */
+static void check_contrast(const char *file, double samples, double render_noise[2]) {
+    const double noise = sqrt(6400 + 25 + 0.5), truth = 1600 / noise, ratio = 8000 / sqrt(8000 + 25 + 0.5);
+    char line[256];
+    double u;
+    snprintf(line, sizeof line, "measure %s --region a=8,8,44,64 --region b=11,9,15,61 --background 68,8,44,64 --json", file);
+    run_well(line);
+    json_t *report = json_loads(out, 0, NULL);
+    const json_t *regions = json_object_get(report, "regions"), *a = json_array_get(regions, 0);
+    const bool told = json_object_get(a, "contrast_to_noise"), refused = json_object_get(a, "no_contrast_to_noise");
+    if (strcmp(json_string_value(json_object_get(report, "render_error")), "taken out") != 0) fail_msg("%s: %s", file, out);
+    assert_true(told != refused);
+    if (samples < 32 && told) fail_msg("%s: of 16 samples there must be no contrast to noise: %s", file, out);
+    if (samples > 4000 && refused) fail_msg("%s: %g samples are enough: %s", file, samples, out);
+    const double rms = measured(a, "rms_contrast", &u);
+    if (fabs(rms) > 3.3 * u) fail_msg("%s of %g samples: an RMS contrast of %g ± %g where there is none", file, samples, rms, u);
+    const double cnr = told ? measured(a, "contrast_to_noise", &u) : truth;
+    if (told && fabs(cnr - truth) > 3.3 * u) fail_msg("%s of %g samples: contrast to noise %g ± %g, not %g", file, samples, cnr, u, truth);
+    const double snr = json_object_get(a, "snr") ? measured(a, "snr", &u) : ratio;
+    if (json_object_get(a, "snr") && fabs(snr - ratio) > 3.3 * u)
+        fail_msg("%s of %g samples: SNR %g ± %g, not %g", file, samples, snr, u, ratio);
+    for (int i = 0; i < 2; ++i) render_noise[i] = json_number_value(json_object_get(json_array_get(regions, (size_t)i), "render_noise"));
+    json_decref(report);
+}
+
+/*
+ * A header tells the errors by cells of 8 x 8 pixels, here to a thousandth of a DN. The variances of region b, 915 pixels of whose cells
+ * half are outside, are means of different pixels: each is known to √(2/3), so that both agree within 3.3 √(2/3 · 2/915)/2 = 7 % of a
+ * deviation. Region a cuts 1/12 of its pixels off from their cells.
  */
 static void test_contrast_without_the_render(void **state) {
     static const double samples[] = {16, 64, 1024, 4096, 16384};
-    const double noise = sqrt(6400 + 25 + 0.5), truth = 1600 / noise, ratio = 8000 / sqrt(8000 + 25 + 0.5);
+    static const char *const files[] = {"noisy-grey.exr", "noisy-grey.png", "noisy-grey.tif"};
     (void)state;
     for (int i = 0; i < 10; ++i) {
         char line[256];
-        double u;
+        double found[3][2];
         write_noisy("noisy.exr", samples[i % 5]);
-        snprintf(line, sizeof line, "camera noisy.exr -o noisy-grey.exr --electrons-per-unit 8000 --read-noise 5 --lens-mtf %s",
-                 i < 5 ? "none" : "diffraction");
-        run_well(line);
-        run_well("measure noisy-grey.exr --region a=8,8,44,64 --background 68,8,44,64 --json");
-        json_t *report = json_loads(out, 0, NULL);
-        const json_t *a = json_array_get(json_object_get(report, "regions"), 0);
-        const bool told = json_object_get(a, "contrast_to_noise"), refused = json_object_get(a, "no_contrast_to_noise");
-        assert_true(told != refused);
-        if (samples[i % 5] < 32 && told) fail_msg("of 16 samples there must be no contrast to noise: %s", out);
-        if (samples[i % 5] > 4000 && refused) fail_msg("%g samples are enough: %s", samples[i % 5], out);
-        const double rms = measured(a, "rms_contrast", &u);
-        if (fabs(rms) > 3.3 * u) fail_msg("%g samples: an RMS contrast of %g ± %g where there is none", samples[i % 5], rms, u);
-        const double cnr = told ? measured(a, "contrast_to_noise", &u) : truth;
-        if (told && fabs(cnr - truth) > 3.3 * u) fail_msg("%g samples: contrast to noise %g ± %g, not %g", samples[i % 5], cnr, u, truth);
-        const double snr = json_object_get(a, "snr") ? measured(a, "snr", &u) : ratio;
-        if (json_object_get(a, "snr") && fabs(snr - ratio) > 3.3 * u)
-            fail_msg("%g samples: SNR %g ± %g, not %g", samples[i % 5], snr, u, ratio);
-        json_decref(report);
+        for (int k = 0; k < 3; ++k) {
+            snprintf(line, sizeof line, "camera noisy.exr -o %s --electrons-per-unit 8000 --read-noise 5 --lens-mtf %s", files[k],
+                     i < 5 ? "none" : "diffraction");
+            run_well(line);
+            check_contrast(files[k], samples[i % 5], found[k]);
+            for (int r = 0; r < 2; ++r)
+                if (fabs(found[k][r] / found[0][r] - 1) > 0.07)
+                    fail_msg("%s: the render's error is %g instead of %g", files[k], found[k][r], found[0][r]);
+        }
     }
     /* The render itself has nothing but its error here. */
     run_well("measure noisy.exr --region 8,8,44,64");
     assert_non_null(strstr(out, "times its samples are needed"));
     assert_non_null(strstr(out, "render error"));
     /* Files that do not tell say so. */
-    run_well("camera noisy.exr -o noisy.tif --electrons-per-unit 8000");
+    run_well("camera noisy.exr -o noisy.npy --electrons-per-unit 8000");
     assert_non_null(strstr(out, "noisy-preview.png"));
     expect_png("noisy-preview.png", 120, 80);
-    run_well("measure noisy.tif");
+    run_well("measure noisy.npy");
     assert_non_null(strstr(out, "counts as noise"));
 }
 
@@ -1262,6 +1323,7 @@ int main(void) {
         TEST(test_camera_bad_input),
         TEST(test_measure_a_render),
         TEST(test_measure),
+        TEST(test_level_of_a_render),
         TEST(test_contrast_without_the_render),
         TEST(test_units_of_options),
         TEST(test_measure_circles),

@@ -128,6 +128,15 @@ static mcv_comparison compare(const mcv_film *x, const mcv_film *y) {
     return c;
 }
 
+/* Of n independent p-values the smallest is at most p with the probability 1 - (1 - p)^n; for small ones n p, without cancellation. */
+static void test_sidak(void **state) {
+    (void)state;
+    assert_true(fabs(mcv_sidak(0.5, 2) - 0.75) < 1e-15);
+    assert_true(fabs(mcv_sidak(0.1, 10) - (1 - pow(0.9, 10))) < 1e-14);
+    assert_true(fabs(mcv_sidak(1e-20, 3) / 3e-20 - 1) < 1e-14);
+    assert_true(mcv_sidak(1, 5) == 1 && mcv_sidak(0, 5) == 0);
+}
+
 /*
  * Pairs of the same distribution. The verdict: at most 4 x 2.5e-4 of them are rejected, so that of 300 pairs more than 3 are with
  * a probability of 3e-4 (Poisson, 0.3). The p-values: p <= 0.05 in at most 5 % of the cases; 300 pairs give 15 ± 3.8, five SDs are 34.
@@ -298,6 +307,44 @@ static void test_what_cannot_be_compared(void **state) {
     mcv_film_free(&one);
 }
 
+/*
+ * An edge of 32 pixels half covered: each of 4 replicates counts 7 or 8 of 16 samples, whose weights differ by 1e-6. In one pixel of 128
+ * all replicates of one picture count 7, all of the other one 8; some pixel is such a one in 97 % of 15 pairs.
+ */
+static void test_edges_with_replicates_alike(void **state) {
+    (void)state;
+    mcv_error error = {""};
+    mcv_comparison c;
+    int alike = 0;
+    for (uint64_t seed = 1; seed <= 15; ++seed) {
+        mcv_film films[2];
+        mcv_image images[4];
+        mcv_measured sides[2];
+        for (uint64_t s = 0; s < 2; ++s) {
+            films[s] = make_film(32, 32, 1, 4, NORMAL, seed << 8 | s);
+            films[s].samples = 16;
+            for (int i = 0; i < 4 * 32 * 32; ++i) {
+                const double chance = films[s].sums[i], covered = i % 32 == 16  ? 7 + fmod(floor(1e6 * fabs(chance)), 2)
+                                                                  : i % 32 < 16 ? 0
+                                                                                : 16;
+                films[s].sums[i] = covered * (1 + 1e-6 * fmod(1e3 * fabs(chance), 1));
+            }
+            sides[s] = measure(&films[s], &images[2 * s], &images[2 * s + 1]);
+        }
+        for (int row = 0; row < 32; ++row) {
+            const int i = 32 * row + 16;
+            const float deviation = hypotf(images[1].pixels[i], images[3].pixels[i]);
+            alike += fabsf(images[0].pixels[i] - images[2].pixels[i]) > 1000 * deviation;
+        }
+        assert_int_equal(mcv_compare_images(&sides[0], &sides[1], &c, &error), MCV_OK);
+        if (c.different) fail_msg("pair %d of equal pictures: %s", (int)seed, c.reason);
+        for (int i = 0; i < 4; ++i) mcv_image_free(&images[i]);
+        for (int s = 0; s < 2; ++s) mcv_film_free(&films[s]);
+    }
+    print_message("edges: %d pixels with replicates alike that differ\n", alike);
+    assert_true(alike > 0);
+}
+
 /* By hand: (4 - 1)/√(0.3² + 0.4²) = 6, of two channels (2 + 1)/√(0.6² + 0.8²) = 3; what has no error is infinite, what is no number NaN. */
 static void test_difference_in_standard_errors(void **state) {
     (void)state;
@@ -330,10 +377,12 @@ int main(void) {
         cmocka_unit_test(test_incomplete_beta),
         cmocka_unit_test(test_student),
         cmocka_unit_test(test_counting_distributions),
+        cmocka_unit_test(test_sidak),
         cmocka_unit_test(test_equal_pictures_are_accepted),
         cmocka_unit_test(test_planted_errors_are_rejected),
         cmocka_unit_test(test_pictures_without_noise),
         cmocka_unit_test(test_images_with_errors),
+        cmocka_unit_test(test_edges_with_replicates_alike),
         cmocka_unit_test(test_what_cannot_be_compared),
         cmocka_unit_test(test_difference_in_standard_errors),
     };

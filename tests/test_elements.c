@@ -205,6 +205,104 @@ static void test_light_field(void **state) {
     }
 }
 
+/*
+ * What light paths need of a sensor: the place on the film that a ray of sight comes from; W = weight/(A Ω) of it, A the lens's area as
+ * seen from a depth z and Ω a pixel's solid angle in tangents; a pixel's footprint Ω z². The places are found to 2^-20 of the width; the
+ * others take below 16 roundings. Of a light field camera the place is a pixel's middle; what lies within rounding of its edge is left out.
+ */
+static void check_inverse(const mcv_sensor *values, double lens_area, bool grows, const double pixel[2], double slope) {
+    enum { COUNT = 1 << 14 };
+    mcv_scene *scene = mcv_scene_new("sensor");
+    add_sensor(scene, values->type, values, mcv_transform_identity());
+    const mcv_sensor *sensor = &scene->sensors[0];
+    const bool whole = values->type == MCV_SENSOR_LIGHT_FIELD;
+    uint32_t width, height, *cases = malloc(7 * sizeof(uint32_t) * COUNT);
+    float *results = malloc(6 * sizeof(float) * COUNT);
+    double worst = 0;
+    size_t seen = 0;
+    assert_non_null(cases);
+    assert_non_null(results);
+    mcv_sensor_film_size(sensor, &width, &height);
+    random_numbers.state = 1;
+    for (size_t i = 0; i < COUNT; ++i) {
+        cases[7 * i] = (uint32_t)uniform(0, width);
+        cases[7 * i + 1] = (uint32_t)uniform(0, height);
+        for (int k = 2; k < 6; ++k) cases[7 * i + k] = as_uint(random_float());
+        cases[7 * i + 6] = as_uint((float)uniform(0.1, 1));
+    }
+    run_sensor("invert_sensor", sensor, COUNT, cases, 7 * sizeof(uint32_t), results, 6 * sizeof(float));
+    for (size_t i = 0; i < COUNT; ++i) {
+        const uint32_t *in = cases + 7 * i;
+        const float *out = results + 6 * i;
+        const double x = as_float(in[2]), y = as_float(in[3]), z = as_float(in[6]), weight = out[5];
+        const double area = lens_area * (grows ? z * z : 1), footprint = pixel[0] * pixel[1] * slope * slope * (grows ? 1 : z * z);
+        worst = fmax(worst, fmax(fabs(out[3] / area - 1), fabs(out[4] / footprint - 1)));
+        if ((out[2] > 0) != (weight > 0) || fmin(fmin(x, 1 - x), fmin(y, 1 - y)) < 1e-4) continue;
+        ++seen;
+        if (!(weight > 0)) continue;
+        worst = fmax(worst, fabs(out[2] * area / (z * z) * footprint / weight - 1));
+        const double column = in[0] + (whole ? 0.5 : x), row = in[1] + (whole ? 0.5 : y);
+        if (!(fabs(out[0] - column) <= width * 0x1p-20 && fabs(out[1] - row) <= width * 0x1p-20))
+            fail_msg("sensor type %u: (%.9g, %.9g) comes back as (%.9g, %.9g)", values->type, column, row, (double)out[0], (double)out[1]);
+    }
+    print_message("area, footprint and W: off by %.2g of %.2g; %zu of %d cases\n", worst, 16 * u, seen, COUNT);
+    assert_true(worst <= 16 * u);
+    assert_true(seen >= 0.99 * COUNT); /* the others lie at a rim, or near a pixel's edge */
+    free(cases);
+    free(results);
+    mcv_scene_free(scene);
+}
+
+static void test_inverse_of_pinhole(void **state) {
+    mcv_sensor sensor = sensor_defaults(MCV_SENSOR_PINHOLE);
+    mcv_pinhole_params *p = &sensor.as.pinhole;
+    (void)state;
+    p->imageDistance = 0.016;
+    p->resolution[0] = 120, p->resolution[1] = 80;
+    p->pixelSize[0] = 5e-5, p->pixelSize[1] = 4e-5;
+    check_inverse(&sensor, 1, false, p->pixelSize, 1 / 0.016);
+}
+
+static void test_inverse_of_thin_lens(void **state) {
+    mcv_sensor sensor = sensor_defaults(MCV_SENSOR_THIN_LENS);
+    mcv_thin_lens_params *p = &sensor.as.thin_lens;
+    (void)state;
+    p->focalLength = 0.025;
+    p->imageDistance = 0.03;
+    p->lensDiameter = 0.006;
+    p->resolution[0] = 120, p->resolution[1] = 80;
+    p->pixelSize[0] = 5e-5, p->pixelSize[1] = 4e-5;
+    p->radiometry = MCV_RADIOMETRY_IRRADIANCE;
+    check_inverse(&sensor, M_PI * 0.003 * 0.003, false, p->pixelSize, 1 / 0.03);
+}
+
+static void test_inverse_of_telecentric(void **state) {
+    mcv_sensor sensor = sensor_defaults(MCV_SENSOR_TELECENTRIC);
+    mcv_telecentric_params *p = &sensor.as.telecentric;
+    (void)state;
+    p->focalLength = 0.022;
+    p->imageDistance = 0.0275;
+    p->stopDiameter = 0.004;
+    p->resolution[0] = 120, p->resolution[1] = 80;
+    p->pixelSize[0] = 5e-5, p->pixelSize[1] = 4e-5;
+    p->radiometry = MCV_RADIOMETRY_IRRADIANCE;
+    check_inverse(&sensor, M_PI * pow(0.002 / 0.022, 2), true, p->pixelSize, 0.022 / (0.0275 - 0.022));
+}
+
+static void test_inverse_of_light_field(void **state) {
+    mcv_sensor sensor = sensor_defaults(MCV_SENSOR_LIGHT_FIELD);
+    mcv_light_field_params *p = &sensor.as.light_field;
+    (void)state;
+    p->focalLength = 0.05;
+    p->imageDistance = 0.06;
+    p->lensDiameter = 0.02;
+    p->spatialResolution[0] = 20, p->spatialResolution[1] = 16;
+    p->angularResolution[0] = 5, p->angularResolution[1] = 4;
+    p->pixelSize[0] = 5e-5, p->pixelSize[1] = 4e-5;
+    p->radiometry = MCV_RADIOMETRY_IRRADIANCE;
+    check_inverse(&sensor, 0.02 * 0.02, false, p->pixelSize, 1 / 0.06);
+}
+
 /* Emitters */
 
 /*
@@ -411,9 +509,19 @@ static void test_attenuation(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pinhole),     cmocka_unit_test(test_thin_lens),   cmocka_unit_test(test_telecentric),
-        cmocka_unit_test(test_light_field), cmocka_unit_test(test_parallel),    cmocka_unit_test(test_cone_samples),
-        cmocka_unit_test(test_refraction),  cmocka_unit_test(test_attenuation),
+        cmocka_unit_test(test_pinhole),
+        cmocka_unit_test(test_thin_lens),
+        cmocka_unit_test(test_telecentric),
+        cmocka_unit_test(test_light_field),
+        cmocka_unit_test(test_parallel),
+        cmocka_unit_test(test_cone_samples),
+        cmocka_unit_test(test_refraction),
+        cmocka_unit_test(test_attenuation),
+        cmocka_unit_test(test_inverse_of_pinhole),
+        cmocka_unit_test(test_inverse_of_thin_lens),
+        cmocka_unit_test(test_inverse_of_telecentric),
+        cmocka_unit_test(test_inverse_of_light_field),
     };
+    element_features = 1u << MCV_FEATURE_LIGHT_TRACING;
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

@@ -12,10 +12,10 @@
 
 #include "film/film.h"
 
-/* A value whose sum depends on the order of adding: uniform bits, exponents spread over 2^±20. */
+/* A value whose sum depends on the order of adding: uniform bits, exponents spread over 2^±64, far more than a double holds. */
 static double scattered(uint32_t *state) {
     *state = *state * 1664525u + 1013904223u;
-    return ldexp((double)(*state >> 8) / 16777216.0 - 0.25, (int)(*state >> 27) - 16);
+    return ldexp((double)(*state >> 8) / 16777216.0 - 0.25, (int)(*state >> 25) - 64);
 }
 
 static void test_tree_sum_is_the_same_for_every_split(void **state) {
@@ -63,6 +63,26 @@ static void test_merge_of_rounds_equals_the_whole(void **state) {
         if (film.sums[i] != whole) fail_msg("place %d: %.17g instead of %.17g", i, film.sums[i], whole);
     }
     mcv_film_free(&film);
+}
+
+/* What light paths bring counts beside the camera paths' sums, in its unit, and films are merged with it. */
+static void test_splats_are_added(void **state) {
+    (void)state;
+    const double camera[2] = {3, 5};
+    mcv_error error = {""};
+    mcv_film films[2];
+    for (int i = 0; i < 2; ++i) {
+        assert_int_equal(mcv_film_new(&films[i], 1, 1, 1, 2, &error), MCV_OK);
+        assert_int_equal(mcv_film_take_splats(&films[i], 0.25, &error), MCV_OK);
+        films[i].splats[0] = 4, films[i].splats[1] = 6;
+        mcv_film_add(&films[i], camera, 8);
+    }
+    assert_true(films[0].sums[0] == 4 && films[0].sums[1] == 6.5);
+    /* Only films of as many samples are merged. */
+    assert_int_equal(mcv_film_merge(&films[0], &films[1], &error), MCV_OK);
+    assert_int_equal(films[0].samples, 16);
+    assert_true(films[0].sums[0] == 8 && films[0].sums[1] == 13);
+    for (int i = 0; i < 2; ++i) mcv_film_free(&films[i]);
 }
 
 static void test_merge_refuses_what_does_not_fit(void **state) {
@@ -178,6 +198,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tree_sum_is_the_same_for_every_split),
         cmocka_unit_test(test_merge_of_rounds_equals_the_whole),
+        cmocka_unit_test(test_splats_are_added),
         cmocka_unit_test(test_merge_refuses_what_does_not_fit),
         cmocka_unit_test(test_develop_gives_mean_and_standard_error),
         cmocka_unit_test(test_develop_at_the_edges),

@@ -3,6 +3,11 @@
  */
 #include "exact_builder.h"
 
+/* test_glass_slow.c sets it: all cases, of which the quick test has those that no others stand for. */
+#ifndef SLOW
+#define SLOW 0
+#endif
+
 static const double line_d = 587.5618e-9, line_f = 486.1327e-9, line_c = 656.2725e-9;
 
 /*
@@ -246,7 +251,7 @@ static void furnace(void **state) {
 static void channels(void **state) {
     (void)state;
     static const double roughnesses[] = {0, 0.3};
-    for (int i = 0; i < 2; ++i) {
+    for (int i = SLOW; i < 1 + SLOW; ++i) {
         mcv_image coloured[RENDERERS], noise[RENDERERS];
         for (int grey = 0; grey < 4; ++grey) {
             mcv_scene *scene = flint_ball(false, roughnesses[i]);
@@ -349,7 +354,8 @@ static void light_paths(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(catalogue),      cmocka_unit_test(wavelengths), cmocka_unit_test(bad),      cmocka_unit_test(bad_files),
-        cmocka_unit_test(khr_dispersion), cmocka_unit_test(furnace),     cmocka_unit_test(channels), cmocka_unit_test(light_paths),
+        cmocka_unit_test(khr_dispersion), cmocka_unit_test(furnace),     cmocka_unit_test(channels),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest long_tests[] = {cmocka_unit_test(channels), cmocka_unit_test(light_paths)};
+    return SLOW ? cmocka_run_group_tests(long_tests, NULL, NULL) : cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,6 +2,7 @@
 /* How far edges of thick parts grow before a backlight: closed forms, renders of a wall, and what is said of it. */
 #include "reference_checks.h"
 
+#include "analysis/findings.h"
 #include "analysis/growth.h"
 
 static const double thickness = 6e-3;
@@ -44,6 +45,17 @@ static void test_closed_form(void **state) {
     mcv_growth_sentence(scene, &growth, sentence);
     if (!strstr(sentence, "6 mm thick") || !strstr(sentence, "9.09 µm") || !strstr(sentence, "18.2 µm") || !strstr(sentence, "f/5.6"))
         fail_msg("%s", sentence);
+    /* `check` says it once, as a note about the sensor. */
+    mcv_findings findings;
+    int said = 0;
+    BUILD(mcv_findings_of(scene, &findings, &builder_error));
+    for (size_t i = 0; i < findings.count; ++i) {
+        if (strcmp(findings.items[i].sentence, sentence) != 0) continue;
+        ++said;
+        assert_true(findings.items[i].severity == MCV_SEVERITY_NOTE && strncmp(findings.items[i].path, "sensors/", 8) == 0);
+    }
+    mcv_findings_free(&findings);
+    assert_int_equal(said, 1);
     mcv_scene_free(scene);
 
     scene = wall_before_light(5.6, 0, 0.003, MCV_MATERIAL_ABSORBER);

@@ -10,6 +10,11 @@
 #include "reference/reference.h"
 #include "render/render.h"
 
+/* test_images_slow.c sets it: all cases, of which the quick test has those that no others stand for. */
+#ifndef SLOW
+#define SLOW 0
+#endif
+
 typedef struct image_case {
     const char *file;
     uint32_t divisor;           /* of the resolution; the field of view stays */
@@ -208,6 +213,10 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_report_clean),
         cmocka_unit_test(test_wider_cone_is_seen),
+        cmocka_unit_test(test_furnace),
+        cmocka_unit_test(test_light_field_display),
+    };
+    const struct CMUnitTest long_tests[] = {
         cmocka_unit_test(test_report_bubble),
         cmocka_unit_test(test_report_dent),
         cmocka_unit_test(test_part_backlight),
@@ -216,13 +225,11 @@ int main(void) {
         cmocka_unit_test(test_longer_lens_is_seen),
         cmocka_unit_test(test_part_arealight),
         cmocka_unit_test(test_diffuse_box),
-        cmocka_unit_test(test_furnace),
         cmocka_unit_test(test_thin_lens),
         cmocka_unit_test(test_projector),
         cmocka_unit_test(test_lens_projector),
-        cmocka_unit_test(test_light_field_display),
     };
-    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    const int failed = SLOW ? cmocka_run_group_tests(long_tests, NULL, NULL) : cmocka_run_group_tests(tests, NULL, NULL);
     mcv_film_free(&reference_film);
     return failed;
 }

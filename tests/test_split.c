@@ -8,6 +8,11 @@
 #include "estimates.h"
 #include "peer_scenes.h"
 
+/* test_split_slow.c sets it: all cases, of which the quick test has those that no others stand for. */
+#ifndef SLOW
+#define SLOW 0
+#endif
+
 static mcv_render_stats stats;
 
 static mcv_film render_with(const mcv_scene *scene, mcv_render_options options) {
@@ -75,7 +80,7 @@ static void test_one_interface_has_no_noise(void **state) {
 static void test_even_beam_splitter(void **state) {
     const double angle = M_PI / 4;
     (void)state;
-    for (int narrow = 0; narrow < 2; ++narrow) {
+    for (int narrow = 0; narrow < 1 + SLOW; ++narrow) {
         mcv_scene *scene = new_scene();
         const uint32_t type = narrow ? MCV_EMITTER_PARALLEL : MCV_EMITTER_AREA;
         mcv_material splitter = {.as.beam_splitter = {.reflectance = {0.25, 0.25, 0.25}, .transmittance = {0.25, 0.25, 0.25}}};
@@ -159,9 +164,13 @@ static mcv_scene *make_mixed(int i, uint32_t pixels) {
     return strstr(mixed[i], ".gltf") ? load_coarse(mixed[i], pixels, pixels) : make_peer_scene(mixed[i], pixels, true, NULL);
 }
 
+/* That one scene of many stands for the others is what the closed forms above allow: a split that is biased is seen there without noise. */
+static bool is_left_out(int i) { return !SLOW && strcmp(mixed[i], "absorbing") != 0; }
+
 static void test_same_picture(void **state) {
     (void)state;
     for (int i = 0; i < MIXED; ++i) {
+        if (is_left_out(i)) continue;
         mcv_scene *scene = make_mixed(i, 16);
         mcv_render_options options = mcv_render_defaults();
         mcv_comparison c;
@@ -195,6 +204,7 @@ static void expect_equal(const mcv_film *a, const mcv_film *b, const char *scene
 static void test_same_bits(void **state) {
     (void)state;
     for (int i = 0; i < MIXED; ++i) {
+        if (is_left_out(i)) continue;
         mcv_scene *scene = make_mixed(i, 12);
         mcv_render_options options = mcv_render_defaults();
         options.last = 128;
@@ -204,9 +214,12 @@ static void test_same_bits(void **state) {
         options.schedule = MCV_SCHEDULE_TILE;
         mcv_film tile = render_with(scene, options);
         const mcv_render_stats of_tile = stats;
-        options.slice = 64;
-        mcv_film small = render_with(scene, options);
-        expect_equal(&tile, &small, mixed[i], "slices of 64");
+        for (int turn = 0; turn < SLOW; ++turn) {
+            options.slice = 64;
+            mcv_film small = render_with(scene, options);
+            expect_equal(&tile, &small, mixed[i], "slices of 64");
+            mcv_film_free(&small);
+        }
         options.schedule = MCV_SCHEDULE_STREAM;
         mcv_film stream = render_with(scene, options);
         expect_equal(&tile, &stream, mixed[i], "stream");
@@ -217,7 +230,6 @@ static void test_same_bits(void **state) {
         assert_true(stats.lost_energy == of_tile.lost_energy);
         assert_int_equal(stats.unmatched, of_tile.unmatched);
         mcv_film_free(&tile);
-        mcv_film_free(&small);
         mcv_film_free(&stream);
         mcv_scene_free(scene);
     }

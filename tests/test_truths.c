@@ -333,6 +333,9 @@ static void test_lossless_materials(void **state) {
         add_environment(scene, 1);
         add_sphere(scene, 1, 24, add_material(scene, kinds[k].type, &kinds[k].material), mcv_transform_identity());
         add_pinhole(scene, 16, 0.6, looking_down_z(0, 0, 3));
+        /* One program for all: patches of 0.1 mm, which one ray of 10^9 meets. */
+        for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i)
+            add_rectangle(scene, 1e-4, 1e-4, add_material(scene, kinds[i].type, &kinds[i].material), looking_down_z(2, 0.1 * (double)i, 0));
         for (int reference = 0; reference < 2; ++reference) {
             char what[64];
             mcv_render_stats stats;
@@ -345,11 +348,23 @@ static void test_lossless_materials(void **state) {
     }
 }
 
+/* Which of the tests run: no file of them shall take long. */
+#ifndef LOSSLESS
+#define LOSSLESS 0
+#endif
+#ifndef SLOW
+#define SLOW 0
+#endif
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_thick_lens),           cmocka_unit_test(test_mesh_convergence),   cmocka_unit_test(test_report_lens),
-        cmocka_unit_test(test_sphere_light),         cmocka_unit_test(test_integrating_sphere), cmocka_unit_test(test_power_is_linear),
-        cmocka_unit_test(test_forward_and_backward), cmocka_unit_test(test_lossless_materials),
+        cmocka_unit_test(test_thick_lens),
+        cmocka_unit_test(test_report_lens),
+        cmocka_unit_test(test_sphere_light),
+        cmocka_unit_test(test_integrating_sphere),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest lossless[] = {cmocka_unit_test(test_lossless_materials), cmocka_unit_test(test_mesh_convergence)};
+    const struct CMUnitTest long_tests[] = {cmocka_unit_test(test_power_is_linear), cmocka_unit_test(test_forward_and_backward)};
+    if (LOSSLESS) return cmocka_run_group_tests(lossless, NULL, NULL);
+    return SLOW ? cmocka_run_group_tests(long_tests, NULL, NULL) : cmocka_run_group_tests(tests, NULL, NULL);
 }

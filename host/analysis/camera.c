@@ -57,43 +57,76 @@ mcv_result mcv_camera_check_light(const mcv_image *light, mcv_error *error) {
 
 enum { SQUARE = 16, LATTICE = 4, LATTICES = LATTICE * LATTICE };
 
-/* Adds μ^15 and μ^16 of a square: means of products of 15 and of 16 different lattices. */
-static void add_square(const float *pixels, uint32_t width, uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1, double scale,
-                       double sums[2]) {
-    double means[LATTICES] = {0}, counts[LATTICES] = {0}, products[LATTICES + 1] = {1};
-    for (uint32_t y = y0; y < y1; ++y)
-        for (uint32_t x = x0; x < x1; ++x) {
-            const uint32_t k = y % LATTICE * LATTICE + x % LATTICE;
-            means[k] += scale * (double)pixels[(size_t)y * width + x];
+/* Sums over squares. */
+typedef struct powers {
+    double low, high; /* of μ^15 and μ^16 */
+    double errors[3]; /* of v μ^28, v μ^29 and v μ^30, v the variance of μ */
+} powers;
+
+/* Adds a square: of μ^15 and μ^16 the means of products of 15 and of 16 different lattices. */
+static void add_square(const mcv_image *light, const mcv_image *light_error, uint32_t channel, const uint32_t x[2], const uint32_t y[2],
+                       double scale, powers *sums) {
+    const size_t first = (size_t)channel * light->width * light->height;
+    double means[LATTICES] = {0}, counts[LATTICES] = {0}, products[LATTICES + 1] = {1}, mean = 0, variance = 0;
+    for (uint32_t row = y[0]; row < y[1]; ++row)
+        for (uint32_t column = x[0]; column < x[1]; ++column) {
+            const uint32_t k = row % LATTICE * LATTICE + column % LATTICE;
+            const size_t i = first + (size_t)row * light->width + column;
+            means[k] += scale * (double)light->pixels[i];
             ++counts[k];
+            if (light_error) variance += pow(scale * (double)light_error->pixels[i], 2);
         }
     /* products[n]: the sum over all choices of n of the lattices so far. */
-    for (int k = 0; k < LATTICES; ++k)
-        for (int n = k + 1; n > 0; --n) products[n] += products[n - 1] * means[k] / counts[k];
-    sums[0] += products[LATTICES - 1] / LATTICES;
-    sums[1] += products[LATTICES];
+    for (int k = 0; k < LATTICES; ++k) {
+        means[k] /= counts[k];
+        mean += means[k] / LATTICES;
+        for (int n = k + 1; n > 0; --n) products[n] += products[n - 1] * means[k];
+    }
+    const double pixels = (double)(x[1] - x[0]) * (y[1] - y[0]);
+    sums->low += products[LATTICES - 1] / LATTICES;
+    sums->high += products[LATTICES];
+    for (int n = 0; n < 3; ++n) sums->errors[n] += variance / (pixels * pixels) * pow(mean, 2 * LATTICES - 4 + n);
 }
 
-double mcv_camera_level(const mcv_image *light, const mcv_image *light_error, const double electrons_per_unit[3]) {
-    const size_t plane = (size_t)light->width * light->height;
+/* H/L of the sums H of μ^16 and L of μ^15: dμ moves it by (16 μ^15 - 15 μ^14 H/L)/L. */
+static mcv_quantity level_of_squares(const mcv_image *light, const mcv_image *light_error, const double electrons_per_unit[3],
+                                     double mean) {
     const uint32_t across = light->width / SQUARE, down = light->height / SQUARE;
-    double sum = 0, squares = 0, powers[2] = {0};
+    powers p = {0};
+    for (uint32_t c = 0; c < light->channels; ++c)
+        for (uint32_t j = 0; j < down; ++j)
+            for (uint32_t i = 0; i < across; ++i) {
+                const uint32_t x[] = {(uint32_t)((uint64_t)light->width * i / across),
+                                      (uint32_t)((uint64_t)light->width * (i + 1) / across)};
+                const uint32_t y[] = {(uint32_t)((uint64_t)light->height * j / down), (uint32_t)((uint64_t)light->height * (j + 1) / down)};
+                add_square(light, light_error, c, x, y, electrons_per_unit[c < 3 ? c : 2] / mean, &p);
+            }
+    if (!(p.low > 0)) return (mcv_quantity){0, NAN};
+    const double level = p.high / p.low, a = LATTICES, b = (LATTICES - 1) * level;
+    const double variance = (a * a * p.errors[2] - 2 * a * b * p.errors[1] + b * b * p.errors[0]) / (p.low * p.low);
+    return (mcv_quantity){mean * level, mean * sqrt(fmax(0, variance))};
+}
+
+mcv_quantity mcv_camera_level(const mcv_image *light, const mcv_image *light_error, const double electrons_per_unit[3]) {
+    const size_t plane = (size_t)light->width * light->height;
+    double sum = 0, squares = 0, slanted = 0;
     for (size_t i = 0; i < plane * light->channels; ++i) {
         const double e = electrons_per_unit[i / plane < 3 ? i / plane : 2], y = e * (double)light->pixels[i];
         const double u = light_error ? e * (double)light_error->pixels[i] : 0;
         sum += y;
         squares += y * y - u * u;
     }
-    if (!(sum > 0)) return 0;
-    const double mean = sum / ((double)plane * light->channels); /* so that powers stay small */
-    for (uint32_t c = 0; c < light->channels; ++c)
-        for (uint32_t j = 0; j < down; ++j)
-            for (uint32_t i = 0; i < across; ++i)
-                add_square(light->pixels + c * plane, light->width, (uint32_t)((uint64_t)light->width * i / across),
-                           (uint32_t)((uint64_t)light->height * j / down), (uint32_t)((uint64_t)light->width * (i + 1) / across),
-                           (uint32_t)((uint64_t)light->height * (j + 1) / down), electrons_per_unit[c < 3 ? c : 2] / mean, powers);
-    const double of_squares = powers[0] > 0 ? mean * powers[1] / powers[0] : 0;
-    return !light_error && of_squares > 0 ? of_squares : fmax(of_squares, squares / sum);
+    if (!(sum > 0)) return (mcv_quantity){0, NAN};
+    const double mean = sum / ((double)plane * light->channels), level = squares / sum; /* by the mean, powers stay small */
+    mcv_quantity of_squares = level_of_squares(light, light_error, electrons_per_unit, mean);
+    if (!light_error) of_squares.uncertainty = NAN;
+    if (of_squares.value > 0 && (!light_error || of_squares.value > level)) return of_squares;
+    /* dy moves it by (2 y - level)/sum. The noise of y adds 4 u^4 to its mean square, more than the squares' own noise is. */
+    for (size_t i = 0; light_error && i < plane * light->channels; ++i) {
+        const double e = electrons_per_unit[i / plane < 3 ? i / plane : 2];
+        slanted += pow(e * (double)light_error->pixels[i] * (2 * e * (double)light->pixels[i] - level), 2);
+    }
+    return (mcv_quantity){level, light_error ? sqrt(slanted) / sum : NAN};
 }
 
 /* --- the pixels ------------------------------------------------------------------------------------------------- */

@@ -13,7 +13,7 @@
 #ifndef MCVISI_HOST_ANALYSIS_CAMERA_H
 #define MCVISI_HOST_ANALYSIS_CAMERA_H
 
-#include "film/film.h"
+#include "analysis/region.h"
 
 enum { MCV_CAMERA_MAX_BITS = 16 };
 
@@ -61,10 +61,11 @@ double mcv_camera_electrons_per_irradiance(double exposure_time, double quantum_
  * - of squares of 16 x 16 pixels Σμ^16/Σμ^15, near to that of the brightest one. A square's 16 interleaved lattices have independent
  * errors, and a product of different lattices' means is free of their error on average.
  *
- * light_error NULL: the second, where there is one. 0 where nothing is bright. The errors of neighbours must be independent: not yet
- * blurred by a lens.
+ * The uncertainty is that of the render's error, to first order: few samples do not tell how bright the brightest square is. light_error
+ * NULL: the second level, where there is one, of uncertainty NaN. 0 where nothing is bright. The errors of neighbours must be independent:
+ * not yet blurred by a lens.
  */
-double mcv_camera_level(const mcv_image *light, const mcv_image *light_error, const double electrons_per_unit[3]);
+mcv_quantity mcv_camera_level(const mcv_image *light, const mcv_image *light_error, const double electrons_per_unit[3]);
 
 typedef struct mcv_exposure {
     mcv_image grey;        /* whole numbers 0 … 2^bits - 1; one channel with a Bayer pattern */

@@ -53,9 +53,10 @@ typedef struct mcv_measured {
 
 /*
  * The same from files. Without the replicates' values all tests are Welch's: noise with rare bursts may be called a difference,
- * and KS and count leave out tiles with a relative standard deviation above 20 % per replicate. Pixels are taken as independent of each
- * other, as they are here, and channels as fully correlated. Pixels that are not finite in both are left out; one that is so in a single
- * image makes them different.
+ * and KS and count leave out tiles with a relative standard deviation above 20 % per replicate. The p-value of a single pixel is at least
+ * the smallest one of a rank test, for its replicates may be alike by chance. Pixels are taken as independent of each other, as they are
+ * here, and channels as fully correlated. Pixels that are not finite in both are left out; one that is so in a single image makes them
+ * different.
  */
 mcv_result mcv_compare_images(const mcv_measured *x, const mcv_measured *y, mcv_comparison *comparison, mcv_error *error);
 

@@ -50,6 +50,7 @@ typedef struct mcv_findings {
  * flat_glass   curved bodies of a dielectric with flat facets
  * thin_body    closed meshes of a material that stands for a thin pane
  * outline      meshes whose chords at an outline in the picture are off their curve by more than a tenth of a pixel
+ * growth       silhouettes before a backlight, by how much their edges grow (analysis/growth.h)
  *
  * A part is an instance that neither emits nor belongs to a light.
  */
@@ -65,7 +66,8 @@ typedef struct mcv_findings {
     X(open_body) \
     X(flat_glass) \
     X(thin_body) \
-    X(outline)
+    X(outline) \
+    X(growth)
 
 /* The loader's warnings, then what the list above finds. Fails only without memory. Freed by mcv_findings_free. */
 mcv_result mcv_findings_of(const mcv_scene *scene, mcv_findings *findings, mcv_error *error);

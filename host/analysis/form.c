@@ -7,7 +7,7 @@
 
 double mcv_noise_freedom(const double variances[2], const uint64_t differences[2]) {
     double squares = 0;
-    for (int i = 0; i < 2; ++i) squares += variances[i] * variances[i] * 6 / ((double)differences[i] + 4);
+    for (int i = 0; i < 2; ++i) squares += variances[i] * variances[i] / mcv_roi_estimate_freedom(differences[i]);
     return squares > 0 ? pow(variances[0] + variances[1], 2) / squares : INFINITY;
 }
 

@@ -115,17 +115,28 @@ bool mcv_growth_of(const mcv_scene *scene, const mcv_sensor *sensor, mcv_growth 
 
 void mcv_growth_sentence(const mcv_scene *scene, const mcv_growth *growth, char text[512]) {
     const double most = (growth->glossy ? 2 : 1) * growth->edge.value;
-    const char *emitter = scene->emitters[growth->emitter].name, *node = scene->instances[growth->instance].name;
-    char by[64];
+    const char *emitter = scene->emitters[growth->emitter].name;
+    char by[64], label[MCV_LABEL];
     if (growth->light_is_narrower)
         snprintf(by, sizeof by, "in its light's cone of %.2g°", atan(growth->cone) * 180 / M_PI);
     else
         snprintf(by, sizeof by, "at f/%.3g", growth->f_number);
-    snprintf(text, 512,
-             "before emitter \"%.*s\" the edges of node \"%.*s\", %.3g mm thick, grow by %s %.3g µm each %s, a width by %.3g µm%s",
-             mcv_whole_characters(emitter, 60), emitter, mcv_whole_characters(node, 60), node, 1e3 * growth->thickness,
+    snprintf(text, 512, "before emitter \"%.*s\" the edges of %s, %.3g mm thick, grow by %s %.3g µm each %s, a width by %.3g µm%s",
+             mcv_whole_characters(emitter, 60), emitter, mcv_instance_label(scene, growth->instance, label), 1e3 * growth->thickness,
              growth->glossy ? "up to" : "about", 1e6 * most, by, 2e6 * most,
              growth->telecentric ? ": `measure --nominal` takes it off" : " on the axis; elsewhere perspective shows one rim or the other");
+}
+
+mcv_result mcv_find_growth(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
+    for (uint32_t i = 0; i < scene->sensor_count; ++i) {
+        const mcv_sensor *sensor = scene->sensors + i;
+        mcv_growth growth;
+        char sentence[512];
+        if (!mcv_growth_of(scene, sensor, &growth)) continue;
+        mcv_growth_sentence(scene, &growth, sentence);
+        MCV_TRY(mcv_findings_add(findings, MCV_SEVERITY_NOTE, "sensors", sensor->name, NULL, error, "%s", sentence));
+    }
+    return MCV_OK;
 }
 
 /* --- at an edge of the image ------------------------------------------------------------------------------------ */

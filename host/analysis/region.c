@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "analysis/region.h"
 
-#include "analysis/statistics.h"
+#include "analysis/form.h"
 #include "output/values.h"
 
 #include <math.h>
@@ -127,7 +127,7 @@ static bool has_neighbours(const mcv_roi *r, uint32_t x, uint32_t y) {
  */
 static double estimate_bias(double differences) { return 1 + 5 / differences; }
 
-static double estimate_freedom(uint64_t differences) { return differences ? ((double)differences + 4) / 6 : INFINITY; }
+double mcv_roi_estimate_freedom(uint64_t differences) { return differences ? ((double)differences + 4) / 6 : INFINITY; }
 
 double mcv_roi_estimate_noise(mcv_readings *readings, mcv_roi *region, double least) {
     static const float stencil[3][3] = {{1, -2, 1}, {-2, 4, -2}, {1, -2, 1}}; /* noise of 1 makes 6 */
@@ -166,7 +166,8 @@ static mcv_quantity quantity(double value, double variance) { return (mcv_quanti
 
 /* A variance that is known from so many degrees of freedom, as wide as one that is known. */
 static double widened(double variance, double freedom) {
-    return isfinite(freedom) ? variance * pow(mcv_student_quantile(0.05, freedom) / 1.959964, 2) : variance;
+    const double widening = mcv_widening(freedom);
+    return widening * widening * variance;
 }
 
 /*
@@ -197,7 +198,7 @@ typedef struct moments {
 static moments find_moments(const mcv_readings *r, const mcv_roi *region) {
     const size_t plane = (size_t)region->width * region->height;
     const mcv_correlation rho = correlation_of(r);
-    moments m = {.n = (double)region->count, .freedom = estimate_freedom(region->estimated)};
+    moments m = {.n = (double)region->count, .freedom = mcv_roi_estimate_freedom(region->estimated)};
     double sum = 0, squares = 0, c2_sum = 0, r2_sum = 0, c4_sum = 0, r4_sum = 0, cr_sum = 0, first = 0, second = 0;
     for (size_t i = 0; i < plane; ++i)
         if (region->inside[i]) sum += r->values.pixels[i];

@@ -65,6 +65,9 @@ size_t mcv_roi_numbers(const char *text, size_t number, char name[64], const cha
  */
 double mcv_roi_estimate_noise(mcv_readings *readings, mcv_roi *region, double least);
 
+/* The degrees of freedom of a variance that it found from so many differences; infinite for none, where the variance is known. */
+double mcv_roi_estimate_freedom(uint64_t differences);
+
 /*
  * Of a region: the mean; the deviation of the values from it, noise and all, but for the error of the render; their noise (the root of the
  * mean of the pixels' variances, without the render's), and the render's; rms_contrast, the deviation that is not noise over the mean; snr,

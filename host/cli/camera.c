@@ -5,6 +5,7 @@
 
 #include "analysis/blur.h"
 #include "analysis/camera.h"
+#include "analysis/render_error.h"
 #include "cli/report.h"
 #include "core/basics.h"
 #include "core/parallel.h"
@@ -79,11 +80,21 @@ static bool pixel_size(const mcv_exr *exr, double size[2]) {
     return one;
 }
 
+/* What is known of the light that falls on the pixels. */
+typedef struct illumination {
+    const char *unit;
+    char lens[128]; /* in words, "" for none */
+    mcv_correlation correlation;
+    double level; /* the uncertainty of the level that --expose-to takes, relative to it; NaN where none is known */
+} illumination;
+
 /* --- light ------------------------------------------------------------------------------------------------------ */
 
-static mcv_result scale_light(const mcv_command *command, const char *path, const mcv_exr *exr, double per_unit[3], mcv_error *error) {
+static mcv_result scale_light(const mcv_command *command, const char *path, const mcv_exr *exr, double per_unit[3], illumination *lit,
+                              mcv_error *error) {
     const mcv_image *light = &exr->parts[0].image;
     double size[2];
+    lit->level = NAN;
     if (command->electrons_per_unit[0] > 0) {
         memcpy(per_unit, command->electrons_per_unit, 3 * sizeof *per_unit);
         return MCV_OK;
@@ -100,9 +111,10 @@ static mcv_result scale_light(const mcv_command *command, const char *path, cons
     }
     /* Electrons for equal energy go as eta lambda. */
     for (int c = 0; c < 3; ++c) per_unit[c] = command->quantum_efficiency[c] * command->wavelength[c];
-    const double level = mcv_camera_level(light, mcv_exr_error(exr), per_unit);
-    if (!(level > 0)) return mcv_fail(error, MCV_BAD_INPUT, "%s: is dark everywhere: --expose-to has nothing to scale by", path);
-    for (int c = 0; c < 3; ++c) per_unit[c] *= command->expose_to * command->full_well / level;
+    const mcv_quantity level = mcv_camera_level(light, mcv_exr_error(exr), per_unit);
+    if (!(level.value > 0)) return mcv_fail(error, MCV_BAD_INPUT, "%s: is dark everywhere: --expose-to has nothing to scale by", path);
+    for (int c = 0; c < 3; ++c) per_unit[c] *= command->expose_to * command->full_well / level.value;
+    lit->level = level.uncertainty / level.value;
     return MCV_OK;
 }
 
@@ -158,9 +170,12 @@ static mcv_attribute number_attribute(const char *name, double number) {
 
 static mcv_attribute text_attribute(const char *name, const char *text) { return (mcv_attribute){.name = name, .text = text}; }
 
-/* The image's camera model, with what the grey values are. The header of another program may have none. */
-static mcv_result describe(const char *path, const mcv_exr *exr, const mcv_camera *camera, mcv_image *grey, mcv_error *error) {
+/* The image's camera model, with what the grey values are; `in_header` where the render's error has no other place in the file. The header
+ * of another program may have none. */
+static mcv_result describe(const char *path, const mcv_exr *exr, const mcv_camera *camera, const mcv_correlation *correlation,
+                           bool in_header, mcv_exposure *exposure, mcv_error *error) {
     const mcv_attribute *text = mcv_exr_attribute(exr, MCV_CAMERA_MODEL_KEY);
+    const double *freedom = mcv_exr_numbers(exr, "mcvisi:errorFreedom", 1);
     mcv_camera_model model;
     bool is_one;
     MCV_TRY(mcv_camera_model_read(text ? text->text : NULL, path, &model, &is_one, error));
@@ -168,20 +183,26 @@ static mcv_result describe(const char *path, const mcv_exr *exr, const mcv_camer
     model.bits = camera->bits;
     model.black_level = camera->black_level;
     model.gain = camera->gain;
-    grey->description = mcv_camera_model_write(&model);
+    mcv_result result = MCV_OK;
+    if (in_header && exposure->render.pixels)
+        result = mcv_render_error_of(&exposure->grey, &exposure->render, correlation, freedom ? *freedom : 0, &model.render_error, error);
+    if (result == MCV_OK) {
+        exposure->grey.description = mcv_camera_model_write(&model);
+        if (!exposure->grey.description) result = mcv_fail(error, MCV_FAILED, "%s: no memory for its header", path);
+    }
     mcv_camera_model_free(&model);
-    return grey->description ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: no memory for its header", path);
+    return result;
 }
 
 /* The image's header, but what the values are, and the camera. */
 static mcv_result write_exr(const mcv_command *command, const char *path, const mcv_exr *exr, const mcv_camera *camera,
-                            const mcv_exposure *exposure, const char *lens, const mcv_correlation *correlation, mcv_error *error) {
-    const mcv_correlation rho = *correlation;
+                            const mcv_exposure *exposure, const illumination *lit, mcv_error *error) {
+    const mcv_correlation rho = lit->correlation;
     const mcv_attribute own[] = {
         {.name = MCV_EXR_CORRELATION, .numbers = {rho.sum, rho.squares, rho.stencil, rho.shares}, .count = 4},
         text_attribute("mcvisi:quantity", "grey value"),
         text_attribute("mcvisi:unit", "DN"),
-        text_attribute("mcvisi:lensMTF", lens[0] ? lens : "none"),
+        text_attribute("mcvisi:lensMTF", lit->lens[0] ? lit->lens : "none"),
         text_attribute("mcvisi:bayer", mcv_bayer_patterns[camera->bayer]),
         number_attribute("mcvisi:electronsPerUnit", camera->electrons_per_unit[0]),
         number_attribute("mcvisi:electronsPerUnitGreen", camera->electrons_per_unit[1]),
@@ -221,13 +242,13 @@ static mcv_result write_exr(const mcv_command *command, const char *path, const 
 }
 
 static mcv_result report_exposure(const mcv_command *command, const char *path, const mcv_camera *camera, const mcv_exposure *exposure,
-                                  const char *unit, const char *lens, mcv_error *error) {
+                                  const illumination *lit, mcv_error *error) {
     const mcv_image *grey = &exposure->grey;
     const size_t count = (size_t)grey->width * grey->height * grey->channels;
     char per_unit[64], preview[PATH_MAX];
     double mean = 0;
     for (size_t i = 0; i < count; ++i) mean += (double)grey->pixels[i] / (double)count;
-    snprintf(per_unit, sizeof per_unit, "e-/(%s)", unit);
+    snprintf(per_unit, sizeof per_unit, "e-/(%s)", lit->unit);
     const double *e = camera->electrons_per_unit;
     mcv_report report;
     mcv_report_begin(&report, command->json);
@@ -235,12 +256,14 @@ static mcv_result report_exposure(const mcv_command *command, const char *path, 
     if (mcv_camera_preview(command, path, preview)) mcv_report_text(&report, "preview", preview);
     mcv_report_numbers(&report, "size", "", " x ", (const double[]){grey->width, grey->height}, 2);
     mcv_report_number(&report, "channels", "", grey->channels);
-    mcv_report_text(&report, "lens_mtf", lens[0] ? lens : "none");
+    mcv_report_text(&report, "lens_mtf", lit->lens[0] ? lit->lens : "none");
     if (e[0] == e[1] && e[1] == e[2])
         mcv_report_number(&report, "electrons_per_unit", per_unit, e[0]);
     else
         mcv_report_spectrum(&report, "electrons_per_unit", per_unit, e);
     mcv_report_number(&report, "electrons", "e-", exposure->electrons);
+    const double level = command->expose_to * command->full_well;
+    if (isfinite(lit->level)) mcv_report_quantity(&report, "level", "e-", level, level * lit->level);
     mcv_report_number(&report, "dark_electrons", "e-", camera->dark_electrons);
     mcv_report_number(&report, "brightest", "e-", exposure->brightest);
     mcv_report_number(&report, "full_well", "e-", camera->full_well);
@@ -279,30 +302,31 @@ static mcv_camera camera_of(const mcv_command *command) {
 }
 
 static mcv_result read_out(const mcv_command *command, const char *path, mcv_exr *exr, mcv_camera *camera, mcv_exposure *exposure,
-                           const char **unit, char lens[128], mcv_correlation *correlation, mcv_error *error) {
+                           illumination *lit, mcv_error *error) {
     mcv_image *light = &exr->parts[0].image;
     mcv_error detail = {""};
-    MCV_TRY(check_quantity(command, path, exr, unit, error));
+    MCV_TRY(check_quantity(command, path, exr, &lit->unit, error));
     mcv_result result = mcv_camera_check_light(light, &detail);
     if (result != MCV_OK) return mcv_fail(error, result, "%s: %s", path, detail.text);
-    MCV_TRY(scale_light(command, path, exr, camera->electrons_per_unit, error));
-    MCV_TRY(blur(command, path, exr, lens, correlation, error));
+    MCV_TRY(scale_light(command, path, exr, camera->electrons_per_unit, lit, error));
+    MCV_TRY(blur(command, path, exr, lit->lens, &lit->correlation, error));
     result = mcv_camera_expose(camera, light, mcv_exr_error(exr), exposure, &detail);
     return result == MCV_OK ? MCV_OK : mcv_fail(error, result, "%s: %s", path, detail.text);
 }
 
 mcv_result mcv_camera_read_out(const mcv_command *command, const char *path, mcv_exr *exr, mcv_exposure *exposure,
                                mcv_correlation *correlation, mcv_error *error) {
-    const char *unit;
-    char lens[128];
+    illumination lit;
     mcv_camera camera = camera_of(command);
-    return read_out(command, path, exr, &camera, exposure, &unit, lens, correlation, error);
+    const mcv_result result = read_out(command, path, exr, &camera, exposure, &lit, error);
+    if (result == MCV_OK) *correlation = lit.correlation;
+    return result;
 }
 
 /* Two files that are written at once. */
 typedef struct values {
     const char *grey, *preview; /* NULL: none */
-    const mcv_image *image;
+    const mcv_image *image, *shown;
     int bits;
     mcv_result results[2];
     mcv_error errors[2];
@@ -312,15 +336,18 @@ static void write_one(void *user, size_t i) {
     values *v = user;
     mcv_preview shown = {.white = (double)((1u << v->bits) - 1)};
     if (i == 0) v->results[0] = mcv_values_write(v->grey, v->image, v->bits > 8 ? 16 : 8, v->errors);
-    if (i == 1 && v->preview) v->results[1] = mcv_png_write_preview(v->preview, v->image, "DN", &shown, v->errors + 1);
+    if (i == 1 && v->preview) v->results[1] = mcv_png_write_preview(v->preview, v->shown, "DN", &shown, v->errors + 1);
 }
 
-/* Grey values as they are, and a preview in which the largest is white. */
-static mcv_result write_values(const mcv_command *command, const char *grey, const mcv_camera *camera, const mcv_exposure *exposure,
-                               mcv_error *error) {
+/* Grey values as they are, and a preview in which the largest is white: its values are no grey values, and its header does not say so. */
+static mcv_result write_values(const mcv_command *command, const mcv_exr *exr, const char *grey, const mcv_camera *camera,
+                               const mcv_exposure *exposure, mcv_error *error) {
     char preview[PATH_MAX];
-    const bool shown = mcv_camera_preview(command, grey, preview);
-    values v = {.grey = grey, .preview = shown ? preview : NULL, .image = &exposure->grey, .bits = (int)camera->bits};
+    const bool wanted = mcv_camera_preview(command, grey, preview);
+    const mcv_attribute *model = mcv_exr_attribute(exr, MCV_CAMERA_MODEL_KEY);
+    mcv_image shown = exposure->grey;
+    if (shown.description) shown.description = (char *)model->text;
+    values v = {.grey = grey, .preview = wanted ? preview : NULL, .image = &exposure->grey, .shown = &shown, .bits = (int)camera->bits};
     mcv_in_parallel(2, write_one, &v);
     const int failed = v.results[0] == MCV_OK;
     if (v.results[failed] != MCV_OK) *error = v.errors[failed];
@@ -328,21 +355,20 @@ static mcv_result write_values(const mcv_command *command, const char *grey, con
 }
 
 static mcv_result expose(const mcv_command *command, const char *path, mcv_exr *exr, const char *grey, bool told, mcv_error *error) {
-    const char *unit = NULL;
-    char lens[128] = "";
+    illumination lit;
     mcv_exposure exposure = {0};
     mcv_camera camera = camera_of(command);
-    mcv_correlation correlation;
-    MCV_TRY(read_out(command, path, exr, &camera, &exposure, &unit, lens, &correlation, error));
-    mcv_result result = describe(path, exr, &camera, &exposure.grey, error);
+    MCV_TRY(read_out(command, path, exr, &camera, &exposure, &lit, error));
+    const bool is_exr = mcv_ends_in(grey, ".exr");
+    mcv_result result = describe(path, exr, &camera, &lit.correlation, !is_exr, &exposure, error);
     if (result != MCV_OK) {
         mcv_exposure_free(&exposure);
         return result;
     }
-    result = mcv_ends_in(grey, ".exr") ? write_exr(command, grey, exr, &camera, &exposure, lens, &correlation, error)
-                                       : write_values(command, grey, &camera, &exposure, error);
+    result = is_exr ? write_exr(command, grey, exr, &camera, &exposure, &lit, error)
+                    : write_values(command, exr, grey, &camera, &exposure, error);
     if (result == MCV_OK) warn(grey, &camera, &exposure);
-    if (result == MCV_OK && told) result = report_exposure(command, grey, &camera, &exposure, unit, lens, error);
+    if (result == MCV_OK && told) result = report_exposure(command, grey, &camera, &exposure, &lit, error);
     mcv_exposure_free(&exposure);
     return result;
 }

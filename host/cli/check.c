@@ -135,7 +135,7 @@ static void report_growth(mcv_report *report, const mcv_scene *scene, const mcv_
     mcv_report_number(report, "thickness", "m", growth.thickness);
     mcv_report_number(report, "tangent_of_cone", "", growth.cone);
     mcv_report_quantity(report, "growth_of_edge", "m", growth.edge.value, growth.edge.uncertainty);
-    mcv_report_text(report, "note", sentence);
+    if (report->json) mcv_report_text(report, "note", sentence); /* people read it among the findings */
     mcv_report_close(report);
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi measure: figures of regions of an image, and of the edges, lines, widths and circles in it. */
 #include "analysis/growth.h"
+#include "analysis/render_error.h"
 #include "cli/metrics.h"
 #include "cli/options.h"
 #include "cli/places.h"
@@ -91,11 +92,25 @@ static mcv_result read_exr(const char *path, subject *s, mcv_error *error) {
     return result;
 }
 
+/* The render's error as the header tells it by cells. Their means are of many pixels: squares of them are hardly too large. */
+static mcv_result read_told_error(const char *path, const mcv_image *image, subject *s, mcv_error *error) {
+    const mcv_render_error *told = &s->model.render_error;
+    mcv_image errors;
+    if (!s->has_model || !told->items || told->channels != image->channels) return MCV_OK;
+    MCV_TRY(mcv_render_error_image(told, image, &errors, error));
+    const mcv_result result = mcv_choose_channel(s->command->channel, path, &errors, true, &s->readings.render, error);
+    mcv_image_free(&errors);
+    s->readings.correlation = (mcv_correlation){told->correlation[0], told->correlation[1], told->correlation[2], 0};
+    s->readings.render_freedom = told->freedom;
+    return result;
+}
+
 static mcv_result read_values(const char *path, subject *s, mcv_error *error) {
     mcv_image image;
     MCV_TRY(mcv_values_read(path, &image, error));
     mcv_result result = mcv_choose_channel(s->command->channel, path, &image, false, &s->readings.values, error);
     if (result == MCV_OK) result = read_model(image.description, path, s, error);
+    if (result == MCV_OK) result = read_told_error(path, &image, s, error);
     mcv_image_free(&image);
     s->whole = true;
     for (size_t i = 0; result == MCV_OK && s->whole && i < (size_t)s->readings.values.width * s->readings.values.height; ++i)

@@ -85,6 +85,7 @@ mcv_result mcv_camera_model_of(const mcv_scene *scene, const mcv_sensor *sensor,
 void mcv_camera_model_free(mcv_camera_model *model) {
     for (uint32_t i = 0; i < model->node_count; ++i) free(model->nodes[i].name);
     free(model->nodes);
+    free(model->render_error.items);
     *model = (mcv_camera_model){0};
 }
 
@@ -212,6 +213,26 @@ static json_t *node_of(const mcv_placement *frame) {
     return node;
 }
 
+/* Errors in whole thousandths of a grey value: numbers of few digits. */
+static const double error_steps = 1000;
+
+static void put_render_error(json_t *object, const mcv_render_error *e) {
+    json_t *render = json_object(), *lists[3] = {json_array(), json_array(), json_array()};
+    const size_t count = (size_t)e->cells[0] * e->cells[1] * e->channels;
+    put_pair(render, "cells", e->cells);
+    json_object_set_new(render, "channels", json_integer(e->channels));
+    put_numbers(render, "correlation", e->correlation, 3);
+    put_number(render, "freedom", e->freedom);
+    for (size_t i = 0; i < count; ++i) {
+        json_array_append_new(lists[0], json_integer((json_int_t)e->items[i].level));
+        for (int k = 0; k < 2; ++k) json_array_append_new(lists[1 + k], json_integer(llround(error_steps * e->items[i].errors[k])));
+    }
+    json_object_set_new(render, "level", lists[0]);
+    json_object_set_new(render, "milliBelow", lists[1]);
+    json_object_set_new(render, "milliAbove", lists[2]);
+    json_object_set_new(object, "renderError", render);
+}
+
 char *mcv_camera_model_write(const mcv_camera_model *model) {
     json_t *object = json_object(), *nodes = json_array();
     json_object_set_new(object, "format", json_string(format));
@@ -235,6 +256,7 @@ char *mcv_camera_model_write(const mcv_camera_model *model) {
     put_number(object, "bits", model->bits);
     put_number(object, "blackLevel", model->black_level);
     put_number(object, "gain", model->gain);
+    if (model->render_error.items) put_render_error(object, &model->render_error);
     for (uint32_t i = 0; i < model->node_count && i < MCV_CAMERA_MODEL_NODES; ++i) json_array_append_new(nodes, node_of(model->nodes + i));
     json_object_set_new(object, "nodes", nodes);
     char *text = json_dumps(object, JSON_COMPACT | JSON_ENSURE_ASCII | JSON_REAL_PRECISION(17));
@@ -308,6 +330,35 @@ static mcv_result get_nodes(const json_t *object, mcv_camera_model *model, const
     return MCV_OK;
 }
 
+static mcv_result get_render_error(const json_t *object, mcv_render_error *out, const mcv_place *where, mcv_error *error) {
+    const mcv_place here = mcv_place_key(where, "renderError");
+    json_t *render = NULL;
+    double channels = 0;
+    if (!json_object_get(object, "renderError")) return MCV_OK;
+    MCV_TRY(mcv_json_object(object, "renderError", &render, where, error));
+    MCV_TRY(get_pair(render, "cells", out->cells, &here, error));
+    MCV_TRY(get_number(render, "channels", 1, &channels, &here, error));
+    MCV_TRY(get_matrix(render, "correlation", 1, 3, out->correlation, &here, error));
+    MCV_TRY(get_number(render, "freedom", 0, &out->freedom, &here, error));
+    /* Before there is memory for them: as many as the text has. */
+    const size_t count = json_array_size(json_object_get(render, "level"));
+    if (!(channels >= 1 && channels <= 1 << 12) || count != (uint64_t)out->cells[0] * out->cells[1] * (uint64_t)channels)
+        return mcv_fail_at(&here, error, "must have a level for each of cells x channels");
+    out->channels = (uint32_t)channels;
+    double *lists = calloc(3 * count, sizeof *lists);
+    mcv_error_cell *items = calloc(count, sizeof *items);
+    mcv_result result = lists && items ? MCV_OK : mcv_fail_memory(where, error);
+    if (result == MCV_OK) result = get_matrix(render, "level", 1, count, lists, &here, error);
+    if (result == MCV_OK) result = get_matrix(render, "milliBelow", 1, count, lists + count, &here, error);
+    if (result == MCV_OK) result = get_matrix(render, "milliAbove", 1, count, lists + 2 * count, &here, error);
+    for (size_t i = 0; result == MCV_OK && i < count; ++i)
+        items[i] = (mcv_error_cell){lists[i], {lists[count + i] / error_steps, lists[2 * count + i] / error_steps}};
+    free(lists);
+    out->items = result == MCV_OK ? items : NULL;
+    if (result != MCV_OK) free(items);
+    return result;
+}
+
 static mcv_result get_all(const json_t *object, mcv_camera_model *model, const mcv_place *where, mcv_error *error) {
     const mcv_place kind_place = mcv_place_key(where, "model"), size = mcv_place_key(where, "size");
     const char *kind = "";
@@ -331,6 +382,7 @@ static mcv_result get_all(const json_t *object, mcv_camera_model *model, const m
     MCV_TRY(get_number(object, "bits", NAN, &model->bits, where, error));
     MCV_TRY(get_number(object, "blackLevel", NAN, &model->black_level, where, error));
     MCV_TRY(get_number(object, "gain", NAN, &model->gain, where, error));
+    MCV_TRY(get_render_error(object, &model->render_error, where, error));
     return get_nodes(object, model, where, error);
 }
 

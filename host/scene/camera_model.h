@@ -28,6 +28,19 @@
 /* So many nodes stand in a header, the rig's before those of its assets. */
 enum { MCV_CAMERA_MODEL_NODES = 64 };
 
+/* Of a cell of the image: the render's standard error [DN] of pixels below a grey value, and of those from it on. */
+typedef struct mcv_error_cell {
+    double level, errors[2];
+} mcv_error_cell;
+
+/* The render's own error of grey values (analysis/render_error.h); no items: not told. */
+typedef struct mcv_render_error {
+    uint32_t cells[2], channels; /* columns and rows of cells: pixel x lies in that of x columns/width, rounded down */
+    double correlation[3];       /* sum, squares and stencil of mcv_correlation */
+    double freedom;              /* degrees of freedom of each pixel's error */
+    mcv_error_cell *items;       /* owned; [channel][row][column] */
+} mcv_render_error;
+
 typedef struct mcv_camera_model {
     bool telecentric;
     uint32_t size[2];       /* of the image */
@@ -42,6 +55,7 @@ typedef struct mcv_camera_model {
     double f_number;        /* working, on the image side; NaN of a pinhole */
     double numerical_aperture;      /* on the object side; NaN of a pinhole */
     double bits, black_level, gain; /* of grey values [1, DN, DN/e-]; NaN of light */
+    mcv_render_error render_error;  /* of grey values */
     uint32_t node_count;
     mcv_placement *nodes; /* owned; named nodes of the scene */
 } mcv_camera_model;

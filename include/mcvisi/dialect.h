@@ -15,7 +15,16 @@
 #define MCV_GLOBAL __global
 #define MCV_CONSTANT __constant
 #define MCV_FUNCTION static inline
-#define MCV_LOOP_FUNCTION static inline __attribute__((always_inline)) /* a loop is only vectorised without calls */
+/*
+ * A loop is only vectorised without calls. In the tile schedule these functions are not static: of static ones clang takes parameters off
+ * that a scene does not need, and loses with the call the promise that the turns of a loop are independent.
+ */
+#if defined(MCV_TILE) && defined(__clang__)
+#pragma clang diagnostic ignored "-Wstatic-in-inline"
+#define MCV_LOOP_FUNCTION inline __attribute__((always_inline))
+#else
+#define MCV_LOOP_FUNCTION static inline __attribute__((always_inline))
+#endif
 #define MCV_ASSERT_SIZE(type, bytes) typedef char mcv_size_of_##type[sizeof(type) == (bytes) ? 1 : -1]
 #define mcv_fma(a, b, c) fma((float)(a), (float)(b), (float)(c))
 #define mcv_sqrt(x) sqrt((float)(x))
