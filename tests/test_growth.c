@@ -85,6 +85,7 @@ static void test_nothing_to_grow(void **state) {
     assert_false(mcv_growth_of(scene, scene->sensors, &growth));
     mcv_scene_free(scene);
     scene = wall_before_light(5.6, 0, 0.02, MCV_MATERIAL_ABSORBER);
+    free(scene->sensors[0].name);
     scene->sensor_count = 0; /* the same before a pinhole, which has no cone */
     add_pinhole(scene, 8, 0.1, looking_down_z(0, 0, 0.11));
     assert_false(mcv_growth_of(scene, scene->sensors, &growth));
