@@ -316,7 +316,7 @@ static mcv_result read_out(const mcv_command *command, const char *path, mcv_exr
 
 mcv_result mcv_camera_read_out(const mcv_command *command, const char *path, mcv_exr *exr, mcv_exposure *exposure,
                                mcv_correlation *correlation, mcv_error *error) {
-    illumination lit = {.lens = ""};
+    illumination lit = {.lens = "", .level = NAN};
     mcv_camera camera = camera_of(command);
     const mcv_result result = read_out(command, path, exr, &camera, exposure, &lit, error);
     if (result == MCV_OK) *correlation = lit.correlation;
@@ -355,7 +355,7 @@ static mcv_result write_values(const mcv_command *command, const mcv_exr *exr, c
 }
 
 static mcv_result expose(const mcv_command *command, const char *path, mcv_exr *exr, const char *grey, bool told, mcv_error *error) {
-    illumination lit = {.lens = ""};
+    illumination lit = {.lens = "", .level = NAN};
     mcv_exposure exposure = {0};
     mcv_camera camera = camera_of(command);
     MCV_TRY(read_out(command, path, exr, &camera, &exposure, &lit, error));
