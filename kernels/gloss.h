@@ -291,7 +291,7 @@ MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, cons
     mcv_color reflected = mcv_gloss_fresnel(m, gloss, cosine);
     const float chance = mcv_gloss_reflects(m, gloss, lobes, cosine, reflected, &passed);
     const int multiplied = mcv_has_multiple(m, gloss);
-    if (multiplied) {
+    if (multiplied && !far) {
         const mcv_color multiple = mcv_gloss_multiple(m, gloss, albedos, lobes->more, o, mirrored);
         MCV_EACH_CHANNEL(k) reflected.c[k] += multiple.c[k];
     }
