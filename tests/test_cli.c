@@ -739,6 +739,10 @@ static void test_measure_a_render(void **state) {
                  "--line both=2,34,56,28+2,66,56,28 --caliper bar=2,44,156,40 --json");
         json_t *report = json_loads(out, 0, NULL);
         assert_non_null(report);
+        /* The preview is coded for the eye, and shifts edges. */
+        assert_null(strstr(err, "sRGB"));
+        run_well("measure bar.png --edge left=2,34,56,60");
+        assert_non_null(strstr(err, "warning: bar.png: its values are coded by sRGB"));
         const json_t *edges = json_object_get(report, "edges"), *distances_found = json_object_get(report, "distances");
         const double pixel = json_number_value(json_array_get(json_object_get(report, "object_pixel"), 0));
         assert_true(fabs(pixel - 40e-6) < 1e-12);

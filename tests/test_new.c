@@ -98,6 +98,8 @@ static void test_is_readable(void **state) {
     assert_non_null(strstr(text, "\"note\": \"A telecentric camera"));
     assert_non_null(strstr(text, "\"uri\": \"a%20part.stl\", \"unit\": \"mm\""));
     program_well("check 'a part-telecentric.gltf'");
+    if (!strstr(said, "faces               0, 0, 1\n"))
+        fail_msg("the light faces another way, or its digits are those of rounding: %s", said);
 }
 
 static void test_bad_input(void **state) {

@@ -8,6 +8,7 @@
 #include "cli/report.h"
 #include "cli/sensor.h"
 #include "core/basics.h"
+#include "output/png.h"
 #include "output/exr.h"
 #include "output/file.h"
 #include "output/grid.h"
@@ -591,6 +592,12 @@ static mcv_result measure(subject *s, mcv_error *error) {
     MCV_TRY(parse_regions(s, error));
     MCV_TRY(find_all(s, error));
     if (s->command->nominal) MCV_TRY(take_growths_off(s, error));
+    if (mcv_png_is_srgb(s->command->argument))
+        fprintf(
+            stderr,
+            "mcvisi: warning: %s: its values are coded by sRGB, for the eye: edges seem to lie elsewhere, and contrasts are other ones; "
+            "measure the grey values of `camera` or the .exr file\n",
+            s->command->argument);
     return report_all(s, error);
 }
 

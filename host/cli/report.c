@@ -111,13 +111,14 @@ void mcv_report_numbers(mcv_report *report, const char *key, const char *unit, c
         put(report, key, list);
         return;
     }
-    double factor;
+    double factor, largest = 0;
+    for (size_t i = 0; i < count; ++i) largest = fmax(largest, fabs(values[i]));
     const char *name = handy_unit(unit, values, count, &factor);
     print_label(report, key);
     for (size_t i = 0; i < count; ++i) {
         if (i) fputs(between, stdout);
-        if (isfinite(values[i]))
-            printf("%.6g", values[i] * factor + 0.0); /* + 0: no -0 */
+        if (isfinite(values[i])) /* what rounding leaves of a 0 is a 0; + 0: no -0 */
+            printf("%.6g", fabs(values[i]) > 1e-14 * largest || !isfinite(largest) ? values[i] * factor + 0.0 : 0);
         else
             fputs("infinite", stdout);
     }

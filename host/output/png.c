@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "output/png.h"
+
+#include "core/basics.h"
 #include "output/file.h"
 #include "output/values.h"
 #include "scene/camera_model.h"
@@ -244,6 +246,21 @@ static void decode(source *s) {
             for (uint32_t y = 0; y < s->height; ++y) png_read_row(png, (png_bytep)s->values + y * row, NULL);
     }
     png_destroy_read_struct(&png, &info, NULL);
+}
+
+bool mcv_png_is_srgb(const char *path) {
+    unsigned char *bytes;
+    size_t size, at = 8;
+    mcv_error ignored;
+    bool found = false;
+    if (!mcv_ends_in(path, ".png") || mcv_file_load(path, &bytes, &size, &ignored) != MCV_OK) return false;
+    /* Chunks: length, name, data, checksum; what says how values are coded stands before the pixels. */
+    while (!found && at + 12 <= size && memcmp(bytes + at + 4, "IDAT", 4) != 0) {
+        found = memcmp(bytes + at + 4, "sRGB", 4) == 0;
+        at += 12 + ((size_t)bytes[at] << 24 | (size_t)bytes[at + 1] << 16 | (size_t)bytes[at + 2] << 8 | bytes[at + 3]);
+    }
+    free(bytes);
+    return found;
 }
 
 mcv_result mcv_png_read_values(const char *path, mcv_image *image, mcv_error *error) {

@@ -5,6 +5,8 @@
 
 #include "film/film.h"
 
+#include <stdbool.h>
+
 /* How a preview maps values to grey: `white` is the value shown as white, `saturated` the share of pixels with a channel above it. */
 typedef struct mcv_preview {
     double white, saturated;
@@ -30,6 +32,7 @@ mcv_result mcv_png_write_preview(const char *path, const mcv_image *image, const
 mcv_result mcv_png_write_values(const char *path, const mcv_image *image, int bits, mcv_error *error);
 
 /* Reads the values of a PNG of 8 or 16 bits (fewer bits and palettes are widened to 8), grey or RGB; alpha is left out. */
+bool mcv_png_is_srgb(const char *path); /* whether a .png file says that its values are coded for the eye, as previews are */
 mcv_result mcv_png_read_values(const char *path, mcv_image *image, mcv_error *error);
 
 #endif
