@@ -5,9 +5,10 @@
  * its way: exp(-σ d). Where bodies overlap the one with the larger priority fills the space: an air bubble in glass is a dielectric of
  * ior 1 and priority 1 inside one of priority 0. A boundary with the same medium on both sides is passed straight.
  *
- * With a roughness the surface is made of microfacets that reflect and refract (mcvisi/materials/microfacet.h), and what they lose by
- * meeting each other is spread on both sides as reciprocity asks for; roughness between 0 and 0.032 is 0.032. Both lobes use
- * the height-correlated masking of the reflected one.
+ * With a roughness the surface is made of microfacets that reflect and refract (mcvisi/materials/microfacet.h); roughness between 0 and
+ * 0.032 is 0.032. What is reflected once has the height-correlated masking of one side, what is refracted once that of opposite sides
+ * (mcv_opposite_masking). What microfacets reflect several times is tabulated (host/render/multiple.c); the rest of what they lose by
+ * meeting each other leaves by a cosine on the other side, as reciprocity asks for.
  *
  * Dispersion. In place of ior, `glass` names one of the catalogue in host/scene/glasses.c, whose index is taken at the wavelength of each
  * channel (MCVISI_spectrum). An abbeNumber V_d, or KHR_materials_dispersion (20/V_d), gives the two terms of Cauchy's formula
@@ -33,6 +34,7 @@
 #ifndef MCVISI_MATERIALS_DIELECTRIC_H
 #define MCVISI_MATERIALS_DIELECTRIC_H
 
+#include "mcvisi/elementary.h"
 #include "mcvisi/materials/material.h"
 
 #define MCV_DIELECTRIC_PARAMS(X) \
@@ -43,23 +45,5 @@
     X(number, coating, 0, 0, 1, "reflectance at normal incidence of a coating, against gas or vacuum; 0: none") \
     X(choice, glass, 0, 0, 25, "whose index at the scene's wavelengths it has") \
     X(number, abbeNumber, 0, 0, 1e30, "(n_d - 1)/(n_F - n_C), by which n depends on the wavelength; 0: it does not")
-
-/* exp(-x) for x >= 0, by 2^(-x log2 e) with a polynomial: relative error below 3e-7. */
-MCV_LOOP_FUNCTION float mcv_exp_minus(float x) {
-    /* Below 2^-126 the result would be denormal: nothing is left of the light. */
-    if (!(x < 87.0f)) return 0.0f;
-    const float scaled = x * 1.44269504f;
-    const float whole = mcv_floor(scaled + 0.5f);
-    /* x = whole ln 2 + rest, ln 2 in two parts so that rest keeps its digits. */
-    const float rest = mcv_fma(whole, 2.12194440e-4f, mcv_fma(whole, -0.693359375f, x));
-    const float r = -rest;
-    float p = mcv_fma(r, 1.3888889e-3f, 8.3333333e-3f);
-    p = mcv_fma(r, p, 4.1666667e-2f);
-    p = mcv_fma(r, p, 1.6666667e-1f);
-    p = mcv_fma(r, p, 0.5f);
-    p = mcv_fma(r, p, 1.0f);
-    p = mcv_fma(r, p, 1.0f);
-    return p * as_float((uint)(127 - (int)whole) << 23);
-}
 
 #endif

@@ -9,7 +9,8 @@
 #ifndef MCVISI_MATERIALS_MICROFACET_H
 #define MCVISI_MATERIALS_MICROFACET_H
 
-#include "mcvisi/materials/dielectric.h"
+#include "mcvisi/elementary.h"
+#include "mcvisi/materials/material.h"
 
 /*
  * The narrowest α: a direction in float32 is known to about 1e-7, so that below it the share of a microfacet's slope that is lost to
@@ -43,22 +44,6 @@ MCV_LOOP_FUNCTION float mcv_ggx_lambda(mcv_alpha alpha, mcv_vec3 w) {
     const float slope = mcv_fma(x, x, y * y);
     const float z = mcv_abs(w.z);
     return 0.5f * slope / (z * (z + mcv_sqrt(mcv_fma(z, z, slope))));
-}
-
-/* ln(1 + x) for x >= 0, relative error below 4e-7. */
-MCV_LOOP_FUNCTION float mcv_log_1_plus(float x) {
-    const float y = 1.0f + x;
-    /* y = 2^whole m with m from 0.7 to 1.4, ln m = 2 artanh(t). */
-    const uint whole = (as_uint(y) - 0x3f333333u) >> 23;
-    const float m = as_float(as_uint(y) - (whole << 23));
-    const float t = (m - 1.0f) / (m + 1.0f);
-    const float s = t * t;
-    float p = mcv_fma(s, 0.22222222f, 0.28571429f);
-    p = mcv_fma(s, p, 0.4f);
-    p = mcv_fma(s, p, 0.66666667f);
-    p = mcv_fma(s, p, 2.0f);
-    const float log_y = mcv_fma((float)whole, 0.69314718f, t * p);
-    return y > 1.0f ? log_y * (x / (y - 1.0f)) : x; /* what y has lost by rounding */
 }
 
 /*
