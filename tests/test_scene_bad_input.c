@@ -518,7 +518,7 @@ static void test_other_names(void **state) {
         free(text);
     }
     must_refuse("part.stl", "solid part", "`mcvisi new telecentric");
-    must_refuse("part.STEP", "ISO-10303-21;", "convert it with a chord tolerance of less than a tenth of a pixel");
+    must_refuse("part.STEP", "ISO-10303-21;", "with a chord tolerance of less than a tenth of a pixel");
     must_refuse("part.obj", "v 0 0 0", "must be a .gltf or .glb file");
 }
 
