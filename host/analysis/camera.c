@@ -85,12 +85,14 @@ static void add_square(const mcv_image *light, const mcv_image *light_error, uin
     const double pixels = (double)(x[1] - x[0]) * (y[1] - y[0]);
     sums->low += products[LATTICES - 1] / LATTICES;
     sums->high += products[LATTICES];
-    /* The noise of the mean makes the mean of its power p too large by about exp(p (p - 1) s²/2), s its share of the mean. */
+    /*
+     * The noise of the mean makes the mean of its power p too large by about exp(p (p - 1) s²/2), s its share of the mean. One factor for
+     * the three powers: level_of_squares takes their difference.
+     */
+    enum { MIDDLE = 2 * LATTICES - 3 };
     const double own = variance / (pixels * pixels), share = mean > 0 ? own / (mean * mean) : 0;
-    for (int n = 0; n < 3; ++n) {
-        const int p = 2 * LATTICES - 4 + n;
-        sums->errors[n] += own * pow(mean, p) * exp(-0.5 * p * (p - 1) * share);
-    }
+    const double factor = exp(-0.5 * MIDDLE * (MIDDLE - 1) * share);
+    for (int n = 0; n < 3; ++n) sums->errors[n] += factor * own * pow(mean, MIDDLE - 1 + n);
 }
 
 /* H/L of the sums H of μ^16 and L of μ^15: dμ moves it by (16 μ^15 - 15 μ^14 H/L)/L. */
