@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The tile schedule's order of the paths that have met something, and what it does with those on plain surfaces: of all surfaces they are
- * the most common ones, and all that happens there is worked out without branches, for many paths at once. Each function does what the
- * stages do for one path (sample_emitters.cl, shade_surfaces.cl), to the last bit.
+ * The tile schedule's order of the paths that have met something, and its loops over the ranges of that order. A loop over surfaces of one
+ * kind calls the functions that the stages call for one path (mcv_shade_hit, mcv_continue_path), with the kind as a constant: they hold no
+ * branches then, and the loop is vectorised.
  *
  * A plain surface reflects diffusely, or is made of microfacets that have no direction; it has no texture and does not emit. Of glossy
  * materials only one in a slice is plain: its table is read once.

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the tile schedule does with paths on smooth bodies, many at once: what mcv_shade_surface does for one, to the last bit. */
+/* The tile schedule's branches of paths that split, many at once: mcv_branch_off does the same for one, in place of another slot. */
 #ifndef MCVISI_KERNELS_SMOOTH_SURFACES_H
 #define MCVISI_KERNELS_SMOOTH_SURFACES_H
 

@@ -74,9 +74,8 @@ static void test_radius_or_curvature(void **state) {
 /* The same bundle by its pupil, f-number or numerical aperture, the same field by angle, object or image height: equal semi-diameters. */
 static void test_apertures_and_fields(void **state) {
     (void)state;
-    const double u = pupil / 2 / distance, slope = u * magnification() == 0 ? 0 : u / fabs(magnification());
-    const double field =
-        3; /* mm at the object; the chief ray goes through the first vertex, near enough to the principal point? no: exact */
+    const double u = pupil / 2 / distance, slope = u / fabs(magnification());
+    const double field = 3; /* mm at the object; the chief ray goes through the first vertex, where the stop is */
     const double angle = atan(field / distance) * 180 / M_PI, image = field * fabs(magnification());
     char text[1024], apertures[5][64], fields[4][64];
     lens_read first = {0};
