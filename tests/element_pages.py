@@ -1,0 +1,167 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The element pages of docs/elements say what the program does.
+
+element_pages.py MCVISI SOURCES FOLDER
+
+- The drawings and the parameter tables are what their scripts make, byte for byte.
+- Each element of the generated schemas has one table, and on its page a drawing, a formula and a
+  scene that uses it; the overview lists it.
+- Each scene of a page passes `mcvisi check` without a warning and is rendered, by the reference
+  renderer, which compiles nothing: its image is not black.
+- Links lead to files and headings that exist.
+"""
+import glob
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+
+failures = []
+
+
+def fail(*words):
+    failures.append(" ".join(map(str, words)))
+
+
+def read(path, mode="r"):
+    with open(path, mode, **({} if "b" in mode else {"encoding": "utf-8"})) as file:
+        return file.read()
+
+
+def run_script(path, folder):
+    os.makedirs(folder, exist_ok=True)
+    for name in os.listdir(folder):
+        os.remove(os.path.join(folder, name))
+    subprocess.run([sys.executable, "-B", path, folder], check=True)
+
+
+def compare(script, kept, made):
+    """The files of two folders, byte for byte."""
+    for name in sorted(set(os.listdir(made)) | set(kept)):
+        if name not in kept:
+            fail(name, "is missing: run", script)
+        elif not os.path.exists(os.path.join(made, name)):
+            fail(kept[name], "is not made by", script)
+        elif read(kept[name], "rb") != read(os.path.join(made, name), "rb"):
+            fail(kept[name], "is not what", script, "makes: run it")
+
+
+def files(pattern):
+    return {os.path.basename(path): path for path in glob.glob(pattern)}
+
+
+def elements(sources):
+    """sensors/pinhole and so on, of all schemas that hold a list of types."""
+    for name in ("sensors", "emitters", "materials", "surfaces"):
+        path = os.path.join(sources, "include/mcvisi/schema/MCVISI_%s.schema.json" % name)
+        for key in json.loads(read(path))["definitions"]:
+            if key != "node":
+                yield name, key
+
+
+def scenes(text):
+    """The complete scenes of a page."""
+    blocks = [json.loads(block) for block in re.findall(r"```json\n(.*?)```", text, re.DOTALL)]
+    return [block for block in blocks if "asset" in block]
+
+
+def uses(scene, kind, key):
+    if kind == "materials":
+        found = [m.get("extensions", {}).get("MCVISI_materials", {}) for m in scene["materials"]] \
+            if "materials" in scene else []
+    else:
+        found = scene["extensions"].get("MCVISI_" + kind, {}).get(kind, [])
+    return any(element.get("type") == key for element in found)
+
+
+def check_elements(sources, pages):
+    index = pages["index.md"]
+    for kind, key in elements(sources):
+        marker = "<!-- parameters: %s/%s -->\n" % (kind, key)
+        holders = [name for name, text in pages.items() if marker in text]
+        if len(holders) != 1:
+            fail("%s/%s has %d parameter tables on the pages, not one" % (kind, key, len(holders)))
+            continue
+        text = pages[holders[0]]
+        if "](drawings/" not in text or "```text\n" not in text:
+            fail(holders[0], "has no drawing or no formula for", key)
+        if not any(uses(scene, kind, key) for scene in scenes(text)):
+            fail(holders[0], "has no scene that uses %s/%s" % (kind, key))
+        if not re.search(r"\[`%s`\]\(%s[)#]" % (key, re.escape(holders[0])), index):
+            fail("index.md does not lead from", key, "to", holders[0])
+
+
+def anchors(text):
+    """The headings of a page as links name them."""
+    titles = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", title).strip().lower().replace(" ", "-") for title in titles}
+
+
+def check_links(folder, pages):
+    drawn = set()
+    for name, text in pages.items():
+        for target in re.findall(r'\]\(([^)]+)\)|<img src="([^"]+)"', text):
+            path, _, heading = "".join(target).partition("#")
+            if path.endswith(".svg"):
+                drawn.add(os.path.basename(path))
+            if path and not os.path.exists(os.path.join(folder, path)):
+                fail(name, "leads to", path, "which does not exist")
+            elif heading and heading not in anchors(pages[path or name]):
+                fail(name, "leads to", path + "#" + heading, "which has no such heading")
+    for unused in sorted(set(os.listdir(os.path.join(folder, "drawings"))) - drawn):
+        fail("drawings/" + unused, "is on no page")
+
+
+def run_scene(program, path):
+    def run(*words):
+        result = subprocess.run([program, *words, "--json"], capture_output=True, text=True)
+        if result.returncode != 0:
+            fail(os.path.basename(path), words[0], "exit code", result.returncode, result.stderr)
+            return None
+        return json.loads(result.stdout)
+
+    checked = run("check", path)
+    if not checked:
+        return
+    for finding in checked["findings"]:
+        if finding["severity"] != "note":
+            fail(os.path.basename(path), finding["severity"] + ":", finding["text"])
+    image = path.replace(".gltf", ".exr")
+    rendered = run("render", path, "--device", "reference", "--threads", "1", "--resolution", "8x6",
+                   "--spp", "16", "-o", image)
+    if rendered and not (math.isfinite(rendered["mean"]) and rendered["mean"] > 0):
+        fail(os.path.basename(path), "renders black: mean", rendered["mean"])
+
+
+def main(program, sources, folder):
+    docs = os.path.join(sources, "docs/elements")
+    made = {kind: os.path.join(folder, kind) for kind in ("drawings", "pages", "scenes")}
+    run_script(os.path.join(docs, "draw.py"), made["drawings"])
+    run_script(os.path.join(docs, "tables.py"), made["pages"])
+    compare("docs/elements/draw.py", files(os.path.join(docs, "drawings", "*")), made["drawings"])
+    compare("docs/elements/tables.py", files(os.path.join(docs, "*.md")), made["pages"])
+    pages = {name: read(path) for name, path in files(os.path.join(docs, "*.md")).items()}
+    check_elements(sources, pages)
+    check_links(docs, pages)
+    os.makedirs(made["scenes"], exist_ok=True)
+    count = 0
+    for name, text in sorted(pages.items()):
+        for scene in scenes(text):
+            count += 1
+            path = os.path.join(made["scenes"], "%s-%d.gltf" % (name[:-3], count))
+            with open(path, "w", encoding="utf-8") as file:
+                json.dump(scene, file)
+            run_scene(program, path)
+    print("%d drawings, %d pages, %d scenes" % (len(os.listdir(made["drawings"])), len(pages), count))
+    for failure in failures:
+        print(failure)
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 4:
+        sys.exit(__doc__)
+    sys.exit(main(*sys.argv[1:]))
