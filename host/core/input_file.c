@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static mcv_result read_all(int fd, const char *path, mcv_bytes *bytes, const mcv_place *place, mcv_error *error) {
+static mcv_result read_all(int fd, const char *path, mcv_bytes *bytes, const mcv_json_path *place, mcv_error *error) {
     struct stat status;
     if (fstat(fd, &status) != 0) return mcv_fail_at(place, error, "\"%s\" cannot be read: %s", path, strerror(errno));
     if (S_ISDIR(status.st_mode)) return mcv_fail_at(place, error, "\"%s\" is a directory, but must be a file", path);
@@ -29,7 +29,7 @@ static mcv_result read_all(int fd, const char *path, mcv_bytes *bytes, const mcv
     return MCV_OK;
 }
 
-mcv_result mcv_file_read(const char *path, mcv_bytes *bytes, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_file_read(const char *path, mcv_bytes *bytes, const mcv_json_path *place, mcv_error *error) {
     *bytes = (mcv_bytes){NULL, 0};
     /* Non-blocking, or a pipe without a writer would hang here; regular files do not care. */
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -78,7 +78,7 @@ static bool lies_below(const char *path, const char *directory) {
     return below;
 }
 
-mcv_result mcv_file_resolve(const char *base, const char *uri, char **path, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_file_resolve(const char *base, const char *uri, char **path, const mcv_json_path *place, mcv_error *error) {
     const char *slash = strrchr(base, '/');
     const size_t prefix = slash ? (size_t)(slash - base) + 1 : 0;
     *path = NULL;
@@ -118,7 +118,7 @@ static uint32_t little_endian(const uint8_t *p) {
 
 enum { GLB_MAGIC = 0x46546c67, GLB_JSON = 0x4e4f534a, GLB_BINARY = 0x004e4942, GLB_HEADER = 12, GLB_CHUNK_HEADER = 8 };
 
-mcv_result mcv_glb_split(mcv_bytes file, mcv_bytes *json, mcv_bytes *binary, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_glb_split(mcv_bytes file, mcv_bytes *json, mcv_bytes *binary, const mcv_json_path *place, mcv_error *error) {
     *json = file;
     *binary = (mcv_bytes){NULL, 0};
     if (file.size < 4 || little_endian(file.data) != GLB_MAGIC) return MCV_OK;

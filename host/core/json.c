@@ -25,19 +25,19 @@ static const char *type_name(const json_t *value) {
     }
 }
 
-static mcv_result fail_type(const json_t *value, const char *wanted, const mcv_place *place, const char *key, mcv_error *error) {
-    const mcv_place here = mcv_place_key(place, key);
+static mcv_result fail_type(const json_t *value, const char *wanted, const mcv_json_path *place, const char *key, mcv_error *error) {
+    const mcv_json_path here = mcv_json_path_key(place, key);
     return mcv_fail_at(&here, error, "must be %s, not %s", wanted, type_name(value));
 }
 
-mcv_result mcv_json_uint(const json_t *object, const char *key, uint64_t min, uint64_t max, uint64_t *out, const mcv_place *place,
+mcv_result mcv_json_uint(const json_t *object, const char *key, uint64_t min, uint64_t max, uint64_t *out, const mcv_json_path *place,
                          mcv_error *error) {
     const json_t *value = json_object_get(object, key);
     if (!value) return MCV_OK;
     if (!json_is_number(value)) return fail_type(value, "an integer", place, key, error);
     const double number = json_number_value(value);
     if (!(number >= (double)min && number <= (double)max) || number != floor(number)) {
-        const mcv_place here = mcv_place_key(place, key);
+        const mcv_json_path here = mcv_json_path_key(place, key);
         return mcv_fail_at(&here, error, "%g must be an integer from %llu to %llu", number, (unsigned long long)min,
                            (unsigned long long)max);
     }
@@ -45,14 +45,14 @@ mcv_result mcv_json_uint(const json_t *object, const char *key, uint64_t min, ui
     return MCV_OK;
 }
 
-mcv_result mcv_json_index(const json_t *object, const char *key, size_t count, const char *of, uint32_t *out, const mcv_place *place,
+mcv_result mcv_json_index(const json_t *object, const char *key, size_t count, const char *of, uint32_t *out, const mcv_json_path *place,
                           mcv_error *error) {
     *out = MCV_NONE;
     const json_t *value = json_object_get(object, key);
     if (!value) return MCV_OK;
     if (!json_is_number(value)) return fail_type(value, "an index", place, key, error);
     const double number = json_number_value(value);
-    const mcv_place here = mcv_place_key(place, key);
+    const mcv_json_path here = mcv_json_path_key(place, key);
     if (!(number >= 0 && number < (double)count) || number != floor(number)) {
         if (count == 0) return mcv_fail_at(&here, error, "index %g points to nothing: the file has no %s", number, of);
         return mcv_fail_at(&here, error, "index %g points to nothing: %s go from 0 to %zu", number, of, count - 1);
@@ -61,7 +61,7 @@ mcv_result mcv_json_index(const json_t *object, const char *key, size_t count, c
     return MCV_OK;
 }
 
-static mcv_result read_number(const json_t *value, double min, double max, double *out, const mcv_place *here, mcv_error *error) {
+static mcv_result read_number(const json_t *value, double min, double max, double *out, const mcv_json_path *here, mcv_error *error) {
     if (!json_is_number(value)) return mcv_fail_at(here, error, "must be a number, not %s", type_name(value));
     const double number = json_number_value(value);
     if (!(number >= min && number <= max)) return mcv_fail_at(here, error, "%g must lie from %g to %g", number, min, max);
@@ -69,27 +69,27 @@ static mcv_result read_number(const json_t *value, double min, double max, doubl
     return MCV_OK;
 }
 
-mcv_result mcv_json_number(const json_t *object, const char *key, double min, double max, double *out, const mcv_place *place,
+mcv_result mcv_json_number(const json_t *object, const char *key, double min, double max, double *out, const mcv_json_path *place,
                            mcv_error *error) {
     const json_t *value = json_object_get(object, key);
-    const mcv_place here = mcv_place_key(place, key);
+    const mcv_json_path here = mcv_json_path_key(place, key);
     return value ? read_number(value, min, max, out, &here, error) : MCV_OK;
 }
 
-mcv_result mcv_json_numbers(const json_t *object, const char *key, size_t n, double min, double max, double *out, const mcv_place *place,
+mcv_result mcv_json_numbers(const json_t *object, const char *key, size_t n, double min, double max, double *out, const mcv_json_path *place,
                             mcv_error *error) {
     const json_t *value = json_object_get(object, key);
     if (!value) return MCV_OK;
-    const mcv_place here = mcv_place_key(place, key);
+    const mcv_json_path here = mcv_json_path_key(place, key);
     if (!json_is_array(value) || json_array_size(value) != n) return mcv_fail_at(&here, error, "must be an array of %zu numbers", n);
     for (size_t i = 0; i < n; ++i) {
-        const mcv_place element = mcv_place_index(&here, i);
+        const mcv_json_path element = mcv_place_index(&here, i);
         MCV_TRY(read_number(json_array_get(value, i), min, max, out + i, &element, error));
     }
     return MCV_OK;
 }
 
-mcv_result mcv_json_string(const json_t *object, const char *key, const char **out, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_json_string(const json_t *object, const char *key, const char **out, const mcv_json_path *place, mcv_error *error) {
     const json_t *value = json_object_get(object, key);
     if (!value) return MCV_OK;
     if (!json_is_string(value)) return fail_type(value, "a string", place, key, error);
@@ -97,7 +97,7 @@ mcv_result mcv_json_string(const json_t *object, const char *key, const char **o
     return MCV_OK;
 }
 
-mcv_result mcv_json_bool(const json_t *object, const char *key, bool *out, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_json_bool(const json_t *object, const char *key, bool *out, const mcv_json_path *place, mcv_error *error) {
     const json_t *value = json_object_get(object, key);
     if (!value) return MCV_OK;
     if (!json_is_boolean(value)) return fail_type(value, "true or false", place, key, error);
@@ -105,15 +105,15 @@ mcv_result mcv_json_bool(const json_t *object, const char *key, bool *out, const
     return MCV_OK;
 }
 
-mcv_result mcv_json_array(const json_t *object, const char *key, json_t **out, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_json_array(const json_t *object, const char *key, json_t **out, const mcv_json_path *place, mcv_error *error) {
     *out = json_object_get(object, key);
     if (!*out) return MCV_OK;
     if (!json_is_array(*out)) return fail_type(*out, "an array", place, key, error);
-    const mcv_place here = mcv_place_key(place, key);
+    const mcv_json_path here = mcv_json_path_key(place, key);
     return json_array_size(*out) ? MCV_OK : mcv_fail_at(&here, error, "the array is empty: fill it or leave it out");
 }
 
-mcv_result mcv_json_object(const json_t *object, const char *key, json_t **out, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_json_object(const json_t *object, const char *key, json_t **out, const mcv_json_path *place, mcv_error *error) {
     *out = json_object_get(object, key);
     return !*out || json_is_object(*out) ? MCV_OK : fail_type(*out, "an object", place, key, error);
 }

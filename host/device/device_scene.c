@@ -98,8 +98,8 @@ static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene 
         {&d->solids, "the exact surfaces", present(p->solids, p->solid_count * sizeof *p->solids), p->solids},
         {&d->precise_solids, "the exact surfaces in double", present(p->precise_solids, p->solid_count * sizeof *p->precise_solids),
          p->precise_solids},
-        {&d->position_rests, "the rests of the vertices", present(p->position_rests, 12 * vertices), p->position_rests},
-        {&d->normal_rests, "the rests of the normals", present(p->normal_rests, 12 * vertices), p->normal_rests},
+        {&d->position_lows, "the rests of the vertices", present(p->position_lows, 12 * vertices), p->position_lows},
+        {&d->normal_lows, "the rests of the normals", present(p->normal_lows, 12 * vertices), p->normal_lows},
         {&d->refractive_indices, "the refractive indices", mixed ? sizeof p->refractive_indices : 0, p->refractive_indices},
         {&d->frame, "the frame", sizeof(mcv_frame), NULL},
         {&d->sensor, "the sensor", sizeof(any_sensor), NULL},
@@ -117,7 +117,7 @@ static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene 
 /* The large arrays, which only the device needs. */
 static void free_vertices(mcv_packed *packed) {
     float **const arrays[] = {&packed->positions, &packed->normals,        &packed->texcoords,
-                              &packed->tangents,  &packed->position_rests, &packed->normal_rests};
+                              &packed->tangents,  &packed->position_lows, &packed->normal_lows};
     uint32_t **const tables[] = {&packed->triangles, &packed->emitter_cdf, &packed->texels};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
         free(*arrays[i]);
@@ -310,8 +310,8 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
     frame->environment_emitter = packed->environment_emitter;
     mcv_pack_placement(packed, &from->to_world, frame->to_world, frame->to_world_rest);
     if (packed->features >> MCV_FEATURE_AIM & 1) {
-        const size_t bytes = sizeof(mcv_device_aim) * frame->width * frame->height;
-        MCV_TRY(mcv_cl_buffer(cl, "the aims of the pixels", bytes, NULL, &device->aims, error));
+        const size_t bytes = sizeof(mcv_device_pupil_guide) * frame->width * frame->height;
+        MCV_TRY(mcv_cl_buffer(cl, "the aims of the pixels", bytes, NULL, &device->pupil_guides, error));
     }
     if (packed->features >> MCV_FEATURE_LIGHT_TRACING & 1) MCV_TRY(open_splats(cl, from, device, frame, error));
     return mcv_cl_write(cl, device->sensor, 0, sizeof prepared, &prepared, error);

@@ -28,12 +28,12 @@
     X(emitter_cdf) \
     X(textures) \
     X(texels) \
-    X(aims) \
+    X(pupil_guides) \
     X(listed) \
     X(solids) \
     X(precise_solids) \
-    X(position_rests) \
-    X(normal_rests) \
+    X(position_lows) \
+    X(normal_lows) \
     X(refractive_indices)
 #define MCV_X(name) +1
 enum { MCV_SCENE_ARGUMENTS = 0 MCV_SCENE_BUFFERS(MCV_X) };

@@ -31,7 +31,7 @@ typedef struct ball {
 /* Does it carry light paths on: is it smooth or sharp? */
 static bool carries(const mcv_packed *packed, uint32_t instance) {
     const mcv_device_material *material = &packed->materials[packed->instances[instance].material];
-    return material->sharp || (!material->spreads && material->type != MCV_MATERIAL_ABSORBER);
+    return material->near_specular || (!material->scattering_sides && material->type != MCV_MATERIAL_ABSORBER);
 }
 
 /* The smallest one around two. */
@@ -267,7 +267,7 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
     const bool caustics = packed->ball_count > 0 && packed->features >> MCV_FEATURE_NEXT_EVENT & 1;
     uint32_t count = 0;
     bool wide = false;
-    for (uint32_t i = 0; i < packed->instance_count; ++i) wide = wide || packed->materials[packed->instances[i].material].wide;
+    for (uint32_t i = 0; i < packed->instance_count; ++i) wide = wide || packed->materials[packed->instances[i].material].connectable;
     double *powers = calloc(packed->emitter_count + 1, sizeof *powers);
     if (!powers) return mcv_fail(error, MCV_FAILED, "%s: no memory for the emitters", scene->path);
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
@@ -303,8 +303,8 @@ static double typical_flux(const mcv_device_emitter *e) { return (double)e->ligh
  * pixel's footprint there [m²]. False: light paths cannot reach this type of sensor.
  */
 static bool look_at_point(const mcv_sensor *sensor, float z, double *brightness, double *footprint) {
-    mcv_sight sight;
-    mcv_film_place place;
+    mcv_sensor_ray sight;
+    mcv_film_point place;
     const mcv_vec3 point = mcv_vec(0, 0, z);
     switch (sensor->type) {
 #define REACH(name, NAME) \

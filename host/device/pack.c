@@ -40,8 +40,8 @@ void mcv_packed_free(mcv_packed *packed) {
     free(packed->textures);
     free(packed->texels);
     free(packed->solids);
-    free(packed->position_rests);
-    free(packed->normal_rests);
+    free(packed->position_lows);
+    free(packed->normal_lows);
     free(packed->precise_solids);
     memset(packed, 0, sizeof *packed);
 }
@@ -286,7 +286,7 @@ static mcv_device_material pack_material(const mcv_material *material) {
     case MCV_MATERIAL_DIFFUSE:
         value = material->as.diffuse.reflectance;
         share_out(value, material->as.diffuse.transmittance, &out);
-        out.spreads = largest(material->as.diffuse.transmittance) > 0 ? 2 : 1;
+        out.scattering_sides = largest(material->as.diffuse.transmittance) > 0 ? 2 : 1;
         break;
     case MCV_MATERIAL_MIRROR:
         value = material->as.mirror.reflectance;
@@ -313,18 +313,18 @@ static mcv_device_material pack_material(const mcv_material *material) {
         for (int k = 0; k < 3; ++k) out.passed[k] = (float)p->diffuseReflectance[k];
         out.spread = p->divergence > 0 ? (float)tan(fmax(p->divergence, MCV_LEAST_DIVERGENCE)) : 0;
         out.fall = (float)(1 / tan(p->entranceAngle));
-        out.spreads = p->divergence > 0 || largest(p->diffuseReflectance) > 0;
+        out.scattering_sides = p->divergence > 0 || largest(p->diffuseReflectance) > 0;
         break;
     }
     default:
         break;
     }
     for (int k = 0; value && k < 3; ++k) out.value[k] = (float)value[k];
-    if (mcv_material_is_rough(material)) out.spreads = material->type == MCV_MATERIAL_CONDUCTOR ? 1 : 2;
+    if (mcv_material_is_rough(material)) out.scattering_sides = material->type == MCV_MATERIAL_CONDUCTOR ? 1 : 2;
     const double roughness = mcv_material_roughness(material).roughness;
     const bool matt = material->type == MCV_MATERIAL_METALLIC_ROUGHNESS && roughness * roughness >= wide_alpha;
-    out.wide = material->type == MCV_MATERIAL_DIFFUSE || matt;
-    out.sharp = is_sharp(material);
+    out.connectable = material->type == MCV_MATERIAL_DIFFUSE || matt;
+    out.near_specular = is_sharp(material);
     return out;
 }
 
@@ -691,8 +691,8 @@ static uint32_t shading_of(const mcv_packed *packed, const mcv_device_instance *
         return MCV_SHADED_BLACK + 1 + instance->emitter;
     if (m->texture != MCV_NONE || e) return MCV_SHADED_ALONE;
     if (m->type == MCV_MATERIAL_DIFFUSE) return MCV_SHADED_DIFFUSE;
-    if (m->type == MCV_MATERIAL_DIELECTRIC && !m->spreads) return MCV_SHADED_SMOOTH;
-    if (!gloss || !m->spreads || m->type == MCV_MATERIAL_RETROREFLECTOR) return MCV_SHADED_ALONE;
+    if (m->type == MCV_MATERIAL_DIELECTRIC && !m->scattering_sides) return MCV_SHADED_SMOOTH;
+    if (!gloss || !m->scattering_sides || m->type == MCV_MATERIAL_RETROREFLECTOR) return MCV_SHADED_ALONE;
     return gloss->azimuths == 1 && gloss->roughnesses == 1 && gloss->texture == MCV_NONE ? MCV_SHADED_GLOSSY : MCV_SHADED_ALONE;
 }
 

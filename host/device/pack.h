@@ -63,7 +63,7 @@ typedef struct mcv_packed {
     uint32_t environment_emitter; /* with one */
 
     /* With MIXED alone: */
-    float *position_rests, *normal_rests; /* what rounding leaves of the positions and the normals */
+    float *position_lows, *normal_lows; /* what rounding leaves of the positions and the normals */
     mcv_precise_solid *precise_solids;
     double refractive_indices[3][MCV_MAX_MEDIA + 1]; /* of the media by channel */
 } mcv_packed;

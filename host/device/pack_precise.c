@@ -12,8 +12,8 @@ static void pack_rests(const mcv_scene *scene, mcv_packed *packed, uint32_t inst
         mcv_scene_vertex(scene, instance, v, p);
         if (packed->normals && mesh->normals) mcv_pack_normal(scene, instance, v, n);
         for (int k = 0; k < 3; ++k) {
-            packed->position_rests[at + k] = (float)(p[k] - packed->centre[k] - packed->positions[at + k]);
-            if (packed->normals) packed->normal_rests[at + k] = (float)(n[k] - packed->normals[at + k]);
+            packed->position_lows[at + k] = (float)(p[k] - packed->centre[k] - packed->positions[at + k]);
+            if (packed->normals) packed->normal_lows[at + k] = (float)(n[k] - packed->normals[at + k]);
         }
     }
 }
@@ -21,10 +21,10 @@ static void pack_rests(const mcv_scene *scene, mcv_packed *packed, uint32_t inst
 mcv_result mcv_pack_precise(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
     const size_t floats = 3 * (size_t)packed->vertex_count + 1;
     packed->features |= 1u << MCV_FEATURE_MIXED;
-    packed->position_rests = calloc(floats, sizeof(float));
-    if (packed->normals) packed->normal_rests = calloc(floats, sizeof(float));
+    packed->position_lows = calloc(floats, sizeof(float));
+    if (packed->normals) packed->normal_lows = calloc(floats, sizeof(float));
     if (packed->solids) packed->precise_solids = calloc(packed->solid_count, sizeof *packed->precise_solids);
-    if (!packed->position_rests || (packed->normals && !packed->normal_rests) || (packed->solids && !packed->precise_solids))
+    if (!packed->position_lows || (packed->normals && !packed->normal_lows) || (packed->solids && !packed->precise_solids))
         return mcv_fail(error, MCV_FAILED, "%s: no memory for --precision mixed", scene->path);
     size_t first = 0;
     for (uint32_t i = 0; i < scene->instance_count; ++i) {

@@ -34,10 +34,10 @@ static uint64_t element_size(const char *type, uint32_t component_type, uint32_t
 
 /* `count` elements of `size` bytes, whose components have `component` bytes, in the bufferView that `object` names. */
 static mcv_result check_span(const json_t *root, const json_t *object, uint64_t count, uint64_t size, uint64_t component, mcv_span *span,
-                             const mcv_place *place, mcv_error *error) {
+                             const mcv_json_path *place, mcv_error *error) {
     const json_t *views = json_object_get(root, "bufferViews");
     uint64_t offset = 0, view_offset = 0, length = 0, stride = 0, buffer = 0;
-    const mcv_place here = mcv_place_key(place, "byteOffset");
+    const mcv_json_path here = mcv_json_path_key(place, "byteOffset");
     *span = (mcv_span){.view = MCV_NONE, .stride = size};
     MCV_TRY(mcv_json_index(object, "bufferView", json_array_size(views), "bufferViews", &span->view, place, error));
     MCV_TRY(mcv_json_uint(object, "byteOffset", 0, 1ull << 53, &offset, place, error));
@@ -66,7 +66,7 @@ static mcv_result check_span(const json_t *root, const json_t *object, uint64_t 
     return MCV_OK;
 }
 
-static mcv_result check_sparse(const json_t *root, json_t *sparse, uint64_t size, mcv_accessor *accessor, const mcv_place *place,
+static mcv_result check_sparse(const json_t *root, json_t *sparse, uint64_t size, mcv_accessor *accessor, const mcv_json_path *place,
                                mcv_error *error) {
     json_t *indices, *values;
     uint64_t type = 0;
@@ -74,7 +74,7 @@ static mcv_result check_sparse(const json_t *root, json_t *sparse, uint64_t size
     MCV_TRY(mcv_json_object(sparse, "indices", &indices, place, error));
     MCV_TRY(mcv_json_object(sparse, "values", &values, place, error));
     if (!indices || !values || accessor->sparse_count == 0) return mcv_fail_at(place, error, "must have count, indices and values");
-    const mcv_place indices_place = mcv_place_key(place, "indices"), values_place = mcv_place_key(place, "values");
+    const mcv_json_path indices_place = mcv_json_path_key(place, "indices"), values_place = mcv_json_path_key(place, "values");
     MCV_TRY(mcv_json_uint(indices, "componentType", 0, UINT32_MAX, &type, &indices_place, error));
     if (type != MCV_GLTF_UNSIGNED_BYTE && type != MCV_GLTF_UNSIGNED_SHORT && type != MCV_GLTF_UNSIGNED_INT)
         return mcv_fail_at(&indices_place, error, "componentType %u must be 5121, 5123 or 5125 (unsigned)", (unsigned)type);
@@ -90,7 +90,7 @@ static mcv_result check_sparse(const json_t *root, json_t *sparse, uint64_t size
     return MCV_OK;
 }
 
-mcv_result mcv_accessor_check(const json_t *root, const json_t *object, mcv_accessor *accessor, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_accessor_check(const json_t *root, const json_t *object, mcv_accessor *accessor, const mcv_json_path *place, mcv_error *error) {
     *accessor = (mcv_accessor){.elements = {.view = MCV_NONE}};
     uint64_t type = 0;
     const char *shape = NULL;
@@ -113,18 +113,18 @@ mcv_result mcv_accessor_check(const json_t *root, const json_t *object, mcv_acce
     if (accessor->elements.view == MCV_NONE && accessor->count > unbacked_limit)
         return mcv_fail_at(place, error, "%llu elements without a bufferView are more than 2^24", (unsigned long long)accessor->count);
     if (!sparse) return MCV_OK;
-    const mcv_place here = mcv_place_key(place, "sparse");
+    const mcv_json_path here = mcv_json_path_key(place, "sparse");
     return check_sparse(root, sparse, size, accessor, &here, error);
 }
 
 mcv_result mcv_accessor_get(const json_t *root, const json_t *object, const char *key, bool *given, mcv_accessor *accessor,
-                            const mcv_place *place, mcv_error *error) {
+                            const mcv_json_path *place, mcv_error *error) {
     const json_t *accessors = json_object_get(root, "accessors");
     uint32_t index;
     MCV_TRY(mcv_json_index(object, key, json_array_size(accessors), "accessors", &index, place, error));
     *given = index != MCV_NONE;
     if (!*given) return MCV_OK;
-    const mcv_place here = mcv_place_key(place, key);
+    const mcv_json_path here = mcv_json_path_key(place, key);
     return mcv_accessor_check(root, json_array_get(accessors, index), accessor, &here, error);
 }
 
@@ -168,12 +168,12 @@ static const uint8_t *element(const mcv_gltf *gltf, const mcv_span *span, uint64
 }
 
 /* A buffer may be declared without data. */
-static mcv_result check_data(const mcv_gltf *gltf, const mcv_span *span, const mcv_place *place, mcv_error *error) {
+static mcv_result check_data(const mcv_gltf *gltf, const mcv_span *span, const mcv_json_path *place, mcv_error *error) {
     if (span->view == MCV_NONE || span->end <= mcv_gltf_buffer(gltf, span->buffer).size) return MCV_OK;
     return mcv_fail_at(place, error, "buffer %u has no data: give it a uri", span->buffer);
 }
 
-static mcv_result check_all_data(const mcv_gltf *gltf, const mcv_accessor *accessor, const mcv_place *place, mcv_error *error) {
+static mcv_result check_all_data(const mcv_gltf *gltf, const mcv_accessor *accessor, const mcv_json_path *place, mcv_error *error) {
     MCV_TRY(check_data(gltf, &accessor->elements, place, error));
     if (accessor->sparse_count == 0) return MCV_OK;
     MCV_TRY(check_data(gltf, &accessor->sparse_indices, place, error));
@@ -181,7 +181,7 @@ static mcv_result check_all_data(const mcv_gltf *gltf, const mcv_accessor *acces
 }
 
 /* The element that the k-th sparse value replaces; they must rise. */
-static mcv_result sparse_target(const mcv_gltf *gltf, const mcv_accessor *accessor, uint64_t k, uint64_t *target, const mcv_place *place,
+static mcv_result sparse_target(const mcv_gltf *gltf, const mcv_accessor *accessor, uint64_t k, uint64_t *target, const mcv_json_path *place,
                                 mcv_error *error) {
     const uint64_t index = (uint64_t)component(element(gltf, &accessor->sparse_indices, k), accessor->sparse_type);
     if (index >= accessor->count || (k > 0 && index <= *target))
@@ -191,7 +191,7 @@ static mcv_result sparse_target(const mcv_gltf *gltf, const mcv_accessor *access
     return MCV_OK;
 }
 
-mcv_result mcv_accessor_floats(const mcv_gltf *gltf, const mcv_accessor *accessor, float **values, const mcv_place *place,
+mcv_result mcv_accessor_floats(const mcv_gltf *gltf, const mcv_accessor *accessor, float **values, const mcv_json_path *place,
                                mcv_error *error) {
     MCV_TRY(check_all_data(gltf, accessor, place, error));
     const uint32_t n = accessor->components, type = accessor->component_type;
@@ -214,7 +214,7 @@ mcv_result mcv_accessor_floats(const mcv_gltf *gltf, const mcv_accessor *accesso
     return MCV_OK;
 }
 
-mcv_result mcv_accessor_indices(const mcv_gltf *gltf, const mcv_accessor *accessor, uint32_t **values, const mcv_place *place,
+mcv_result mcv_accessor_indices(const mcv_gltf *gltf, const mcv_accessor *accessor, uint32_t **values, const mcv_json_path *place,
                                 mcv_error *error) {
     MCV_TRY(check_all_data(gltf, accessor, place, error));
     uint32_t *out = *values = calloc(accessor->count, sizeof *out);

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <sys/stat.h>
 
-struct mcv_kept_assets {
+struct mcv_asset_cache {
     mcv_kept_asset *assets;
     size_t count, read;
 };
@@ -28,7 +28,7 @@ static bool is_unchanged(const mcv_stamp *stamp) {
            same_time(&now.modified, &stamp->modified) && same_time(&now.changed, &stamp->changed);
 }
 
-mcv_result mcv_stamp_add(mcv_loader *loader, const char *path, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_stamp_add(mcv_loader *loader, const char *path, const mcv_json_path *place, mcv_error *error) {
     mcv_stamp stamp;
     if (!read_stamp(path, &stamp)) return mcv_fail_at(place, error, "\"%s\" cannot be opened: %s", path, strerror(errno));
     stamp.path = strdup(path);
@@ -49,7 +49,7 @@ void mcv_stamps_free(mcv_stamp *stamps, size_t count) {
 
 /* --- assets ----------------------------------------------------------------------------------------------------- */
 
-mcv_kept_assets *mcv_kept_assets_new(void) { return calloc(1, sizeof(mcv_kept_assets)); }
+mcv_asset_cache *mcv_kept_assets_new(void) { return calloc(1, sizeof(mcv_asset_cache)); }
 
 static void forget(mcv_kept_asset *a) {
     mcv_stamps_free(a->stamps, a->stamp_count);
@@ -58,16 +58,16 @@ static void forget(mcv_kept_asset *a) {
     mcv_scene_free(a->solid);
 }
 
-void mcv_kept_assets_free(mcv_kept_assets *kept) {
+void mcv_kept_assets_free(mcv_asset_cache *kept) {
     if (!kept) return;
     for (size_t i = 0; i < kept->count; ++i) forget(kept->assets + i);
     free(kept->assets);
     free(kept);
 }
 
-size_t mcv_kept_assets_read(const mcv_kept_assets *kept) { return kept->read; }
+size_t mcv_kept_assets_read(const mcv_asset_cache *kept) { return kept->read; }
 
-void mcv_kept_forget_changed(mcv_kept_assets *kept) {
+void mcv_kept_forget_changed(mcv_asset_cache *kept) {
     size_t left = 0;
     for (size_t i = 0; i < kept->count; ++i) {
         const mcv_kept_asset *a = kept->assets + i;
@@ -81,14 +81,14 @@ void mcv_kept_forget_changed(mcv_kept_assets *kept) {
     kept->count = left;
 }
 
-const mcv_kept_asset *mcv_kept_find(const mcv_kept_assets *kept, const char *path) {
+const mcv_kept_asset *mcv_kept_find(const mcv_asset_cache *kept, const char *path) {
     for (size_t i = 0; kept && i < kept->count; ++i)
         if (strcmp(kept->assets[i].stamps[0].path, path) == 0) return kept->assets + i;
     return NULL;
 }
 
-mcv_result mcv_kept_add(mcv_loader *asset, const double size[3], const mcv_place *place, mcv_error *error) {
-    mcv_kept_assets *kept = asset->kept;
+mcv_result mcv_kept_add(mcv_loader *asset, const double size[3], const mcv_json_path *place, mcv_error *error) {
+    mcv_asset_cache *kept = asset->kept;
     if (!kept) return MCV_OK;
     mcv_kept_asset *assets = realloc(kept->assets, (kept->count + 1) * sizeof *assets);
     if (!assets) return mcv_fail_memory(place, error);

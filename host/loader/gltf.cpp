@@ -11,7 +11,7 @@
 struct reading {
     mcv_gltf_read *read;
     void *user;
-    const mcv_place *place;
+    const mcv_json_path *place;
     mcv_error *error;
     mcv_result result;
 };
@@ -123,7 +123,7 @@ mcv_result load(mcv_gltf *gltf, const char *json, size_t length, reading *state)
 
 } // namespace
 
-mcv_result mcv_gltf_open(const char *json, size_t length, mcv_gltf_read *read, void *user, mcv_gltf **gltf, const mcv_place *place,
+mcv_result mcv_gltf_open(const char *json, size_t length, mcv_gltf_read *read, void *user, mcv_gltf **gltf, const mcv_json_path *place,
                          mcv_error *error) {
     *gltf = nullptr;
     if (length > INT32_MAX) return mcv_fail_at(place, error, "its data URIs exceed 2 GiB: put the data into a .bin or .glb file");

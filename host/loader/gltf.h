@@ -18,7 +18,7 @@ typedef struct mcv_gltf mcv_gltf;
 typedef mcv_result mcv_gltf_read(void *user, const char *uri, mcv_bytes *bytes, mcv_error *error);
 
 /* `json` holds buffers, bufferViews and images only; images are named as messages should call them. */
-mcv_result mcv_gltf_open(const char *json, size_t length, mcv_gltf_read *read, void *user, mcv_gltf **gltf, const mcv_place *place,
+mcv_result mcv_gltf_open(const char *json, size_t length, mcv_gltf_read *read, void *user, mcv_gltf **gltf, const mcv_json_path *place,
                          mcv_error *error);
 void mcv_gltf_close(mcv_gltf *gltf);
 

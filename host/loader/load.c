@@ -35,13 +35,13 @@ static bool is_known(const char *name) {
     return false;
 }
 
-static mcv_result check_extensions(const json_t *root, const mcv_place *file, mcv_error *error) {
+static mcv_result check_extensions(const json_t *root, const mcv_json_path *file, mcv_error *error) {
     const size_t known = sizeof known_extensions / sizeof known_extensions[0];
     const json_t *required = json_object_get(root, "extensionsRequired");
     for (size_t i = 0; i < json_array_size(required); ++i) {
         const char *name = json_string_value(json_array_get(required, i));
         if (is_known(name)) continue;
-        const mcv_place place = mcv_place_key(file, "extensionsRequired"), here = mcv_place_index(&place, i);
+        const mcv_json_path place = mcv_json_path_key(file, "extensionsRequired"), here = mcv_place_index(&place, i);
         const char *nearest = mcv_nearest_word(name, known_extensions, known);
         return mcv_fail_at(&here, error, "%s is required, but this program does not read it%s%s", name,
                            nearest ? "; it reads " : ": export without it", nearest ? nearest : "");
@@ -134,7 +134,7 @@ static mcv_result place_asset(mcv_loader *asset, const char *name, const mcv_tra
 static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transform *document, const mcv_transform *parent,
                             uint32_t material, mcv_error *error) {
     const json_t *nodes = json_object_get(loader->root, "nodes"), *node = json_array_get(nodes, index);
-    const mcv_place place = mcv_place_key(&loader->file, "nodes"), here = mcv_place_element(&place, mcv_json_name(node), index);
+    const mcv_json_path place = mcv_json_path_key(&loader->file, "nodes"), here = mcv_json_path_element(&place, mcv_json_name(node), index);
     mcv_transform local;
     bool posed;
     MCV_TRY(mcv_load_pose(loader, node, 0, &posed, &local, &here, error));
@@ -158,7 +158,7 @@ static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transf
     }
     MCV_TRY(mcv_load_emitter(loader, node, &to_world, first, loader->scene->instance_count, &here, error));
     MCV_TRY(mcv_load_body(loader, node, &to_world, &here, error));
-    MCV_TRY(mcv_load_light(loader, node, &to_world, &here, error));
+    MCV_TRY(mcv_load_light_path(loader, node, &to_world, &here, error));
     MCV_TRY(mcv_load_sensors(loader, node, &to_world, &here, error));
     mcv_loader *asset;
     MCV_TRY(mcv_load_asset_of(loader, node, &asset, &here, error));
@@ -192,7 +192,7 @@ void mcv_load_count(mcv_loader *loader, const void *data, size_t size) {
     loader->fingerprint = hash;
 }
 
-mcv_result mcv_load_file(mcv_loader *loader, const char *path, mcv_bytes *bytes, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_load_file(mcv_loader *loader, const char *path, mcv_bytes *bytes, const mcv_json_path *place, mcv_error *error) {
     if (loader->is_asset && loader->kept) MCV_TRY(mcv_stamp_add(loader, path, place, error));
     MCV_TRY(mcv_file_read(path, bytes, place, error));
     mcv_load_count(loader, bytes->data, bytes->size);
@@ -205,8 +205,8 @@ static mcv_result read_external(void *user, const char *name, mcv_bytes *bytes, 
     const char *slash = strchr(name, '/');
     const bool is_buffer = slash && strncmp(name, "buffers/", 8) == 0;
     const size_t index = slash ? strtoul(slash + 1, NULL, 10) : 0;
-    const mcv_place of = mcv_place_key(&loader->file, is_buffer ? "buffers" : "images");
-    const mcv_place element = mcv_place_index(&of, index), place = mcv_place_key(&element, "uri");
+    const mcv_json_path of = mcv_json_path_key(&loader->file, is_buffer ? "buffers" : "images");
+    const mcv_json_path element = mcv_place_index(&of, index), place = mcv_json_path_key(&element, "uri");
     const json_t *object = json_array_get(json_object_get(loader->root, is_buffer ? "buffers" : "images"), index);
     const char *uri = json_string_value(json_object_get(object, "uri"));
     const size_t length = (size_t)json_number_value(json_object_get(object, "byteLength"));
@@ -242,7 +242,7 @@ static json_t *describe_data(const mcv_loader *loader, const json_t *object, con
     const char *uri = json_string_value(json_object_get(object, "uri"));
     json_t *copy = json_object();
     mcv_error ignored;
-    const mcv_place place = mcv_place_file("");
+    const mcv_json_path place = mcv_place_file("");
     uint64_t length;
     json_object_set_new(copy, "name", json_sprintf("%s/%zu", of, index));
     if (json_object_get(object, "bufferView")) {
@@ -385,13 +385,13 @@ void mcv_load_finish(mcv_loader *loader) {
 /* MCVISI_spectrum: {"wavelengths": a length, or one for each of red, green and blue}. */
 static mcv_result load_spectrum(mcv_loader *loader, mcv_error *error) {
     const json_t *object = mcv_json_extension(loader->root, "MCVISI_spectrum");
-    const mcv_place extensions = mcv_place_key(&loader->file, "extensions"), place = mcv_place_key(&extensions, "MCVISI_spectrum");
+    const mcv_json_path extensions = mcv_json_path_key(&loader->file, "extensions"), place = mcv_json_path_key(&extensions, "MCVISI_spectrum");
     static const char *const keys[] = {"wavelengths", "extras", NULL};
     if (!object) return MCV_OK;
     if (!json_is_object(object)) return mcv_fail_at(&place, error, "must be an object {\"wavelengths\": ...}");
     MCV_TRY(mcv_params_parse((mcv_param_table){0}, object, keys, NULL, &place, error));
     const json_t *given = json_object_get(object, "wavelengths");
-    const mcv_place here = mcv_place_key(&place, "wavelengths");
+    const mcv_json_path here = mcv_json_path_key(&place, "wavelengths");
     for (size_t i = 0; i < 3; ++i) {
         const json_t *one = json_is_array(given) ? json_array_get(given, json_array_size(given) == 1 ? 0 : i) : given;
         double *length = &loader->scene->wavelengths[i];
@@ -417,7 +417,7 @@ const char *mcv_conversion(const char *path) {
 }
 
 /* Files that are parts, and formats that are not read, by their names. */
-static mcv_result check_format(const char *path, const mcv_place *place, mcv_error *error) {
+static mcv_result check_format(const char *path, const mcv_json_path *place, mcv_error *error) {
     static const char *const others[] = {".step", ".stp", ".iges", ".igs", ".obj", ".ply", ".3mf", ".fbx", ".blend", ".dae"};
     if (mcv_ends_in(path, ".stl"))
         return mcv_fail_at(place, error,
@@ -433,7 +433,7 @@ mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene *
     return mcv_scene_load_again(path, overrides, NULL, scene, error);
 }
 
-mcv_result mcv_scene_load_again(const char *path, mcv_overrides overrides, mcv_kept_assets *kept, mcv_scene **scene, mcv_error *error) {
+mcv_result mcv_scene_load_again(const char *path, mcv_overrides overrides, mcv_asset_cache *kept, mcv_scene **scene, mcv_error *error) {
     mcv_loader loader = {
         .file = mcv_place_file(path), .solid = MCV_NONE, .asset_material = MCV_NONE, .plain = MCV_NONE, .absorber = MCV_NONE, .kept = kept};
     if (kept) mcv_kept_forget_changed(kept);

@@ -17,7 +17,7 @@ static const char *const element_keys[] = {"name", "type", "extras", "extensions
 /* extensions/EXTENSION/KEY of the document, an array of objects; NULL where absent. */
 mcv_result mcv_load_array(const mcv_loader *loader, const char *extension, const char *key, json_t **array, mcv_error *error) {
     const char *const others[] = {key, "extras", "extensions", NULL};
-    const mcv_place extensions = mcv_place_key(&loader->file, "extensions"), place = mcv_place_key(&extensions, extension);
+    const mcv_json_path extensions = mcv_json_path_key(&loader->file, "extensions"), place = mcv_json_path_key(&extensions, extension);
     const json_t *all = json_object_get(loader->root, "extensions");
     json_t *object;
     *array = NULL;
@@ -26,9 +26,9 @@ mcv_result mcv_load_array(const mcv_loader *loader, const char *extension, const
     MCV_TRY(mcv_params_parse((mcv_param_table){0}, object, others, NULL, &place, error));
     MCV_TRY(mcv_json_array(object, key, array, &place, error));
     if (!*array) return mcv_fail_at(&place, error, "must have the array \"%s\"", key);
-    const mcv_place here = mcv_place_key(&loader->file, key);
+    const mcv_json_path here = mcv_json_path_key(&loader->file, key);
     for (size_t i = 0; i < json_array_size(*array); ++i) {
-        const mcv_place element = mcv_place_index(&here, i);
+        const mcv_json_path element = mcv_place_index(&here, i);
         const char *name;
         if (!json_is_object(json_array_get(*array, i))) return mcv_fail_at(&element, error, "must be an object");
         MCV_TRY(mcv_json_string(json_array_get(*array, i), "name", &name, &element, error));
@@ -36,7 +36,7 @@ mcv_result mcv_load_array(const mcv_loader *loader, const char *extension, const
     return MCV_OK;
 }
 
-static mcv_result define_sensor(const json_t *object, mcv_sensor *sensor, const mcv_place *place, mcv_error *error) {
+static mcv_result define_sensor(const json_t *object, mcv_sensor *sensor, const mcv_json_path *place, mcv_error *error) {
     MCV_TRY(mcv_element_type(object, mcv_sensor_types, MCV_SENSOR_COUNT, &sensor->type, place, error));
     const mcv_param_table table = mcv_sensor_table(sensor->type);
     mcv_params_set_defaults(table, &sensor->as);
@@ -46,9 +46,9 @@ static mcv_result define_sensor(const json_t *object, mcv_sensor *sensor, const 
 }
 
 /* A projector shows an image or a pattern. */
-static mcv_result check_picture(mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+static mcv_result check_picture(mcv_emitter *emitter, const mcv_json_path *place, mcv_error *error) {
     const mcv_pattern *pattern = mcv_emitter_pattern(emitter);
-    const mcv_place image = mcv_place_key(place, "image"), index = mcv_place_key(place, "index");
+    const mcv_json_path image = mcv_json_path_key(place, "image"), index = mcv_json_path_key(place, "index");
     if (!pattern) return MCV_OK;
     if (pattern->type == MCV_NONE && *mcv_emitter_image(emitter) == MCV_NONE)
         return mcv_fail_at(&image, error, "is missing: index or name of one of the file's images, {\"uri\": FILE.exr}, or give a pattern");
@@ -60,7 +60,7 @@ static mcv_result check_picture(mcv_emitter *emitter, const mcv_place *place, mc
 }
 
 static mcv_result define_emitter(const mcv_scene *scene, const json_t *object, mcv_emitter *emitter, mcv_preset *preset,
-                                 const mcv_place *place, mcv_error *error) {
+                                 const mcv_json_path *place, mcv_error *error) {
     uint32_t type;
     MCV_TRY(mcv_element_type(object, mcv_emitter_types, MCV_EMITTER_TYPE_COUNT, &type, place, error));
     const mcv_param_table table = mcv_emitter_table(type);
@@ -95,15 +95,15 @@ mcv_result mcv_load_definitions(mcv_loader *loader, mcv_error *error) {
     loader->emitter_uses = calloc(loader->emitter_count + 1, sizeof *loader->emitter_uses);
     if (!loader->sensors || !loader->emitters || !loader->presets || !loader->sensor_uses || !loader->emitter_uses)
         return mcv_fail_memory(&loader->file, error);
-    const mcv_place sensors_place = mcv_place_key(&loader->file, "sensors"), emitters_place = mcv_place_key(&loader->file, "emitters");
+    const mcv_json_path sensors_place = mcv_json_path_key(&loader->file, "sensors"), emitters_place = mcv_json_path_key(&loader->file, "emitters");
     for (size_t i = 0; i < loader->sensor_count; ++i) {
         const json_t *object = json_array_get(sensors, i);
-        const mcv_place here = mcv_place_element(&sensors_place, mcv_json_name(object), i);
+        const mcv_json_path here = mcv_json_path_element(&sensors_place, mcv_json_name(object), i);
         MCV_TRY(define_sensor(object, loader->sensors + i, &here, error));
     }
     for (size_t i = 0; i < loader->emitter_count; ++i) {
         const json_t *object = json_array_get(emitters, i);
-        const mcv_place here = mcv_place_element(&emitters_place, mcv_json_name(object), i);
+        const mcv_json_path here = mcv_json_path_element(&emitters_place, mcv_json_name(object), i);
         MCV_TRY(define_emitter(loader->scene, object, loader->emitters + i, loader->presets + i, &here, error));
     }
     return MCV_OK;
@@ -111,9 +111,9 @@ mcv_result mcv_load_definitions(mcv_loader *loader, mcv_error *error) {
 
 /* The node's extensions/EXTENSION {"KEY": index}; MCV_NONE where absent. */
 mcv_result mcv_load_reference(const json_t *node, const char *extension, const char *key, size_t count, const char *of, uint32_t *index,
-                              const mcv_place *place, mcv_error *error) {
+                              const mcv_json_path *place, mcv_error *error) {
     const char *const others[] = {key, "extras", "extensions", NULL};
-    const mcv_place extensions = mcv_place_key(place, "extensions"), here = mcv_place_key(&extensions, extension);
+    const mcv_json_path extensions = mcv_json_path_key(place, "extensions"), here = mcv_json_path_key(&extensions, extension);
     json_t *all, *object;
     *index = MCV_NONE;
     MCV_TRY(mcv_json_object(node, "extensions", &all, place, error));
@@ -131,7 +131,7 @@ mcv_result mcv_load_reference(const json_t *node, const char *extension, const c
  * image's upper left corner lies at -x, +y, or mirrored at +x, +y.
  */
 mcv_result mcv_load_rectangle(mcv_loader *loader, const char *name, const double size[2], bool mirror, const mcv_transform *to_world,
-                              const mcv_place *place, mcv_error *error) {
+                              const mcv_json_path *place, mcv_error *error) {
     const float x = (float)(size[0] / 2), y = (float)(size[1] / 2);
     float positions[] = {-x, -y, 0, x, -y, 0, x, y, 0, -x, y, 0};
     const float left = mirror ? 1 : 0;
@@ -183,7 +183,7 @@ static mcv_result add_emissive(mcv_loader *loader, uint32_t first, uint32_t last
 }
 
 mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_transform *to_world, uint32_t first, uint32_t last,
-                            const mcv_place *place, mcv_error *error) {
+                            const mcv_json_path *place, mcv_error *error) {
     uint32_t index;
     if (loader->is_asset) return add_emissive(loader, first, last, error);
     MCV_TRY(mcv_load_reference(node, "MCVISI_emitters", "emitter", loader->emitter_count, "emitters", &index, place, error));
@@ -195,7 +195,7 @@ mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_tr
         MCV_TRY(mcv_scene_add_emitter(loader->scene, &emitter, error));
         return add_emissive(loader, first, last, error);
     }
-    const mcv_place emitters = mcv_place_key(&loader->file, "emitters"), here = mcv_place_element(&emitters, emitter.name, index);
+    const mcv_json_path emitters = mcv_json_path_key(&loader->file, "emitters"), here = mcv_json_path_element(&emitters, emitter.name, index);
     if (loader->presets[index].type != MCV_NONE) {
         if (json_object_get(node, "mesh"))
             return mcv_fail_at(&here, error, "a %s has a shape of its own, but node \"%s\" has a mesh: put it on another node",
@@ -262,7 +262,7 @@ static void orthographic_sensor(const json_t *lens, mcv_sensor *sensor) {
 
 /* Sensors are chosen by name, so a name is used once: "cam", "cam-2". */
 static mcv_result add_sensor(mcv_loader *loader, mcv_sensor *sensor, const char *name, const mcv_transform *to_world,
-                             const mcv_place *place, mcv_error *error) {
+                             const mcv_json_path *place, mcv_error *error) {
     mcv_scene *scene = loader->scene;
     char *unique = NULL;
     bool taken = true;
@@ -288,7 +288,7 @@ static mcv_result add_sensor(mcv_loader *loader, mcv_sensor *sensor, const char 
 /* The first name that is not empty. */
 static const char *first_name(const char *a, const char *b, const char *c) { return a && *a ? a : *b ? b : c; }
 
-mcv_result mcv_load_sensors(mcv_loader *loader, const json_t *node, const mcv_transform *to_world, const mcv_place *place,
+mcv_result mcv_load_sensors(mcv_loader *loader, const json_t *node, const mcv_transform *to_world, const mcv_json_path *place,
                             mcv_error *error) {
     uint32_t index, camera_index;
     const json_t *cameras = json_object_get(loader->root, "cameras");

@@ -12,7 +12,7 @@
 enum { NEAREST = 9728, CLAMP_TO_EDGE = 33071 };
 
 /* The image of this name; an error says what there is. */
-static mcv_result find_name(const json_t *images, const char *name, uint32_t *source, const mcv_place *place, mcv_error *error) {
+static mcv_result find_name(const json_t *images, const char *name, uint32_t *source, const mcv_json_path *place, mcv_error *error) {
     const size_t count = json_array_size(images);
     const char *words[64];
     *source = MCV_NONE;
@@ -31,11 +31,11 @@ static mcv_result find_name(const json_t *images, const char *name, uint32_t *so
 }
 
 /* Which of the file's images the emitter's `image` is, or *uri of an OpenEXR file. */
-static mcv_result find_image(const mcv_loader *loader, const json_t *emitter, uint32_t *source, const char **uri, const mcv_place *place,
+static mcv_result find_image(const mcv_loader *loader, const json_t *emitter, uint32_t *source, const char **uri, const mcv_json_path *place,
                              mcv_error *error) {
     static const char *const members[] = {"uri", "extras", "extensions", NULL};
     const json_t *images = json_object_get(loader->root, "images"), *value = json_object_get(emitter, "image");
-    const mcv_place here = mcv_place_key(place, "image");
+    const mcv_json_path here = mcv_json_path_key(place, "image");
     *source = MCV_NONE;
     *uri = NULL;
     if (json_is_string(value)) return find_name(images, json_string_value(value), source, &here, error);
@@ -57,11 +57,11 @@ static bool shows_image(mcv_emitter *emitter) {
 }
 
 mcv_result mcv_load_needed_emitter_images(mcv_loader *loader, uint32_t *count, mcv_error *error) {
-    const mcv_place place = mcv_place_key(&loader->file, "emitters");
+    const mcv_json_path place = mcv_json_path_key(&loader->file, "emitters");
     json_t *emitters;
     MCV_TRY(mcv_load_array(loader, "MCVISI_emitters", "emitters", &emitters, error));
     for (size_t i = 0; i < loader->emitter_count; ++i) {
-        const mcv_place here = mcv_place_element(&place, loader->emitters[i].name, i);
+        const mcv_json_path here = mcv_json_path_element(&place, loader->emitters[i].name, i);
         uint32_t source;
         const char *uri;
         if (!shows_image(loader->emitters + i)) continue;
@@ -72,7 +72,7 @@ mcv_result mcv_load_needed_emitter_images(mcv_loader *loader, uint32_t *count, m
 }
 
 /* Part 0 of an OpenEXR file, grey or R, G, B. */
-static mcv_result copy_linear(const mcv_exr *exr, mcv_texture *texture, const char *uri, const mcv_place *place, mcv_error *error) {
+static mcv_result copy_linear(const mcv_exr *exr, mcv_texture *texture, const char *uri, const mcv_json_path *place, mcv_error *error) {
     const mcv_image *image = &exr->parts[0].image;
     const bool colour = image->channels >= 3;
     texture->width = image->width;
@@ -91,7 +91,7 @@ static mcv_result copy_linear(const mcv_exr *exr, mcv_texture *texture, const ch
     return MCV_OK;
 }
 
-static mcv_result load_exr(mcv_loader *loader, const char *uri, mcv_texture *texture, const mcv_place *place, mcv_error *error) {
+static mcv_result load_exr(mcv_loader *loader, const char *uri, mcv_texture *texture, const mcv_json_path *place, mcv_error *error) {
     char *path;
     mcv_exr exr;
     mcv_error cause;
@@ -106,9 +106,9 @@ static mcv_result load_exr(mcv_loader *loader, const char *uri, mcv_texture *tex
 }
 
 /* Makes the picture that the emitter shows a texture of the scene. */
-static mcv_result load_picture(mcv_loader *loader, const json_t *object, mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+static mcv_result load_picture(mcv_loader *loader, const json_t *object, mcv_emitter *emitter, const mcv_json_path *place, mcv_error *error) {
     mcv_texture texture = {.wrap_s = CLAMP_TO_EDGE, .wrap_t = CLAMP_TO_EDGE, .nearest = true};
-    const mcv_place here = mcv_place_key(place, "image");
+    const mcv_json_path here = mcv_json_path_key(place, "image");
     uint32_t source;
     const char *uri;
     mcv_result result = MCV_OK;
@@ -129,12 +129,12 @@ static mcv_result load_picture(mcv_loader *loader, const json_t *object, mcv_emi
 }
 
 mcv_result mcv_load_emitter_images(mcv_loader *loader, mcv_error *error) {
-    const mcv_place place = mcv_place_key(&loader->file, "emitters");
+    const mcv_json_path place = mcv_json_path_key(&loader->file, "emitters");
     json_t *emitters;
     if (loader->is_asset) return MCV_OK;
     MCV_TRY(mcv_load_array(loader, "MCVISI_emitters", "emitters", &emitters, error));
     for (size_t i = 0; i < loader->emitter_count; ++i) {
-        const mcv_place here = mcv_place_element(&place, loader->emitters[i].name, i);
+        const mcv_json_path here = mcv_json_path_element(&place, loader->emitters[i].name, i);
         if (shows_image(loader->emitters + i) || shows_pattern(loader->emitters + i))
             MCV_TRY(load_picture(loader, json_array_get(emitters, i), loader->emitters + i, &here, error));
     }

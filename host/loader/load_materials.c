@@ -13,13 +13,13 @@
 
 /* The member `key` of a material (or its part) as a texture: MCV_NONE where absent or without an image. */
 static mcv_result texture_source(const mcv_loader *loader, const json_t *part, const char *key, uint32_t *texture, uint32_t *source,
-                                 const mcv_place *place, mcv_error *error) {
+                                 const mcv_json_path *place, mcv_error *error) {
     const json_t *textures = json_object_get(loader->root, "textures");
     json_t *info;
     *texture = *source = MCV_NONE;
     MCV_TRY(mcv_json_object(part, key, &info, place, error));
     if (!info) return MCV_OK;
-    const mcv_place here = mcv_place_key(place, key);
+    const mcv_json_path here = mcv_json_path_key(place, key);
     MCV_TRY(mcv_json_index(info, "index", json_array_size(textures), "textures", texture, &here, error));
     if (*texture == MCV_NONE) return mcv_fail_at(&here, error, "must have an index");
     return mcv_json_index(json_array_get(textures, *texture), "source", SIZE_MAX, "images", source, &here, error);
@@ -34,7 +34,7 @@ static mcv_result check_image_data(const mcv_loader *loader, uint32_t source, mc
     const size_t index = (size_t)json_number_value(json_object_get(view, "buffer"));
     const json_t *buffer = json_array_get(json_object_get(loader->root, "buffers"), index);
     if (json_object_get(buffer, "uri") || mcv_buffer_is_chunk(loader->root, buffer, loader->binary)) return MCV_OK;
-    const mcv_place images = mcv_place_key(&loader->file, "images"), here = mcv_place_index(&images, source);
+    const mcv_json_path images = mcv_json_path_key(&loader->file, "images"), here = mcv_place_index(&images, source);
     return mcv_fail_at(&here, error, "buffer %zu has no data: give it a uri", index);
 }
 
@@ -47,19 +47,19 @@ mcv_result mcv_load_need_image(mcv_loader *loader, uint32_t source, uint32_t *co
 
 mcv_result mcv_load_needed_images(mcv_loader *loader, uint32_t *count, mcv_error *error) {
     const json_t *materials = json_object_get(loader->root, "materials");
-    const mcv_place place = mcv_place_key(&loader->file, "materials");
+    const mcv_json_path place = mcv_json_path_key(&loader->file, "materials");
     *count = 0;
     for (size_t i = 0; i < json_array_size(json_object_get(loader->root, "images")); ++i) loader->images[i] = MCV_NONE;
     for (size_t i = 0; i < json_array_size(materials); ++i) {
         const json_t *material = json_array_get(materials, i);
-        const mcv_place here = mcv_place_element(&place, mcv_json_name(material), i);
+        const mcv_json_path here = mcv_json_path_element(&place, mcv_json_name(material), i);
         json_t *core;
         MCV_TRY(mcv_json_object(material, "pbrMetallicRoughness", &core, &here, error));
-        const mcv_place core_place = mcv_place_key(&here, "pbrMetallicRoughness");
+        const mcv_json_path core_place = mcv_json_path_key(&here, "pbrMetallicRoughness");
         const struct {
             const json_t *part;
             const char *key;
-            const mcv_place *place;
+            const mcv_json_path *place;
             bool needed;
         } textures[] = {{core, "baseColorTexture", &core_place, true},
                         {material, "emissiveTexture", &here, true},
@@ -76,7 +76,7 @@ mcv_result mcv_load_needed_images(mcv_loader *loader, uint32_t *count, mcv_error
 }
 
 /* Bytes that encode no colour, as shares of 255. */
-static mcv_result decode_data(mcv_texture *texture, const mcv_place *place, mcv_error *error) {
+static mcv_result decode_data(mcv_texture *texture, const mcv_json_path *place, mcv_error *error) {
     const size_t pixels = (size_t)texture->width * texture->height;
     texture->linear = malloc(3 * sizeof(float) * pixels);
     if (!texture->linear) return mcv_fail_memory(place, error);
@@ -88,12 +88,12 @@ static mcv_result decode_data(mcv_texture *texture, const mcv_place *place, mcv_
 }
 
 /* KHR_texture_transform: the image's coordinates are offset + R(rotation) (scale u); to positive angles, v turns towards u. */
-static mcv_result read_transform(const json_t *info, mcv_texture *texture, const mcv_place *place, mcv_error *error) {
+static mcv_result read_transform(const json_t *info, mcv_texture *texture, const mcv_json_path *place, mcv_error *error) {
     enum { LARGEST = 65536 }; /* the largest coordinate of kernels/geometry/texture.h */
     double offset[2] = {0, 0}, rotation = 0, scale[2] = {1, 1};
     uint64_t set = 0;
     json_t *extensions, *object;
-    const mcv_place all = mcv_place_key(place, "extensions"), here = mcv_place_key(&all, "KHR_texture_transform");
+    const mcv_json_path all = mcv_json_path_key(place, "extensions"), here = mcv_json_path_key(&all, "KHR_texture_transform");
     texture->texcoord_set = (uint32_t)mcv_texcoord_set(info);
     MCV_TRY(mcv_json_uint(info, "texCoord", 0, UINT32_MAX, &set, place, error));
     MCV_TRY(mcv_json_object(info, "extensions", &extensions, place, error));
@@ -111,7 +111,7 @@ static mcv_result read_transform(const json_t *info, mcv_texture *texture, const
 }
 
 /* The scene's number of a texture with the pixels of texture `like`, but placed as `placed` is. */
-static mcv_result place_texture(mcv_scene *scene, uint32_t like, const mcv_texture *placed, uint32_t *number, const mcv_place *place,
+static mcv_result place_texture(mcv_scene *scene, uint32_t like, const mcv_texture *placed, uint32_t *number, const mcv_json_path *place,
                                 mcv_error *error) {
     mcv_texture own = scene->textures[like];
     for (uint32_t i = like; i < scene->texture_count; ++i) {
@@ -133,14 +133,14 @@ static mcv_result place_texture(mcv_scene *scene, uint32_t like, const mcv_textu
 
 /* The scene's number of a texture; reads it when first asked for, as colours or as data. */
 static mcv_result load_texture(mcv_loader *loader, const json_t *part, const char *key, bool is_data, uint32_t *scene_texture,
-                               const mcv_place *place, mcv_error *error) {
+                               const mcv_json_path *place, mcv_error *error) {
     uint32_t *const loaded = is_data ? loader->data_textures : loader->textures;
     uint32_t index, source, sampler_index;
     *scene_texture = MCV_NONE;
     MCV_TRY(texture_source(loader, part, key, &index, &source, place, error));
     if (source == MCV_NONE) return MCV_OK;
     const json_t *info = json_object_get(part, key);
-    const mcv_place here = mcv_place_key(place, key);
+    const mcv_json_path here = mcv_json_path_key(place, key);
     mcv_texture placed = {0};
     MCV_TRY(read_transform(info, &placed, &here, error));
     if (placed.texcoord_set > 1)
@@ -176,17 +176,17 @@ typedef struct core_material {
     double emissive[3], emissive_strength;
 } core_material;
 
-static mcv_result read_core(const json_t *material, core_material *core, const mcv_place *place, mcv_error *error) {
+static mcv_result read_core(const json_t *material, core_material *core, const mcv_json_path *place, mcv_error *error) {
     const json_t *part = json_object_get(material, "pbrMetallicRoughness");
-    const mcv_place part_place = mcv_place_key(place, "pbrMetallicRoughness");
-    const mcv_place extensions = mcv_place_key(place, "extensions");
+    const mcv_json_path part_place = mcv_json_path_key(place, "pbrMetallicRoughness");
+    const mcv_json_path extensions = mcv_json_path_key(place, "extensions");
     enum { EXTENSIONS = 7 };
     json_t *extension[EXTENSIONS];
     static const char *const names[EXTENSIONS] = {"KHR_materials_transmission", "KHR_materials_volume",
                                                   "KHR_materials_ior",          "KHR_materials_emissive_strength",
                                                   "KHR_materials_anisotropy",   "KHR_materials_diffuse_transmission",
                                                   "KHR_materials_dispersion"};
-    mcv_place places[EXTENSIONS];
+    mcv_json_path places[EXTENSIONS];
     *core = (core_material){.base = {1, 1, 1, 1},
                             .metallic = 1,
                             .roughness = 1,
@@ -197,7 +197,7 @@ static mcv_result read_core(const json_t *material, core_material *core, const m
     json_t *all;
     MCV_TRY(mcv_json_object(material, "extensions", &all, place, error));
     for (int i = 0; i < EXTENSIONS; ++i) {
-        places[i] = mcv_place_key(&extensions, names[i]);
+        places[i] = mcv_json_path_key(&extensions, names[i]);
         MCV_TRY(mcv_json_object(all, names[i], extension + i, &extensions, error));
     }
     MCV_TRY(mcv_json_numbers(part, "baseColorFactor", 4, 0, 1, core->base, &part_place, error));
@@ -261,7 +261,7 @@ static bool map_core(const core_material *core, bool textured, mcv_material *mat
 }
 
 /* What a part is made of where how it scatters light is asked for: what would say it. */
-static mcv_result check_substance(const json_t *object, const mcv_place *place, mcv_error *error) {
+static mcv_result check_substance(const json_t *object, const mcv_json_path *place, mcv_error *error) {
     static const char *const metals[] = {"metal", "steel", "stainlessSteel", "brass", "bronze", "zinc", "aluminum", NULL};
     static const char *const clear[] = {"glass", "plexiglass", "acrylic", "quartz", NULL};
     static const char *const matt[] = {"plastic", "rubber", "wood", "paper", "paint", "ceramic", NULL};
@@ -277,7 +277,7 @@ static mcv_result check_substance(const json_t *object, const mcv_place *place, 
         {matt, "a matt part is {\"type\": \"diffuse\", \"reflectance\": 0.5}, one with a gloss {\"type\": "
                "\"metallicRoughness\", \"metallic\": 0, \"roughness\": 0.5}"}};
     const char *name = json_string_value(json_object_get(object, "type"));
-    const mcv_place here = mcv_place_key(place, "type");
+    const mcv_json_path here = mcv_json_path_key(place, "type");
     for (size_t i = 0; name && i < sizeof substances / sizeof substances[0]; ++i)
         for (const char *const *word = substances[i].words; *word; ++word)
             if (strcasecmp(name, *word) == 0) {
@@ -290,7 +290,7 @@ static mcv_result check_substance(const json_t *object, const mcv_place *place, 
     return MCV_OK;
 }
 
-static mcv_result read_own(const json_t *object, mcv_material *material, const mcv_place *place, mcv_error *error) {
+static mcv_result read_own(const json_t *object, mcv_material *material, const mcv_json_path *place, mcv_error *error) {
     static const char *const others[] = {"type", "extras", "extensions", NULL};
     if (!json_is_object(object)) return mcv_fail_at(place, error, "must be an object {\"type\": ...}");
     MCV_TRY(check_substance(object, place, error));
@@ -323,7 +323,7 @@ static mcv_result warn_names(mcv_scene *scene, json_t *names, const char *senten
 }
 
 static mcv_result load_material(mcv_loader *loader, const json_t *object, size_t index, json_t *thin, json_t *cut_out,
-                                const mcv_place *place, mcv_error *error) {
+                                const mcv_json_path *place, mcv_error *error) {
     const char *name = mcv_json_name(object), *alpha = "OPAQUE";
     const json_t *part = json_object_get(object, "pbrMetallicRoughness");
     core_material core;
@@ -355,12 +355,12 @@ static mcv_result load_material(mcv_loader *loader, const json_t *object, size_t
 
 mcv_result mcv_load_materials(mcv_loader *loader, mcv_error *error) {
     const json_t *materials = json_object_get(loader->root, "materials");
-    const mcv_place place = mcv_place_key(&loader->file, "materials");
+    const mcv_json_path place = mcv_json_path_key(&loader->file, "materials");
     json_t *thin = json_object(), *cut_out = json_object();
     mcv_result result = MCV_OK;
     for (size_t i = 0; result == MCV_OK && i < json_array_size(materials); ++i) {
         const json_t *object = json_array_get(materials, i);
-        const mcv_place here = mcv_place_element(&place, mcv_json_name(object), i);
+        const mcv_json_path here = mcv_json_path_element(&place, mcv_json_name(object), i);
         if (loader->materials[i] != MCV_NONE) continue; /* one of the scene's takes its place */
         loader->materials[i] = loader->scene->material_count;
         result = load_material(loader, object, i, thin, cut_out, &here, error);

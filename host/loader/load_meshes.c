@@ -27,7 +27,7 @@ static void triangle_at(uint64_t mode, uint64_t t, uint64_t vertices[3]) {
  * Turns `count` vertices (listed, or in their order where list is NULL) into triangles. Strips join their parts by
  * triangles with a vertex twice: those are left out. Takes over `list`.
  */
-static mcv_result make_triangles(uint64_t mode, uint64_t count, uint32_t *list, mcv_mesh *mesh, const mcv_place *place, mcv_error *error) {
+static mcv_result make_triangles(uint64_t mode, uint64_t count, uint32_t *list, mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error) {
     const uint64_t triangles = mode == MODE_TRIANGLES ? count / 3 : count < 3 ? 0 : count - 2;
     if (triangles > INT32_MAX) {
         free(list);
@@ -55,21 +55,21 @@ static mcv_result make_triangles(uint64_t mode, uint64_t count, uint32_t *list, 
 }
 
 static mcv_result read_attribute(const mcv_loader *loader, const json_t *attributes, const char *key, float **values, uint64_t *count,
-                                 const mcv_place *place, mcv_error *error) {
+                                 const mcv_json_path *place, mcv_error *error) {
     mcv_accessor accessor;
     bool given;
-    const mcv_place here = mcv_place_key(place, key);
+    const mcv_json_path here = mcv_json_path_key(place, key);
     MCV_TRY(mcv_accessor_get(loader->root, attributes, key, &given, &accessor, place, error));
     if (!given) return MCV_OK;
     *count = accessor.count;
     return mcv_accessor_floats(loader->gltf, &accessor, values, &here, error);
 }
 
-static mcv_result read_indices(const mcv_loader *loader, const json_t *primitive, uint32_t **list, uint64_t *count, const mcv_place *place,
+static mcv_result read_indices(const mcv_loader *loader, const json_t *primitive, uint32_t **list, uint64_t *count, const mcv_json_path *place,
                                mcv_error *error) {
     mcv_accessor accessor;
     bool given;
-    const mcv_place here = mcv_place_key(place, "indices");
+    const mcv_json_path here = mcv_json_path_key(place, "indices");
     MCV_TRY(mcv_accessor_get(loader->root, primitive, "indices", &given, &accessor, place, error));
     if (!given) return MCV_OK;
     *count = accessor.count;
@@ -84,9 +84,9 @@ static mcv_result read_indices(const mcv_loader *loader, const json_t *primitive
 
 /* Reads the arrays of one primitive; on failure the caller frees what is there. */
 static mcv_result read_primitive(mcv_loader *loader, const json_t *primitive, uint64_t mode, bool needs_tangents, mcv_mesh *mesh,
-                                 const mcv_place *place, mcv_error *error) {
+                                 const mcv_json_path *place, mcv_error *error) {
     const json_t *attributes = json_object_get(primitive, "attributes");
-    const mcv_place here = mcv_place_key(place, "attributes");
+    const mcv_json_path here = mcv_json_path_key(place, "attributes");
     uint64_t vertices = 0;
     MCV_TRY(read_attribute(loader, attributes, "POSITION", &mesh->positions, &vertices, &here, error));
     MCV_TRY(read_attribute(loader, attributes, "NORMAL", &mesh->normals, &vertices, &here, error));
@@ -113,7 +113,7 @@ static mcv_result read_primitive(mcv_loader *loader, const json_t *primitive, ui
 }
 
 static mcv_result load_primitive(mcv_loader *loader, const json_t *primitive, mcv_loaded_mesh *loaded, const char *name,
-                                 const mcv_place *place, mcv_error *error) {
+                                 const mcv_json_path *place, mcv_error *error) {
     uint64_t mode = MODE_TRIANGLES;
     uint32_t material;
     MCV_TRY(mcv_json_uint(primitive, "mode", 0, MODE_FAN, &mode, place, error));
@@ -142,13 +142,13 @@ mcv_result mcv_load_mesh(mcv_loader *loader, uint32_t index, mcv_error *error) {
     if (loaded->loaded) return MCV_OK;
     const json_t *mesh = json_array_get(json_object_get(loader->root, "meshes"), index);
     const json_t *primitives = json_object_get(mesh, "primitives");
-    const mcv_place meshes = mcv_place_key(&loader->file, "meshes"), place = mcv_place_element(&meshes, mcv_json_name(mesh), index);
-    const mcv_place here = mcv_place_key(&place, "primitives");
+    const mcv_json_path meshes = mcv_json_path_key(&loader->file, "meshes"), place = mcv_json_path_element(&meshes, mcv_json_name(mesh), index);
+    const mcv_json_path here = mcv_json_path_key(&place, "primitives");
     loaded->first = loader->scene->mesh_count;
     loaded->materials = malloc(json_array_size(primitives) * sizeof *loaded->materials);
     if (!loaded->materials) return mcv_fail_memory(&here, error);
     for (size_t i = 0; i < json_array_size(primitives); ++i) {
-        const mcv_place primitive = mcv_place_index(&here, i);
+        const mcv_json_path primitive = mcv_place_index(&here, i);
         MCV_TRY(load_primitive(loader, json_array_get(primitives, i), loaded, mcv_json_name(mesh), &primitive, error));
     }
     loaded->loaded = true;

@@ -6,7 +6,7 @@
 #include "scene/transform.h"
 #include "loader/validate.h"
 
-mcv_result mcv_load_local(const json_t *node, mcv_transform *transform, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_load_local(const json_t *node, mcv_transform *transform, const mcv_json_path *place, mcv_error *error) {
     double translation[3] = {0}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1}, matrix[16];
     if (json_object_get(node, "matrix")) { /* by columns */
         MCV_TRY(mcv_json_numbers(node, "matrix", 16, -INFINITY, INFINITY, matrix, place, error));
@@ -60,7 +60,7 @@ static uint32_t find_parent(const json_t *nodes, uint32_t index) {
     return MCV_NONE;
 }
 
-static mcv_result find_node(const json_t *nodes, const char *name, uint32_t *index, const mcv_place *place, mcv_error *error) {
+static mcv_result find_node(const json_t *nodes, const char *name, uint32_t *index, const mcv_json_path *place, mcv_error *error) {
     *index = MCV_NONE;
     for (size_t i = 0; i < json_array_size(nodes); ++i) {
         if (strcmp(mcv_json_name(json_array_get(nodes, i)), name) != 0) continue;
@@ -71,10 +71,10 @@ static mcv_result find_node(const json_t *nodes, const char *name, uint32_t *ind
 }
 
 /* A point [m], or the origin of a node in the document's frame. */
-static mcv_result find_target(const mcv_loader *loader, const json_t *pose, int depth, double target[3], const mcv_place *place,
+static mcv_result find_target(const mcv_loader *loader, const json_t *pose, int depth, double target[3], const mcv_json_path *place,
                               mcv_error *error) {
     const json_t *nodes = json_object_get(loader->root, "nodes"), *value = json_object_get(pose, "target");
-    const mcv_place here = mcv_place_key(place, "target");
+    const mcv_json_path here = mcv_json_path_key(place, "target");
     uint32_t index = MCV_NONE;
     if (json_is_array(value)) {
         if (json_array_size(value) != 3) return mcv_fail_at(&here, error, "a point must have 3 coordinates");
@@ -114,7 +114,7 @@ static mcv_result warn_of_degrees(mcv_scene *scene, const json_t *node, const js
 }
 
 mcv_result mcv_load_pose(const mcv_loader *loader, const json_t *node, int depth, bool *posed, mcv_transform *transform,
-                         const mcv_place *place, mcv_error *error) {
+                         const mcv_json_path *place, mcv_error *error) {
     static const char *const others[] = {"target", "extras", "extensions", NULL};
     const json_t *pose = mcv_json_extension(node, "MCVISI_pose");
     const mcv_param_table table = mcv_pose_table();
@@ -137,7 +137,7 @@ mcv_result mcv_load_pose(const mcv_loader *loader, const json_t *node, int depth
 
 mcv_result mcv_load_transform(const mcv_loader *loader, uint32_t index, int depth, mcv_transform *transform, mcv_error *error) {
     const json_t *nodes = json_object_get(loader->root, "nodes"), *node = json_array_get(nodes, index);
-    const mcv_place place = mcv_place_key(&loader->file, "nodes"), here = mcv_place_element(&place, mcv_json_name(node), index);
+    const mcv_json_path place = mcv_json_path_key(&loader->file, "nodes"), here = mcv_json_path_element(&place, mcv_json_name(node), index);
     bool posed;
     if (depth > MCV_NODE_DEPTH) return mcv_fail_at(&here, error, "its pose has itself as the target, by way of other nodes");
     MCV_TRY(mcv_load_pose(loader, node, depth, &posed, transform, &here, error));

@@ -12,19 +12,19 @@ enum { SEGMENTS = 128, DOME_RINGS = 24 };
 
 /* --- the element that shines ------------------------------------------------------------------------------------ */
 
-static mcv_result check_diameters(double inner, double outer, const char *inner_key, const char *outer_key, const mcv_place *place,
+static mcv_result check_diameters(double inner, double outer, const char *inner_key, const char *outer_key, const mcv_json_path *place,
                                   mcv_error *error) {
-    const mcv_place here = mcv_place_key(place, inner_key);
+    const mcv_json_path here = mcv_json_path_key(place, inner_key);
     return inner < outer ? MCV_OK : mcv_fail_at(&here, error, "%g m must be less than %s, %g m", inner, outer_key, outer);
 }
 
-static mcv_result check_shape(const mcv_preset *preset, const mcv_place *place, mcv_error *error) {
+static mcv_result check_shape(const mcv_preset *preset, const mcv_json_path *place, mcv_error *error) {
     const mcv_ring_params *ring = &preset->as.ring;
     const mcv_dome_params *dome = &preset->as.dome;
     if (preset->type == MCV_PRESET_RING)
         return check_diameters(ring->innerDiameter, ring->outerDiameter, "innerDiameter", "outerDiameter", place, error);
     if (preset->type == MCV_PRESET_COAXIAL) {
-        const mcv_place here = mcv_place_key(place, "transmittance");
+        const mcv_json_path here = mcv_json_path_key(place, "transmittance");
         const double r = preset->as.coaxial.reflectance, t = preset->as.coaxial.transmittance;
         if (r + t > 1) return mcv_fail_at(&here, error, "%g and reflectance %g are more than 1 together", t, r);
     }
@@ -37,7 +37,7 @@ static const double *parameter(const mcv_preset *preset, const char *key) {
     return mcv_params_find(mcv_emitter_table(preset->type), key, &preset->as);
 }
 
-mcv_result mcv_preset_resolve(const mcv_preset *preset, mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_preset_resolve(const mcv_preset *preset, mcv_emitter *emitter, const mcv_json_path *place, mcv_error *error) {
     const double *half_angle = parameter(preset, "halfAngle");
     const bool directed = half_angle && !isnan(*half_angle);
     emitter->type = directed ? MCV_EMITTER_PARALLEL : MCV_EMITTER_AREA;
@@ -69,7 +69,7 @@ static void turn(const profile_point *p, uint32_t segment, float *position, floa
 
 /* The profile turned about the node's z axis. The front lies to the right of who walks along it, r to the right and z up. */
 static mcv_result add_turned(mcv_loader *loader, const char *name, const profile_point *profile, uint32_t count,
-                             const mcv_transform *to_world, const mcv_place *place, mcv_error *error) {
+                             const mcv_transform *to_world, const mcv_json_path *place, mcv_error *error) {
     mcv_mesh mesh = {.name = (char *)name, .vertex_count = count * SEGMENTS};
     mcv_instance instance = {.name = (char *)name, .mesh = loader->scene->mesh_count};
     if (!mcv_transform_rigid(to_world, &instance.to_world)) return mcv_fail_at(place, error, "its scale must not be 0");
@@ -96,7 +96,7 @@ static mcv_result add_turned(mcv_loader *loader, const char *name, const profile
 }
 
 static mcv_result add_ring(mcv_loader *loader, const mcv_ring_params *p, const char *name, const mcv_transform *to_world,
-                           const mcv_place *place, mcv_error *error) {
+                           const mcv_json_path *place, mcv_error *error) {
     const double middle = (p->innerDiameter + p->outerDiameter) / 4, half = (p->outerDiameter - p->innerDiameter) / 4;
     const double c = cos(p->tilt), s = sin(p->tilt);
     const profile_point profile[] = {{middle - half * c, half * s, -s, -c}, {middle + half * c, -half * s, -s, -c}};
@@ -104,7 +104,7 @@ static mcv_result add_ring(mcv_loader *loader, const mcv_ring_params *p, const c
 }
 
 static mcv_result add_dome(mcv_loader *loader, const mcv_dome_params *p, const char *name, const mcv_transform *to_world,
-                           const mcv_place *place, mcv_error *error) {
+                           const mcv_json_path *place, mcv_error *error) {
     const double hole = asin(p->holeDiameter / p->diameter);
     profile_point profile[DOME_RINGS + 1];
     for (int i = 0; i <= DOME_RINGS; ++i) {
@@ -115,12 +115,12 @@ static mcv_result add_dome(mcv_loader *loader, const mcv_dome_params *p, const c
 }
 
 static mcv_result add_bar(mcv_loader *loader, const mcv_bar_params *p, const char *name, const mcv_transform *to_world,
-                          const mcv_place *place, mcv_error *error) {
+                          const mcv_json_path *place, mcv_error *error) {
     return mcv_load_rectangle(loader, name, (const double[2]){p->length, p->width}, false, to_world, place, error);
 }
 
 static mcv_result add_half_mirror(mcv_loader *loader, const mcv_coaxial_params *p, const char *name, const mcv_transform *to_world,
-                                  const mcv_place *place, mcv_error *error) {
+                                  const mcv_json_path *place, mcv_error *error) {
     mcv_material material = {.name = (char *)name, .type = MCV_MATERIAL_BEAM_SPLITTER, .texture = MCV_NONE};
     for (int k = 0; k < 3; ++k) {
         material.as.beam_splitter.reflectance[k] = p->reflectance;
@@ -133,7 +133,7 @@ static mcv_result add_half_mirror(mcv_loader *loader, const mcv_coaxial_params *
 
 /* The panel first: it is what shines. */
 static mcv_result add_coaxial(mcv_loader *loader, const mcv_coaxial_params *p, const char *name, const mcv_transform *to_world,
-                              const mcv_place *place, mcv_error *error) {
+                              const mcv_json_path *place, mcv_error *error) {
     const double y = 0.55 * p->size[1], s = M_SQRT1_2;
     mcv_transform frame;
     if (!mcv_transform_rigid(to_world, &frame)) return mcv_fail_at(place, error, "its scale must not be 0");
@@ -148,7 +148,7 @@ static mcv_result add_coaxial(mcv_loader *loader, const mcv_coaxial_params *p, c
 }
 
 mcv_result mcv_load_preset(mcv_loader *loader, const mcv_preset *preset, const char *name, const mcv_transform *to_world,
-                           const mcv_place *place, mcv_error *error) {
+                           const mcv_json_path *place, mcv_error *error) {
     switch (preset->type) {
 #define MCV_X(type, key, NAME) \
     case MCV_PRESET_##NAME: \

@@ -6,9 +6,9 @@
 
 /* The material that an emission would be lost on is refused. */
 mcv_result mcv_load_find_material(const mcv_loader *loader, const json_t *object, const char *key, uint32_t *material,
-                                  const mcv_place *place, mcv_error *error) {
+                                  const mcv_json_path *place, mcv_error *error) {
     const json_t *materials = json_object_get(loader->root, "materials"), *value = json_object_get(object, key);
-    const mcv_place here = mcv_place_key(place, key);
+    const mcv_json_path here = mcv_json_path_key(place, key);
     uint32_t index = MCV_NONE;
     *material = MCV_NONE;
     if (!value) return MCV_OK;
@@ -41,14 +41,14 @@ static bool is_called(const json_t *element, size_t i, const char *name) {
     return strcmp(*mcv_json_name(element) ? mcv_json_name(element) : number, name) == 0;
 }
 
-static mcv_result fail_unknown(const mcv_loader *asset, const char *of, const char *name, const mcv_place *place, mcv_error *error) {
+static mcv_result fail_unknown(const mcv_loader *asset, const char *of, const char *name, const mcv_json_path *place, mcv_error *error) {
     const json_t *elements = json_object_get(asset->root, of);
     const char *names[256];
     char list[1024] = "";
     size_t n = 0;
     for (size_t i = 0; i < json_array_size(elements) && n < 256; ++i)
         if (*mcv_json_name(json_array_get(elements, i))) names[n++] = mcv_json_name(json_array_get(elements, i));
-    const mcv_place here = mcv_place_key(place, name);
+    const mcv_json_path here = mcv_json_path_key(place, name);
     const char *nearest = mcv_nearest_word(name, names, n), *slash = strrchr(asset->file.key, '/');
     const char *file = slash ? slash + 1 : asset->file.key;
     if (nearest) return mcv_fail_at(&here, error, "the %s of \"%s\" have none of this name: did you mean \"%s\"?", of, file, nearest);
@@ -59,7 +59,7 @@ static mcv_result fail_unknown(const mcv_loader *asset, const char *of, const ch
 /* The entry's object `key`, {NAME: material}, for the elements of the asset's array `of`. */
 static mcv_result replace_named(const mcv_loader *asset, const char *key, const char *of, uint32_t *replaced, mcv_error *error) {
     const json_t *elements = json_object_get(asset->root, of);
-    const mcv_place here = mcv_place_key(asset->entry_place, key);
+    const mcv_json_path here = mcv_json_path_key(asset->entry_place, key);
     json_t *map, *value;
     const char *name;
     MCV_TRY(mcv_json_object(asset->entry, key, &map, asset->entry_place, error));

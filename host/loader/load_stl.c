@@ -24,7 +24,7 @@ static float float_at(const uint8_t *p) {
 }
 
 /* Every three positions are a triangle. */
-static mcv_result number_vertices(mcv_mesh *mesh, const mcv_place *place, mcv_error *error) {
+static mcv_result number_vertices(mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error) {
     mesh->triangle_count = mesh->vertex_count / 3;
     mesh->indices = malloc((mesh->vertex_count + (size_t)1) * sizeof *mesh->indices);
     if (!mesh->indices) return mcv_fail_memory(place, error);
@@ -34,7 +34,7 @@ static mcv_result number_vertices(mcv_mesh *mesh, const mcv_place *place, mcv_er
 
 /* --- binary ----------------------------------------------------------------------------------------------------- */
 
-static mcv_result read_binary(mcv_bytes bytes, mcv_mesh *mesh, const mcv_place *place, mcv_error *error) {
+static mcv_result read_binary(mcv_bytes bytes, mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error) {
     if (bytes.size < HEADER) return mcv_fail_at(place, error, "%zu bytes are no STL file: its header alone has %d", bytes.size, HEADER);
     const uint32_t count = little_endian(bytes.data + HEADER - 4);
     const uint64_t needed = HEADER + (uint64_t)count * RECORD;
@@ -78,12 +78,12 @@ static void skip_line(reader *r) {
 
 static bool word_is(const reader *r, const char *word) { return strcasecmp(r->word, word) == 0; }
 
-static mcv_result expect_word(reader *r, const char *word, const mcv_place *place, mcv_error *error) {
+static mcv_result expect_word(reader *r, const char *word, const mcv_json_path *place, mcv_error *error) {
     if (!next_word(r)) return mcv_fail_at(place, error, "is truncated: it ends in line %u, where `%s` must stand", r->line, word);
     return word_is(r, word) ? MCV_OK : mcv_fail_at(place, error, "line %u: \"%s\" must be `%s`", r->line, r->word, word);
 }
 
-static mcv_result read_number(reader *r, float *value, const mcv_place *place, mcv_error *error) {
+static mcv_result read_number(reader *r, float *value, const mcv_json_path *place, mcv_error *error) {
     char *end;
     if (!next_word(r)) return mcv_fail_at(place, error, "is truncated: it ends in line %u, where a number must stand", r->line);
     *value = (float)strtod_l(r->word, &end, r->locale);
@@ -96,7 +96,7 @@ static mcv_result read_number(reader *r, float *value, const mcv_place *place, m
     return mcv_fail_at(place, error, "line %u: \"%s\" is no number", r->line, r->word);
 }
 
-static mcv_result read_facet(reader *r, float corners[9], const mcv_place *place, mcv_error *error) {
+static mcv_result read_facet(reader *r, float corners[9], const mcv_json_path *place, mcv_error *error) {
     float normal;
     MCV_TRY(expect_word(r, "normal", place, error));
     for (int i = 0; i < 3; ++i) MCV_TRY(read_number(r, &normal, place, error));
@@ -111,7 +111,7 @@ static mcv_result read_facet(reader *r, float corners[9], const mcv_place *place
 }
 
 /* solid NAME, facets, endsolid NAME; several one after the other are one part. */
-static mcv_result read_solids(reader *r, mcv_mesh *mesh, const mcv_place *place, mcv_error *error) {
+static mcv_result read_solids(reader *r, mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error) {
     size_t room = 0;
     bool open = false;
     while (next_word(r)) {
@@ -138,7 +138,7 @@ static mcv_result read_solids(reader *r, mcv_mesh *mesh, const mcv_place *place,
     return open ? mcv_fail_at(place, error, "is truncated: it ends in line %u without `endsolid`", r->line) : MCV_OK;
 }
 
-static mcv_result read_ascii(mcv_bytes bytes, mcv_mesh *mesh, const mcv_place *place, mcv_error *error) {
+static mcv_result read_ascii(mcv_bytes bytes, mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error) {
     reader r = {.at = (const char *)bytes.data, .end = (const char *)bytes.data + bytes.size, .line = 1};
     r.locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (!r.locale) return mcv_fail_memory(place, error);
@@ -157,7 +157,7 @@ static bool is_ascii(mcv_bytes bytes) {
     return !memchr(bytes.data, 0, bytes.size < 512 ? bytes.size : 512);
 }
 
-static mcv_result read_mesh(mcv_bytes bytes, mcv_mesh *mesh, const mcv_place *place, mcv_error *error) {
+static mcv_result read_mesh(mcv_bytes bytes, mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error) {
     uint32_t repaired;
     if (bytes.size == 0) return mcv_fail_at(place, error, "is empty");
     MCV_TRY(is_ascii(bytes) ? read_ascii(bytes, mesh, place, error) : read_binary(bytes, mesh, place, error));
@@ -166,7 +166,7 @@ static mcv_result read_mesh(mcv_bytes bytes, mcv_mesh *mesh, const mcv_place *pl
     return mcv_mesh_check(mesh, &repaired, place, error);
 }
 
-mcv_result mcv_load_stl(mcv_scene *scene, mcv_bytes bytes, const char *name, uint32_t *mesh, double size[3], const mcv_place *place,
+mcv_result mcv_load_stl(mcv_scene *scene, mcv_bytes bytes, const char *name, uint32_t *mesh, double size[3], const mcv_json_path *place,
                         mcv_error *error) {
     mcv_mesh loaded = {.name = strdup(name)};
     const mcv_result result = loaded.name ? read_mesh(bytes, &loaded, place, error) : mcv_fail_memory(place, error);

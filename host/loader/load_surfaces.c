@@ -57,10 +57,10 @@ mcv_param_table mcv_lens_surface_table(void) {
 
 /* --- one optical surface ---------------------------------------------------------------------------------------- */
 
-static mcv_result read_asphere(const json_t *object, mcv_cap *cap, const mcv_place *place, mcv_error *error) {
+static mcv_result read_asphere(const json_t *object, mcv_cap *cap, const mcv_json_path *place, mcv_error *error) {
     json_t *array;
     MCV_TRY(mcv_json_array(object, "asphere", &array, place, error));
-    const mcv_place here = mcv_place_key(place, "asphere");
+    const mcv_json_path here = mcv_json_path_key(place, "asphere");
     const size_t n = json_array_size(array);
     if (n > MCV_ASPHERE_TERMS)
         return mcv_fail_at(&here, error, "has %zu coefficients: at most %d are known, of r^4 to r^%d", n, MCV_ASPHERE_TERMS,
@@ -75,8 +75,8 @@ static mcv_result read_asphere(const json_t *object, mcv_cap *cap, const mcv_pla
 
 /* Radius and curvature say the same. */
 static mcv_result make_cap(double radius, double curvature, double conic, bool cylindrical, const json_t *object, mcv_cap *cap,
-                           const mcv_place *place, mcv_error *error) {
-    const mcv_place here = mcv_place_key(place, "radius");
+                           const mcv_json_path *place, mcv_error *error) {
+    const mcv_json_path here = mcv_json_path_key(place, "radius");
     if (radius == 0) return mcv_fail_at(&here, error, "must not be 0: leave it out for a plane");
     if (!isnan(radius) && !isnan(curvature) && fabs(radius * curvature - 1) > 1e-6)
         return mcv_fail_at(&here, error, "%g m contradicts curvature %g/m: give one of them", radius, curvature);
@@ -93,7 +93,7 @@ typedef struct lens_surface {
     uint32_t material; /* up to the next surface; MCV_NONE: a gap */
 } lens_surface;
 
-static mcv_result read_lens_surface(const mcv_loader *loader, const json_t *object, lens_surface *surface, const mcv_place *place,
+static mcv_result read_lens_surface(const mcv_loader *loader, const json_t *object, lens_surface *surface, const mcv_json_path *place,
                                     mcv_error *error) {
     static const char *const others[] = {"asphere", "material", "name", "extras", NULL};
     if (!json_is_object(object)) return mcv_fail_at(place, error, "must be an object");
@@ -107,10 +107,10 @@ static mcv_result read_lens_surface(const mcv_loader *loader, const json_t *obje
 }
 
 /* The bodies between surfaces with a material. */
-static mcv_result assemble_lens(const lens_surface *surfaces, uint32_t n, uint32_t rim, mcv_body *body, const mcv_place *place,
+static mcv_result assemble_lens(const lens_surface *surfaces, uint32_t n, uint32_t rim, mcv_body *body, const mcv_json_path *place,
                                 mcv_error *error) {
     for (uint32_t i = 0; i < n; ++i) {
-        const mcv_place here = mcv_place_index(place, i);
+        const mcv_json_path here = mcv_place_index(place, i);
         const lens_surface *a = surfaces + i, *b = a + 1;
         if (a->material == MCV_NONE) continue;
         if (i + 1 == n) return mcv_fail_at(&here, error, "its material has no surface behind it to end at");
@@ -121,7 +121,7 @@ static mcv_result assemble_lens(const lens_surface *surfaces, uint32_t n, uint32
                              .cemented = i > 0 && surfaces[i - 1].material != MCV_NONE,
                              .to_world = mcv_transform_identity()};
         for (int k = 0; k < 2; ++k) {
-            const mcv_place at = mcv_place_index(place, i + (uint32_t)k);
+            const mcv_json_path at = mcv_place_index(place, i + (uint32_t)k);
             MCV_TRY(mcv_cap_check(solid->caps + k, solid->radius, &at, error));
         }
         MCV_TRY(mcv_solid_check(solid, &here, error));
@@ -130,7 +130,7 @@ static mcv_result assemble_lens(const lens_surface *surfaces, uint32_t n, uint32
     }
     /* A gap between two bodies must be one. */
     for (uint32_t i = 1; i + 2 < n; ++i) {
-        const mcv_place here = mcv_place_index(place, i);
+        const mcv_json_path here = mcv_place_index(place, i);
         const mcv_solid gap = {.side = MCV_SIDE_CYLINDER,
                                .radius = fmin(surfaces[i].params.semiDiameter, surfaces[i + 1].params.semiDiameter),
                                .caps = {surfaces[i].cap, surfaces[i + 1].cap},
@@ -142,11 +142,11 @@ static mcv_result assemble_lens(const lens_surface *surfaces, uint32_t n, uint32
     return body->count ? MCV_OK : mcv_fail_at(place, error, "no surface has a material: name one of the file's materials");
 }
 
-static mcv_result define_lens(mcv_loader *loader, const json_t *object, mcv_body *body, const mcv_place *place, mcv_error *error) {
+static mcv_result define_lens(mcv_loader *loader, const json_t *object, mcv_body *body, const mcv_json_path *place, mcv_error *error) {
     json_t *array;
     uint32_t rim;
     MCV_TRY(mcv_json_array(object, "surfaces", &array, place, error));
-    const mcv_place here = mcv_place_key(place, "surfaces");
+    const mcv_json_path here = mcv_json_path_key(place, "surfaces");
     const uint32_t n = (uint32_t)json_array_size(array);
     if (n < 2 || n > MCV_MAX_SOLIDS) return mcv_fail_at(&here, error, "must be an array of 2 to %d surfaces", MCV_MAX_SOLIDS);
     MCV_TRY(mcv_load_find_material(loader, object, "rim", &rim, place, error));
@@ -158,7 +158,7 @@ static mcv_result define_lens(mcv_loader *loader, const json_t *object, mcv_body
     mcv_result result = memory ? MCV_OK : mcv_fail_memory(place, error);
     double z = 0;
     for (uint32_t i = 0; i < n && memory && result == MCV_OK; ++i) {
-        const mcv_place at = mcv_place_index(&here, i);
+        const mcv_json_path at = mcv_place_index(&here, i);
         result = read_lens_surface(loader, json_array_get(array, i), surfaces + i, &at, error);
         surfaces[i].cap.z = z;
         z += surfaces[i].params.thickness;
@@ -171,7 +171,7 @@ static mcv_result define_lens(mcv_loader *loader, const json_t *object, mcv_body
 /* --- other bodies ----------------------------------------------------------------------------------------------- */
 
 /* One solid; its params have been checked. */
-static mcv_result make_solid(uint32_t type, const void *params, const json_t *object, mcv_solid *solid, const mcv_place *place,
+static mcv_result make_solid(uint32_t type, const void *params, const json_t *object, mcv_solid *solid, const mcv_json_path *place,
                              mcv_error *error) {
     *solid = (mcv_solid){.to_world = mcv_transform_identity()};
     if (type == MCV_BODY_OPEN_SURFACE) {
@@ -206,7 +206,7 @@ static mcv_result make_solid(uint32_t type, const void *params, const json_t *ob
     return MCV_OK;
 }
 
-static mcv_result define_body(mcv_loader *loader, const json_t *object, mcv_body *body, const mcv_place *place, mcv_error *error) {
+static mcv_result define_body(mcv_loader *loader, const json_t *object, mcv_body *body, const mcv_json_path *place, mcv_error *error) {
     static const char *const others[] = {"name", "type", "material", "extras", "extensions", NULL};
     static const char *const of_lens[] = {"name", "type", "surfaces", "rim", "extras", "extensions", NULL};
     static const char *const of_surface[] = {"name", "type", "asphere", "material", "extras", "extensions", NULL};
@@ -242,10 +242,10 @@ mcv_result mcv_load_bodies(mcv_loader *loader, mcv_error *error) {
     loader->bodies = calloc(count + 1, sizeof *loader->bodies);
     if (!loader->bodies) return mcv_fail_memory(&loader->file, error);
     loader->body_count = count;
-    const mcv_place place = mcv_place_key(&loader->file, "surfaces");
+    const mcv_json_path place = mcv_json_path_key(&loader->file, "surfaces");
     for (size_t i = 0; i < count; ++i) {
         const json_t *object = json_array_get(array, i);
-        const mcv_place here = mcv_place_element(&place, mcv_json_name(object), i);
+        const mcv_json_path here = mcv_json_path_element(&place, mcv_json_name(object), i);
         MCV_TRY(define_body(loader, object, loader->bodies + i, &here, error));
     }
     return MCV_OK;
@@ -261,7 +261,7 @@ void mcv_load_free_bodies(mcv_loader *loader) {
 
 /* --- what a node places ----------------------------------------------------------------------------------------- */
 
-mcv_result mcv_load_body(mcv_loader *loader, const json_t *node, const mcv_transform *to_world, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_load_body(mcv_loader *loader, const json_t *node, const mcv_transform *to_world, const mcv_json_path *place, mcv_error *error) {
     uint32_t index;
     mcv_transform frame;
     MCV_TRY(mcv_load_reference(node, "MCVISI_surfaces", "surface", loader->body_count, "surfaces", &index, place, error));

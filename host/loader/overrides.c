@@ -49,7 +49,7 @@ typedef struct setting {
     json_t *value;
     const char *collection;
     bool own; /* inside an MCVISI_ object: its parser checks keys and units */
-    const mcv_place *file;
+    const mcv_json_path *file;
     mcv_error *error;
 } setting;
 
@@ -266,7 +266,7 @@ static mcv_result follow(setting *set, json_t *root) {
     return set_member(set, element, rest);
 }
 
-mcv_result mcv_overrides_apply(mcv_overrides overrides, json_t *root, const mcv_place *file, mcv_error *error) {
+mcv_result mcv_overrides_apply(mcv_overrides overrides, json_t *root, const mcv_json_path *file, mcv_error *error) {
     for (size_t i = 0; i < overrides.count; ++i) {
         const char *item = overrides.items[i], *equals = strchr(item, '=');
         if (!equals || equals == item) return mcv_fail(error, MCV_USAGE, "--set %s: must be PATH=VALUE, as in sensors/cam/fNumber=8", item);

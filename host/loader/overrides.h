@@ -13,6 +13,6 @@
  *
  *     sensors/cam/focalLength=25mm   materials/glass/ior=1.52   nodes/Camera.001/translation/z=0.3
  */
-mcv_result mcv_overrides_apply(mcv_overrides overrides, json_t *root, const mcv_place *file, mcv_error *error);
+mcv_result mcv_overrides_apply(mcv_overrides overrides, json_t *root, const mcv_json_path *file, mcv_error *error);
 
 #endif

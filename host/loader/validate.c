@@ -7,35 +7,35 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-mcv_result mcv_validate_each(const json_t *root, const char *of, mcv_validate_one *check, mcv_bytes binary, const mcv_place *file,
+mcv_result mcv_validate_each(const json_t *root, const char *of, mcv_validate_one *check, mcv_bytes binary, const mcv_json_path *file,
                              mcv_error *error) {
     const json_t *array = json_object_get(root, of);
-    const mcv_place place = mcv_place_key(file, of);
+    const mcv_json_path place = mcv_json_path_key(file, of);
     for (size_t i = 0; i < json_array_size(array); ++i) {
-        const mcv_place here = mcv_place_index(&place, i);
+        const mcv_json_path here = mcv_place_index(&place, i);
         MCV_TRY(check(root, json_array_get(array, i), binary, &here, error));
     }
     return MCV_OK;
 }
 
-static mcv_result check_collections(const json_t *root, const mcv_place *file, mcv_error *error) {
+static mcv_result check_collections(const json_t *root, const mcv_json_path *file, mcv_error *error) {
     static const char *const objects[] = {"accessors", "animations", "buffers",  "bufferViews", "cameras", "images",  "materials",
                                           "meshes",    "nodes",      "samplers", "scenes",      "skins",   "textures"};
     static const char *const strings[] = {"extensionsUsed", "extensionsRequired"};
     json_t *array;
     for (size_t k = 0; k < sizeof objects / sizeof objects[0]; ++k) {
-        const mcv_place place = mcv_place_key(file, objects[k]);
+        const mcv_json_path place = mcv_json_path_key(file, objects[k]);
         MCV_TRY(mcv_json_array(root, objects[k], &array, file, error));
         for (size_t i = 0; i < json_array_size(array); ++i) {
-            const mcv_place here = mcv_place_index(&place, i);
+            const mcv_json_path here = mcv_place_index(&place, i);
             if (!json_is_object(json_array_get(array, i))) return mcv_fail_at(&here, error, "must be an object");
         }
     }
     for (size_t k = 0; k < 2; ++k) {
-        const mcv_place place = mcv_place_key(file, strings[k]);
+        const mcv_json_path place = mcv_json_path_key(file, strings[k]);
         MCV_TRY(mcv_json_array(root, strings[k], &array, file, error));
         for (size_t i = 0; i < json_array_size(array); ++i) {
-            const mcv_place here = mcv_place_index(&place, i);
+            const mcv_json_path here = mcv_place_index(&place, i);
             if (!json_is_string(json_array_get(array, i))) return mcv_fail_at(&here, error, "must be a string");
         }
     }
@@ -49,11 +49,11 @@ static bool read_version(const char *text, unsigned *major, unsigned *minor) {
     return sscanf(text, "%5u.%5u%n", major, minor, &end) == 2 && end == (int)strlen(text) && text[0] != '+' && text[0] != '-';
 }
 
-static mcv_result check_asset(const json_t *root, const mcv_place *file, mcv_error *error) {
+static mcv_result check_asset(const json_t *root, const mcv_json_path *file, mcv_error *error) {
     json_t *asset;
     const char *version = NULL, *least = "2.0";
     unsigned major, minor, least_major, least_minor;
-    const mcv_place here = mcv_place_key(file, "asset");
+    const mcv_json_path here = mcv_json_path_key(file, "asset");
     MCV_TRY(mcv_json_object(root, "asset", &asset, file, error));
     MCV_TRY(mcv_json_string(asset, "version", &version, &here, error));
     MCV_TRY(mcv_json_string(asset, "minVersion", &least, &here, error));
@@ -66,7 +66,7 @@ static mcv_result check_asset(const json_t *root, const mcv_place *file, mcv_err
 
 /* --- nodes and scenes ------------------------------------------------------------------------------------------- */
 
-static mcv_result check_transform(const json_t *node, const mcv_place *place, mcv_error *error) {
+static mcv_result check_transform(const json_t *node, const mcv_json_path *place, mcv_error *error) {
     double translation[3] = {0}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1}, matrix[16];
     MCV_TRY(mcv_json_numbers(node, "translation", 3, -DBL_MAX, DBL_MAX, translation, place, error));
     MCV_TRY(mcv_json_numbers(node, "rotation", 4, -1, 1, rotation, place, error));
@@ -91,7 +91,7 @@ static mcv_result check_transform(const json_t *node, const mcv_place *place, mc
     return MCV_OK;
 }
 
-static mcv_result check_node(const json_t *root, const json_t *node, mcv_bytes binary, const mcv_place *place, mcv_error *error) {
+static mcv_result check_node(const json_t *root, const json_t *node, mcv_bytes binary, const mcv_json_path *place, mcv_error *error) {
     (void)binary;
     uint32_t index;
     MCV_TRY(check_transform(node, place, error));
@@ -102,10 +102,10 @@ static mcv_result check_node(const json_t *root, const json_t *node, mcv_bytes b
 }
 
 /* Index i of an array of node indices. */
-static mcv_result node_index(const json_t *array, size_t i, size_t count, uint32_t *index, const mcv_place *place, mcv_error *error) {
+static mcv_result node_index(const json_t *array, size_t i, size_t count, uint32_t *index, const mcv_json_path *place, mcv_error *error) {
     const json_t *value = json_array_get(array, i);
     const double number = json_number_value(value);
-    const mcv_place here = mcv_place_index(place, i);
+    const mcv_json_path here = mcv_place_index(place, i);
     if (!json_is_number(value) || !(number >= 0 && number < (double)count) || number != floor(number))
         return mcv_fail_at(&here, error, "must be the index of a node: nodes go from 0 to %zu", count - 1);
     *index = (uint32_t)number;
@@ -113,11 +113,11 @@ static mcv_result node_index(const json_t *array, size_t i, size_t count, uint32
 }
 
 /* Fills parents[]; a node has one at most. */
-static mcv_result find_parents(const json_t *nodes, uint32_t *parents, const mcv_place *place, mcv_error *error) {
+static mcv_result find_parents(const json_t *nodes, uint32_t *parents, const mcv_json_path *place, mcv_error *error) {
     const size_t count = json_array_size(nodes);
     for (size_t i = 0; i < count; ++i) parents[i] = MCV_NONE;
     for (size_t i = 0; i < count; ++i) {
-        const mcv_place here = mcv_place_index(place, i), children_place = mcv_place_key(&here, "children");
+        const mcv_json_path here = mcv_place_index(place, i), children_place = mcv_json_path_key(&here, "children");
         json_t *children;
         MCV_TRY(mcv_json_array(json_array_get(nodes, i), "children", &children, &here, error));
         for (size_t k = 0; k < json_array_size(children); ++k) {
@@ -132,12 +132,12 @@ static mcv_result find_parents(const json_t *nodes, uint32_t *parents, const mcv
     return MCV_OK;
 }
 
-static mcv_result check_depths(const uint32_t *parents, size_t count, const mcv_place *place, mcv_error *error) {
+static mcv_result check_depths(const uint32_t *parents, size_t count, const mcv_json_path *place, mcv_error *error) {
     for (size_t i = 0; i < count; ++i) {
         int depth = 0;
         for (uint32_t node = parents[i]; node != MCV_NONE; node = parents[node])
             if (++depth > MCV_NODE_DEPTH) {
-                const mcv_place here = mcv_place_index(place, i);
+                const mcv_json_path here = mcv_place_index(place, i);
                 return mcv_fail_at(&here, error, "is its own ancestor, or lies more than %d nodes deep", MCV_NODE_DEPTH);
             }
     }
@@ -145,15 +145,15 @@ static mcv_result check_depths(const uint32_t *parents, size_t count, const mcv_
 }
 
 /* listed[node]: the last scene that lists it. */
-static mcv_result check_scenes(const json_t *root, const uint32_t *parents, uint32_t *listed, size_t count, const mcv_place *file,
+static mcv_result check_scenes(const json_t *root, const uint32_t *parents, uint32_t *listed, size_t count, const mcv_json_path *file,
                                mcv_error *error) {
     const json_t *scenes = json_object_get(root, "scenes");
-    const mcv_place place = mcv_place_key(file, "scenes");
+    const mcv_json_path place = mcv_json_path_key(file, "scenes");
     uint32_t index;
     MCV_TRY(mcv_json_index(root, "scene", json_array_size(scenes), "scenes", &index, file, error));
     for (size_t i = 0; i < count; ++i) listed[i] = MCV_NONE;
     for (size_t i = 0; i < json_array_size(scenes); ++i) {
-        const mcv_place here = mcv_place_index(&place, i), nodes_place = mcv_place_key(&here, "nodes");
+        const mcv_json_path here = mcv_place_index(&place, i), nodes_place = mcv_json_path_key(&here, "nodes");
         json_t *nodes;
         MCV_TRY(mcv_json_array(json_array_get(scenes, i), "nodes", &nodes, &here, error));
         for (size_t k = 0; k < json_array_size(nodes); ++k) {
@@ -167,9 +167,9 @@ static mcv_result check_scenes(const json_t *root, const uint32_t *parents, uint
     return MCV_OK;
 }
 
-static mcv_result check_nodes(const json_t *root, const mcv_place *file, mcv_error *error) {
+static mcv_result check_nodes(const json_t *root, const mcv_json_path *file, mcv_error *error) {
     const json_t *nodes = json_object_get(root, "nodes");
-    const mcv_place place = mcv_place_key(file, "nodes");
+    const mcv_json_path place = mcv_json_path_key(file, "nodes");
     const size_t count = json_array_size(nodes);
     uint32_t *parents = calloc(2 * count + 1, sizeof *parents);
     if (!parents) return mcv_fail_memory(file, error);
@@ -182,7 +182,7 @@ static mcv_result check_nodes(const json_t *root, const mcv_place *file, mcv_err
 
 /* --- cameras, textures ------------------------------------------------------------------------------------------ */
 
-static mcv_result check_camera(const json_t *root, const json_t *camera, mcv_bytes binary, const mcv_place *place, mcv_error *error) {
+static mcv_result check_camera(const json_t *root, const json_t *camera, mcv_bytes binary, const mcv_json_path *place, mcv_error *error) {
     (void)root;
     (void)binary;
     const char *type = "";
@@ -195,7 +195,7 @@ static mcv_result check_camera(const json_t *root, const json_t *camera, mcv_byt
     if (flat ? !orthographic || perspective : !perspective || orthographic)
         return mcv_fail_at(place, error, "must have one object \"%s\", like its type", type);
     const json_t *lens = flat ? orthographic : perspective;
-    const mcv_place here = mcv_place_key(place, type);
+    const mcv_json_path here = mcv_json_path_key(place, type);
     double yfov = 0, xmag = 0, ymag = 0, aspect = 1, near = flat ? -1 : 0, far = INFINITY;
     MCV_TRY(mcv_json_number(lens, "yfov", DBL_MIN, nextafter(M_PI, 0), &yfov, &here, error));
     MCV_TRY(mcv_json_number(lens, "aspectRatio", DBL_MIN, DBL_MAX, &aspect, &here, error));
@@ -210,14 +210,14 @@ static mcv_result check_camera(const json_t *root, const json_t *camera, mcv_byt
     return far > near ? MCV_OK : mcv_fail_at(&here, error, "zfar %g must exceed znear %g", far, near);
 }
 
-static mcv_result check_texture(const json_t *root, const json_t *texture, mcv_bytes binary, const mcv_place *place, mcv_error *error) {
+static mcv_result check_texture(const json_t *root, const json_t *texture, mcv_bytes binary, const mcv_json_path *place, mcv_error *error) {
     (void)binary;
     uint32_t index;
     MCV_TRY(mcv_json_index(texture, "sampler", json_array_size(json_object_get(root, "samplers")), "samplers", &index, place, error));
     return mcv_json_index(texture, "source", json_array_size(json_object_get(root, "images")), "images", &index, place, error);
 }
 
-static mcv_result check_sampler(const json_t *root, const json_t *sampler, mcv_bytes binary, const mcv_place *place, mcv_error *error) {
+static mcv_result check_sampler(const json_t *root, const json_t *sampler, mcv_bytes binary, const mcv_json_path *place, mcv_error *error) {
     (void)root;
     (void)binary;
     uint64_t filter = 9728, wrap[2] = {10497, 10497};
@@ -230,7 +230,7 @@ static mcv_result check_sampler(const json_t *root, const json_t *sampler, mcv_b
     return MCV_OK;
 }
 
-mcv_result mcv_gltf_validate(const json_t *root, mcv_bytes binary, const mcv_place *file, mcv_error *error) {
+mcv_result mcv_gltf_validate(const json_t *root, mcv_bytes binary, const mcv_json_path *file, mcv_error *error) {
     if (!json_is_object(root)) return mcv_fail_at(file, error, "must be a JSON object");
     MCV_TRY(check_asset(root, file, error));
     MCV_TRY(check_collections(root, file, error));

@@ -6,7 +6,7 @@
 #include <ctype.h>
 #include <stdlib.h>
 
-mcv_result mcv_data_uri_length(const char *uri, const char *const *types, uint64_t *length, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_data_uri_length(const char *uri, const char *const *types, uint64_t *length, const mcv_json_path *place, mcv_error *error) {
     char header[64];
     *length = 0;
     for (int i = 0; types[i]; ++i) {
@@ -25,8 +25,8 @@ mcv_result mcv_data_uri_length(const char *uri, const char *const *types, uint64
 }
 
 /* A relative URI is checked without being opened. */
-static mcv_result check_uri(const char *uri, const mcv_place *place, mcv_error *error) {
-    const mcv_place *file = place;
+static mcv_result check_uri(const char *uri, const mcv_json_path *place, mcv_error *error) {
+    const mcv_json_path *file = place;
     while (file->parent) file = file->parent;
     char *path;
     const mcv_result result = mcv_file_resolve(file->key, uri, &path, place, error);
@@ -38,11 +38,11 @@ bool mcv_buffer_is_chunk(const json_t *root, const json_t *buffer, mcv_bytes bin
     return binary.data && !json_object_get(buffer, "uri") && buffer == json_array_get(json_object_get(root, "buffers"), 0);
 }
 
-static mcv_result check_buffer(const json_t *root, const json_t *buffer, mcv_bytes binary, const mcv_place *place, mcv_error *error) {
+static mcv_result check_buffer(const json_t *root, const json_t *buffer, mcv_bytes binary, const mcv_json_path *place, mcv_error *error) {
     static const char *const types[] = {"application/octet-stream", "application/gltf-buffer", "text/plain", NULL};
     uint64_t length = 0, available = 0;
     const char *uri = NULL;
-    const mcv_place here = mcv_place_key(place, "uri");
+    const mcv_json_path here = mcv_json_path_key(place, "uri");
     MCV_TRY(mcv_json_uint(buffer, "byteLength", 1, 1ull << 53, &length, place, error));
     MCV_TRY(mcv_json_string(buffer, "uri", &uri, place, error));
     if (length == 0) return mcv_fail_at(place, error, "must have a byteLength");
@@ -58,7 +58,7 @@ static mcv_result check_buffer(const json_t *root, const json_t *buffer, mcv_byt
                        (unsigned long long)available);
 }
 
-static mcv_result check_view(const json_t *root, const json_t *view, mcv_bytes binary, const mcv_place *place, mcv_error *error) {
+static mcv_result check_view(const json_t *root, const json_t *view, mcv_bytes binary, const mcv_json_path *place, mcv_error *error) {
     (void)binary;
     const json_t *buffers = json_object_get(root, "buffers");
     uint32_t buffer;
@@ -76,13 +76,13 @@ static mcv_result check_view(const json_t *root, const json_t *view, mcv_bytes b
                        (unsigned long long)offset, (unsigned long long)size, buffer);
 }
 
-static mcv_result check_image(const json_t *root, const json_t *image, mcv_bytes binary, const mcv_place *place, mcv_error *error) {
+static mcv_result check_image(const json_t *root, const json_t *image, mcv_bytes binary, const mcv_json_path *place, mcv_error *error) {
     (void)binary;
     static const char *const types[] = {"image/png", "image/jpeg", "image/webp", "image/ktx2", NULL};
     const char *uri = NULL, *mime = NULL;
     uint32_t view;
     uint64_t length;
-    const mcv_place here = mcv_place_key(place, "uri");
+    const mcv_json_path here = mcv_json_path_key(place, "uri");
     MCV_TRY(mcv_json_string(image, "uri", &uri, place, error));
     MCV_TRY(mcv_json_string(image, "mimeType", &mime, place, error));
     MCV_TRY(mcv_json_index(image, "bufferView", json_array_size(json_object_get(root, "bufferViews")), "bufferViews", &view, place, error));
@@ -92,7 +92,7 @@ static mcv_result check_image(const json_t *root, const json_t *image, mcv_bytes
     return check_uri(uri, &here, error);
 }
 
-mcv_result mcv_validate_buffers(const json_t *root, mcv_bytes binary, const mcv_place *file, mcv_error *error) {
+mcv_result mcv_validate_buffers(const json_t *root, mcv_bytes binary, const mcv_json_path *file, mcv_error *error) {
     MCV_TRY(mcv_validate_each(root, "buffers", check_buffer, binary, file, error));
     MCV_TRY(mcv_validate_each(root, "bufferViews", check_view, binary, file, error));
     return mcv_validate_each(root, "images", check_image, binary, file, error);

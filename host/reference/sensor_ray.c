@@ -35,15 +35,15 @@ static ref_vec through_focus(point p, point o, double focal_length, double image
 }
 
 /* From the optical frame (z towards the scene) to the node's, which looks along -z, and to the world. */
-static ref_sight in_world(const mcv_sensor *sensor, point o, ref_vec d) {
+static ref_sensor_ray in_world(const mcv_sensor *sensor, point o, ref_vec d) {
     const double origin[3] = {o.x, o.y, 0}, direction[3] = {d.x, d.y, -d.z};
     double world[3];
-    ref_sight sight = {.weight = 1};
+    ref_sensor_ray sensor_ray = {.weight = 1};
     mcv_transform_point(&sensor->to_world, origin, world);
-    sight.origin = ref_from(world);
+    sensor_ray.origin = ref_from(world);
     mcv_transform_vector(&sensor->to_world, direction, world);
-    sight.direction = ref_unit(ref_from(world));
-    return sight;
+    sensor_ray.direction = ref_unit(ref_from(world));
+    return sensor_ray;
 }
 
 /*
@@ -55,38 +55,38 @@ static double throughput(int falloff, double area, double distance, ref_vec d, p
     return area / (distance * distance) * pow(counted.z / ref_length(counted), 4);
 }
 
-static ref_sight pinhole(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y) {
+static ref_sensor_ray pinhole(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y) {
     const mcv_pinhole_params *p = &sensor->as.pinhole;
     const point s = FILM_POINT(p, column + x, row + y);
     return in_world(sensor, (point){0, 0}, (ref_vec){-s.x / p->imageDistance, -s.y / p->imageDistance, 1});
 }
 
-static ref_sight thin_lens(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y, double u, double v) {
+static ref_sensor_ray thin_lens(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y, double u, double v) {
     const mcv_thin_lens_params *p = &sensor->as.thin_lens;
     const point s = FILM_POINT(p, column + x, row + y);
     const point o = on_disk(p->lensDiameter / 2, u, v);
     const ref_vec d = through_focus(s, o, p->focalLength, p->imageDistance);
-    ref_sight sight = in_world(sensor, o, d);
+    ref_sensor_ray sensor_ray = in_world(sensor, o, d);
     if (p->radiometry == MCV_RADIOMETRY_IRRADIANCE)
-        sight.weight = throughput(p->falloff, M_PI * p->lensDiameter * p->lensDiameter / 4, p->imageDistance, d, s, o);
-    return sight;
+        sensor_ray.weight = throughput(p->falloff, M_PI * p->lensDiameter * p->lensDiameter / 4, p->imageDistance, d, s, o);
+    return sensor_ray;
 }
 
-static ref_sight telecentric(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y, double u, double v) {
+static ref_sensor_ray telecentric(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y, double u, double v) {
     const mcv_telecentric_params *p = &sensor->as.telecentric;
     const double f = p->focalLength, b = p->imageDistance;
     const point s = FILM_POINT(p, column + x, row + y);
     const point a = on_disk(p->stopDiameter / 2, u, v);
     const point o = {s.x + (a.x - s.x) * b / (b - f), s.y + (a.y - s.y) * b / (b - f)}; /* the line s a at the lens */
     const ref_vec d = through_focus(s, o, f, b);
-    ref_sight sight = in_world(sensor, o, d);
+    ref_sensor_ray sensor_ray = in_world(sensor, o, d);
     if (p->radiometry == MCV_RADIOMETRY_IRRADIANCE)
-        sight.weight = throughput(p->falloff, M_PI * p->stopDiameter * p->stopDiameter / 4, b - f, d, s, a);
-    if (hypot(o.x, o.y) > p->lensDiameter / 2) sight.weight = 0;
-    return sight;
+        sensor_ray.weight = throughput(p->falloff, M_PI * p->stopDiameter * p->stopDiameter / 4, b - f, d, s, a);
+    if (hypot(o.x, o.y) > p->lensDiameter / 2) sensor_ray.weight = 0;
+    return sensor_ray;
 }
 
-static ref_sight light_field(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y, double u, double v) {
+static ref_sensor_ray light_field(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y, double u, double v) {
     const mcv_light_field_params *p = &sensor->as.light_field;
     const uint32_t *angular = p->angularResolution;
     const uint32_t resolution[2] = {p->spatialResolution[0] * angular[0], p->spatialResolution[1] * angular[1]};
@@ -99,14 +99,14 @@ static ref_sight light_field(const mcv_sensor *sensor, uint32_t column, uint32_t
     const double across = 2 * (column % angular[0] + x) / angular[0] - 1, down = 2 * (row % angular[1] + y) / angular[1] - 1;
     const point o = {across * p->lensDiameter / 2, -down * p->lensDiameter / 2};
     const ref_vec d = through_focus(c, o, p->focalLength, p->imageDistance);
-    ref_sight sight = in_world(sensor, o, d);
+    ref_sensor_ray sensor_ray = in_world(sensor, o, d);
     if (p->radiometry == MCV_RADIOMETRY_IRRADIANCE)
-        sight.weight = throughput(p->falloff, p->lensDiameter * p->lensDiameter, p->imageDistance, d, c, o);
-    if (p->aperture == MCV_APERTURE_CIRCLE && hypot(across, down) > 1) sight.weight = 0;
-    return sight;
+        sensor_ray.weight = throughput(p->falloff, p->lensDiameter * p->lensDiameter, p->imageDistance, d, c, o);
+    if (p->aperture == MCV_APERTURE_CIRCLE && hypot(across, down) > 1) sensor_ray.weight = 0;
+    return sensor_ray;
 }
 
-ref_sight ref_sight_sample(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y, double u, double v) {
+ref_sensor_ray ref_sensor_ray_sample(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y, double u, double v) {
     switch (sensor->type) {
     case MCV_SENSOR_THIN_LENS:
         return thin_lens(sensor, column, row, x, y, u, v);

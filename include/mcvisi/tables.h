@@ -106,13 +106,13 @@ typedef struct mcv_device_material {
     float eta;      /* sheet: 1/n */
     float delta;    /* sheet: (n - 1)(n + 1)/n² */
     uint
-        spreads; /* on how many sides light from one direction leaves in many, so that emitters are sampled from here; 0: smooth or black */
+        scattering_sides; /* on how many sides light from one direction leaves in many, so that emitters are sampled from here; 0: smooth or black */
     float passed[3]; /* beam splitter, diffuse: transmittance; retroreflector: diffuse reflectance */
     float chance;    /* beam splitter, diffuse: with which it reflects */
     float spread;    /* retroreflector: tangent of its divergence, 0: light returns exactly */
     float fall;      /* retroreflector: 1/tangent of its entrance angle */
-    uint wide;       /* 1: spreads light so evenly that light paths connect it to the lens; 0: a lens would seldom lie in its highlights */
-    uint sharp;      /* 1: spreads light so little that light paths go through it as if it were smooth */
+    uint connectable;       /* 1: spreads light so evenly that light paths connect it to the lens; 0: a lens would seldom lie in its highlights */
+    uint near_specular;      /* 1: spreads light so little that light paths go through it as if it were smooth */
 } mcv_device_material;
 MCV_ASSERT_SIZE(mcv_device_material, 64);
 
@@ -224,14 +224,14 @@ MCV_ASSERT_SIZE(mcv_device_texture, 64);
  * Where in the pupil, in its radii, a pixel's rays of sight meet a parallel emitter within its cone, to first order: about
  * centre + shift · (place in the pixel from its middle) in the ellipse spread · (unit disk). Matrices row by row.
  */
-typedef struct mcv_device_aim {
+typedef struct mcv_device_pupil_guide {
     float centre[2];
     float shift[4];
     float spread[4];
     float advantage; /* density of the points in the ellipse over that of the pupil's: 1/|det spread|; 0: the pixel does not aim */
     uint padding;
-} mcv_device_aim;
-MCV_ASSERT_SIZE(mcv_device_aim, 48);
+} mcv_device_pupil_guide;
+MCV_ASSERT_SIZE(mcv_device_pupil_guide, 48);
 
 /* What a launch counts, per slice or in all, for the host to add up; lost energy in units of 2^-11 paths. */
 #define MCV_COUNTERS(X) X(paths) X(rays) X(shadow_rays) X(depth_cut) X(lost) X(nonfinite) X(unmatched) X(saturated)
@@ -248,7 +248,7 @@ enum {
  */
 typedef struct mcv_device_ray {
     float origin[3], direction[3];
-    float origin_rest[3], direction_rest[3];
+    float origin_low[3], direction_low[3];
     uint media;
     uint padding[3];
 } mcv_device_ray;
@@ -263,7 +263,7 @@ typedef struct mcv_device_vertex {
     float transmittance;
     float radiance;
     float distance_rest;
-    float position_rest[3], normal_rest[3], direction_rest[3];
+    float position_rest[3], normal_rest[3], direction_low[3];
     uint padding[3];
 } mcv_device_vertex;
 MCV_ASSERT_SIZE(mcv_device_vertex, 112);

@@ -45,7 +45,7 @@ MCV_LOOP_FUNCTION mcv_dvec mcv_normalize_d(mcv_dvec v) {
 }
 
 /* From the floats and their rests, and the rest of a float that stands for a double, perhaps of another place. */
-MCV_LOOP_FUNCTION mcv_dvec mcv_whole(mcv_vec3 v, mcv_vec3 rest) { return mcv_add_d(mcv_widen(v), mcv_widen(rest)); }
+MCV_LOOP_FUNCTION mcv_dvec mcv_whole(mcv_vec3 v, mcv_vec3 low) { return mcv_add_d(mcv_widen(v), mcv_widen(low)); }
 MCV_LOOP_FUNCTION mcv_vec3 mcv_rest(mcv_dvec whole, mcv_vec3 v) { return mcv_narrow(mcv_sub_d(whole, mcv_widen(v))); }
 
 #endif

@@ -229,27 +229,27 @@ MCV_LOOP_FUNCTION uint mcv_exact_surface(mcv_world world, uint hit) {
 }
 
 /* A ray in a solid's frame: the place `shift` along it is p. */
-typedef struct mcv_approach {
+typedef struct mcv_solid_ray {
     mcv_vec3 p, d;
     float shift;
     int on[MCV_PIECE_COUNT]; /* 1: it starts on that piece */
     int up;                  /* and goes to +z of a cap or out of the side */
     int inside;              /* it goes inwards from a piece */
     int away;                /* it cannot meet the solid again */
-} mcv_approach;
+} mcv_solid_ray;
 
 /* All solids of a lens take the ray from the same place: what they share is met at the same distance, to the last bit. */
-MCV_LOOP_FUNCTION mcv_approach mcv_approach_solid(mcv_world world, uint number, mcv_vec3 origin, mcv_vec3 direction, uint left) {
+MCV_LOOP_FUNCTION mcv_solid_ray mcv_make_solid_ray(mcv_world world, uint number, mcv_vec3 origin, mcv_vec3 direction, uint origin_surface) {
     __global const mcv_device_solid *solid = world.solids + number;
-    mcv_approach ray;
+    mcv_solid_ray ray;
     const mcv_vec3 from = mcv_from_middle(solid, origin);
     const float nearest = -mcv_dot(from, direction);
-    const uint started = left == MCV_NONE ? number : left >> 3;
-    const int here = (left != MCV_NONE) & (world.solids[started].group == solid->group);
-    ray.up = (int)(left & 1u);
-    ray.on[0] = here & (left >> 1 == mcv_surface_of_piece(solid, number, 0u));
-    ray.on[1] = here & (left >> 1 == mcv_surface_of_piece(solid, number, 1u));
-    ray.on[2] = here & (left >> 1 == mcv_surface_of_piece(solid, number, 2u));
+    const uint started = origin_surface == MCV_NONE ? number : origin_surface >> 3;
+    const int here = (origin_surface != MCV_NONE) & (world.solids[started].group == solid->group);
+    ray.up = (int)(origin_surface & 1u);
+    ray.on[0] = here & (origin_surface >> 1 == mcv_surface_of_piece(solid, number, 0u));
+    ray.on[1] = here & (origin_surface >> 1 == mcv_surface_of_piece(solid, number, 1u));
+    ray.on[2] = here & (origin_surface >> 1 == mcv_surface_of_piece(solid, number, 2u));
     ray.inside = (ray.on[0] & ray.up) | (ray.on[1] & !ray.up) | (ray.on[2] & !ray.up);
     ray.away = (solid->convex != 0u) & ((ray.on[0] & !ray.up) | (ray.on[1] & ray.up) | (ray.on[2] & ray.up));
     ray.shift = here ? 0.0f : nearest;
@@ -274,7 +274,7 @@ MCV_LOOP_FUNCTION float mcv_within(mcv_span side, float bound) {
     return 0.5f * ((side.enter > -2.0f * bound ? side.enter : -2.0f * bound) + (side.exit < 2.0f * bound ? side.exit : 2.0f * bound));
 }
 
-static mcv_span mcv_cap_above(__global const mcv_device_solid *solid, uint k, const mcv_approach *ray, mcv_span side) {
+static mcv_span mcv_cap_above(__global const mcv_device_solid *solid, uint k, const mcv_solid_ray *ray, mcv_span side) {
     __global const mcv_device_cap *cap = solid->cap + k;
     const mcv_vec3 p = mcv_from_vertex(ray->p, cap);
     if (cap->terms == 0u) return mcv_conic_above(cap, p, ray->d, mcv_within(side, solid->bound), ray->on[k], ray->up);
@@ -284,13 +284,13 @@ static mcv_span mcv_cap_above(__global const mcv_device_solid *solid, uint k, co
 }
 
 /* Where a ray meets a solid, and its piece; t is infinite where it does not. */
-typedef struct mcv_piece_met {
+typedef struct mcv_piece_hit {
     float t;
     uint piece;
-} mcv_piece_met;
+} mcv_piece_hit;
 
 /* A crossing of one span's end where the two others hold, if it is the first one so far. */
-MCV_LOOP_FUNCTION mcv_piece_met mcv_earlier(mcv_piece_met first, float at, uint piece, float start, int on, mcv_span a, mcv_span b) {
+MCV_LOOP_FUNCTION mcv_piece_hit mcv_earlier(mcv_piece_hit first, float at, uint piece, float start, int on, mcv_span a, mcv_span b) {
     const int ahead = on ? at >= start : at > start;
     const int counts = ahead & (at < first.t) & mcv_span_holds(a, at) & mcv_span_holds(b, at);
     first.t = counts ? at : first.t;
@@ -298,7 +298,7 @@ MCV_LOOP_FUNCTION mcv_piece_met mcv_earlier(mcv_piece_met first, float at, uint 
     return first;
 }
 
-MCV_LOOP_FUNCTION mcv_piece_met mcv_earlier_end(mcv_piece_met first, mcv_span span, uint piece) {
+MCV_LOOP_FUNCTION mcv_piece_hit mcv_earlier_end(mcv_piece_hit first, mcv_span span, uint piece) {
     const float end = mcv_span_end(span);
     const int counts = end < first.t;
     first.t = counts ? end : first.t;
@@ -307,9 +307,9 @@ MCV_LOOP_FUNCTION mcv_piece_met mcv_earlier_end(mcv_piece_met first, mcv_span sp
 }
 
 /* `above` the first cap, `below` the second one. */
-MCV_LOOP_FUNCTION mcv_piece_met mcv_meet_spans(mcv_approach ray, mcv_span above, mcv_span below, mcv_span side) {
+MCV_LOOP_FUNCTION mcv_piece_hit mcv_intersect_spans(mcv_solid_ray ray, mcv_span above, mcv_span below, mcv_span side) {
     const float start = -ray.shift;
-    mcv_piece_met none, first, end;
+    mcv_piece_hit none, first, end;
     none.t = INFINITY;
     none.piece = 0u;
     /* A ray that goes inwards from its surface is inside: it leaves where the first of them ends. */
@@ -342,8 +342,8 @@ MCV_FUNCTION uint mcv_shape(__global const mcv_device_solid *solid) {
 }
 
 /* A disc is a plane: of all there is to know of it little is needed, and stops stand in the way of most rays. */
-MCV_LOOP_FUNCTION mcv_piece_met mcv_meet_disc(__global const mcv_device_solid *solid, mcv_approach ray) {
-    mcv_piece_met met;
+MCV_LOOP_FUNCTION mcv_piece_hit mcv_intersect_disc(__global const mcv_device_solid *solid, mcv_solid_ray ray) {
+    mcv_piece_hit met;
     const float at = (solid->cap[0].z - ray.p.z) / ray.d.z;
     const mcv_vec3 there = mcv_along(ray.p, at, ray.d);
     const float squared = mcv_fma(there.x, there.x, there.y * there.y);
@@ -355,31 +355,31 @@ MCV_LOOP_FUNCTION mcv_piece_met mcv_meet_disc(__global const mcv_device_solid *s
 }
 
 /* A ball is all side. */
-MCV_LOOP_FUNCTION mcv_piece_met mcv_meet_ball(__global const mcv_device_solid *solid, mcv_approach ray) {
+MCV_LOOP_FUNCTION mcv_piece_hit mcv_intersect_ball(__global const mcv_device_solid *solid, mcv_solid_ray ray) {
     const mcv_span side = mcv_sphere_span(solid->radius, ray.p, ray.d, ray.on[2], ray.up);
     const float start = -ray.shift;
     const int enters = ray.on[2] ? side.enter >= start : side.enter > start, leaves = ray.on[2] ? side.exit >= start : side.exit > start;
     const float first = enters ? side.enter : leaves ? side.exit : INFINITY;
     const int misses = ray.away | !(side.enter <= side.exit);
-    mcv_piece_met met;
+    mcv_piece_hit met;
     met.t = misses ? INFINITY : ray.shift + (ray.inside ? mcv_span_end(side) : first);
     met.piece = MCV_PIECE_SIDE;
     return met;
 }
 
 /* Two conics within a side. */
-MCV_LOOP_FUNCTION mcv_piece_met mcv_meet_conics(__global const mcv_device_solid *solid, mcv_approach ray, mcv_span side) {
+MCV_LOOP_FUNCTION mcv_piece_hit mcv_intersect_conics(__global const mcv_device_solid *solid, mcv_solid_ray ray, mcv_span side) {
     const float within = mcv_within(side, solid->bound);
     const mcv_span first = mcv_conic_above(solid->cap, mcv_from_vertex(ray.p, solid->cap), ray.d, within, ray.on[0], ray.up);
     const mcv_span second = mcv_conic_above(solid->cap + 1, mcv_from_vertex(ray.p, solid->cap + 1), ray.d, within, ray.on[1], ray.up);
-    return mcv_meet_spans(ray, first, mcv_span_of(second.exit, second.enter), side);
+    return mcv_intersect_spans(ray, first, mcv_span_of(second.exit, second.enter), side);
 }
 
-MCV_LOOP_FUNCTION mcv_piece_met mcv_meet_shape(__global const mcv_device_solid *solid, uint shape, mcv_approach ray) {
-    if (shape == MCV_SHAPE_DISC) return mcv_meet_disc(solid, ray);
-    if (shape == MCV_SHAPE_BALL) return mcv_meet_ball(solid, ray);
-    if (shape == MCV_SHAPE_BOX) return mcv_meet_conics(solid, ray, mcv_box_span(solid->extent, ray.p, ray.d, ray.on[2], ray.up));
-    return mcv_meet_conics(solid, ray, mcv_cylinder_span(solid->radius, ray.p, ray.d, ray.on[2], ray.up));
+MCV_LOOP_FUNCTION mcv_piece_hit mcv_intersect_shape(__global const mcv_device_solid *solid, uint shape, mcv_solid_ray ray) {
+    if (shape == MCV_SHAPE_DISC) return mcv_intersect_disc(solid, ray);
+    if (shape == MCV_SHAPE_BALL) return mcv_intersect_ball(solid, ray);
+    if (shape == MCV_SHAPE_BOX) return mcv_intersect_conics(solid, ray, mcv_box_span(solid->extent, ray.p, ray.d, ray.on[2], ray.up));
+    return mcv_intersect_conics(solid, ray, mcv_cylinder_span(solid->radius, ray.p, ray.d, ray.on[2], ray.up));
 }
 
 /* ---- any solid -------------------------------------------------------------------------------------------------- */
@@ -398,8 +398,8 @@ MCV_FUNCTION void mcv_take_exact_hit(mcv_world world, float t, uint number, uint
 }
 
 /* A curved surface by itself: both places where a ray meets its cap may lie within the side. */
-static mcv_piece_met mcv_meet_open(__global const mcv_device_solid *solid, const mcv_approach *ray, mcv_span side) {
-    mcv_piece_met met;
+static mcv_piece_hit mcv_intersect_open(__global const mcv_device_solid *solid, const mcv_solid_ray *ray, mcv_span side) {
+    mcv_piece_hit met;
     const mcv_span above = mcv_cap_above(solid, 0u, ray, side);
     const float at[2] = {above.enter, above.exit};
     const float start = -ray->shift;
@@ -414,39 +414,39 @@ static mcv_piece_met mcv_meet_open(__global const mcv_device_solid *solid, const
     return met;
 }
 
-static mcv_piece_met mcv_meet_other(__global const mcv_device_solid *solid, const mcv_approach *ray) {
+static mcv_piece_hit mcv_intersect_other(__global const mcv_device_solid *solid, const mcv_solid_ray *ray) {
     const mcv_span side = mcv_cylinder_span(solid->radius, ray->p, ray->d, ray->on[2], ray->up);
     if (ray->away || !(side.enter <= side.exit)) {
-        const mcv_piece_met none = {INFINITY, 0u};
+        const mcv_piece_hit none = {INFINITY, 0u};
         return none;
     }
-    if (solid->side == MCV_SIDE_OPEN) return mcv_meet_open(solid, ray, side);
+    if (solid->side == MCV_SIDE_OPEN) return mcv_intersect_open(solid, ray, side);
     const mcv_span above = mcv_cap_above(solid, 0u, ray, side);
     const mcv_span second = mcv_cap_above(solid, 1u, ray, side);
-    return mcv_meet_spans(*ray, above, mcv_span_of(second.exit, second.enter), side);
+    return mcv_intersect_spans(*ray, above, mcv_span_of(second.exit, second.enter), side);
 }
 
-static void mcv_intersect_solid(mcv_world world, uint number, mcv_vec3 origin, mcv_vec3 direction, uint left, mcv_hit *hit) {
+static void mcv_intersect_solid(mcv_world world, uint number, mcv_vec3 origin, mcv_vec3 direction, uint origin_surface, mcv_hit *hit) {
     __global const mcv_device_solid *solid = world.solids + number;
     if (!mcv_reaches_solid(solid, origin, direction, hit->t)) return;
-    const mcv_approach ray = mcv_approach_solid(world, number, origin, direction, left);
+    const mcv_solid_ray ray = mcv_make_solid_ray(world, number, origin, direction, origin_surface);
     const uint shape = mcv_shape(solid);
-    const mcv_piece_met met = shape == MCV_SHAPE_OTHER ? mcv_meet_other(solid, &ray) : mcv_meet_shape(solid, shape, ray);
+    const mcv_piece_hit met = shape == MCV_SHAPE_OTHER ? mcv_intersect_other(solid, &ray) : mcv_intersect_shape(solid, shape, ray);
     mcv_take_exact_hit(world, met.t, number, met.piece, hit);
 }
 
 /* The closer of a hit (or miss, with its t_max) on triangles and one on exact surfaces. */
-static __attribute__((noinline)) mcv_hit mcv_meet_solids(mcv_world world, mcv_vec3 origin, mcv_vec3 direction, uint left, mcv_hit hit) {
-    for (uint i = 0; i < world.frame->solid_count; ++i) mcv_intersect_solid(world, i, origin, direction, left, &hit);
+static __attribute__((noinline)) mcv_hit mcv_intersect_solids(mcv_world world, mcv_vec3 origin, mcv_vec3 direction, uint origin_surface, mcv_hit hit) {
+    for (uint i = 0; i < world.frame->solid_count; ++i) mcv_intersect_solid(world, i, origin, direction, origin_surface, &hit);
     return hit;
 }
 
 /* The same along a way of any length, in which distances are. */
-MCV_FUNCTION mcv_hit mcv_meet_solids_along(mcv_world world, mcv_vec3 origin, mcv_vec3 way, uint left, mcv_hit hit) {
+MCV_FUNCTION mcv_hit mcv_intersect_solids_along(mcv_world world, mcv_vec3 origin, mcv_vec3 way, uint origin_surface, mcv_hit hit) {
     const float length = mcv_sqrt(mcv_dot(way, way));
     mcv_hit unit = hit;
     unit.t *= length;
-    unit = mcv_meet_solids(world, origin, mcv_scale(way, 1.0f / length), left, unit);
+    unit = mcv_intersect_solids(world, origin, mcv_scale(way, 1.0f / length), origin_surface, unit);
     if (unit.triangle != hit.triangle) {
         hit = unit;
         hit.t /= length;
@@ -526,7 +526,7 @@ static mcv_surface mcv_exact_surface_at(mcv_world world, uint met, float u, mcv_
 }
 
 /* What a ray remembers that leaves a surface in this direction. */
-MCV_LOOP_FUNCTION uint mcv_leave(mcv_world world, mcv_surface surface, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION uint mcv_mark_origin_surface(mcv_world world, mcv_surface surface, mcv_vec3 direction) {
     if (surface.triangle < MCV_EXACT) return MCV_NONE;
     const uint outwards = mcv_dot(direction, surface.face) > 0.0f;
     return mcv_exact_surface(world, surface.triangle) << 1 | ((surface.triangle & 3u) == MCV_PIECE_FIRST_CAP ? 1u - outwards : outwards);

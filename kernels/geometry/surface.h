@@ -335,9 +335,9 @@ MCV_LOOP_FUNCTION mcv_color mcv_basic_radiance(mcv_world world, mcv_color radian
 /* What the medium leaves of light over a distance. */
 MCV_FUNCTION mcv_color mcv_medium_transmittance(mcv_world world, uint media, float distance) {
     __global const mcv_device_medium *medium = world.media + mcv_filling_medium(media);
-    mcv_color left;
-    MCV_EACH_CHANNEL(i) left.c[i] = medium->absorption[i] > 0.0f ? mcv_exp_minus(medium->absorption[i] * distance) : 1.0f;
-    return left;
+    mcv_color transmittance;
+    MCV_EACH_CHANNEL(i) transmittance.c[i] = medium->absorption[i] > 0.0f ? mcv_exp_minus(medium->absorption[i] * distance) : 1.0f;
+    return transmittance;
 }
 #endif
 

@@ -47,7 +47,7 @@ MCV_FUNCTION float mcv_environment_density(mcv_world world, __global const mcv_d
  * The environment's light along a ray that met nothing, L/n², weighed against next-event estimation, which looks for its image, by the
  * power heuristic; `density` is that of the ray's choice, 0 for smooth surfaces.
  */
-MCV_FUNCTION mcv_color mcv_environment_met(mcv_world world, mcv_vec3 direction, uint media, float density) {
+MCV_FUNCTION mcv_color mcv_environment_seen(mcv_world world, mcv_vec3 direction, uint media, float density) {
     mcv_color light = mcv_grey(0.0f);
 #if MCV_WITH_ENVIRONMENT
     MCV_EACH_CHANNEL(i) light.c[i] = world.frame->environment[i];
@@ -57,7 +57,7 @@ MCV_FUNCTION mcv_color mcv_environment_met(mcv_world world, mcv_vec3 direction, 
     const mcv_sky_pixel pixel = mcv_sky_pixel_at(e, direction);
     light = mcv_environment_radiance(world, e, pixel);
 #if MCV_WITH_NEXT_EVENT
-    if (density > 0.0f) light = mcv_dim(light, mcv_choice_weight(density, mcv_environment_density(world, e, pixel)));
+    if (density > 0.0f) light = mcv_dim(light, mcv_power_heuristic(density, mcv_environment_density(world, e, pixel)));
 #endif
 #endif
 #if MCV_WITH_DIELECTRIC

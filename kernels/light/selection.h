@@ -21,7 +21,7 @@ MCV_LOOP_FUNCTION float mcv_stretch(__global const mcv_device_emitter *e, mcv_ve
 }
 
 /* `sides` of the receiver that spread light: one, which all of the normals show, or both. */
-MCV_LOOP_FUNCTION int mcv_reaches(__global const mcv_device_emitter *e, mcv_vec3 receiver, mcv_vec3 face, mcv_vec3 normal, uint sides) {
+MCV_LOOP_FUNCTION int mcv_emitter_reaches(__global const mcv_device_emitter *e, mcv_vec3 receiver, mcv_vec3 face, mcv_vec3 normal, uint sides) {
     const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
     const mcv_vec3 axis = mcv_vec(e->facing[0], e->facing[1], e->facing[2]);
     const int behind_it = -mcv_dot(axis, way) < 0.0f;
@@ -45,51 +45,51 @@ MCV_LOOP_FUNCTION int mcv_reaches(__global const mcv_device_emitter *e, mcv_vec3
 }
 
 /* The share of an emitter's power that the receiver may get, up to a factor. */
-MCV_LOOP_FUNCTION float mcv_promise(__global const mcv_device_emitter *e, mcv_vec3 receiver) {
+MCV_LOOP_FUNCTION float mcv_emitter_importance(__global const mcv_device_emitter *e, mcv_vec3 receiver) {
     const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
     return e->power / mcv_fma(e->widening, mcv_dot(way, way), e->narrowest);
 }
 
 /* The chances at one receiver: scale * promise + least of each emitter that reaches it. */
-typedef struct mcv_reach {
+typedef struct mcv_light_selection {
     float scale, least;
-} mcv_reach;
+} mcv_light_selection;
 
 /* From the sum of the promises of so many emitters that reach it. A sixteenth of all choices goes to them in equal parts: what promises
  * most may be hidden. */
-MCV_LOOP_FUNCTION mcv_reach mcv_share_reach(float sum, float reaching) {
-    mcv_reach reach;
-    reach.scale = sum > 0.0f ? 0.9375f / sum : 0.0f;
-    reach.least = (sum > 0.0f ? 0.0625f : 1.0f) / reaching;
-    return reach;
+MCV_LOOP_FUNCTION mcv_light_selection mcv_make_light_selection(float sum, float reaching) {
+    mcv_light_selection selection;
+    selection.scale = sum > 0.0f ? 0.9375f / sum : 0.0f;
+    selection.least = (sum > 0.0f ? 0.0625f : 1.0f) / reaching;
+    return selection;
 }
 
 /* The emitter at xi of all that reach the receiver, MCV_NONE where nothing does. */
-static uint mcv_choose_by_reach(mcv_world world, mcv_vec3 receiver, mcv_vec3 face, mcv_vec3 normal, uint sides, float xi,
-                                mcv_reach *reach) {
+static uint mcv_select_emitter(mcv_world world, mcv_vec3 receiver, mcv_vec3 face, mcv_vec3 normal, uint sides, float xi,
+                                mcv_light_selection *selection) {
     float promises[MCV_MOST_REACHING];
     float sum = 0.0f, reaching = 0.0f;
     for (uint i = 0; i < world.frame->emitter_count; ++i) {
         __global const mcv_device_emitter *e = world.emitters + i;
-        promises[i] = mcv_reaches(e, receiver, face, normal, sides) ? mcv_promise(e, receiver) : -1.0f;
+        promises[i] = mcv_emitter_reaches(e, receiver, face, normal, sides) ? mcv_emitter_importance(e, receiver) : -1.0f;
         if (promises[i] < 0.0f) continue;
         sum += promises[i];
         reaching += 1.0f;
     }
-    *reach = mcv_share_reach(sum, reaching);
+    *selection = mcv_make_light_selection(sum, reaching);
     uint chosen = MCV_NONE;
     float before = 0.0f;
     for (uint i = 0; i < world.frame->emitter_count && (chosen == MCV_NONE || before <= xi); ++i) {
         if (promises[i] < 0.0f) continue;
-        before += mcv_fma(promises[i], reach->scale, reach->least);
+        before += mcv_fma(promises[i], selection->scale, selection->least);
         chosen = i;
     }
     return chosen;
 }
 
 /* How much more often than at large, where its chance is e->probability, such a receiver chooses an emitter. */
-MCV_LOOP_FUNCTION float mcv_preference(__global const mcv_device_emitter *e, mcv_vec3 receiver, mcv_reach reach) {
-    return mcv_fma(mcv_promise(e, receiver), reach.scale, reach.least) / e->probability;
+MCV_LOOP_FUNCTION float mcv_selection_ratio(__global const mcv_device_emitter *e, mcv_vec3 receiver, mcv_light_selection selection) {
+    return mcv_fma(mcv_emitter_importance(e, receiver), selection.scale, selection.least) / e->probability;
 }
 
 #endif

@@ -25,11 +25,11 @@
 
 /* X(field, words): what a scene does not need has no words. Those before the hit go on with the path to its next surface. */
 #define MCV_PATH_FIELDS(X) \
-    X(left, MCV_WITH_SURFACES) /* the exact surface that the ray starts on (mcvisi/surfaces/solid.h), or MCV_NONE */ \
+    X(origin_surface, MCV_WITH_SURFACES) /* the exact surface that the ray starts on (mcvisi/surfaces/solid.h), or MCV_NONE */ \
     X(stream, 1)               /* of random numbers: pixel, replicate, seed */ \
     X(sample, 1) \
-    X(origin_rest, 3 * MCV_WITH_MIXED) /* what rounding leaves of the ray (geometry/precise.h) */ \
-    X(direction_rest, 3 * MCV_WITH_MIXED) \
+    X(origin_low, 3 * MCV_WITH_MIXED) /* what rounding leaves of the ray (geometry/precise.h) */ \
+    X(direction_low, 3 * MCV_WITH_MIXED) \
     X(origin, 3)                  /* of the current ray [m] */ \
     X(direction, 3)               /* unit */ \
     X(weight, 1)                  /* of the sensor's ray; 0: the path is not begun */ \
@@ -39,8 +39,8 @@
     X(throughput, MCV_CHANNELS)   /* product of reflectances, transmittances … since the sensor */ \
     X(media, MCV_WITH_DIELECTRIC) /* set of the media the ray is in */ \
     X(density, MCV_WITH_NEXT_EVENT)                    /* with which the last surface chose the direction [1/sr]; 0: it is smooth */ \
-    X(reach, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* emitters' chances at the last surface that spread light (kernels/light/selection.h) */ \
-    X(trail, MCV_WITH_LIGHT_TRACING)                   /* MCV_TRAIL_… */ \
+    X(selection, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* emitters' chances at the last surface that spread light (kernels/light/selection.h) */ \
+    X(path_class, MCV_WITH_LIGHT_TRACING)                   /* MCV_TRAIL_… */ \
     X(footprint, MCV_WITH_LIGHT_TRACING)               /* of the pixel at the first diffuse surface [m²] */ \
     X(hit, 4)                                          /* t, u, v, triangle */ \
     X(drawn, 6 * MCV_TILE)                             /* the surface's pairs of random numbers */ \
@@ -49,24 +49,24 @@
     X(area, MCV_TILE) \
     X(instance, MCV_TILE) \
     X(own_normal, 3 * MCV_TILE * MCV_WITH_NORMALS) /* the surface's; the face's where meshes have no others */ \
-    X(inside, MCV_TILE)                            /* and how the ray sees it, as in mcv_meeting */ \
+    X(inside, MCV_TILE)                            /* and how the ray sees it, as in mcv_interaction */ \
     X(face, 3 * MCV_TILE) \
     X(normal, 3 * MCV_TILE) \
     X(gloss_known, MCV_TILE *MCV_WITH_GLOSS) \
-    X(parted, (5 + MCV_CHANNELS) * MCV_TILE * MCV_WITH_SPLIT) /* direction, media, density and throughput of a branch */ \
+    X(branch_state, (5 + MCV_CHANNELS) * MCV_TILE * MCV_WITH_SPLIT) /* direction, media, density and throughput of a branch */ \
     X(reflectance, MCV_CHANNELS *MCV_TILE)                    /* of a plain diffuse surface */ \
     X(bounce, 4 * MCV_TILE)                   /* the direction in which the surface reflects if it is diffuse, and its density */ \
     X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path looks for, or MCV_NONE */ \
     X(place, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT * MCV_WITH_TEXTURE) /* and where there (triangle, u, v) */ \
     X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)                /* as in mcv_shadow */ \
-    X(reach_here, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH)         /* at this surface */ \
+    X(selection_here, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH)         /* at this surface */ \
     X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)                       /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS *MCV_WITH_DIELECTRIC) /* that it leaves the surface in */ \
-    X(shadow_left, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
+    X(shadow_origin_surface, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
     X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing before t = 1; MCV_SKY: nothing at all */ \
     X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS)                     /* what it brings; 0: no ray */ \
-    X(sight, (2 + 3 * MCV_WITH_SHEET) * MCV_TILE * MCV_WITH_LIGHT_TRACING) /* light paths: where on the film, and on the lens */
+    X(sensor_ray, (2 + 3 * MCV_WITH_SHEET) * MCV_TILE * MCV_WITH_LIGHT_TRACING) /* light paths: where on the film, and on the lens */
 
 /*
  * What a camera path has met; diffuse is what is `wide`. Light paths bring the light of their emitters that comes from smooth and `sharp`
@@ -75,11 +75,11 @@
  * the light may come from; a place on the lens would seldom lie in its highlights.
  */
 enum {
-    MCV_TRAIL_STRAIGHT, /* nothing but what passes light straight on */
-    MCV_TRAIL_OTHER,    /* first of all another smooth surface, or a glossy one */
-    MCV_TRAIL_DIFFUSE,  /* first a diffuse surface; the last one, too */
-    MCV_TRAIL_GLOSSY,   /* first a diffuse surface; the last one that spreads light is glossy */
-    MCV_TRAIL_CARRIED   /* first a diffuse surface; then, too, but for smooth and sharp ones since */
+    MCV_PATH_CLASS_STRAIGHT, /* nothing but what passes light straight on */
+    MCV_PATH_CLASS_OTHER,    /* first of all another smooth surface, or a glossy one */
+    MCV_PATH_CLASS_DIFFUSE,  /* first a diffuse surface; the last one, too */
+    MCV_PATH_CLASS_GLOSSY,   /* first a diffuse surface; the last one that spreads light is glossy */
+    MCV_PATH_CLASS_CARRIED   /* first a diffuse surface; then, too, but for smooth and sharp ones since */
 };
 
 #if MCV_ON_DEVICE
@@ -97,7 +97,7 @@ enum { MCV_PATH_FIELDS(MCV_PATH_OFFSET) MCV_PATH_WORDS };
 #define MCV_CAPACITY(slot) (slot).capacity
 #endif
 
-struct mcv_gloss_meeting;
+struct mcv_gloss_interaction;
 
 /* A path's place: slot `index` of a slice of `capacity` paths. */
 typedef struct mcv_slot {
@@ -105,7 +105,7 @@ typedef struct mcv_slot {
 #if !MCV_TILE
     uint capacity;
 #elif MCV_WITH_GLOSS
-    struct mcv_gloss_meeting *glosses; /* of each slot (bsdf/bsdf.h) */
+    struct mcv_gloss_interaction *glosses; /* of each slot (bsdf/bsdf.h) */
 #endif
     uint index;
 } mcv_slot;

@@ -58,10 +58,10 @@ MCV_FUNCTION void mcv_append(__global uint *queue, __global uint *length, uint p
 
 #if MCV_WITH_AIM
 /* One work-item per pixel. */
-__kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void aim_pupils(MCV_WORLD_PARAMETERS __global mcv_device_aim *out) {
+__kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void guide_pupil(MCV_WORLD_PARAMETERS __global mcv_device_pupil_guide *out) {
     MCV_MAKE_WORLD(world)
     const uint pixel = get_global_id(0);
-    if (pixel < world.frame->width * world.frame->height) mcv_aim_pupil(world, pixel, out + pixel);
+    if (pixel < world.frame->width * world.frame->height) mcv_guide_pupil(world, pixel, out + pixel);
 }
 #endif
 
@@ -117,7 +117,7 @@ MCV_STAGE_KERNEL(shade_surfaces) {
     __local uint room[2];
     const uint i = get_global_id(0);
     uint path = 0;
-    uint unmatched = 0, ways = 0;
+    uint unmatched = 0, fate = 0;
     mcv_slot beside = mcv_stream_slot(paths, capacity, 0);
     (void)sums;
     if (i < lengths[depth]) {
@@ -127,18 +127,18 @@ MCV_STAGE_KERNEL(shade_surfaces) {
         beside.index = path + (MCV_WORD(slot, branch, 0) + 1u) * world.frame->path_count;
 #endif
         if (MCV_WORD(slot, hit, 3) == MCV_NONE)
-            mcv_leave_scene(world, slot);
+            mcv_shade_miss(world, slot);
         else
-            ways = mcv_shade_surface(world, slot, beside, depth, &unmatched);
+            fate = mcv_shade_surface(world, slot, beside, depth, &unmatched);
         /* What the depth limit cuts. */
-        if (ways && depth + 1u == world.frame->depth)
+        if (fate && depth + 1u == world.frame->depth)
             atomic_add(&counters[MCV_COUNTER_lost],
-                       (ways & MCV_GOES_ON ? mcv_lost_energy(slot) : 0u) + (ways & MCV_BRANCHES_OFF ? mcv_lost_energy(beside) : 0u));
+                       (fate & MCV_CONTINUES ? mcv_lost_energy(slot) : 0u) + (fate & MCV_SPLITS ? mcv_lost_energy(beside) : 0u));
         if (unmatched > 0) atomic_add(&counters[MCV_COUNTER_unmatched], unmatched);
     }
-    mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], path, (ways & MCV_GOES_ON) != 0, room);
+    mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], path, (fate & MCV_CONTINUES) != 0, room);
 #if MCV_WITH_SPLIT
-    mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], beside.index, (ways & MCV_BRANCHES_OFF) != 0, room);
+    mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], beside.index, (fate & MCV_SPLITS) != 0, room);
 #endif
 }
 
@@ -174,7 +174,7 @@ __kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void trac
     const uint path = get_global_id(0);
     uint counts[MCV_COUNTER_COUNT] = {0};
     if (path >= world.frame->path_count) return;
-    mcv_trace_emitter_path(world, path, splats, counts);
+    mcv_trace_light_path(world, path, splats, counts);
     for (uint i = 0; i < MCV_COUNTER_COUNT; ++i) {
         if (counts[i] > 0) atomic_add(&counters[i], counts[i]);
     }

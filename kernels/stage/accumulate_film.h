@@ -36,7 +36,7 @@ MCV_FUNCTION float mcv_path_value(mcv_world world, mcv_slot slot, uint channel, 
 static __attribute__((noinline)) void mcv_clear_values(float *values, uint branch) {
     for (uint channel = 0; channel < MCV_CHANNELS; ++channel) {
         float *of_branch = values + channel * MCV_SLOTS + branch * MCV_SLICE;
-        MCV_PARALLEL
+        MCV_VECTORIZE
         for (uint i = 0; i < MCV_SLICE; ++i) of_branch[i] = 0.0f;
     }
 }
@@ -50,19 +50,19 @@ static __attribute__((noinline)) void mcv_accumulate_blocks(const float *values,
     float highs[2][MCV_SLICE];
     float lows[2][MCV_SLICE];
     uint from = 0;
-    MCV_PARALLEL
+    MCV_VECTORIZE
     for (uint i = 0; i < count; ++i) {
         highs[0][i] = values[i];
         lows[0][i] = 0.0f;
     }
     for (uint branch = 1; branch < branches; ++branch) {
         const float *of_branch = values + branch * MCV_SLICE;
-        MCV_PARALLEL
+        MCV_VECTORIZE
         for (uint i = 0; i < count; ++i) highs[0][i] += of_branch[i];
     }
     for (uint size = block; size > 1u; size /= 2u, from ^= 1u) {
         count /= 2u;
-        MCV_PARALLEL
+        MCV_VECTORIZE
         for (uint i = 0; i < count; ++i) {
             const mcv_float_pair a = {highs[from][2u * i], lows[from][2u * i]};
             const mcv_float_pair b = {highs[from][2u * i + 1u], lows[from][2u * i + 1u]};

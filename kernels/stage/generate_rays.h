@@ -15,11 +15,11 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
     film.x = inside.x;
     film.y = inside.y;
 #if MCV_WITH_AIM
-    const mcv_sight sight = mcv_aimed_sight(world, film, aperture);
+    const mcv_sensor_ray sensor_ray = mcv_guided_sensor_ray(world, film, aperture);
 #else
-    const mcv_sight sight = mcv_sensor_sample(world.sensor, film, aperture.x, aperture.y);
+    const mcv_sensor_ray sensor_ray = mcv_sensor_sample(world.sensor, film, aperture.x, aperture.y);
 #endif
-    const float weight = on_film ? sight.weight : 0.0f;
+    const float weight = on_film ? sensor_ray.weight : 0.0f;
     MCV_STORE(slot, weight, 0, weight);
     MCV_EACH_CHANNEL(i) {
         MCV_STORE(slot, throughput, i, 1.0f);
@@ -37,15 +37,15 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
 #endif
 
 #if MCV_WITH_MIXED
-    const mcv_precise_ray precise = mcv_place_sight_precisely(world.frame, sight);
+    const mcv_precise_ray precise = mcv_place_sensor_ray_precisely(world.frame, sensor_ray);
     const mcv_vec3 origin = mcv_narrow(precise.origin);
     const mcv_vec3 direction = mcv_narrow(precise.direction);
     MCV_STORE_3(slot, origin, origin);
     MCV_STORE_3(slot, direction, direction);
-    MCV_STORE_3(slot, origin_rest, mcv_rest(precise.origin, origin));
-    MCV_STORE_3(slot, direction_rest, mcv_rest(precise.direction, direction));
+    MCV_STORE_3(slot, origin_low, mcv_rest(precise.origin, origin));
+    MCV_STORE_3(slot, direction_low, mcv_rest(precise.direction, direction));
 #else
-    const mcv_ray ray = mcv_place_sight(world.frame, sight);
+    const mcv_ray ray = mcv_place_sensor_ray(world.frame, sensor_ray);
     MCV_STORE_3(slot, origin, ray.origin);
     MCV_STORE_3(slot, direction, ray.direction);
 #endif
@@ -53,13 +53,13 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
     MCV_WORD(slot, media, 0) = world.frame->initial_media;
 #endif
 #if MCV_WITH_SURFACES
-    MCV_WORD(slot, left, 0) = MCV_NONE;
+    MCV_WORD(slot, origin_surface, 0) = MCV_NONE;
 #endif
 #if MCV_WITH_NEXT_EVENT
     MCV_STORE(slot, density, 0, 0.0f);
 #endif
 #if MCV_WITH_LIGHT_TRACING
-    MCV_WORD(slot, trail, 0) = MCV_TRAIL_STRAIGHT;
+    MCV_WORD(slot, path_class, 0) = MCV_PATH_CLASS_STRAIGHT;
 #endif
 #if MCV_WITH_SPLIT
     MCV_WORD(slot, branch, 0) = 0u;

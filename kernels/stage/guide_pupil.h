@@ -24,23 +24,23 @@ typedef struct mcv_aimed {
 /* Follows a ray of sight, always refracted where that is possible. */
 static mcv_aimed mcv_follow(mcv_world world, mcv_film_sample film, float p_x, float p_y) {
     const mcv_pair always_refract = {1.0f, 0.0f};
-    const mcv_ray begun = mcv_place_sight(world.frame, mcv_sensor_through(world.sensor, film, p_x, p_y));
+    const mcv_ray begun = mcv_place_sensor_ray(world.frame, mcv_sensor_through(world.sensor, film, p_x, p_y));
     mcv_vec3 origin = begun.origin;
     mcv_vec3 direction = begun.direction;
     uint media = world.frame->initial_media;
-    uint left = MCV_NONE;
+    uint origin_surface = MCV_NONE;
     mcv_aimed aimed;
     aimed.q_x = aimed.q_y = 0.0f;
     aimed.emitter = MCV_NONE;
     for (uint depth = 0; depth < world.frame->depth; ++depth) {
         uint unmatched = 0;
-        const mcv_hit hit = mcv_closest(world, origin, direction, left);
+        const mcv_hit hit = mcv_closest(world, origin, direction, origin_surface);
         if (hit.triangle == MCV_NONE) return aimed;
-        const mcv_meeting meeting = mcv_meet(world, origin, direction, hit);
-        const uint emitter = world.instances[meeting.surface.instance].emitter;
+        const mcv_interaction interaction = mcv_meet(world, origin, direction, hit);
+        const uint emitter = world.instances[interaction.surface.instance].emitter;
         if (emitter != MCV_NONE) {
             __global const mcv_device_emitter *e = world.emitters + emitter;
-            if (meeting.inside || e->type != MCV_EMITTER_PARALLEL || !e->parallel.from_receiver) return aimed;
+            if (interaction.inside || e->type != MCV_EMITTER_PARALLEL || !e->parallel.from_receiver) return aimed;
             mcv_vec3 x, y;
             mcv_basis(mcv_vec(e->parallel.axis[0], e->parallel.axis[1], e->parallel.axis[2]), &x, &y);
             aimed.q_x = mcv_dot(direction, x);
@@ -49,12 +49,12 @@ static mcv_aimed mcv_follow(mcv_world world, mcv_film_sample film, float p_x, fl
             return aimed;
         }
         mcv_scattering other;
-        const mcv_scattering on = mcv_scatter(world, meeting, media, always_refract, 1.0f, 0, &unmatched, &other);
+        const mcv_scattering on = mcv_scatter(world, interaction, media, always_refract, 1.0f, 0, &unmatched, &other);
         if (on.event == MCV_EVENT_END) return aimed;
-        origin = mcv_onward_origin(meeting, on.direction);
+        origin = mcv_onward_origin(interaction, on.direction);
         direction = on.direction;
 #if MCV_WITH_SURFACES
-        left = mcv_leave_meeting(world, meeting, direction);
+        origin_surface = mcv_origin_surface_of(world, interaction, direction);
 #endif
         media = on.media;
     }
@@ -69,7 +69,7 @@ static int mcv_angle_change(mcv_aimed from, mcv_aimed to, float step, float *cha
 }
 
 /* 0 if no first-order optics is found from the point p of the pupil. */
-static int mcv_aim_from(mcv_world world, mcv_film_sample film, float p_x, float p_y, __global mcv_device_aim *aim) {
+static int mcv_aim_from(mcv_world world, mcv_film_sample film, float p_x, float p_y, __global mcv_device_pupil_guide *aim) {
     mcv_aimed at = mcv_follow(world, film, p_x, p_y);
     float c_x = 0.0f, c_y = 0.0f;                 /* centre */
     float i_xx = 0, i_xy = 0, i_yx = 0, i_yy = 0; /* inverse of A */
@@ -124,15 +124,15 @@ static int mcv_aim_from(mcv_world world, mcv_film_sample film, float p_x, float 
     aim->spread[2] = size * i_yx;
     aim->spread[3] = size * i_yy;
     const float area = mcv_abs(mcv_difference_of_products(aim->spread[0], aim->spread[3], aim->spread[1], aim->spread[2]));
-    const float reach = mcv_sqrt(mcv_fma(c_x, c_x, c_y * c_y)) -
+    const float selection = mcv_sqrt(mcv_fma(c_x, c_x, c_y * c_y)) -
                         (mcv_abs(aim->spread[0]) + mcv_abs(aim->spread[1]) + mcv_abs(aim->spread[2]) + mcv_abs(aim->spread[3]) +
                          mcv_abs(aim->shift[0]) + mcv_abs(aim->shift[1]) + mcv_abs(aim->shift[2]) + mcv_abs(aim->shift[3]));
     /* An ellipse that fills the pupil, or misses it, is of no use. */
-    aim->advantage = area > 0.0f && area < 0.25f * (MCV_PUPIL_AREA / MCV_PI) && reach < MCV_PUPIL_REACH ? 1.0f / area : 0.0f;
+    aim->advantage = area > 0.0f && area < 0.25f * (MCV_PUPIL_AREA / MCV_PI) && selection < MCV_PUPIL_REACH ? 1.0f / area : 0.0f;
     return 1;
 }
 
-static void mcv_aim_pupil(mcv_world world, uint pixel, __global mcv_device_aim *aim) {
+static void mcv_guide_pupil(mcv_world world, uint pixel, __global mcv_device_pupil_guide *aim) {
     mcv_film_sample film;
     film.column = pixel % world.frame->width;
     film.row = pixel / world.frame->width;

@@ -14,11 +14,11 @@ MCV_LOOP_FUNCTION void mcv_absorb(mcv_world world, mcv_slot slot) {
 #endif
 
 MCV_FUNCTION void mcv_intersect_closest(mcv_world world, mcv_slot slot) {
-    uint left = MCV_NONE;
+    uint origin_surface = MCV_NONE;
 #if MCV_WITH_SURFACES
-    left = MCV_WORD(slot, left, 0);
+    origin_surface = MCV_WORD(slot, origin_surface, 0);
 #endif
-    const mcv_hit hit = mcv_closest(world, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), left);
+    const mcv_hit hit = mcv_closest(world, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), origin_surface);
     MCV_STORE(slot, hit, 0, hit.t);
     MCV_STORE(slot, hit, 1, hit.u);
     MCV_STORE(slot, hit, 2, hit.v);

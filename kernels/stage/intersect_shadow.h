@@ -43,7 +43,7 @@ static int mcv_shadow_is_any(mcv_slot slot) { return MCV_WORD(slot, shadow_targe
 
 static float mcv_shadow_end(mcv_slot slot) { return MCV_WORD(slot, shadow_target, 0) == MCV_NONE ? 1.0f : INFINITY; }
 
-static int mcv_meets_target(mcv_world world, mcv_slot slot, mcv_hit hit) {
+static int mcv_hits_target(mcv_world world, mcv_slot slot, mcv_hit hit) {
     return hit.triangle != MCV_NONE && mcv_instance_of(world, hit.triangle) == MCV_WORD(slot, shadow_target, 0);
 }
 
@@ -51,7 +51,7 @@ static int mcv_meets_target(mcv_world world, mcv_slot slot, mcv_hit hit) {
 MCV_FUNCTION mcv_hit mcv_shadow_past_solids(mcv_world world, mcv_slot slot, mcv_hit hit) {
 #if MCV_WITH_SURFACES
     if (hit.triangle != MCV_NONE && mcv_shadow_is_any(slot)) return hit;
-    hit = mcv_meet_solids_along(world, MCV_LOAD_3(slot, shadow_origin), MCV_LOAD_3(slot, shadow_direction), MCV_WORD(slot, shadow_left, 0),
+    hit = mcv_intersect_solids_along(world, MCV_LOAD_3(slot, shadow_origin), MCV_LOAD_3(slot, shadow_direction), MCV_WORD(slot, shadow_origin_surface, 0),
                                 hit);
 #else
     (void)world, (void)slot;
@@ -69,6 +69,6 @@ MCV_FUNCTION void mcv_intersect_shadow(mcv_world world, mcv_slot slot) {
     } else {
         const mcv_hit hit =
             mcv_shadow_past_solids(world, slot, mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction, INFINITY));
-        if (mcv_meets_target(world, slot, hit)) mcv_add_shadow_light(world, slot, hit, 1);
+        if (mcv_hits_target(world, slot, hit)) mcv_add_shadow_light(world, slot, hit, 1);
     }
 }

@@ -21,7 +21,7 @@ MCV_FUNCTION int mcv_add_splat(__global uint *splats, size_t cell, float units, 
     return above + high >= above;
 }
 
-static void mcv_splat(mcv_world world, __global uint *splats, uint replicate, mcv_film_place place, mcv_color value, float xi,
+static void mcv_splat(mcv_world world, __global uint *splats, uint replicate, mcv_film_point place, mcv_color value, float xi,
                       uint counts[MCV_COUNTER_COUNT]) {
     const uint width = world.frame->width;
     const uint height = world.frame->height;

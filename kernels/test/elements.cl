@@ -26,15 +26,15 @@ __kernel void sample_sensor(__constant const mcv_sensor *sensor, __global const 
     film.row = in[1];
     film.x = as_float(in[2]);
     film.y = as_float(in[3]);
-    const mcv_sight sight = mcv_sensor_sample(sensor, film, as_float(in[4]), as_float(in[5]));
+    const mcv_sensor_ray sensor_ray = mcv_sensor_sample(sensor, film, as_float(in[4]), as_float(in[5]));
     __global float *out = sights + 7 * i;
-    out[0] = sight.origin.x;
-    out[1] = sight.origin.y;
-    out[2] = sight.origin.z;
-    out[3] = sight.direction.x;
-    out[4] = sight.direction.y;
-    out[5] = sight.direction.z;
-    out[6] = sight.weight;
+    out[0] = sensor_ray.origin.x;
+    out[1] = sensor_ray.origin.y;
+    out[2] = sensor_ray.origin.z;
+    out[3] = sensor_ray.direction.x;
+    out[4] = sensor_ray.direction.y;
+    out[5] = sensor_ray.direction.z;
+    out[6] = sensor_ray.weight;
 }
 
 #if MCV_WITH_LIGHT_TRACING
@@ -43,21 +43,21 @@ __kernel void invert_sensor(__constant const mcv_sensor *sensor, __global const 
     const uint i = get_global_id(0);
     __global const uint *in = cases + 7 * i;
     mcv_film_sample film;
-    mcv_film_place place;
-    mcv_sight back;
+    mcv_film_point place;
+    mcv_sensor_ray back;
     film.column = in[0];
     film.row = in[1];
     film.x = as_float(in[2]);
     film.y = as_float(in[3]);
     const float depth = as_float(in[6]);
-    const mcv_sight sight = mcv_sensor_sample(sensor, film, as_float(in[4]), as_float(in[5]));
+    const mcv_sensor_ray sensor_ray = mcv_sensor_sample(sensor, film, as_float(in[4]), as_float(in[5]));
     __global float *out = results + 6 * i;
-    out[2] = mcv_sensor_invert(sensor, sight, &place);
+    out[2] = mcv_sensor_invert(sensor, sensor_ray, &place);
     out[0] = place.column;
     out[1] = place.row;
-    out[3] = mcv_sensor_connect(sensor, mcv_along(sight.origin, depth, sight.direction), as_float(in[4]), as_float(in[5]), &back);
+    out[3] = mcv_sensor_connect(sensor, mcv_along(sensor_ray.origin, depth, sensor_ray.direction), as_float(in[4]), as_float(in[5]), &back);
     out[4] = mcv_sensor_footprint(sensor, depth);
-    out[5] = sight.weight;
+    out[5] = sensor_ray.weight;
 }
 #endif
 

@@ -12,7 +12,7 @@
 
 /* What a ray from a receiver meets of an emitter: cosine to its face, radiance (first channel) and the density of next-event estimation
  * there. */
-static void mcv_meet_emitter(mcv_world world, mcv_vec3 receiver, mcv_vec3 direction, uint emitter, __global float *met) {
+static void mcv_shade_emitter_hit(mcv_world world, mcv_vec3 receiver, mcv_vec3 direction, uint emitter, __global float *met) {
     const mcv_hit hit = mcv_intersect_closest_ray(world.nodes, world.leaves, receiver, direction, INFINITY);
     met[0] = 1.0f;
     met[1] = 0.0f;
@@ -34,7 +34,7 @@ static void mcv_meet_emitter(mcv_world world, mcv_vec3 receiver, mcv_vec3 direct
 #endif
 }
 
-/* cases: receiver, its normal, ξ, η; results: unit direction, light, density, and what mcv_meet_emitter says along it. */
+/* cases: receiver, its normal, ξ, η; results: unit direction, light, density, and what mcv_shade_emitter_hit says along it. */
 __kernel void sample_towards(MCV_WORLD_PARAMETERS uint emitter, __global const float *cases, __global float *results) {
     MCV_MAKE_WORLD(world)
     const uint i = get_global_id(0);
@@ -54,7 +54,7 @@ __kernel void sample_towards(MCV_WORLD_PARAMETERS uint emitter, __global const f
     out[2] = direction.z;
     out[3] = shadow.light.c[0];
     out[4] = shadow.density;
-    mcv_meet_emitter(world, at.point, direction, emitter, out + 5);
+    mcv_shade_emitter_hit(world, at.point, direction, emitter, out + 5);
 }
 
 /* cases: receiver, unit direction, two words of no account; results as above, the first five of no account. */
@@ -62,5 +62,5 @@ __kernel void meet_emitter(MCV_WORLD_PARAMETERS uint emitter, __global const flo
     MCV_MAKE_WORLD(world)
     const uint i = get_global_id(0);
     __global const float *in = cases + 8 * i;
-    mcv_meet_emitter(world, mcv_vec(in[0], in[1], in[2]), mcv_vec(in[3], in[4], in[5]), emitter, results + 8 * i + 5);
+    mcv_shade_emitter_hit(world, mcv_vec(in[0], in[1], in[2]), mcv_vec(in[3], in[4], in[5]), emitter, results + 8 * i + 5);
 }

@@ -61,14 +61,14 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_any(__glo
         } \
     }
 
-MCV_BATCH_KERNEL(intersect_closest_turns, mcv_intersect_closest_turns, mcv_hit, )
-MCV_BATCH_KERNEL(intersect_any_turns, mcv_intersect_any_turns, int, .triangle != MCV_NONE)
-MCV_BATCH_KERNEL(intersect_closest_bundles, mcv_intersect_closest_bundles, mcv_hit, )
-MCV_BATCH_KERNEL(intersect_any_bundles, mcv_intersect_any_bundles, int, .triangle != MCV_NONE)
+MCV_BATCH_KERNEL(intersect_closest_turns, mcv_intersect_closest_interleaved, mcv_hit, )
+MCV_BATCH_KERNEL(intersect_any_turns, mcv_intersect_any_interleaved, int, .triangle != MCV_NONE)
+MCV_BATCH_KERNEL(intersect_closest_bundles, mcv_intersect_closest_packets, mcv_hit, )
+MCV_BATCH_KERNEL(intersect_any_bundles, mcv_intersect_any_packets, int, .triangle != MCV_NONE)
 
 /* As the stages of the tile schedule do. */
-MCV_BATCH_KERNEL(closest_many, MCV_CLOSEST_MANY, mcv_hit, )
-MCV_BATCH_KERNEL(any_many, MCV_ANY_MANY, int, .triangle != MCV_NONE)
+MCV_BATCH_KERNEL(closest_many, MCV_TRACE_CLOSEST, mcv_hit, )
+MCV_BATCH_KERNEL(any_many, MCV_TRACE_ANY, int, .triangle != MCV_NONE)
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_all(__global const mcv_leaf *leaves,
                                                                            __global const mcv_batch_ray *rays, __global mcv_hit *hits,

@@ -163,7 +163,7 @@ static inline uint mcv_intersect_boxes(__global const mcv_node *node, const mcv_
  * functions, is off by 3 (2 (X δy + Y δx) + 4 u X Y); where that exceeds |det|, the triangle is seen edge-on and nothing is known. The rest
  * rounds by 12 u Z: 7 for the mean and 4 for the edge functions as weights.
  */
-#define MCV_MEET_SHEARED(NAME, EDGE, RISES, FLOAT, INT, MASK) \
+#define MCV_INTERSECT_SHEARED(NAME, EDGE, RISES, FLOAT, INT, MASK) \
     static inline FLOAT EDGE(FLOAT px, FLOAT py, FLOAT qx, FLOAT qy) { \
         const FLOAT product = py * qx; \
         return fma(px, qy, -product) + fma(-py, qx, product); \
@@ -221,8 +221,8 @@ static inline uint mcv_intersect_boxes(__global const mcv_node *node, const mcv_
         return mask; \
     }
 
-MCV_MEET_SHEARED(mcv_meet_sheared4, mcv_edge_function4, mcv_edge_rises4, float4, int4, mcv_mask4)
-MCV_MEET_SHEARED(mcv_meet_sheared8, mcv_edge_function8, mcv_edge_rises8, float8, int8, mcv_mask8)
+MCV_INTERSECT_SHEARED(mcv_intersect_sheared4, mcv_edge_function4, mcv_edge_rises4, float4, int4, mcv_mask4)
+MCV_INTERSECT_SHEARED(mcv_intersect_sheared8, mcv_edge_function8, mcv_edge_rises8, float8, int8, mcv_mask8)
 
 /*
  * Tests the four triangles of a leaf against a ray. A hit with 0 < t < hit->t replaces *hit; so does one with the same t and a
@@ -240,7 +240,7 @@ static inline __attribute__((always_inline)) int mcv_intersect_leaf_after(__glob
     }
     float4 t, b, c, det;
     int4 met;
-    uint mask = mcv_meet_sheared4(x, y, z, (float4)(ray->shear_x), (float4)(ray->shear_y), (float4)(ray->scale_z), (float4)(hit->t), &met,
+    uint mask = mcv_intersect_sheared4(x, y, z, (float4)(ray->shear_x), (float4)(ray->shear_y), (float4)(ray->scale_z), (float4)(hit->t), &met,
                                   &t, &b, &c, &det);
     if (!mask) return 0;
 

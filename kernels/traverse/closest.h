@@ -14,7 +14,7 @@ MCV_FUNCTION float mcv_just_beyond(mcv_hit exact) { return exact.t < INFINITY ? 
 
 #if MCV_TILE
 /* Does a ray meet a box before it ends? Margins as in kernels/traverse/bvh8.h. */
-MCV_LOOP_FUNCTION int mcv_meets_box(const float *low, const float *high, float extent, mcv_vec3 origin, mcv_vec3 direction, float end) {
+MCV_LOOP_FUNCTION int mcv_hits_box(const float *low, const float *high, float extent, mcv_vec3 origin, mcv_vec3 direction, float end) {
     const float o[3] = {origin.x, origin.y, origin.z};
     const float d[3] = {direction.x, direction.y, direction.z};
     const float x = mcv_abs(d[0]), y = mcv_abs(d[1]), z = mcv_abs(d[2]);
@@ -36,25 +36,25 @@ MCV_LOOP_FUNCTION int mcv_meets_box(const float *low, const float *high, float e
 #endif
 #endif
 
-/* The closest hit of a ray that has left `left` (mcv_leave). */
-MCV_FUNCTION mcv_hit mcv_closest(mcv_world world, mcv_vec3 origin, mcv_vec3 direction, uint left) {
+/* The closest hit of a ray that has left `left` (mcv_mark_origin_surface). */
+MCV_FUNCTION mcv_hit mcv_closest(mcv_world world, mcv_vec3 origin, mcv_vec3 direction, uint origin_surface) {
 #if MCV_WITH_SURFACES
-    const mcv_hit exact = mcv_meet_solids(world, origin, direction, left, mcv_miss(INFINITY));
+    const mcv_hit exact = mcv_intersect_solids(world, origin, direction, origin_surface, mcv_miss(INFINITY));
     const mcv_hit hit = mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction, mcv_just_beyond(exact));
     return hit.triangle != MCV_NONE ? hit : exact;
 #else
-    (void)left;
+    (void)origin_surface;
     return mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction, INFINITY);
 #endif
 }
 
 /* The closest hit within a way, in its lengths: t is 1 at its end. */
-MCV_FUNCTION mcv_hit mcv_closest_within(mcv_world world, mcv_vec3 origin, mcv_vec3 way, uint left) {
+MCV_FUNCTION mcv_hit mcv_closest_within(mcv_world world, mcv_vec3 origin, mcv_vec3 way, uint origin_surface) {
     const mcv_hit hit = mcv_intersect_closest_ray(world.nodes, world.leaves, origin, way, 1.0f);
 #if MCV_WITH_SURFACES
-    return mcv_meet_solids_along(world, origin, way, left, hit);
+    return mcv_intersect_solids_along(world, origin, way, origin_surface, hit);
 #else
-    (void)left;
+    (void)origin_surface;
     return hit;
 #endif
 }

@@ -9,11 +9,11 @@
 #include "traverse/packet.h"
 
 #if MCV_WITH_INTERLEAVE
-#define MCV_CLOSEST_MANY mcv_intersect_closest_turns
-#define MCV_ANY_MANY mcv_intersect_any_turns
+#define MCV_TRACE_CLOSEST mcv_intersect_closest_interleaved
+#define MCV_TRACE_ANY mcv_intersect_any_interleaved
 #else
-#define MCV_CLOSEST_MANY mcv_intersect_closest_bundles
-#define MCV_ANY_MANY mcv_intersect_any_bundles
+#define MCV_TRACE_CLOSEST mcv_intersect_closest_packets
+#define MCV_TRACE_ANY mcv_intersect_any_packets
 #endif
 
 #endif

@@ -104,15 +104,15 @@ static void test_rays_are_those_of_the_film(void **state) {
             const uint32_t column = (uint32_t)(4 * j * ref_random_unit(&random)), row = (uint32_t)(4 * k * ref_random_unit(&random));
             const double x = ref_random_unit(&random), y = ref_random_unit(&random);
             const double u = ref_random_unit(&random), v = ref_random_unit(&random);
-            const ref_sight sight = ref_sight_sample(&binned->sensors[0], column, row, x, y, u, v);
-            ref_sight same;
+            const ref_sensor_ray sight = ref_sensor_ray_sample(&binned->sensors[0], column, row, x, y, u, v);
+            ref_sensor_ray same;
             if (type == MCV_SENSOR_LIGHT_FIELD) {
                 /* (u, v) says which macro pixel, j and k stay. */
                 const uint32_t m = 5 + column / J * 3 + (uint32_t)(3 * u), n = 3 + row / K * 2 + (uint32_t)(2 * v);
-                same = ref_sight_sample(&full->sensors[0], m * J + column % J, n * K + row % K, x, y, 0, 0);
+                same = ref_sensor_ray_sample(&full->sensors[0], m * J + column % J, n * K + row % K, x, y, 0, 0);
             } else {
                 const double place_x = 5 + 3 * (column + x), place_y = 3 + 2 * (row + y);
-                same = ref_sight_sample(&full->sensors[0], (uint32_t)place_x, (uint32_t)place_y, place_x - floor(place_x),
+                same = ref_sensor_ray_sample(&full->sensors[0], (uint32_t)place_x, (uint32_t)place_y, place_x - floor(place_x),
                                         place_y - floor(place_y), u, v);
             }
             worst = worse(worst, ref_length(ref_sub(sight.origin, same.origin)) / 0.1);
@@ -135,7 +135,7 @@ static void test_principal_point(void **state) {
     (void)state;
     for (uint32_t type = 0; type < MCV_SENSOR_LIGHT_FIELD; ++type) {
         mcv_scene *scene = scene_of(type, &read);
-        const ref_sight sight = ref_sight_sample(&scene->sensors[0], 6, 4, 0, 0, 0, 0);
+        const ref_sensor_ray sight = ref_sensor_ray_sample(&scene->sensors[0], 6, 4, 0, 0, 0, 0);
         assert_true(sight.origin.x == 0 && sight.origin.y == 0);
         assert_true(sight.direction.x == 0 && sight.direction.y == 0 && sight.direction.z == -1);
         /* The field shifts by what the axis does: 18 + 6 columns instead of 12 + 12. */
@@ -148,7 +148,7 @@ static void test_principal_point(void **state) {
     /* In sensor pixels, whatever the macro pixels: the centre of macro pixel (1, 2) is 1.5 J, 2.5 K. */
     const part macro = {{1.5 * J, 2.5 * K}, {MCV_NONE, MCV_NONE, MCV_NONE, MCV_NONE}, {1, 1}};
     mcv_scene *scene = scene_of(MCV_SENSOR_LIGHT_FIELD, &macro);
-    const ref_sight sight = ref_sight_sample(&scene->sensors[0], J + J / 2, 2 * K + K / 2, 0.5, 0, 0, 0); /* J is odd, K even */
+    const ref_sensor_ray sight = ref_sensor_ray_sample(&scene->sensors[0], J + J / 2, 2 * K + K / 2, 0.5, 0, 0, 0); /* J is odd, K even */
     assert_true(hypot(sight.origin.x, sight.origin.y) == 0);
     assert_true(sight.direction.z == -1);
     mcv_scene_free(scene);

@@ -120,18 +120,18 @@ static inline void concentric(double xi, double eta, double *radius, double *ang
 }
 
 /* The reference's ray of sight for such a case. */
-static inline ref_sight reference_sight(const mcv_sensor *sensor, const uint32_t in[6]) {
+static inline ref_sensor_ray reference_sight(const mcv_sensor *sensor, const uint32_t in[6]) {
     double radius, angle;
     concentric(as_float(in[4]), as_float(in[5]), &radius, &angle);
     double turn = radius < 0 ? angle / (2 * M_PI) + 0.5 : angle / (2 * M_PI);
     turn -= floor(turn);
     const bool disk = sensor->type != MCV_SENSOR_LIGHT_FIELD; /* which takes the aperture sample as it is */
-    return ref_sight_sample(sensor, in[0], in[1], as_float(in[2]), as_float(in[3]), disk ? radius * radius : (double)as_float(in[4]),
+    return ref_sensor_ray_sample(sensor, in[0], in[1], as_float(in[2]), as_float(in[3]), disk ? radius * radius : (double)as_float(in[4]),
                             disk ? turn : (double)as_float(in[5]));
 }
 
 /* Rays of sight of one of the renderers in the world; directions need not be unit. */
-static inline void sights_by(bool reference, const mcv_sensor *sensor, size_t count, const uint32_t *cases, ref_sight *sights) {
+static inline void sights_by(bool reference, const mcv_sensor *sensor, size_t count, const uint32_t *cases, ref_sensor_ray *sights) {
     float *device = reference ? NULL : floats(7 * count);
     if (!reference) device_sights(sensor, count, cases, device);
     for (size_t i = 0; i < count; ++i) {
@@ -143,7 +143,7 @@ static inline void sights_by(bool reference, const mcv_sensor *sensor, size_t co
         double p[3], d[3];
         mcv_transform_point(&sensor->to_world, (const double[3]){s[0], s[1], -s[2]}, p); /* the node looks along its -z */
         mcv_transform_vector(&sensor->to_world, (const double[3]){s[3], s[4], -s[5]}, d);
-        sights[i] = (ref_sight){.origin = ref_from(p), .direction = ref_from(d), .weight = s[6]};
+        sights[i] = (ref_sensor_ray){.origin = ref_from(p), .direction = ref_from(d), .weight = s[6]};
     }
     free(device);
 }

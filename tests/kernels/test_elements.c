@@ -81,7 +81,7 @@ static void check_whole_or_part(const sensor_case *c) {
     for (size_t i = 0; i < CASES; ++i) {
         const uint32_t *in = cases + 6 * i;
         const float *out = sights + 7 * i;
-        const ref_sight sight = reference_sight(sensor, in);
+        const ref_sensor_ray sight = reference_sight(sensor, in);
         /* The node looks along -z: the optical frame's z turns. */
         const ref_vec d = {sight.direction.x / -sight.direction.z, sight.direction.y / -sight.direction.z, 1};
         worst_origin = fmax(worst_origin, fmax(fabs(out[0] - sight.origin.x), fabs(out[1] - sight.origin.y)));

@@ -54,7 +54,7 @@ static void check_telecentric_magnification(bool reference) {
         add_rectangle(scene, 0.1, 0.1, add_absorber(scene), looking(at, (const double[3]){-forward[0], -forward[1], -forward[2]}, up));
 
         uint32_t cases[6 * RAYS];
-        ref_sight sights[RAYS];
+        ref_sensor_ray sights[RAYS];
         mcv_trace_ray rays[RAYS];
         for (uint32_t i = 0; i < RAYS; ++i) {
             cases[6 * i] = i;
@@ -110,7 +110,7 @@ static void test_4f_system(void **state) {
             mcv_scene *scene = mcv_scene_new("4f");
             mcv_sensor sensor = sensor_defaults(second ? MCV_SENSOR_THIN_LENS : MCV_SENSOR_TELECENTRIC);
             uint32_t cases[6 * CASES];
-            ref_sight sights[CASES];
+            ref_sensor_ray sights[CASES];
             ref_random random = {5};
             double worst = 0;
             if (second) {
@@ -186,7 +186,7 @@ static void test_blur_by_rays(void **state) {
     mcv_scene *scene = mcv_scene_new("thin lens");
     const mcv_sensor sensor = thin_lens(SIZE, SIZE);
     uint32_t cases[6 * 64] = {0};
-    ref_sight sights[64];
+    ref_sensor_ray sights[64];
     (void)state;
     add_sensor(scene, MCV_SENSOR_THIN_LENS, &sensor, looking_down_z(0, 0, 0));
     for (uint32_t i = 0; i < 4; ++i) {
@@ -206,7 +206,7 @@ static void test_blur_by_rays(void **state) {
                 for (int rim = 0; rim < 2; ++rim) {
                     double place[2];
                     for (int end = 0; end < 2; ++end) {
-                        const ref_sight sight = sights[2 * rim + end];
+                        const ref_sensor_ray sight = sights[2 * rim + end];
                         place[end] = sight.origin.x - depths[d] * sight.direction.x / sight.direction.z;
                     }
                     column[rim] = (point - place[0]) / (place[1] - place[0]) * (SIZE - 1);

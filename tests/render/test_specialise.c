@@ -134,7 +134,7 @@ static void expect_nothing_unneeded(const char *what, uint32_t features, uint32_
     restore_sources();
     for (int p = 0; p < PROGRAMS; ++p) full[p] = preprocess(programs[p], options);
     /* Of light paths, which belong to no element. */
-    static const char *const light[] = {"mcv_splat(", "mcv_leave_trail", "_invert(", "_connect(", "_footprint(", "_emit("};
+    static const char *const light[] = {"mcv_splat(", "mcv_update_path_class", "_invert(", "_connect(", "_footprint(", "_emit("};
     enum { OF_LIGHT = sizeof light / sizeof light[0] };
     for (int p = 0; p < PROGRAMS * OF_LIGHT; ++p)
         if (!(features & BIT(LIGHT_TRACING)) && strstr(full[p / OF_LIGHT], light[p % OF_LIGHT]))

@@ -66,7 +66,7 @@ static mcv_scene *scene_of(uint32_t type, int variant) {
 /* Of double arithmetic on metres, of which 1e6 pixels make one: 1e-9 pixels; the accuracy that is promised is asked for. */
 static const double bound = 1e-6;
 
-static void expect_seen(const mcv_camera_model *model, const ref_sight *sight, double distance, double column, double row,
+static void expect_seen(const mcv_camera_model *model, const ref_sensor_ray *sight, double distance, double column, double row,
                         const char *what) {
     const ref_vec o = sight->origin, d = sight->direction;
     const double point[3] = {o.x + distance * d.x, o.y + distance * d.y, o.z + distance * d.z};
@@ -100,7 +100,7 @@ static void check_projection(uint32_t type, int variant) {
             seen[0] = 5 * (column / 5 + (floor(u * readout.binning[0]) + 0.5) / readout.binning[0]);
             seen[1] = 3 * (row / 3 + (floor(v * readout.binning[1]) + 0.5) / readout.binning[1]);
         }
-        const ref_sight any = ref_sight_sample(sensor, column, row, x, y, u, v);
+        const ref_sensor_ray any = ref_sensor_ray_sample(sensor, column, row, x, y, u, v);
         if (isfinite(model.focused_depth)) {
             double here[3], there[3];
             const double start[3] = {any.origin.x, any.origin.y, any.origin.z};
@@ -110,8 +110,8 @@ static void check_projection(uint32_t type, int variant) {
             expect_seen(&model, &any, (model.focused_depth - at) / step, seen[0], seen[1], what);
         }
         /* The middle of 5 x 3 pixels is pixel (2, 1). */
-        const ref_sight chief = light_field ? ref_sight_sample(sensor, column / 5 * 5 + 2, row / 3 * 3 + 1, 0.5, 0.5, u, v)
-                                            : ref_sight_sample(sensor, column, row, x, y, 0, 0);
+        const ref_sensor_ray chief = light_field ? ref_sensor_ray_sample(sensor, column / 5 * 5 + 2, row / 3 * 3 + 1, 0.5, 0.5, u, v)
+                                            : ref_sensor_ray_sample(sensor, column, row, x, y, 0, 0);
         expect_seen(&model, &chief, 0.02 + uniform(), seen[0], seen[1], what);
     }
     mcv_camera_model_free(&model);

@@ -35,7 +35,7 @@ static void write_box(double width) {
     write_box_stl("box.stl", lower, upper);
 }
 
-static mcv_scene *load(mcv_kept_assets *kept) {
+static mcv_scene *load(mcv_asset_cache *kept) {
     mcv_scene *scene;
     mcv_error error;
     if (mcv_scene_load_again("rig.gltf", (mcv_overrides){NULL, 0}, kept, &scene, &error) != MCV_OK) fail_msg("%s", error.text);
@@ -67,7 +67,7 @@ static void test_same_scene(void **state) {
     write_file("rig.gltf", rig);
     write_box(1);
     write_part("grey", 1);
-    mcv_kept_assets *kept = mcv_kept_assets_new();
+    mcv_asset_cache *kept = mcv_kept_assets_new();
     mcv_scene *plain = load(NULL), *first = load(kept), *second = load(kept);
     assert_int_equal(mcv_kept_assets_read(kept), 2); /* box.stl, which is placed twice, and part.gltf */
     mcv_kept_assets_free(kept);
@@ -86,7 +86,7 @@ static void test_changes_are_seen(void **state) {
     write_file("rig.gltf", rig);
     write_box(1);
     write_part("grey", 1);
-    mcv_kept_assets *kept = mcv_kept_assets_new();
+    mcv_asset_cache *kept = mcv_kept_assets_new();
     mcv_scene_free(load(kept));
     for (int change = 0; change < 4; ++change) {
         if (change == 0) write_box(5);

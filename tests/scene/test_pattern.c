@@ -71,7 +71,7 @@ static void test_values(void **state) {
     assert_int_equal(mcv_pattern_count(&pattern), 5);
     for (uint32_t k = 0; k < 5; ++k) {
         mcv_texture texture = {0};
-        const mcv_place place = mcv_place_file("pattern");
+        const mcv_json_path place = mcv_place_file("pattern");
         BUILD(mcv_pattern_image(&pattern, k, &texture, &place, &builder_error));
         assert_int_equal(texture.width, 1000);
         assert_int_equal(texture.height, 1);

@@ -70,7 +70,7 @@ static void test_quantities(void **state) {
 /* Parses a JSON object as a sensor of this type, checks and resolves it. */
 static mcv_result sensor_of(uint32_t type, const char *json, mcv_sensor *sensor, mcv_error *error) {
     static const char *const others[] = {NULL};
-    const mcv_place file = mcv_place_file("rig.gltf"), place = mcv_place_key(&file, "cam");
+    const mcv_json_path file = mcv_place_file("rig.gltf"), place = mcv_json_path_key(&file, "cam");
     json_t *object = json_loads(json, 0, NULL);
     assert_non_null(object);
     *sensor = (mcv_sensor){.type = type};
@@ -238,7 +238,7 @@ static void test_prepare(void **state) {
     mcv_telecentric_prepare(&sensor.as.telecentric, &t);
     assert_int_equal(t.centre_x.halves, 4);
     assert_int_equal(t.centre_y.halves, 6);
-    assert_float(t.centre_x.rest, 0, "what half pixels leave of the centre");
+    assert_float(t.centre_x.low, 0, "what half pixels leave of the centre");
     assert_float(t.pixel_x, 4e-3, "pixel_x: l f/(b - f) = 4 l");
     assert_float(t.pixel_y, 8e-3, "pixel_y");
     assert_float(t.stop_radius, 5e-3, "stop radius");
@@ -341,7 +341,7 @@ static void test_optics(void **state) {
 
 static void test_emitters(void **state) {
     (void)state;
-    const mcv_place place = mcv_place_file("rig.gltf");
+    const mcv_json_path place = mcv_place_file("rig.gltf");
     mcv_error error = {""};
     mcv_emitter emitter = {.type = MCV_EMITTER_PARALLEL, .area = 0.01};
     mcv_params_set_defaults(mcv_emitter_table(emitter.type), &emitter.as);
@@ -376,7 +376,7 @@ static void test_emitters(void **state) {
 /* Every element: its defaults pass where nothing is required, and stay unset where they must be given. */
 static void test_tables(void **state) {
     (void)state;
-    const mcv_place place = mcv_place_file("defaults");
+    const mcv_json_path place = mcv_place_file("defaults");
     for (uint32_t type = 0; type < MCV_MATERIAL_COUNT; ++type) {
         mcv_material material = {.type = type};
         mcv_error error;

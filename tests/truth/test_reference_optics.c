@@ -206,7 +206,7 @@ static void test_fresnel(void **state) { /* T12, T13 */
     const ref_surface surface = {.geometric = {0, 0, 1}, .normal = {0, 0, 1}};
     for (int i = 0; i < STEPS; ++i) {
         const double sine = sqrt((i + 0.5) / STEPS);
-        const ref_meeting meeting = ref_meet(&surface, (ref_vec){sine, 0, -sqrt(1 - sine * sine)});
+        const ref_interaction meeting = ref_make_interaction(&surface, (ref_vec){sine, 0, -sqrt(1 - sine * sine)});
         outside += ref_reflectance(&meeting, 1, 1.5) / STEPS;
         inside += ref_reflectance(&meeting, 1.5, 1) / STEPS;
     }

@@ -56,7 +56,7 @@ static mcv_sensor light_field(int aperture) {
 }
 
 /* Where a ray of sight is at a depth before the lens. */
-static ref_vec at_depth(ref_sight sight, double depth) {
+static ref_vec at_depth(ref_sensor_ray sight, double depth) {
     return ref_add(sight.origin, ref_scale((depth + sight.origin.z) / -sight.direction.z, sight.direction));
 }
 
@@ -65,7 +65,7 @@ static double place_bound(bool reference, double depth) { return 16 * (reference
 
 enum { CASES = 1024 };
 static uint32_t cases[6 * CASES]; /* column, row, x, y, two numbers for the aperture */
-static ref_sight sights[CASES];
+static ref_sensor_ray sights[CASES];
 
 static void set_case(size_t i, uint32_t column, uint32_t row, float x, float y, float xi, float eta) {
     const uint32_t in[6] = {column, row, as_uint(x), as_uint(y), as_uint(xi), as_uint(eta)};
@@ -154,8 +154,8 @@ static void test_light_field_map(void **state) {
 
     const mcv_sensor circle = light_field(MCV_APERTURE_CIRCLE);
     scene = scene_with(MCV_SENSOR_LIGHT_FIELD, &circle);
-    assert_true(ref_sight_sample(&scene->sensors[0], 0, 0, 0.5, 0.5, 0, 0).weight == 0); /* a corner of the pupil */
-    assert_true(ref_sight_sample(&scene->sensors[0], 2, 1, 0.5, 0.5, 0, 0).weight == 1);
+    assert_true(ref_sensor_ray_sample(&scene->sensors[0], 0, 0, 0.5, 0.5, 0, 0).weight == 0); /* a corner of the pupil */
+    assert_true(ref_sensor_ray_sample(&scene->sensors[0], 2, 1, 0.5, 0.5, 0, 0).weight == 1);
     mcv_scene_free(scene);
 }
 

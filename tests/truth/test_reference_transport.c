@@ -92,7 +92,7 @@ static void test_slab(void **state) {
         add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 400, 400, add_absorber(scene), looking_up_z(0, 0, -1)), 1, 0);
         add_spot_camera(scene, (const double[3]){sin(angle), 0, cos(angle)}, (const double[3]){0, 0, 0}, 1e-6);
         const ref_surface surface = {.geometric = {0, 0, 1}, .normal = {0, 0, 1}};
-        const ref_meeting meeting = ref_meet(&surface, (ref_vec){-sin(angle), 0, -cos(angle)});
+        const ref_interaction meeting = ref_make_interaction(&surface, (ref_vec){-sin(angle), 0, -cos(angle)});
         const double r = ref_reflectance(&meeting, 1, 1.5), truth = (1 - r) / (1 + r);
         char what[64];
         snprintf(what, sizeof what, "T14 slab at %d degrees", degrees);
@@ -114,7 +114,7 @@ static void test_sheet(void **state) {
     add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 40, 40, add_absorber(scene), looking_up_z(0, 0, -1)), 1, 0);
     add_spot_camera(scene, (const double[3]){sin(angle), 0, cos(angle)}, (const double[3]){0, 0, 0}, 1e-6);
     const ref_surface surface = {.geometric = {0, 0, 1}, .normal = {0, 0, 1}};
-    const ref_meeting meeting = ref_meet(&surface, (ref_vec){-sin(angle), 0, -cos(angle)});
+    const ref_interaction meeting = ref_make_interaction(&surface, (ref_vec){-sin(angle), 0, -cos(angle)});
     const double r = ref_reflectance(&meeting, 1, 1.5), truth = share * (1 - r) / (1 + r);
     check_mean("sheet: transmittance", render_mean(scene, 8192, 8, true, &stats), truth, 1e-5 * truth);
     mcv_scene_free(scene);
