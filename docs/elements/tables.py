@@ -62,14 +62,14 @@ def is_angle(part):
 
 
 def kind(part):
-    """What is written there, in words."""
+    """What is written there, in words; of a choice its options."""
     one = scalar(part)
     if "uri" in json.dumps(part):
         return "image"
     if "oneOf" in part:
         return "object"
     if "enum" in part:
-        return "one of the names"
+        return ", ".join('`"%s"`' % option for option in part["enum"])
     word = {"boolean": "true or false", "integer": "integer", "number": "number"}.get(
         one["type"] if isinstance(one["type"], str) else "", "")
     if "pattern" in one:
@@ -97,9 +97,7 @@ def figure(x, angle):
 
 
 def span(part):
-    """The values allowed."""
-    if "enum" in part:
-        return ", ".join('`"%s"`' % option for option in part["enum"])
+    """The range of a number."""
     one = scalar(part)
     one = one.get("items", one)
     if "minimum" not in one and "maximum" not in one:
@@ -139,16 +137,17 @@ def rows(path):
         if key in HIDDEN:
             continue
         unit, meaning = unit_and_meaning(part)
-        yield ["`%s`" % key, kind(part), unit, default(part, key in required), span(part),
-               meaning.replace("|", "\\|")]
+        value = ": ".join(filter(None, (kind(part), span(part))))
+        yield ["`%s`" % key, meaning, unit, default(part, key in required), value]
 
 
 def table(path):
-    lines = ["| " + " | ".join(cells) + " |" for cells in rows(path)]
+    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+             for cells in rows(path)]
     if not lines:
         return "It has no parameters.\n"
-    return "\n".join(["| key | value | unit | default | range | meaning |",
-                      "| --- | --- | --- | --- | --- | --- |"] + lines) + "\n"
+    return "\n".join(["| key | meaning | unit | default | value |",
+                      "| --- | --- | --- | --- | --- |"] + lines) + "\n"
 
 
 def filled(text):
@@ -157,7 +156,9 @@ def filled(text):
 
 
 def pages():
-    return sorted(glob.glob(os.path.join(HERE, "*.md")))
+    """All pages, by their place below this folder."""
+    found = glob.glob(os.path.join(HERE, "**", "*.md"), recursive=True)
+    return sorted(os.path.relpath(path, HERE) for path in found)
 
 
 def main(arguments):
@@ -166,10 +167,11 @@ def main(arguments):
         return 0 if len(arguments) == 1 else 2
     folder = arguments[0] if arguments else HERE
     for page in pages():
-        with open(page, encoding="utf-8") as file:
+        with open(os.path.join(HERE, page), encoding="utf-8") as file:
             text = filled(file.read())
-        with open(os.path.join(folder, os.path.basename(page)), "w", encoding="utf-8",
-                  newline="\n") as file:
+        path = os.path.join(folder, page)
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "w", encoding="utf-8", newline="\n") as file:
             file.write(text)
     return 0
 

@@ -9,13 +9,14 @@ element_pages.py MCVISI SOURCES FOLDER
   scene that uses it; the overview lists it.
 - Each scene of a page passes `mcvisi check` without a warning and is rendered, by the reference
   renderer, which compiles nothing: its image is not black.
-- Links lead to files and headings that exist.
+- Links between these pages lead to files and headings that exist; `./run docs` sees to the others.
 """
 import glob
 import json
 import math
 import os
 import re
+import shutil
 import subprocess
 import sys
 
@@ -32,25 +33,26 @@ def read(path, mode="r"):
 
 
 def run_script(path, folder):
-    os.makedirs(folder, exist_ok=True)
-    for name in os.listdir(folder):
-        os.remove(os.path.join(folder, name))
+    shutil.rmtree(folder, ignore_errors=True)
+    os.makedirs(folder)
     subprocess.run([sys.executable, "-B", path, folder], check=True)
+
+
+def files(folder, ending):
+    """The files below a folder, by their place in it."""
+    found = glob.glob(os.path.join(folder, "**", "*" + ending), recursive=True)
+    return {os.path.relpath(path, folder): path for path in found}
 
 
 def compare(script, kept, made):
     """The files of two folders, byte for byte."""
-    for name in sorted(set(os.listdir(made)) | set(kept)):
+    for name in sorted(set(kept) | set(made)):
         if name not in kept:
             fail(name, "is missing: run", script)
-        elif not os.path.exists(os.path.join(made, name)):
+        elif name not in made:
             fail(kept[name], "is not made by", script)
-        elif read(kept[name], "rb") != read(os.path.join(made, name), "rb"):
+        elif read(kept[name], "rb") != read(made[name], "rb"):
             fail(kept[name], "is not what", script, "makes: run it")
-
-
-def files(pattern):
-    return {os.path.basename(path): path for path in glob.glob(pattern)}
 
 
 def elements(sources):
@@ -86,7 +88,7 @@ def check_elements(sources, pages):
             fail("%s/%s has %d parameter tables on the pages, not one" % (kind, key, len(holders)))
             continue
         text = pages[holders[0]]
-        if "](drawings/" not in text or "```text\n" not in text:
+        if "](../drawings/" not in text or "```text\n" not in text:
             fail(holders[0], "has no drawing or no formula for", key)
         if not any(uses(scene, kind, key) for scene in scenes(text)):
             fail(holders[0], "has no scene that uses %s/%s" % (kind, key))
@@ -104,12 +106,15 @@ def check_links(folder, pages):
     drawn = set()
     for name, text in pages.items():
         for target in re.findall(r'\]\(([^)]+)\)|<img src="([^"]+)"', text):
-            path, _, heading = "".join(target).partition("#")
+            link, _, heading = "".join(target).partition("#")
+            path = os.path.normpath(os.path.join(os.path.dirname(name), link)) if link else name
+            if path.startswith(".."):
+                continue
             if path.endswith(".svg"):
                 drawn.add(os.path.basename(path))
-            if path and not os.path.exists(os.path.join(folder, path)):
+            if not os.path.exists(os.path.join(folder, path)):
                 fail(name, "leads to", path, "which does not exist")
-            elif heading and heading not in anchors(pages[path or name]):
+            elif heading and heading not in anchors(pages[path]):
                 fail(name, "leads to", path + "#" + heading, "which has no such heading")
     for unused in sorted(set(os.listdir(os.path.join(folder, "drawings"))) - drawn):
         fail("drawings/" + unused, "is on no page")
@@ -141,9 +146,10 @@ def main(program, sources, folder):
     made = {kind: os.path.join(folder, kind) for kind in ("drawings", "pages", "scenes")}
     run_script(os.path.join(docs, "draw.py"), made["drawings"])
     run_script(os.path.join(docs, "tables.py"), made["pages"])
-    compare("docs/elements/draw.py", files(os.path.join(docs, "drawings", "*")), made["drawings"])
-    compare("docs/elements/tables.py", files(os.path.join(docs, "*.md")), made["pages"])
-    pages = {name: read(path) for name, path in files(os.path.join(docs, "*.md")).items()}
+    drawings = files(made["drawings"], ".svg")
+    compare("docs/elements/draw.py", files(os.path.join(docs, "drawings"), ".svg"), drawings)
+    compare("docs/elements/tables.py", files(docs, ".md"), files(made["pages"], ".md"))
+    pages = {name: read(path) for name, path in files(docs, ".md").items()}
     check_elements(sources, pages)
     check_links(docs, pages)
     os.makedirs(made["scenes"], exist_ok=True)
@@ -151,11 +157,11 @@ def main(program, sources, folder):
     for name, text in sorted(pages.items()):
         for scene in scenes(text):
             count += 1
-            path = os.path.join(made["scenes"], "%s-%d.gltf" % (name[:-3], count))
+            path = os.path.join(made["scenes"], "%02d-%s.gltf" % (count, os.path.basename(name)[:-3]))
             with open(path, "w", encoding="utf-8") as file:
                 json.dump(scene, file)
             run_scene(program, path)
-    print("%d drawings, %d pages, %d scenes" % (len(os.listdir(made["drawings"])), len(pages), count))
+    print("%d drawings, %d pages, %d scenes" % (len(drawings), len(pages), count))
     for failure in failures:
         print(failure)
     return 1 if failures else 0
