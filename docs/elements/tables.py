@@ -84,16 +84,20 @@ def kind(part):
     return {1: word, 2: "%s, or 2" % word, 3: "%s, or 3 (R, G, B)" % word}[count]
 
 
-def figure(x, angle):
-    """A number as it is read, an angle in degrees besides."""
+def figure(x):
+    """A number as it is read."""
     text = "%.6g" % x
     if "e" in text:
         mantissa, exponent = text.split("e")
         text = "%s10%s" % ("" if mantissa == "1" else "-" if mantissa == "-1" else mantissa + "·",
                            "".join("⁰¹²³⁴⁵⁶⁷⁸⁹"[int(c)] if c.isdigit() else "⁻"
                                    for c in str(int(exponent))))
-    text = text.replace("-", "−")
-    return "%s (%.6g°)" % (text, math.degrees(x)) if angle and 0 < abs(x) < 10 else text
+    return text.replace("-", "−")
+
+
+def bound(x, part):
+    """An end of a range; of an angle in degrees, unless it allows many turns."""
+    return figure(math.degrees(x)) + "°" if is_angle(part) and abs(x) < 10 else figure(x)
 
 
 def span(part):
@@ -104,12 +108,12 @@ def span(part):
         return ""
     low, high = one.get("minimum"), one.get("maximum")
     first = "" if low is None else \
-        ("> " if one.get("exclusiveMinimum") else "≥ ") + figure(low, is_angle(part))
+        ("> " if one.get("exclusiveMinimum") else "≥ ") + bound(low, part)
     if high is None or high >= UNBOUNDED:
         return first
     if one.get("exclusiveMinimum"):
-        return "%s, ≤ %s" % (first, figure(high, is_angle(part)))
-    return "%s … %s" % (figure(low, is_angle(part)), figure(high, is_angle(part)))
+        return "%s, ≤ %s" % (first, bound(high, part))
+    return "%s … %s" % (bound(low, part), bound(high, part))
 
 
 def default(part, required):
@@ -120,7 +124,10 @@ def default(part, required):
         return ""
     if isinstance(value, bool):
         return "`%s`" % str(value).lower()
-    return '`"%s"`' % value if isinstance(value, str) else figure(value, is_angle(part))
+    if isinstance(value, str):
+        return '`"%s"`' % value
+    return "%s (%s)" % (figure(value), bound(value, part)) if is_angle(part) and value else \
+        figure(value)
 
 
 def unit_and_meaning(part):
