@@ -58,7 +58,7 @@ def roughness():
     for value, colour, length in ((0.6, HUES[3], 62), (0.4, HUES[2], 108), (0.25, HUES[1], 165)):
         s.lobe(at, 90, length, scaled(ggx_lobe(value ** 2, 40)), "none", colour)
         s.text((at[0] + 122, 36 + (length - 62) * 0.95),
-               "`roughness` %g: α = %.2g" % (value, value ** 2), "start", colour, 12)
+               "`roughness` %g: α = %.3g" % (value, value ** 2), "start", colour, 12)
     s.line([at, (at[0], 160)], FAINT, 1, "5 4")
     s.text((at[0] - 10, -36), "the lobes are not to one scale")
     return s

@@ -61,11 +61,15 @@ def is_angle(part):
     return "deg" in scalar(part).get("pattern", "")
 
 
+def is_image(part):
+    return any("uri" in choice.get("properties", {}) for choice in part.get("anyOf", []))
+
+
 def kind(part):
     """What is written there, in words; of a choice its options."""
     one = scalar(part)
-    if "uri" in json.dumps(part):
-        return "image"
+    if is_image(part):
+        return "index, name or object"
     if "oneOf" in part:
         return "object"
     if "enum" in part:
@@ -104,7 +108,7 @@ def span(part):
     """The range of a number."""
     one = scalar(part)
     one = one.get("items", one)
-    if "minimum" not in one and "maximum" not in one:
+    if is_image(part) or ("minimum" not in one and "maximum" not in one):
         return ""
     low, high = one.get("minimum"), one.get("maximum")
     first = "" if low is None else \
@@ -132,7 +136,7 @@ def default(part, required):
 
 def unit_and_meaning(part):
     """A description ends in its unit; of a choice that says two, both belong to the sentence."""
-    text = part.get("description", "")
+    text = re.sub(r"\{[^}]*\}", r"`\g<0>`", part.get("description", ""))
     match = re.fullmatch(r"(.*) \[([^\[\]]+)\]", text)
     return (match[2], match[1]) if match and "enum" not in part else ("", text)
 
