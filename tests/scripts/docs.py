@@ -5,6 +5,7 @@
 - README.md has at most 120 lines.
 - Every relative link and image leads to a file, and #anchor to a heading of it.
 - Every `./run` verb, `mcvisi` verb and option that stands in code is in `./run help` or `mcvisi help`.
+- Every page of docs/ stands in the navigation of `./run docs`.
 - No sentence is longer than two lines of 100 columns; code and tables are left out.
 """
 import pathlib
@@ -143,6 +144,7 @@ def main():
     program = Program(mcvisi, root)
     if len(program.run_verbs) < 5 or len(program.verbs) < 5:
         sys.exit("the verbs could not be read from the help: %s, %s" % (program.run_verbs, program.verbs))
+    navigation = re.findall(r"[\w-]+\.md", (root / "tools/docs/mkdocs.yml").read_text(encoding="utf-8"))
     codes = 0
     for path in pages:
         name, page = path.relative_to(root).as_posix(), Page(path)
@@ -151,6 +153,9 @@ def main():
         for code in page.code:
             program.check(name, code)
         codes += len(page.code)
+        # A page that the navigation leaves out fails in `./run docs`.
+        if path.parent == root / "docs" and path.name not in navigation:
+            fail(name, "tools/docs/mkdocs.yml has no such page")
     if len(Page(root / "README.md").lines) > MOST_LINES:
         fail("README.md", "more than %d lines" % MOST_LINES)
     if failures:

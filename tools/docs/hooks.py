@@ -101,7 +101,7 @@ def on_files(files, config):
         done.add(source)
         if not source.startswith("docs/"):
             content = (ROOT / source).read_bytes()
-            files.append(File.generated(config, site_path(source), content=content, inclusion=InclusionLevel.INCLUDED))
+            files.append(File.generated(config, site_path(source), content=content, inclusion=InclusionLevel.NOT_IN_NAV))
         if source.endswith(".md"):
             waiting.extend(linked_from(source))
     return files
