@@ -6,6 +6,7 @@
 - Every relative link and image leads to a file, and #anchor to a heading of it.
 - Every `./run` verb, `mcvisi` verb and option that stands in code is in `./run help` or `mcvisi help`.
 - Every page of docs/ stands in the navigation of `./run docs`.
+- Every verb, and every package that `./run` installs, has its line.
 - No sentence is longer than two lines of 100 columns; code and tables are left out.
 """
 import pathlib
@@ -138,6 +139,26 @@ class Program:
                 fail(name, "no help names %s, in: %s" % (option, code))
 
 
+def check_complete(root, program):
+    """Every verb and every package has its line."""
+    start = (root / "docs/quick-start.md").read_text(encoding="utf-8")
+    for verb in program.run_verbs - {"help"}:
+        if "| `./run %s` |" % verb not in start:
+            fail("docs/quick-start.md", "nothing about ./run %s" % verb)
+    command_line = (root / "docs/command-line.md").read_text(encoding="utf-8")
+    for verb in program.verbs:
+        if "| `mcvisi %s" % verb not in command_line:
+            fail("docs/command-line.md", "nothing about mcvisi %s" % verb)
+    run = (root / "run").read_text(encoding="utf-8")
+    lists = re.findall(r"^needed(?:_(?!peers)\w+)?=\(([^)]*)\)", run, re.M)
+    packages = {word for words in lists for word in words.split() if re.fullmatch(r"[a-z][a-z0-9+-]*", word)}
+    if len(packages) < 10:
+        sys.exit("the packages could not be read from run: %s" % packages)
+    for package in packages:
+        if not re.search(r"^\|.*(?<![\w-])%s(?![\w-]).*\|" % re.escape(package), start, re.M):
+            fail("docs/quick-start.md", "nothing about the package %s" % package)
+
+
 def main():
     mcvisi, root = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
     pages = [root / name / "README.md" for name in ("", "bench", "scenes", "kernels")] + sorted((root / "docs").rglob("*.md"))
@@ -156,6 +177,7 @@ def main():
         # A page that the navigation leaves out fails in `./run docs`.
         if path.parent == root / "docs" and path.name not in navigation:
             fail(name, "tools/docs/mkdocs.yml has no such page")
+    check_complete(root, program)
     if len(Page(root / "README.md").lines) > MOST_LINES:
         fail("README.md", "more than %d lines" % MOST_LINES)
     if failures:
