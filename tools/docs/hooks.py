@@ -55,7 +55,7 @@ def folder(name):
     """All pages of a folder of docs/, index.md first; folders in it are sections."""
     here = ROOT / "docs" / name
     pages = sorted(here.glob("*.md"), key=lambda page: (page.name != "index.md", page.name))
-    entries = [name + page.name for page in pages]
+    entries = [{"Overview": name + page.name} if page.name == "index.md" else name + page.name for page in pages]
     for inner in sorted(path for path in here.iterdir() if path.is_dir() and any(path.glob("*.md"))):
         entries.append({inner.name.capitalize(): folder(name + inner.name + "/")})
     return entries
