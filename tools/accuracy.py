@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Gathers what the tests have found beside closed forms: tools/accuracy.py FOLDER reads FOLDER/rows.jsonl, which tests write where
-MCVISI_ACCURACY names it (tests/common/truths.h), prints a table, truth by truth, and writes FOLDER/accuracy.json, FOLDER/report.html with plots
-and FOLDER/tables.md, the tables of docs/accuracy.md. Exits with 1 where a truth is missed or no test has asked for it. Standard library only."""
+MCVISI_ACCURACY names it (tests/common/truths.h), prints a table, truth by truth, and writes FOLDER/accuracy.json, FOLDER/report.html with
+plots and FOLDER/tables.md, the tables of docs/accuracy.md. Exits with 1 where a truth is missed or no test has asked for it. Standard
+library only."""
 
 import html
 import json
@@ -108,7 +109,8 @@ def markdown(rows):
     text = ""
     for name in sorted({r["truth"] for r in rows}, key=order):
         title, formula = TRUTHS.get(name, ("", ""))
-        text += f"\n### {name}: {title}\n\n`{formula}`\n\n| what | bound | reference | device |\n| --- | --- | --- | --- |\n"
+        text += f"\n### {name}: {title}\n\n`{formula}`\n\n"
+        text += "| what | bound | reference | device |\n| --- | --- | --- | --- |\n"
         for r in (r for r in rows if r["truth"] == name):
             what = html.escape(r["what"], quote=False).replace("|", "\\|")
             text += f"| {what} | {bound_of(r)} | {short(r['reference'])} | {short(r['device'])} |\n"

@@ -1,14 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Is the documentation true where a program can tell? docs.py MCVISI SOURCES; the standard library alone, no network.
+"""Is the documentation true where a program can tell? docs.py MCVISI SOURCES
+
+The standard library alone, no network.
 
 - README.md has at most 120 lines.
 - Every relative link and image leads to a file, and #anchor to a heading of it.
-- Every `./run` verb, `mcvisi` verb and option that stands in code is in `./run help` or `mcvisi help`.
+- Every `./run` verb, `mcvisi` verb and option that stands in code is in `./run help` or
+  `mcvisi help`.
 - Every page of docs/ stands in the navigation of `./run docs`.
 - Every verb, and every package that `./run` installs, has its line.
 - No sentence is longer than two lines of 100 columns; code and tables are left out.
 """
+
 import pathlib
 import re
 import subprocess
@@ -21,7 +25,9 @@ LINK = re.compile(r"!?\[(?P<text>[^\]]*)\]\((?P<target>[^)\s]+)\)")
 SPAN = re.compile(r"(`+)(?P<code>.+?)\1", re.S)
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]*")
 # A line of code that calls another program has that program's options.
-OTHERS = re.compile(r"(\w+=\S* )*(sudo |\$ )?(apt-get|cmake|ctest|git|pip|python3?|build/release/bench/\S+)\b")
+OTHERS = re.compile(
+    r"(\w+=\S* )*(sudo |\$ )?(apt-get|cmake|ctest|git|pip|python3?|build/release/bench/\S+)\b"
+)
 ITEM = re.compile(r"\s*([-*+]|\d+\.|:  ) ")
 
 failures = []
@@ -63,10 +69,14 @@ class Page:
             if blank or line.startswith(("#", "|", "<!--")) or ITEM.match(line):
                 self.end(paragraph)
             if not (blank or line.startswith(("#", "|", "<!--"))):
-                paragraph.append((line[ITEM.match(line).end():] if ITEM.match(line) else line).strip(" >"))
+                paragraph.append(
+                    (line[ITEM.match(line).end() :] if ITEM.match(line) else line).strip(" >")
+                )
         self.end(paragraph)
         joined = re.sub(r"\\\n", " ", "\n".join(self.code))
-        self.code = joined.splitlines() + [" ".join(span["code"].split()) for span in SPAN.finditer(self.text)]
+        self.code = joined.splitlines() + [
+            " ".join(span["code"].split()) for span in SPAN.finditer(self.text)
+        ]
 
     def end(self, paragraph):
         if paragraph:
@@ -109,14 +119,19 @@ class Program:
 
     def __init__(self, mcvisi, root):
         def output(*words):
-            return subprocess.run(words, capture_output=True, text=True, check=True, cwd=root).stdout
+            return subprocess.run(
+                words, capture_output=True, text=True, check=True, cwd=root
+            ).stdout
 
         usage = output("./run", "help")
         self.run_verbs = {"help"} | set(re.findall(r"^\./run (\w+)", usage, re.M))
         self.run_options = set(OPTION.findall(usage))
         overview = output(mcvisi, "help")
         self.verbs = set(re.findall(r"^  mcvisi (\w+)", overview, re.M))
-        self.options = {verb: set(OPTION.findall(output(mcvisi, "help", verb))) for verb in self.verbs - {"help"}}
+        self.options = {
+            verb: set(OPTION.findall(output(mcvisi, "help", verb)))
+            for verb in self.verbs - {"help"}
+        }
         # The help of a verb as JSON: its schema.
         self.options["help"] = {"--json"}
         self.all = set(OPTION.findall(overview)).union(*self.options.values())
@@ -130,7 +145,12 @@ class Program:
             if verb not in self.run_verbs:
                 fail(name, "`./run help` has no verb %s" % verb)
         known = self.run_options if "./run" in code else self.all | self.run_options
-        if words and words[0].endswith("mcvisi") and len(words) > 1 and re.fullmatch(r"[a-z]+", words[1]):
+        if (
+            words
+            and words[0].endswith("mcvisi")
+            and len(words) > 1
+            and re.fullmatch(r"[a-z]+", words[1])
+        ):
             if words[1] not in self.verbs:
                 fail(name, "`mcvisi help` has no verb %s" % words[1])
             known = self.options.get(words[1], set())
@@ -151,7 +171,9 @@ def check_complete(root, program):
             fail("docs/command-line.md", "nothing about mcvisi %s" % verb)
     run = (root / "run").read_text(encoding="utf-8")
     lists = re.findall(r"^needed(?:_(?!peers)\w+)?=\(([^)]*)\)", run, re.M)
-    packages = {word for words in lists for word in words.split() if re.fullmatch(r"[a-z][a-z0-9+-]*", word)}
+    packages = {
+        word for words in lists for word in words.split() if re.fullmatch(r"[a-z][a-z0-9+-]*", word)
+    }
     if len(packages) < 10:
         sys.exit("the packages could not be read from run: %s" % packages)
     for package in packages:
@@ -161,11 +183,17 @@ def check_complete(root, program):
 
 def main():
     mcvisi, root = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
-    pages = [root / name / "README.md" for name in ("", "bench", "scenes", "kernels")] + sorted((root / "docs").rglob("*.md"))
+    pages = [root / name / "README.md" for name in ("", "bench", "scenes", "kernels")] + sorted(
+        (root / "docs").rglob("*.md")
+    )
     program = Program(mcvisi, root)
     if len(program.run_verbs) < 5 or len(program.verbs) < 5:
-        sys.exit("the verbs could not be read from the help: %s, %s" % (program.run_verbs, program.verbs))
-    navigation = re.findall(r"[\w-]+\.md", (root / "tools/docs/mkdocs.yml").read_text(encoding="utf-8"))
+        sys.exit(
+            "the verbs could not be read from the help: %s, %s" % (program.run_verbs, program.verbs)
+        )
+    navigation = re.findall(
+        r"[\w-]+\.md", (root / "tools/docs/mkdocs.yml").read_text(encoding="utf-8")
+    )
     codes = 0
     for path in pages:
         name, page = path.relative_to(root).as_posix(), Page(path)

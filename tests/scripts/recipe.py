@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Run the commands of README.md, "Your first measurement", on a bracket, and compare what they measure with its CAD dimensions.
+"""Run the commands of README.md, "Your first measurement", on a bracket, and compare what they
+measure with its CAD dimensions.
 
 recipe.py MCVISI README.md QUICK-START.md FOLDER
 
-The first line writes the bracket. Where trimesh and manifold3d can be imported another bracket from that CAD library goes the same way.
-Only --time is replaced, by --spp 16, so that the noise does not depend on the machine. The quick start must hold the same lines.
+The first line writes the bracket. Where trimesh and manifold3d can be imported another bracket from
+that CAD library goes the same way. Only --time is replaced, by --spp 16, so that the noise does not
+depend on the machine. The quick start must hold the same lines.
 """
 import json
 import math
@@ -23,9 +25,10 @@ HEADING = "## Your first measurement\n"
 
 
 def commands_of(page):
-    """The first six indented lines below the heading, without comments: one that writes part.stl, then mcvisi's."""
+    """The first six indented lines below the heading: one that writes part.stl, then mcvisi's."""
     section = open(page, encoding="utf-8").read().split(HEADING)[1].split("\n#")[0]
-    lines = [shlex.split(line, comments=True) for line in section.splitlines() if line.startswith("    ")][:6]
+    code = [line for line in section.splitlines() if line.startswith("    ")][:6]
+    lines = [shlex.split(line, comments=True) for line in code]
     verbs = [" ".join(line[:2]) for line in lines]
     expected = ["mcvisi " + verb for verb in ("new", "check", "render", "camera", "measure")]
     if lines[0][0] != "python3" or lines[0][2:] != ["part.stl"] or verbs[1:] != expected:
@@ -117,7 +120,8 @@ def main():
     for name in os.listdir("."):
         os.remove(name)
     # The script's path is relative to the README's folder.
-    subprocess.run([sys.executable, "-B", os.path.join(os.path.dirname(readme), lines[0][1])] + lines[0][2:], check=True)
+    script = os.path.join(os.path.dirname(readme), lines[0][1])
+    subprocess.run([sys.executable, "-B", script] + lines[0][2:], check=True)
     check_bracket(program, lines, "a bracket by the standard library")
     try:
         import manifold3d  # noqa: F401

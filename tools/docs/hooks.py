@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hooks of `./run docs`. The pages of docs/ link to files outside of it, as a reader of the sources needs them; MkDocs knows docs/ alone.
+"""Hooks of `./run docs`.
 
-- A Markdown file outside of docs/ that a page or the navigation names becomes a page, any other file a text beside the pages.
+The pages of docs/ link to files outside of it, as a reader of the sources needs them; MkDocs knows
+docs/ alone.
+
+- A Markdown file outside of docs/ that a page or the navigation names becomes a page, any other
+  file a text beside the pages.
 - A navigation entry that ends in / stands for all pages of that folder, its index.md first.
 """
+
 import os
 import pathlib
 import posixpath
@@ -22,7 +27,7 @@ LINK = re.compile(r"(?P<head>!?\[[^\]]*\]\()(?P<target>[^)#\s:]+)(?P<tail>(?:#[^
 def site_path(path):
     """Where a file of the repository lies in the site."""
     if path.startswith("docs/"):
-        return path[len("docs/"):]
+        return path[len("docs/") :]
     return path if path.endswith(SHOWN) else "sources/" + path + ".txt"
 
 
@@ -55,8 +60,13 @@ def folder(name):
     """All pages of a folder of docs/, index.md first; folders in it are sections."""
     here = ROOT / "docs" / name
     pages = sorted(here.glob("*.md"), key=lambda page: (page.name != "index.md", page.name))
-    entries = [{"Overview": name + page.name} if page.name == "index.md" else name + page.name for page in pages]
-    for inner in sorted(path for path in here.iterdir() if path.is_dir() and any(path.glob("*.md"))):
+    entries = [
+        {"Overview": name + page.name} if page.name == "index.md" else name + page.name
+        for page in pages
+    ]
+    for inner in sorted(
+        path for path in here.iterdir() if path.is_dir() and any(path.glob("*.md"))
+    ):
         entries.append({inner.name.capitalize(): folder(name + inner.name + "/")})
     return entries
 
@@ -71,7 +81,11 @@ def expanded(entry):
 
 def on_config(config):
     # A page outside of docs/ that is not written yet stands in no navigation.
-    present = [page for page in nav_pages(config["nav"]) if page.endswith("/") or (ROOT / source_path(page)).is_file()]
+    present = [
+        page
+        for page in nav_pages(config["nav"])
+        if page.endswith("/") or (ROOT / source_path(page)).is_file()
+    ]
 
     def kept(entry):
         if isinstance(entry, str):
@@ -81,7 +95,9 @@ def on_config(config):
     def pruned(entry):
         if isinstance(entry, dict):
             return {title: pruned(value) for title, value in entry.items()}
-        return [pruned(value) for value in entry if kept(value)] if isinstance(entry, list) else entry
+        return (
+            [pruned(value) for value in entry if kept(value)] if isinstance(entry, list) else entry
+        )
 
     config["nav"] = expanded(pruned(config["nav"]))
     return config
@@ -90,7 +106,9 @@ def on_config(config):
 def on_files(files, config):
     """Adds what pages name outside of docs/, and what those name in turn."""
     for name in OWN:
-        files.append(File.generated(config, name, content=(pathlib.Path(__file__).parent / name).read_text()))
+        files.append(
+            File.generated(config, name, content=(pathlib.Path(__file__).parent / name).read_text())
+        )
     waiting = [source_path(page) for page in nav_pages(config["nav"])]
     waiting += ["docs/" + file.src_uri for file in files if file.src_uri.endswith(".md")]
     done = set()
@@ -101,14 +119,18 @@ def on_files(files, config):
         done.add(source)
         if not source.startswith("docs/"):
             content = (ROOT / source).read_bytes()
-            files.append(File.generated(config, site_path(source), content=content, inclusion=InclusionLevel.NOT_IN_NAV))
+            files.append(
+                File.generated(
+                    config, site_path(source), content=content, inclusion=InclusionLevel.NOT_IN_NAV
+                )
+            )
         if source.endswith(".md"):
             waiting.extend(linked_from(source))
     return files
 
 
 def on_page_markdown(markdown, page, config, files):
-    """Relative links are those of the repository; the site has other places for files outside of docs/."""
+    """Relative links are those of the repository; the site has other places for files outside."""
     source = source_path(page.file.src_uri)
     here = posixpath.dirname(site_path(source))
 

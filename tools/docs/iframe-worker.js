@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Browsers start no worker from a file. The search of pages that are opened as files runs in a hidden frame instead. */
+/* Browsers start no worker from a file: the search then runs in a hidden frame. */
 if (location.protocol === "file:") {
     window.Worker = class extends EventTarget {
         constructor(url) {
@@ -12,7 +12,8 @@ if (location.protocol === "file:") {
             inside.document.write("<!DOCTYPE html><body>");
             inside.document.close();
             // The script answers by this.
-            inside.postMessage = (data) => this.dispatchEvent(new MessageEvent("message", { data }));
+            const message = (data) => new MessageEvent("message", { data });
+            inside.postMessage = (data) => this.dispatchEvent(message(data));
             const script = inside.document.createElement("script");
             script.src = url;
             this.loaded = new Promise((done) => { script.onload = done; });
@@ -21,8 +22,8 @@ if (location.protocol === "file:") {
         }
 
         postMessage(data) {
-            const send = () => this.frame.contentWindow.dispatchEvent(new MessageEvent("message", { data }));
-            this.loaded.then(send);
+            const message = new MessageEvent("message", { data });
+            this.loaded.then(() => this.frame.contentWindow.dispatchEvent(message));
         }
 
         terminate() {
