@@ -317,7 +317,7 @@ static mcv_result open_splats(mcv_cl *cl, const mcv_sensor *sensor, mcv_device_s
         ++frame->log2_pixels;
     frame->log2_thinning = mcv_light_thinning(packed, sensor);
     frame->light_density =
-        (float)(3.14159265358979323846 *
+        (float)(M_PI *
                 (double)(mcv_tiled_pixels(frame->width, frame->height) >> frame->log2_thinning));
     MCV_TRY(mcv_cl_buffer(cl, "what light paths bring", bytes, NULL, &device->splats, error));
     MCV_TRY_CL(clEnqueueFillBuffer(cl->queue, device->splats, &nothing, sizeof nothing, 0, bytes, 0,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "render/render.h"
+#include "device/features.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -182,9 +183,11 @@ static mcv_result open_scene(renderer *r, const mcv_scene *scene, uint32_t senso
         MCV_TRY(mcv_device_scene_refine(&r->cl, scene, &r->scene, r->error));
     r->stats->kept_structure = r->scene.kept_structure;
     mcv_packed *packed = &r->scene.packed;
-    packed->features = mcv_sensor_features(packed, &scene->sensors[sensor]);
-    if (r->options->no_light_paths) packed->features &= ~(1u << MCV_FEATURE_LIGHT_TRACING);
-    if (r->options->no_split) packed->features &= ~(1u << MCV_FEATURE_SPLIT);
+    const mcv_feature_options choices = {.mixed = r->options->precision == MCV_PRECISION_MIXED,
+                                         .no_light_paths = r->options->no_light_paths,
+                                         .no_split = r->options->no_split};
+    packed->features =
+        mcv_decide_features(scene, packed, &scene->sensors[sensor], choices, NULL);
     mcv_feature_names(packed->features, r->stats->features, sizeof r->stats->features);
 
     const double compile = mcv_seconds();
