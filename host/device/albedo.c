@@ -8,7 +8,6 @@
 #include "mcvisi/materials/microfacet.h"
 #include "device/multiple.h"
 
-
 /*
  * Points of the quadrature over visible microfacets. Those at the disk's rim send light down: w² =
  * 1 - radius² puts more points there. Entries are right to 4e-4, as finer steps and an integral
@@ -49,8 +48,9 @@ void mcv_coat(double coating, double n1, double n2, double *scale, double *offse
 static void integrate(const double alpha[2], const double o[3], double eta, double coating,
                       bool interface, const float *multiple, double sums[2]) {
     const double own = lambda(alpha, o),
-                 turn = o[1] == 0 ? M_PI
-                                  : 2 * M_PI; /* both sides of the plane of incidence may be alike */
+                 turn = o[1] == 0
+                            ? M_PI
+                            : 2 * M_PI; /* both sides of the plane of incidence may be alike */
     double scale, offset;
     mcv_coat(coating, eta, 1, &scale, &offset);
     sums[0] = sums[1] = 0;

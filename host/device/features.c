@@ -34,8 +34,8 @@ void mcv_feature_names(uint32_t features, char *names, size_t size) {
     }
 }
 
-void mcv_feature_defines(uint32_t features, uint32_t channels, uint32_t sensor_type,
-                         bool random, uint32_t slice, char *options, size_t size) {
+void mcv_feature_defines(uint32_t features, uint32_t channels, uint32_t sensor_type, bool random,
+                         uint32_t slice, char *options, size_t size) {
     snprintf(
         options, size,
         "-DMCV_CHANNELS=%u -DMCV_SENSOR=%s -DMCV_SENSOR_%s=1 -DMCV_SAMPLER_RANDOM=%d -DMCV_SLICE=%u"
@@ -43,8 +43,7 @@ void mcv_feature_defines(uint32_t features, uint32_t channels, uint32_t sensor_t
         MCV_FEATURES(MCV_X)
 #undef MCV_X
             ,
-        channels, sensor_names[sensor_type], sensor_names[sensor_type],
-        random,
+        channels, sensor_names[sensor_type], sensor_names[sensor_type], random,
         slice
 #define MCV_X(NAME, word, why) , features >> MCV_FEATURE_##NAME & 1
             MCV_FEATURES(MCV_X)
@@ -208,10 +207,10 @@ static bool may_touch(const mcv_scene *scene, const mcv_box3d *boxes, uint32_t p
 
 /* Next-event estimation, and how it chooses: known once the emitters are packed. */
 static void find_next_event(finding *f, const mcv_scene *scene, const mcv_packed *packed) {
-    const uint32_t scatters = 1u << MCV_FEATURE_DIFFUSE | 1u << MCV_FEATURE_GLOSS |
-                              1u << MCV_FEATURE_RETROREFLECTOR;
-    const uint32_t by_chance = 1u << MCV_FEATURE_ENVIRONMENT | 1u << MCV_FEATURE_DIELECTRIC |
-                               1u << MCV_FEATURE_SHEET;
+    const uint32_t scatters =
+        1u << MCV_FEATURE_DIFFUSE | 1u << MCV_FEATURE_GLOSS | 1u << MCV_FEATURE_RETROREFLECTOR;
+    const uint32_t by_chance =
+        1u << MCV_FEATURE_ENVIRONMENT | 1u << MCV_FEATURE_DIELECTRIC | 1u << MCV_FEATURE_SHEET;
     bool rectangle = false, emits = false;
     uint32_t count = 0;
     const char *name = NULL, *rectangle_name = NULL;
@@ -260,7 +259,6 @@ static double pupil_half_angle(const mcv_sensor *sensor, bool through_optics) {
         through_optics ? 1 / l->focalLength : fabs(mcv_kappa(l->focalLength, l->imageDistance));
     return spread * atan(l->lensDiameter / 2 * power);
 }
-
 
 /* The emitter whose cone is narrower than what the sensor's pupil sees of it, or NULL. */
 static const char *find_guiding_emitter(const finding *f, const mcv_scene *scene,

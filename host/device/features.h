@@ -8,8 +8,8 @@
 
 #include "device/pack.h"
 
-/* Declares MCV_WITH_<NAME>, 0 or 1, of each feature as variables, so that conditions in the terms of
- * kernels can be evaluated on the host. */
+/* Declares MCV_WITH_<NAME>, 0 or 1, of each feature as variables, so that conditions in the terms
+ * of kernels can be evaluated on the host. */
 #define MCV_FEATURE_VARIABLES(features) \
     const uint32_t feature_bits = (features); \
     MCV_FEATURES(MCV_FEATURE_VARIABLE)
@@ -46,8 +46,8 @@ void mcv_feature_names(uint32_t features, char *names, size_t size);
 
 /* The -D options that specialise a program for a scene and one kind of sensor. random: independent
  * random numbers in place of Sobol's. */
-void mcv_feature_defines(uint32_t features, uint32_t channels, uint32_t sensor_type,
-                         bool random, uint32_t slice, char *options, size_t size);
+void mcv_feature_defines(uint32_t features, uint32_t channels, uint32_t sensor_type, bool random,
+                         uint32_t slice, char *options, size_t size);
 
 /* 32-bit words of a path's state with these features. */
 uint32_t mcv_path_words(uint32_t features, uint32_t channels);

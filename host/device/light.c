@@ -9,7 +9,6 @@
 #include "scene/sensors.h"
 #include "scene/solid.h"
 
-
 double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values) {
     double total = 0;
     double sum = 0;

@@ -70,8 +70,7 @@ static void count_textures(const mcv_scene *scene, mcv_packed *packed) {
     for (uint32_t i = 0; i < scene->texture_count; ++i) {
         const mcv_texture *texture = &scene->textures[i];
         if (!texture->shares_pixels)
-            packed->texel_count +=
-                mcv_texel_words(texture) * texture->width * texture->height;
+            packed->texel_count += mcv_texel_words(texture) * texture->width * texture->height;
         if (packed->features >> MCV_FEATURE_TEXTURE & 1 && texture->texcoord_set > 0)
             packed->texcoord_sets = 2;
     }

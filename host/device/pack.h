@@ -30,7 +30,7 @@ typedef struct mcv_albedo_source {
 typedef struct mcv_packed {
     uint32_t features; /* bit MCV_FEATURE_… */
     uint32_t channels;
-    mcv_box3d *boxes;   /* of the instances in the world */
+    mcv_box3d *boxes; /* of the instances in the world */
     double centre[3]; /* world point that is the device's origin, on a grid of a power of two */
 
     uint32_t vertex_count, triangle_count, instance_count, material_count, emitter_count,

@@ -51,7 +51,7 @@ void mcv_pack_normal(const mcv_scene *scene, uint32_t instance, uint32_t vertex,
 }
 
 void mcv_pack_instance(const mcv_scene *scene, mcv_packed *packed, uint32_t index,
-                          uint32_t first_vertex) {
+                       uint32_t first_vertex) {
     const mcv_instance *instance = &scene->instances[index];
     const mcv_mesh *mesh = &scene->meshes[instance->mesh];
     for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
@@ -99,7 +99,6 @@ double mcv_packed_size(const mcv_packed *packed) {
              pow(all.upper[2] - all.lower[2], 2));
     return isfinite(size) ? size : 0;
 }
-
 
 void mcv_pack_placement(const mcv_packed *packed, const mcv_transform *to_world,
                         float placement[12], float rest[12]) {

@@ -56,8 +56,8 @@ static void pack_media(const mcv_scene *scene, mcv_packed *packed, uint32_t coun
  * as bits, the highest priority on top. Bodies of one material whose boxes do not touch share a
  * bit.
  */
-mcv_result mcv_pack_media(const mcv_scene *scene, const mcv_packed *earlier,
-                               mcv_packed *packed, mcv_error *error) {
+mcv_result mcv_pack_media(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed,
+                          mcv_error *error) {
     const mcv_box3d *boxes = packed->boxes;
     body_medium media[MCV_MAX_MEDIA];
     uint32_t count = 0;
