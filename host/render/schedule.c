@@ -30,8 +30,7 @@ static bool traces_light(const mcv_schedule *s) {
 static mcv_result open_tile(mcv_schedule *s, const char *options, mcv_error *error) {
     MCV_TRY(mcv_cl_build(s->cl, "schedule/tile", options, &s->program, error));
     if (aims(s))
-        MCV_TRY(
-            mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
+        MCV_TRY(mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
     if (traces_light(s))
         MCV_TRY(mcv_cl_kernel(s->program, "trace_emitter_paths",
                               &s->kernels[MCV_KERNEL_trace_emitter_paths], error));
