@@ -2,7 +2,7 @@
 /*
  * What all materials share. In a scene a material stands in the extension object MCVISI_materials
  * of a glTF material,
- * {"type": …, parameters}; core glTF materials are mapped to them (see the README).
+ * {"type": …, parameters}; core glTF materials are mapped to them (docs/scene-format.md).
  *
  * A path carries L/n² (so a smooth interface multiplies by its transmittance only); pixel =
  * n_sensor² Σ … L_e/n_emitter². Interpolated normals bend light, the triangle's face decides on
