@@ -14,6 +14,7 @@ $MCVISI. The page is held against the output in four ways.
 - `V <!-- known PATTERN -->`: V follows from geometry. The first group is V, to 4 times the standard uncertainty
   in the second group; a right program misses that once in 16 000 figures. `V ± U` adds U, the share of what the
   geometry leaves out.
+  `measured x1000 PATTERN` and `known x1000 PATTERN` multiply what came out by 1000.
 - `V <!-- formula EXPRESSION -->`: V is the value of a Python expression, as rounded as it stands there.
 
 A picture `![…](STEM/F.png)` is what the commands left in F.png, in the mean to 3 of 255 levels, below 200 kB.
@@ -103,18 +104,19 @@ def check_figure(kind, argument, before, output):
         digits = len(text.partition(".")[2])
         check(abs(value - predicted) <= 0.500001 * 10.0 ** -digits, "%s = %s is %.6g" % (text, argument, predicted))
         return
+    factor, argument = re.fullmatch(r"(?:x(%s) )?(.*)" % NUMBER, argument, re.DOTALL).groups()
     found = re.findall(argument, output, re.MULTILINE | re.DOTALL)
     if not found:
         check(False, "the output has no %s" % argument)
         return
     groups = found[-1] if isinstance(found[-1], tuple) else (found[-1],)
-    came_out = float(groups[0])
+    came_out, sigma = (float(group) * float(factor or 1) for group in (groups + ("0",))[:2])
     if kind == "measured":
         if error is None:
             sys.exit("no uncertainty before: " + argument)
         bound = error
     else:
-        bound = 4 * float(groups[1]) + (error or 0) if len(groups) > 1 else error
+        bound = 4 * sigma + (error or 0)
     check(abs(came_out - value) <= bound, "%s %s ± %.3g, came out as %.6g (%s)" % (kind, text, bound, came_out, argument))
 
 

@@ -7,7 +7,7 @@ parts.py scratched|window|discs PART.stl
 scratched  a block 20 x 14 x 3 mm, its top at z = 3, with a straight scratch along y: a V groove 0.2 mm wide
            and 0.06 mm deep through x = 0
 window     a window 20 x 15 x 3 mm; its top at z = 3 has a dent about the origin, a Gaussian of
-           standard deviation 0.7 mm, 2 µm deep
+           standard deviation 1 mm, 4 µm deep
 discs      two discs of 6 mm diameter, 1 mm thick: one about (-6, 0) from z = 0 to 1, one about (6, 0)
            from z = 20 to 21
 """
@@ -45,13 +45,10 @@ def scratched():
 
 
 def window():
-    """Steps of 0.1 mm in the dent, which are wider where it is flat."""
-    fine = [0.1 * i for i in range(-30, 31)]
-    columns = [-10, -8, -6, -4, -3.5] + fine + [3.5, 4, 6, 8, 10]
-    rows = [-7.5, -6, -4, -3.5] + fine + [3.5, 4, 6, 7.5]
-    depth = 0.002
-    return closed([[(x, y, 3 - depth * math.exp(-(x * x + y * y) / (2 * 0.7 ** 2))) for x in columns]
-                   for y in rows], 0)
+    """Steps of 0.125 mm in the dent, to 4 standard deviations; wider ones where the top is flat."""
+    fine = [0.125 * i for i in range(-32, 33)]
+    columns, rows = [-10, -8, -6] + fine + [6, 8, 10], [-7.5, -6] + fine + [6, 7.5]
+    return closed([[(x, y, 3 - 0.004 * math.exp(-(x * x + y * y) / 2)) for x in columns] for y in rows], 0)
 
 
 def disc(x, y, low, high, radius, segments=360):
