@@ -87,7 +87,7 @@ def check_excerpt(text, output):
 
 def stated_before(text):
     """The last number before a marker, and what the page gives as its uncertainty, or None."""
-    pairs = list(re.finditer(r"(?<![\w.])(%s)(?:\s*±\s*(%s)\s*(%%)?)?" % (NUMBER, NUMBER), text[-120:]))
+    pairs = list(re.finditer(r"(?<![\w.])(%s)(?:\s*[^\s\d±<]{,8}\s*±\s*(%s)\s*(%%)?)?" % (NUMBER, NUMBER), text[-120:]))
     if not pairs:
         sys.exit("no number before a marker: " + text[-120:])
     value, error, percent = pairs[-1].groups()
@@ -97,7 +97,8 @@ def stated_before(text):
 
 
 def check_figure(kind, argument, before, output):
-    text, error = stated_before(before)
+    # Of two markers in a row both are of the number before them.
+    text, error = stated_before(re.sub(r"<!--.*?-->", "", before[-1000:], flags=re.DOTALL))
     value = float(text)
     if kind == "formula":
         predicted = eval(argument, {"__builtins__": {}}, vars(math))  # the page is ours

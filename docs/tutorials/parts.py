@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write one of the tutorials' parts as binary STL in mm, by the standard library alone.
 
-parts.py scratched|window|discs PART.stl
+parts.py scratched|window|tabs PART.stl
 
 scratched  a block 20 x 14 x 3 mm, its top at z = 3, with a straight scratch along y: a V groove 0.2 mm wide
            and 0.06 mm deep through x = 0
 window     a window 20 x 15 x 3 mm; its top at z = 3 has a dent about the origin, a Gaussian of
            standard deviation 1 mm, 4 µm deep
-discs      two discs of 6 mm diameter, 1 mm thick: one about (-6, 0) from z = 0 to 1, one about (6, 0)
-           from z = 20 to 21
+tabs       two squares of 6 mm, 0.1 mm thick, turned by a slope of 1:10: one about (-6, 0) from z = 0 on, one
+           about (6, 0) from z = 20 on
 """
 import math
 import struct
@@ -51,20 +51,13 @@ def window():
     return closed([[(x, y, 3 - 0.004 * math.exp(-(x * x + y * y) / 2)) for x in columns] for y in rows], 0)
 
 
-def disc(x, y, low, high, radius, segments=360):
-    """A prism over a polygon that has the circle's area."""
-    step = 2 * math.pi / segments
-    radius *= math.sqrt(step / math.sin(step))
-    rim = [(x + radius * math.cos(step * i), y + radius * math.sin(step * i)) for i in range(segments)]
-    triangles = []
-    for (ax, ay), (bx, by) in zip(rim, rim[1:] + rim[:1]):
-        triangles += quad((ax, ay, low), (bx, by, low), (bx, by, high), (ax, ay, high))
-        triangles += [((x, y, high), (ax, ay, high), (bx, by, high)), ((x, y, low), (bx, by, low), (ax, ay, low))]
-    return triangles
+def tabs():
+    c, s = 3 * math.cos(math.atan(0.1)), 3 * math.sin(math.atan(0.1))
 
+    def square(x, low):
+        return closed([[(x + u * c - v * s, u * s + v * c, low + 0.1) for u in (-1, 1)] for v in (-1, 1)], low)
 
-def discs():
-    return disc(-6, 0, 0, 1, 3) + disc(6, 0, 20, 21, 3)
+    return square(-6, 0) + square(6, 20)
 
 
 def write_stl(path, triangles):
@@ -77,7 +70,7 @@ def write_stl(path, triangles):
 
 
 def main():
-    parts = {"scratched": scratched, "window": window, "discs": discs}
+    parts = {"scratched": scratched, "window": window, "tabs": tabs}
     if len(sys.argv) != 3 or sys.argv[1] not in parts:
         sys.exit("parts.py %s PART.stl" % "|".join(parts))
     write_stl(sys.argv[2], parts[sys.argv[1]]())
