@@ -4,21 +4,22 @@
 
 tutorials.py MCVISI SOURCES PAGE.md FOLDER [--pictures]
 
-Every block fenced as `sh` is run in turn in the empty FOLDER, with the program in PATH and the sources in
-$MCVISI. The page is held against the output in four ways.
+Every block fenced as `sh` is run in turn in the empty FOLDER, with the program in PATH and the
+sources in $MCVISI. The page is held against the output in five ways.
 
-- A block fenced as `text` is an excerpt: each of its lines is one of the output, in this order. Words are the
-  same. A number `V ± U` is off by U at most. Another number is off by 1 % at most: noise is the same with the
-  same seed, and a device rounds in its own way. A line `…` leaves lines out.
-- `V ± U <!-- measured PATTERN -->`: the first group of PATTERN in the output so far is V, to U. `± U %` is of V.
-- `V <!-- known PATTERN -->`: V follows from geometry. The first group is V, to 4 times the standard uncertainty
-  in the second group; a right program misses that once in 16 000 figures. `V ± U` adds U, the share of what the
-  geometry leaves out.
-  `measured x1000 PATTERN` and `known x1000 PATTERN` multiply what came out by 1000.
-- `V <!-- formula EXPRESSION -->`: V is the value of a Python expression, as rounded as it stands there.
-
-A picture `![…](STEM/F.png)` is what the commands left in F.png, in the mean to 3 of 255 levels, below 200 kB.
-With --pictures the pictures of the page are made anew instead.
+- A block fenced as `text` is an excerpt of what the block before it printed: each of its lines
+  stands there, in this order. Words are the same. A number `V ± U` is off by U at most. Another
+  number is off by 1 % at most: the same seed gives the same noise, but each device rounds in its
+  own way. A line `…` leaves lines out.
+- `V ± U <!-- measured PATTERN -->`: the first group of PATTERN in all output so far is V, to U.
+  `± U %` is of V. The last match counts.
+- `V <!-- known PATTERN -->`: V follows from geometry. The first group is V, to 4 times the standard
+  uncertainty in the second group; a right program misses that once in 16 000 figures. `V ± U` adds
+  U, the share of what the geometry leaves out. `measured x1000 PATTERN` and `known x1000 PATTERN`
+  multiply what came out by 1000.
+- `V <!-- formula EXPRESSION -->`: V is the value of a Python expression, rounded as V is.
+- A picture `![…](STEM/F.png)` is what the commands left in F.png, in the mean to 3 of 255 levels,
+  and below 200 kB. With --pictures the pictures of the page are made anew.
 """
 import math
 import os
@@ -50,7 +51,8 @@ def is_number(word):
 
 def alike(expected, line):
     """Whether a line of an excerpt is this line of the output."""
-    a, b = (re.findall(NUMBER + r"(?![\w])|\S+?(?=[,;:]?(?:\s|$))|\S", text) for text in (expected, line))
+    token = NUMBER + r"(?![\w])|\S+?(?=[,;:]?(?:\s|$))|\S"
+    a, b = (re.findall(token, text) for text in (expected, line))
     if len(a) != len(b):
         return False
     for i, (mine, theirs) in enumerate(zip(a, b)):
@@ -87,7 +89,9 @@ def check_excerpt(text, output):
 
 def stated_before(text):
     """The last number before a marker, and what the page gives as its uncertainty, or None."""
-    pairs = list(re.finditer(r"(?<![\w.])(%s)(?:\s*[^\s\d±<]{,8}\s*±\s*(%s)\s*(%%)?)?" % (NUMBER, NUMBER), text[-120:]))
+    # A unit may stand before the uncertainty.
+    pattern = r"(?<![\w.])(%s)(?:\s*[^\s\d±<]{,8}\s*±\s*(%s)\s*(%%)?)?" % (NUMBER, NUMBER)
+    pairs = list(re.finditer(pattern, text[-120:]))
     if not pairs:
         sys.exit("no number before a marker: " + text[-120:])
     value, error, percent = pairs[-1].groups()
@@ -103,7 +107,8 @@ def check_figure(kind, argument, before, output):
     if kind == "formula":
         predicted = eval(argument, {"__builtins__": {}}, vars(math))  # the page is ours
         digits = len(text.partition(".")[2])
-        check(abs(value - predicted) <= 0.500001 * 10.0 ** -digits, "%s = %s is %.6g" % (text, argument, predicted))
+        check(abs(value - predicted) <= 0.500001 * 10.0 ** -digits,
+              "%s = %s is %.6g" % (text, argument, predicted))
         return
     factor, argument = re.fullmatch(r"(?:x(%s) )?(.*)" % NUMBER, argument, re.DOTALL).groups()
     found = re.findall(argument, output, re.MULTILINE | re.DOTALL)
@@ -118,7 +123,8 @@ def check_figure(kind, argument, before, output):
         bound = error
     else:
         bound = 4 * sigma + (error or 0)
-    check(abs(came_out - value) <= bound, "%s %s ± %.3g, came out as %.6g (%s)" % (kind, text, bound, came_out, argument))
+    check(abs(came_out - value) <= bound,
+          "%s %s ± %.3g, came out as %.6g (%s)" % (kind, text, bound, came_out, argument))
 
 
 def pixels_of(path):
@@ -144,7 +150,7 @@ def pixels_of(path):
                 if way == 4:
                     c = above[i - size] if i >= size else 0
                     p = a + b - c
-                    a = a if abs(p - a) <= min(abs(p - b), abs(p - c)) else b if abs(p - b) <= abs(p - c) else c
+                    a = min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]
                 row[i] = row[i] + (a, b, (a + b) // 2, a)[way - 1] & 255
         rows.append(bytes(row))
         above = row
@@ -152,14 +158,15 @@ def pixels_of(path):
 
 
 def check_picture(committed, made):
+    name = os.path.basename(made)
     if not os.path.exists(made) or not os.path.exists(committed):
-        check(False, "%s is made by the commands and stands in the documentation" % os.path.basename(made))
+        check(False, "%s is made by the commands and stands in the documentation" % name)
         return
     size = os.path.getsize(committed)
-    check(size <= LARGEST_PICTURE, "%s has %d bytes" % (os.path.basename(committed), size))
+    check(size <= LARGEST_PICTURE, "%s has %d bytes" % (name, size))
     a, b = pixels_of(committed), pixels_of(made)
     off = sum(abs(x - y) for x, y in zip(a[3], b[3])) / len(a[3]) if a[:3] == b[:3] else 255
-    check(off <= 3, "%s is the picture that the commands make: off by %.2f levels" % (os.path.basename(committed), off))
+    check(off <= 3, "%s is the picture that the commands make: off by %.2f levels" % (name, off))
 
 
 def check_pictures(page, text, again):
@@ -172,7 +179,8 @@ def check_pictures(page, text, again):
 
 
 def run_block(block, environment):
-    result = subprocess.run(["sh", "-e", "-c", block], env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    result = subprocess.run(["sh", "-e", "-c", block], env=environment, text=True,
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     print(block + result.stdout)
     if result.returncode != 0:
         sys.exit("exit code %d of:\n%s" % (result.returncode, block))
@@ -183,7 +191,8 @@ def run_page(text, environment):
     """Blocks, excerpts and figures in the order of the page."""
     output = last = ""
     figures = {"measured": 0, "known": 0, "formula": 0}
-    for match in re.finditer(r"^```(\w+)\n(.*?)^```$|<!-- (measured|known|formula) (.*?) -->", text, re.MULTILINE | re.DOTALL):
+    parts = r"^```(\w+)\n(.*?)^```$|<!-- (measured|known|formula) (.*?) -->"
+    for match in re.finditer(parts, text, re.MULTILINE | re.DOTALL):
         fence, block, kind, argument = match.groups()
         if fence == "sh":
             last = run_block(block, environment)
@@ -207,7 +216,8 @@ def main():
     text = open(page, encoding="utf-8").read()
     figures = run_page(text, environment)
     # A page whose markers were lost would pass unseen.
-    check(sum(figures.values()) >= FEWEST_FIGURES, "%d figures are held against the output" % sum(figures.values()))
+    count = sum(figures.values())
+    check(count >= FEWEST_FIGURES, "%d figures are held against the output" % count)
     check(figures["known"] >= FEWEST_KNOWN, "%d figures follow from geometry" % figures["known"])
     check_pictures(page, text, "--pictures" in sys.argv)
     used = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -4,12 +4,12 @@
 
 parts.py scratched|window|tabs PART.stl
 
-scratched  a block 20 x 14 x 3 mm, its top at z = 3, with a straight scratch along y: a V groove 0.2 mm wide
-           and 0.06 mm deep through x = 0
+scratched  a block 20 x 14 x 3 mm, its top at z = 3, with a straight scratch along y: a V groove
+           0.2 mm wide and 0.06 mm deep through x = 0
 window     a window 20 x 15 x 3 mm; its top at z = 3 has a dent about the origin, a Gaussian of
            standard deviation 1 mm, 4 µm deep
-tabs       two squares of 6 mm, 0.1 mm thick, turned by a slope of 1:10: one about (-6, 0) from z = 0 on, one
-           about (6, 0) from z = 20 on
+tabs       two squares of 6 mm, 0.1 mm thick, turned by a slope of 1:10: one about (-6, 0) from
+           z = 0 on, one about (6, 0) from z = 20 on
 """
 import math
 import struct
@@ -21,7 +21,7 @@ def quad(a, b, c, d):
 
 
 def closed(top, floor):
-    """The solid between a grid of points (rows of equal length, y rising, x rising) and z = floor."""
+    """The solid between a grid of points (rows by rising y, in each x rises) and z = floor."""
     triangles = []
     down = [[(x, y, floor) for x, y, _ in row] for row in top]
     for j in range(len(top) - 1):
@@ -48,14 +48,16 @@ def window():
     """Steps of 0.125 mm in the dent, to 4 standard deviations; wider ones where the top is flat."""
     fine = [0.125 * i for i in range(-32, 33)]
     columns, rows = [-10, -8, -6] + fine + [6, 8, 10], [-7.5, -6] + fine + [6, 7.5]
-    return closed([[(x, y, 3 - 0.004 * math.exp(-(x * x + y * y) / 2)) for x in columns] for y in rows], 0)
+    return closed([[(x, y, 3 - 0.004 * math.exp(-(x * x + y * y) / 2)) for x in columns]
+                   for y in rows], 0)
 
 
 def tabs():
     c, s = 3 * math.cos(math.atan(0.1)), 3 * math.sin(math.atan(0.1))
 
     def square(x, low):
-        return closed([[(x + u * c - v * s, u * s + v * c, low + 0.1) for u in (-1, 1)] for v in (-1, 1)], low)
+        return closed([[(x + u * c - v * s, u * s + v * c, low + 0.1) for u in (-1, 1)]
+                       for v in (-1, 1)], low)
 
     return square(-6, 0) + square(6, 20)
 
