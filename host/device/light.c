@@ -9,8 +9,6 @@
 #include "scene/sensors.h"
 #include "scene/solid.h"
 
-static const double pi = 3.14159265358979323846;
-
 double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values) {
     double total = 0;
     double sum = 0;
@@ -76,7 +74,7 @@ static void add_ball(ball *balls, uint32_t *count, ball more) {
 /* About the middle of the instance's box. */
 static ball ball_of_mesh(const mcv_packed *packed, uint32_t instance, uint32_t triangle_count) {
     ball b = {.radius = 0};
-    const mcv_box *box = packed->boxes + instance;
+    const mcv_box3d *box = packed->boxes + instance;
     for (int k = 0; k < 3; ++k)
         b.centre[k] = 0.5 * (box->lower[k] + box->upper[k]) - packed->centre[k];
     const uint32_t *corners =
@@ -138,7 +136,7 @@ static double aimed_angle(const mcv_packed *packed, mcv_vec3 from, mcv_cone own)
     double sum = 0;
     for (uint32_t i = 0; i < packed->ball_count; ++i)
         sum += (double)mcv_cone_to(packed->balls[i], from, own).squared;
-    return 4 * pi * sum;
+    return 4 * M_PI * sum;
 }
 
 /* The same of a surface, with a middling cosine each: about the étendue of the light that falls on
@@ -151,7 +149,7 @@ static double aimed_projection(const mcv_packed *packed, mcv_vec3 from, mcv_cone
                fmax((double)mcv_dot(cone.axis, own.axis) * (1 - (double)cone.squared),
                     sqrt((double)cone.squared) / 4);
     }
-    return 4 * pi * sum;
+    return 4 * M_PI * sum;
 }
 
 /* The area of a projector's image, seen from its lens, in tangents. */
@@ -226,7 +224,7 @@ static bool is_aimed(uint32_t type) {
 static double disks(const mcv_packed *packed) {
     double sum = 0;
     for (uint32_t i = 0; i < packed->ball_count; ++i)
-        sum += pi * (double)packed->balls[i].radius * (double)packed->balls[i].radius;
+        sum += M_PI * (double)packed->balls[i].radius * (double)packed->balls[i].radius;
     return sum;
 }
 
@@ -237,7 +235,7 @@ static double disks(const mcv_packed *packed) {
  * under a lamp), light paths are worth their time from a quarter on.
  */
 static bool is_small(const mcv_packed *packed, const mcv_device_emitter *e, double etendue) {
-    return !is_aimed(e->type) || is_narrow(e) || 4 * etendue <= pi * disks(packed);
+    return !is_aimed(e->type) || is_narrow(e) || 4 * etendue <= M_PI * disks(packed);
 }
 
 /* The flux of all light paths of an emitter, over its radiance (irradiance, intensity); *unit:
@@ -308,7 +306,7 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
         const mcv_emitter *from = &scene->emitters[i];
         double mean[3], unit;
-        if (!mcv_is_looked_for(from)) continue;
+        if (!mcv_is_sampled(from)) continue;
         mcv_device_emitter *e = &packed->emitters[count++];
         if (!caustics && e->type != MCV_EMITTER_COLLIMATED_BEAM) continue;
         /* Glossy surfaces find what has an extent. */
@@ -395,7 +393,7 @@ static double covered_pixels(const mcv_packed *packed, const mcv_sensor *sensor)
             z -= m[3 * k + 2] * ((double)b->centre[k] + packed->centre[k] - m[9 + k]);
         if (!(z > (double)b->radius) || !look_at_point(sensor, (float)z, &brightness, &footprint))
             return INFINITY;
-        sum += pi * (double)b->radius * (double)b->radius / footprint;
+        sum += M_PI * (double)b->radius * (double)b->radius / footprint;
     }
     return sum;
 }
@@ -412,7 +410,7 @@ uint32_t mcv_light_thinning(const mcv_packed *packed, const mcv_sensor *sensor) 
         /* The less of it camera paths find, the more light paths are worth their time: see
          * is_small. */
         density =
-            fmax(density, punctual ? 4 : fmin(4, pi * disks(packed) / (64 * typical_flux(e))));
+            fmax(density, punctual ? 4 : fmin(4, M_PI * disks(packed) / (64 * typical_flux(e))));
     }
     const double wanted = density * covered_pixels(packed, sensor);
     mcv_sensor_film_size(sensor, &width, &height);
@@ -441,7 +439,7 @@ bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor) {
              * light. They do not where what the film sees is small against the emitter's area times
              * sin²β.
              */
-            if (pi * paths * footprint >= (thinning > 0 ? 1 : 2) * typical_flux(e)) return true;
+            if (M_PI * paths * footprint >= (thinning > 0 ? 1 : 2) * typical_flux(e)) return true;
             continue;
         }
         if (e->type != MCV_EMITTER_COLLIMATED_BEAM) return true;
@@ -467,7 +465,7 @@ double mcv_splat_unit(const mcv_packed *packed, const mcv_sensor *sensor, const 
              mcv_packed_size(packed) / 16);
     double brightness = 0, footprint;
     look_at_point(sensor, (float)distance, &brightness, &footprint);
-    const double typical = flux / pi * brightness;
+    const double typical = flux / M_PI * brightness;
     const double exponent = isfinite(typical) && typical > 0 ? floor(log2(typical)) - 16 : 0;
     return exp2(fmin(fmax(exponent, -100), 100));
 }
