@@ -43,4 +43,7 @@ uint32_t mcv_shading_of(const mcv_packed *packed, const mcv_device_instance *ins
 size_t mcv_environment_entries(const mcv_texture *image);
 mcv_result mcv_pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
 
+/* balls.c: packed->balls. They hold what the device makes of the bodies' coordinates, too. */
+void mcv_find_balls(const mcv_scene *scene, mcv_packed *packed);
+
 #endif
