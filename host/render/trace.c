@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "device/device_scene.h"
+#include "device/features.h"
 #include "render/render.h"
 
 enum { MAX_BATCH = 16384, MAX_BATCH_BYTES = 64 << 20 };
@@ -29,7 +30,7 @@ static mcv_result open_tracer(tracer *t, const mcv_scene *scene, size_t ray_coun
         MCV_TRY(mcv_device_scene_refine(&t->cl, scene, &t->scene, error));
     MCV_TRY(mcv_device_scene_finish(&t->cl, NULL, &t->scene, error));
     const mcv_packed *packed = &t->scene.packed;
-    mcv_feature_options(packed->features, packed->channels, MCV_SENSOR_PINHOLE, MCV_SAMPLER_SOBOL,
+    mcv_feature_defines(packed->features, packed->channels, MCV_SENSOR_PINHOLE, MCV_SAMPLER_SOBOL,
                         MCV_BLOCK, defines, sizeof defines);
     MCV_TRY(mcv_cl_build(&t->cl, "schedule/trace", defines, &t->program, error));
     MCV_TRY(mcv_cl_kernel(t->program, "trace_paths", &t->kernel, error));

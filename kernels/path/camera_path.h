@@ -24,7 +24,8 @@
 
 /* A sample's path splits at the first surfaces of glass, sheets and beam splitters that it meets,
  * so that it has at most so many branches: a power of two. */
-#define MCV_BRANCHES (MCV_WITH_SPLIT ? 4 : 1)
+#define MCV_SPLIT_BRANCHES 4
+#define MCV_BRANCHES (MCV_WITH_SPLIT ? MCV_SPLIT_BRANCHES : 1)
 
 /* X(field, words): what a scene does not need has no words. Those before the hit go on with the
  * path to its next surface. */

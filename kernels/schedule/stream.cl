@@ -61,7 +61,7 @@ MCV_FUNCTION void mcv_append(__global uint *queue, __global uint *length, uint p
 #if MCV_WITH_AIM
 /* One work-item per pixel. */
 __kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void
-guide_pupil(MCV_WORLD_PARAMETERS __global mcv_device_pupil_guide *out) {
+aim_pupils(MCV_WORLD_PARAMETERS __global mcv_device_pupil_guide *out) {
     MCV_MAKE_WORLD(world)
     const uint pixel = get_global_id(0);
     if (pixel < world.frame->width * world.frame->height)

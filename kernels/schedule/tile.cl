@@ -389,7 +389,7 @@ static void mcv_intersect_shadows(mcv_world world, mcv_slot slot, const uint *pa
 #if MCV_WITH_AIM
 /* One work-item per slice of pixels. */
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void
-guide_pupil(MCV_WORLD_PARAMETERS __global mcv_device_pupil_guide *out) {
+aim_pupils(MCV_WORLD_PARAMETERS __global mcv_device_pupil_guide *out) {
     MCV_MAKE_WORLD(world)
     const uint first = (uint)get_group_id(0) * MCV_SLICE;
     const uint last = min(first + MCV_SLICE, world.frame->width * world.frame->height);
