@@ -5,7 +5,7 @@
 
 #include "analysis/camera.h"
 #include "analysis/region.h"
-#include "cli/options.h"
+#include "cli/command.h"
 #include "io/exr.h"
 
 #include <limits.h>

@@ -3,7 +3,7 @@
 #include "check/findings.h"
 #include "device/features.h"
 #include "check/growth.h"
-#include "cli/options.h"
+#include "cli/command.h"
 #include "cli/report.h"
 #include "cli/sensor.h"
 #include "core/output_file.h"

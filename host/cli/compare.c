@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi compare: whether two renders of the same picture differ by more than their noise. */
 #include "analysis/compare.h"
-#include "cli/options.h"
+#include "cli/command.h"
 #include "cli/picture.h"
 #include "cli/report.h"
 #include "cli/sensor.h"

@@ -4,7 +4,7 @@
 #include "check/growth.h"
 #include "analysis/render_error.h"
 #include "cli/metrics.h"
-#include "cli/options.h"
+#include "cli/command.h"
 #include "cli/places.h"
 #include "cli/report.h"
 #include "cli/sensor.h"

@@ -6,7 +6,7 @@
 
 #include "analysis/circle.h"
 #include "analysis/line.h"
-#include "cli/options.h"
+#include "cli/command.h"
 
 /* X(member of mcv_roi_figures, "name") and of mcv_contrast_figures, mcv_edge, mcv_line,
  * mcv_caliper, mcv_circle; those that are quantities.

@@ -4,7 +4,7 @@
 #ifndef MCVISI_HOST_CLI_PLACES_H
 #define MCVISI_HOST_CLI_PLACES_H
 
-#include "cli/options.h"
+#include "cli/command.h"
 #include "scene/camera_model.h"
 
 /* X(field, "name"): options that are lists of places. */

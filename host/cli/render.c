@@ -3,7 +3,7 @@
 #include "check/findings.h"
 #include "cli/camera.h"
 #include "cli/interrupt.h"
-#include "cli/options.h"
+#include "cli/command.h"
 #include "cli/picture.h"
 #include "cli/sensor.h"
 #include "core/basics.h"
