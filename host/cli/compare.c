@@ -10,6 +10,7 @@
 #include "core/output_file.h"
 #include "report/progress.h"
 #include "reference/reference.h"
+#include "loader/load.h"
 
 #include <math.h>
 #include <stdio.h>

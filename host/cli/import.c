@@ -5,6 +5,7 @@
 #include "core/output_file.h"
 #include "lens/lens_file.h"
 #include "scene/scene.h"
+#include "loader/load.h"
 
 #include <limits.h>
 #include <math.h>

@@ -15,6 +15,7 @@
 #include "io/grid.h"
 #include "io/values.h"
 #include "scene/sensors.h"
+#include "loader/load.h"
 
 #include <math.h>
 #include <stdio.h>

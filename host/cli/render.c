@@ -10,6 +10,7 @@
 #include "report/progress.h"
 #include "report/summary.h"
 #include "reference/reference.h"
+#include "loader/load.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -17,6 +17,7 @@
 #include "reference/reference.h"
 #include "core/json.h"
 #include "scene/sensors.h"
+#include "loader/load.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -434,7 +435,7 @@ static mcv_result load_scene(const sweep *s, const double *numbers, char (*texts
                  s->parameters[i].item, numbers[i]);
         items[given->count + i] = texts[i];
     }
-    const mcv_result result = mcv_scene_load_again(
+    const mcv_result result = mcv_scene_load_cached(
         s->rig, (mcv_overrides){items, given->count + s->count}, s->assets, scene, error);
     free(items);
     return result;
@@ -765,7 +766,7 @@ static mcv_result report(const sweep *s, double spent, mcv_error *error) {
     json_object_set_new(document, "seconds", json_real(spent));
     json_object_set_new(document, "stage_seconds", json_real(s->stage_seconds));
     json_object_set_new(document, "assets_read",
-                        json_integer((json_int_t)mcv_kept_assets_read(s->assets)));
+                        json_integer((json_int_t)mcv_asset_cache_reads(s->assets)));
     json_object_set_new(document, "structures_built", json_integer((json_int_t)s->built));
     json_object_set_new(document, "programs_built", json_integer((json_int_t)s->compiled));
     json_object_set_new(document, "metrics", extremes);
@@ -828,7 +829,7 @@ static mcv_result count_wanted(sweep *s, mcv_error *error) {
 static mcv_result check_rig(sweep *s, mcv_error *error) {
     mcv_scene *scene;
     uint32_t sensor;
-    MCV_TRY(mcv_scene_load_again(s->rig,
+    MCV_TRY(mcv_scene_load_cached(s->rig,
                                  (mcv_overrides){s->command->set.items, s->command->set.count},
                                  s->assets, &scene, error));
     snprintf(s->fingerprint, sizeof s->fingerprint, "%016" PRIx64, scene->fingerprint);
@@ -913,7 +914,7 @@ static mcv_result plan(sweep *s, mcv_error *error) {
     s->rows = malloc(s->set_count * s->columns * sizeof *s->rows);
     s->messages = calloc(s->set_count, sizeof *s->messages);
     s->renderer = mcv_renderer_new();
-    s->assets = mcv_kept_assets_new();
+    s->assets = mcv_asset_cache_new();
     if (!s->rows || !s->messages || !s->renderer || !s->assets)
         return mcv_fail(error, MCV_FAILED, "no memory for a table of %zu rows", s->set_count);
     return plan_files(s, error);
@@ -952,7 +953,7 @@ static mcv_result sweep_command(const mcv_command *command, const char *rig, mcv
     for (size_t i = 0; i < s.count; ++i) mcv_levels_free(&s.parameters[i].levels);
     for (size_t i = 0; i < s.row_count; ++i) free(s.messages[i]);
     mcv_renderer_free(s.renderer);
-    mcv_kept_assets_free(s.assets);
+    mcv_asset_cache_free(s.assets);
     free(s.messages);
     free(s.rows);
     free(s.sets);

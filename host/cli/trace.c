@@ -4,6 +4,7 @@
 #include "cli/rays.h"
 #include "core/output_file.h"
 #include "reference/reference.h"
+#include "loader/load.h"
 
 #include <errno.h>
 #include <stdio.h>

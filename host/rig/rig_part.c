@@ -4,6 +4,7 @@
 
 #include "core/basics.h"
 #include "loader/load.h"
+#include "loader/load_stl.h"
 #include "scene/params.h"
 
 #include <ctype.h>

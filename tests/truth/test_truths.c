@@ -8,6 +8,7 @@
 #include "mcvisi/surfaces/solid.h"
 #include "reference/random.h"
 #include "render/render.h"
+#include "loader/load.h"
 
 static const mcv_transform unmoved = {{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}};
 
