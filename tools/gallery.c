@@ -12,6 +12,8 @@
 #include "io/figure.h"
 #include "io/png.h"
 #include "scene/scene.h"
+#include "scene/sensors.h"
+#include "scene/texture.h"
 #include "loader/load.h"
 
 #include <errno.h>

@@ -15,6 +15,7 @@
 #include "scene/mesh.h"
 #include "scene/params.h"
 #include "scene/sensors.h"
+#include "scene/geometry.h"
 #include "loader/load.h"
 
 #include <math.h>

@@ -7,6 +7,7 @@
 #include "core/output_file.h"
 #include "scene/camera_model.h"
 #include "scene/params.h"
+#include "scene/sensors.h"
 
 #include <errno.h>
 #include <inttypes.h>

@@ -8,6 +8,8 @@
 #include <cmocka.h>
 
 #include "scene_files.h"
+#include "scene/geometry.h"
+#include "scene/spectra.h"
 
 #include <float.h>
 #include <math.h>
