@@ -3,6 +3,7 @@
 
 #include <ctype.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -198,6 +199,27 @@ static mcv_result probe(mcv_cl *cl, cl_program program, mcv_error *error) {
     return result;
 }
 
+/*
+ * The process keeps the context of the device that was opened last: PoCL reads its library of built-in functions, for half a second, for
+ * each context that compiles.
+ */
+static cl_context context_of(cl_device_id device, cl_int *code) {
+    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    static cl_device_id kept_device;
+    static cl_context kept;
+    *code = CL_SUCCESS;
+    pthread_mutex_lock(&lock);
+    if (!kept || kept_device != device) {
+        if (kept) clReleaseContext(kept);
+        kept = clCreateContext(NULL, 1, &device, NULL, NULL, code);
+        kept_device = device;
+    }
+    cl_context context = kept;
+    if (context) clRetainContext(context);
+    pthread_mutex_unlock(&lock);
+    return context;
+}
+
 mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error) {
     choice c = {.wanted = which ? which : getenv("MCVISI_OPENCL_DEVICE")};
     memset(cl, 0, sizeof *cl);
@@ -207,7 +229,7 @@ mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error) {
     }
     *cl = c.cl;
     cl_int code;
-    cl->context = clCreateContext(NULL, 1, &cl->device, NULL, NULL, &code);
+    cl->context = context_of(cl->device, &code);
     MCV_TRY_CL(code, error);
     cl->queue = clCreateCommandQueue(cl->context, cl->device, CL_QUEUE_PROFILING_ENABLE, &code);
     if (code == CL_SUCCESS) return MCV_OK;
