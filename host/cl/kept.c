@@ -48,14 +48,16 @@ cl_program mcv_kept_program(cl_context context, const char *source, const char *
     pthread_mutex_lock(&kept.lock);
     for (int i = 0; i < KEPT_PROGRAMS && context == kept.context && !found; ++i) {
         const kept_program *k = &kept.programs[i];
-        if (k->program && k->source == source && strcmp(k->options, options) == 0) found = k->program;
+        if (k->program && k->source == source && strcmp(k->options, options) == 0)
+            found = k->program;
     }
     if (found) clRetainProgram(found);
     pthread_mutex_unlock(&kept.lock);
     return found;
 }
 
-void mcv_keep_program(cl_context context, const char *source, const char *options, cl_program program) {
+void mcv_keep_program(cl_context context, const char *source, const char *options,
+                      cl_program program) {
     pthread_mutex_lock(&kept.lock);
     if (context == kept.context) {
         kept_program *k = &kept.programs[kept.next++ % KEPT_PROGRAMS];
