@@ -29,7 +29,7 @@
 #include "scene/camera_model.h"
 
 /* Which of the tests run: no file of them shall take long. */
-enum { PART_MAKE, PART_MEASURE };
+enum { PART_MAKE, PART_MEASURE, PART_LIGHT_FIELD };
 #ifndef PART
 #define PART PART_MAKE
 #endif
@@ -1351,6 +1351,8 @@ int main(void) {
         TEST(test_compare),
         TEST(test_compare_scenes),
         TEST(test_compare_bad_input),
+    };
+    const struct CMUnitTest light_fields[] = {
         TEST(test_light_field_views),
         TEST(test_lens_of_the_camera),
         TEST(test_light_field_gradient),
@@ -1360,7 +1362,9 @@ int main(void) {
     switch (PART) {
     case PART_MAKE:
         return cmocka_run_group_tests(made, NULL, remove_folder);
-    default:
+    case PART_MEASURE:
         return cmocka_run_group_tests(measured, NULL, remove_folder);
+    default:
+        return cmocka_run_group_tests(light_fields, NULL, remove_folder);
     }
 }
