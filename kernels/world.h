@@ -13,7 +13,7 @@
 #include "mcvisi/sensors/sensor.h"
 #include "mcvisi/emitters/emitter.h"
 #include "mcvisi/materials/material.h"
-#include "traverse.h"
+#include "traverse/bvh8.h"
 
 #define MCV_JOIN_3(a, b, c) a##b##c
 #define MCV_JOIN(a, b, c) MCV_JOIN_3(a, b, c)

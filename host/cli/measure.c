@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi measure: figures of regions of an image, and of the edges, lines, widths and circles in it. */
-#include "analysis/growth.h"
+#include "check/growth.h"
 #include "analysis/render_error.h"
 #include "cli/metrics.h"
 #include "cli/options.h"
@@ -8,11 +8,11 @@
 #include "cli/report.h"
 #include "cli/sensor.h"
 #include "core/basics.h"
-#include "output/png.h"
-#include "output/exr.h"
-#include "output/file.h"
-#include "output/grid.h"
-#include "output/values.h"
+#include "io/png.h"
+#include "io/exr.h"
+#include "core/output_file.h"
+#include "io/grid.h"
+#include "io/values.h"
 #include "scene/sensors.h"
 
 #include <math.h>

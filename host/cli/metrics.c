@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/metrics.h"
 
-#include "scene/json.h"
+#include "core/json.h"
 
 #include <math.h>
 #include <stdio.h>

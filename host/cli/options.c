@@ -2,7 +2,7 @@
 #include "cli/options.h"
 
 #include "render/render.h"
-#include "scene/json.h"
+#include "core/json.h"
 #include "scene/params.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi sweep: many sets of parameters, one render and a few measured figures of each; a table that grows row by row, and a page. */
-#include "analysis/design.h"
-#include "analysis/expression.h"
+#include "experiment/design.h"
+#include "experiment/expression.h"
 #include "analysis/lightfield.h"
 #include "cli/camera.h"
 #include "cli/interrupt.h"
@@ -10,11 +10,11 @@
 #include "cli/places.h"
 #include "cli/sensor.h"
 #include "core/basics.h"
-#include "output/exr.h"
-#include "output/file.h"
-#include "output/plots.h"
+#include "io/exr.h"
+#include "core/output_file.h"
+#include "io/plots.h"
 #include "reference/reference.h"
-#include "scene/json.h"
+#include "core/json.h"
 #include "scene/sensors.h"
 
 #include <ctype.h>

@@ -5,7 +5,7 @@
 
 #include "reference/geometry.h"
 #include "reference/random.h"
-#include "reference/sight.h"
+#include "reference/sensor_ray.h"
 #include "scene/emitters.h"
 #include "scene/sensors.h"
 

@@ -10,7 +10,7 @@
 #include "reference/emission.h"
 #include "reference/gloss.h"
 #include "reference/media.h"
-#include "reference/sight.h"
+#include "reference/sensor_ray.h"
 #include "render/render.h"
 
 typedef struct ref_world {

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/device_scene.h"
+#include "device/device_scene.h"
 #include "render/render.h"
 
 enum { MAX_BATCH = 16384, MAX_BATCH_BYTES = 64 << 20 };
@@ -28,7 +28,7 @@ static mcv_result open_tracer(tracer *t, const mcv_scene *scene, size_t ray_coun
     MCV_TRY(mcv_device_scene_finish(&t->cl, NULL, &t->scene, error));
     const mcv_packed *packed = &t->scene.packed;
     mcv_feature_options(packed->features, packed->channels, MCV_SENSOR_PINHOLE, MCV_SAMPLER_SOBOL, MCV_BLOCK, defines, sizeof defines);
-    MCV_TRY(mcv_cl_build(&t->cl, "trace", defines, &t->program, error));
+    MCV_TRY(mcv_cl_build(&t->cl, "schedule/trace", defines, &t->program, error));
     MCV_TRY(mcv_cl_kernel(t->program, "trace_paths", &t->kernel, error));
 
     t->stride = options->depth + 1;

@@ -2,7 +2,7 @@
 #include "rig/rig.h"
 
 #include "core/basics.h"
-#include "scene/load.h"
+#include "loader/load.h"
 #include "scene/params.h"
 
 #include <ctype.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "scene/camera_model.h"
 
-#include "scene/json.h"
+#include "core/json.h"
 #include "scene/sensors.h"
 #include "scene/transform.h"
 

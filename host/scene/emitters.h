@@ -3,7 +3,7 @@
 #ifndef MCVISI_HOST_SCENE_EMITTERS_H
 #define MCVISI_HOST_SCENE_EMITTERS_H
 
-#include "scene/place.h"
+#include "core/json_path.h"
 #include "scene/scene.h"
 
 /* Does this type emit from the surface of an instance? */

@@ -3,7 +3,7 @@
 #ifndef MCVISI_HOST_SCENE_MESH_H
 #define MCVISI_HOST_SCENE_MESH_H
 
-#include "scene/place.h"
+#include "core/json_path.h"
 #include "scene/scene.h"
 
 /*

@@ -3,7 +3,7 @@
 #ifndef MCVISI_HOST_SCENE_PARAMS_H
 #define MCVISI_HOST_SCENE_PARAMS_H
 
-#include "scene/json.h"
+#include "core/json.h"
 #include "scene/scene.h"
 
 /* A row of a table: expanded where `element_params` is the parameter struct. */

@@ -3,7 +3,7 @@
 #ifndef MCVISI_HOST_SCENE_PRESETS_H
 #define MCVISI_HOST_SCENE_PRESETS_H
 
-#include "scene/place.h"
+#include "core/json_path.h"
 #include "scene/scene.h"
 
 typedef struct mcv_preset {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The scene as the host works with it: what the file says, in SI units and double, before any re-centring or packing for
- * a device. The loader (host/scene/load.c) makes it; the OpenCL renderer, the reference renderer and `mcvisi check` read it.
+ * a device. The loader (host/loader/load.c) makes it; the OpenCL renderer, the reference renderer and `mcvisi check` read it.
  *
  * Everything inside is owned by the scene and freed by mcv_scene_free. Tests may build one by hand with
  * mcv_scene_new and the mcv_scene_add_… functions, which copy what they are given.

@@ -3,7 +3,7 @@
 #ifndef MCVISI_HOST_SCENE_SENSORS_H
 #define MCVISI_HOST_SCENE_SENSORS_H
 
-#include "scene/place.h"
+#include "core/json_path.h"
 #include "scene/scene.h"
 
 /* Fills in parameters that follow from others; refuses contradictions and what the sensor cannot do. */

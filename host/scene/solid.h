@@ -4,7 +4,7 @@
 #define MCVISI_HOST_SCENE_SOLID_H
 
 #include "mcvisi/surfaces/solid.h"
-#include "scene/place.h"
+#include "core/json_path.h"
 #include "scene/scene.h"
 
 /* As many as a kernel's loop over all of them is meant for. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The scene as the device sees it: float32, re-centred, in tables of 4-byte scalars. host/render/pack.c fills them.
+ * The scene as the device sees it: float32, re-centred, in tables of 4-byte scalars. host/device/pack.c fills them.
  */
 #ifndef MCVISI_TABLES_H
 #define MCVISI_TABLES_H
@@ -116,7 +116,7 @@ typedef struct mcv_device_material {
 } mcv_device_material;
 MCV_ASSERT_SIZE(mcv_device_material, 64);
 
-/* What a glossy material has beyond the others, under the same index; kernels/gloss.h. */
+/* What a glossy material has beyond the others, under the same index; kernels/bsdf/microfacet.h. */
 typedef struct mcv_device_gloss {
     float roughness;    /* where no texture scales it */
     float anisotropy;   /* α_t = α + (1 - α) anisotropy; 0: the surface has no direction */
@@ -155,7 +155,7 @@ typedef struct mcv_device_emitter {
     uint instance; /* whose triangles emit, or MCV_NONE */
     uint texture;  /* or MCV_NONE */
     uint cdf;      /* where its triangle_count + 1 entries begin in the table of cumulative shares, 2^31 = 1; an environment's, of pixels:
-                      kernels/environment.h */
+                      kernels/light/environment.h */
     uint triangle_count;
     float probability; /* that next-event estimation chooses it */
     float radiance[3]; /* or irradiance or intensity, by its type */
@@ -166,7 +166,7 @@ typedef struct mcv_device_emitter {
     float light_aim;   /* about what that is [sr, m²]; 1: nothing */
     float radius;      /* about the middle [m]; negative: the emitter is nowhere in particular */
     float facing[3];   /* normal of a flat one, else 0 */
-    float narrowest;   /* of its light, and how it widens with the distance: kernels/reach.h [m²] */
+    float narrowest;   /* of its light, and how it widens with the distance: kernels/light/selection.h [m²] */
     float widening;
     float power; /* its share of all emitters' */
     uint padding;

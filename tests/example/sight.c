@@ -1,4 +1,4 @@
-/* What the example adds to host/reference/sight.c: the model once more, from its formulas. */
+/* What the example adds to host/reference/sensor_ray.c: the model once more, from its formulas. */
 static ref_sight line_scan(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x, double y) {
     const mcv_line_scan_params *p = &sensor->as.line_scan;
     const double pitch[2] = {p->pixelSize[0], p->linePitch}; /* from row to row the place moves by linePitch */

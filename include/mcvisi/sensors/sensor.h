@@ -28,7 +28,7 @@
  *     MCV_<NAME>_PARAMS(X)    its parameters (mcvisi/params.h)
  *     mcv_<name>              what the device needs of them, 4-byte scalars
  *     mcv_<name>_sample       pixel and aperture sample -> ray of sight
- *     mcv_<name>_through      pixel and point of the pupil in its radii -> ray of sight; of sensors that can aim (kernels/sight.h)
+ *     mcv_<name>_through      pixel and point of the pupil in its radii -> ray of sight; of sensors that can aim (kernels/path/sensor_ray.h)
  *     mcv_<name>_connect, mcv_<name>_invert, mcv_<name>_footprint
  *                             for light paths, see below; a sensor without them is not reached by any
  * one line in MCV_SENSORS (mcvisi/elements.h), and in host/scene/sensors.c
