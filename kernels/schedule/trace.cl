@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Follows given rays through smooth surfaces, always refracted where that is possible, and writes every vertex: what
- * `mcvisi trace` and the tests look at. One work-item per ray; `stride` vertices each.
+ * Follows given rays through smooth surfaces, always refracted where that is possible, and writes
+ * every vertex: what `mcvisi trace` and the tests look at. One work-item per ray; `stride` vertices
+ * each.
  */
 #include "light/environment.h"
 #include "stage/intersect_closest.h"
@@ -17,8 +18,10 @@ MCV_FUNCTION void mcv_write_vector(__global float *to, mcv_vec3 v) {
     to[2] = v.z;
 }
 
-/* Writes at most `stride` vertices; returns how many. The slot holds the ray for the stage that intersects. */
-static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, uint stride, __global mcv_device_vertex *vertices) {
+/* Writes at most `stride` vertices; returns how many. The slot holds the ray for the stage that
+ * intersects. */
+static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, uint stride,
+                           __global mcv_device_vertex *vertices) {
     const mcv_pair always_refract = {1.0f, 0.0f};
     mcv_vec3 origin = mcv_vec(ray.origin[0], ray.origin[1], ray.origin[2]);
     mcv_vec3 point = origin;
@@ -29,16 +32,16 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
     on.event = MCV_EVENT_START;
     uint triangle = MCV_NONE;
 #if MCV_WITH_SURFACES
-    uint left = MCV_NONE;
+    uint origin_surface = MCV_NONE;
 #endif
     uint unmatched = 0;
     const mcv_vec3 nothing = mcv_vec(0.0f, 0.0f, 0.0f);
-    mcv_vec3 point_rest = nothing, normal_rest = nothing, direction_rest = nothing;
+    mcv_vec3 point_rest = nothing, normal_rest = nothing, direction_low = nothing;
     float distance_rest = 0.0f;
 #if MCV_WITH_MIXED
-    mcv_vec3 origin_rest = mcv_vec(ray.origin_rest[0], ray.origin_rest[1], ray.origin_rest[2]);
-    point_rest = origin_rest;
-    direction_rest = mcv_vec(ray.direction_rest[0], ray.direction_rest[1], ray.direction_rest[2]);
+    mcv_vec3 origin_low = mcv_vec(ray.origin_low[0], ray.origin_low[1], ray.origin_low[2]);
+    point_rest = origin_low;
+    direction_low = mcv_vec(ray.direction_low[0], ray.direction_low[1], ray.direction_low[2]);
 #endif
     float distance = 0.0f;
     float transmittance = 1.0f;
@@ -61,8 +64,9 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         vertex->distance_rest = distance_rest;
         mcv_write_vector(vertex->position_rest, point_rest);
         mcv_write_vector(vertex->normal_rest, normal_rest);
-        mcv_write_vector(vertex->direction_rest, direction_rest);
-        if (on.event == MCV_EVENT_END || on.event == MCV_EVENT_MISS || count + 1 == stride) return count + 1;
+        mcv_write_vector(vertex->direction_low, direction_low);
+        if (on.event == MCV_EVENT_END || on.event == MCV_EVENT_MISS || count + 1 == stride)
+            return count + 1;
 
         /* Find the next surface. */
         const mcv_vec3 direction = on.direction;
@@ -73,59 +77,63 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         MCV_WORD(slot, media, 0) = on.media;
 #endif
 #if MCV_WITH_SURFACES
-        MCV_WORD(slot, left, 0) = left;
+        MCV_WORD(slot, origin_surface, 0) = origin_surface;
 #endif
         mcv_intersect_closest(world, slot);
         triangle = MCV_WORD(slot, hit, 3);
         distance = MCV_LOAD(slot, hit, 0);
         transmittance = MCV_LOAD(slot, throughput, 0);
 #if MCV_WITH_MIXED
-        const mcv_precise_ray precise = mcv_precise_ray_of(origin, origin_rest, direction, direction_rest);
+        const mcv_precise_ray precise =
+            mcv_precise_ray_of(origin, origin_low, direction, direction_low);
 #endif
         distance_rest = 0.0f;
-        normal_rest = direction_rest = nothing;
+        normal_rest = direction_low = nothing;
         if (triangle == MCV_NONE) {
             normal = nothing;
             on.direction = normal;
             on.event = MCV_EVENT_MISS;
             distance = INFINITY;
-            radiance = mcv_environment_met(world, direction, on.media, 0.0f).c[0];
+            radiance = mcv_environment_seen(world, direction, on.media, 0.0f).c[0];
             continue;
         }
 
         /* Go through it. */
         const mcv_hit hit = {distance, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2), triangle};
-        const mcv_meeting meeting = mcv_meet(world, origin, direction, hit);
+        const mcv_interaction interaction = mcv_meet(world, origin, direction, hit);
         radiance = 0.0f;
 #if MCV_WITH_EMISSION
-        const uint emitter = world.instances[meeting.surface.instance].emitter;
+        const uint emitter = world.instances[interaction.surface.instance].emitter;
         if (emitter != MCV_NONE) {
-            const mcv_color emitted = mcv_emitted(world, meeting.surface, emitter, mcv_scale(meeting.direction, -1.0f));
+            const mcv_color emitted = mcv_emitted(world, interaction.surface, emitter,
+                                                  mcv_scale(interaction.direction, -1.0f));
             radiance = mcv_basic_radiance(world, emitted, on.media).c[0];
         }
 #endif
         const uint before = on.media;
         mcv_scattering other;
-        on = mcv_scatter(world, meeting, before, always_refract, 1.0f, 0, &unmatched, &other);
-        point = meeting.surface.point;
-        normal = meeting.normal;
+        on = mcv_scatter(world, interaction, before, always_refract, 1.0f, 0, &unmatched, &other);
+        point = interaction.surface.point;
+        normal = interaction.normal;
         point_rest = nothing;
 #if MCV_WITH_MIXED
-        const mcv_precise_meeting met = mcv_meet_precisely(world, &meeting, precise, origin_rest, distance);
-        const mcv_onward onward = mcv_go_on_precisely(world, &meeting, &met, precise.direction, before, &on);
+        const mcv_precise_interaction met =
+            mcv_intersect_precisely(world, &interaction, precise, origin_low, distance);
+        const mcv_onward onward =
+            mcv_go_on_precisely(world, &interaction, &met, precise.direction, before, &on);
         if (met.found) {
             point_rest = mcv_rest(met.point, point);
             normal_rest = mcv_rest(met.normal, normal);
             distance_rest = (float)(met.distance - (double)distance);
         }
-        direction_rest = mcv_onward_rest(&onward, onward.ray.direction, on.direction);
+        direction_low = mcv_onward_low(&onward, onward.ray.direction, on.direction);
 #endif
-        origin = mcv_onward_origin(meeting, on.direction);
+        origin = mcv_onward_origin(interaction, on.direction);
 #if MCV_WITH_MIXED
-        origin_rest = mcv_onward_rest(&onward, onward.ray.origin, origin);
+        origin_low = mcv_onward_low(&onward, onward.ray.origin, origin);
 #endif
 #if MCV_WITH_SURFACES
-        left = mcv_leave_meeting(world, meeting, on.direction);
+        origin_surface = mcv_origin_surface_of(world, interaction, on.direction);
 #endif
         if (on.event == MCV_EVENT_END)
             on.direction = mcv_vec(0.0f, 0.0f, 0.0f);
@@ -134,15 +142,16 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
     }
 }
 
-__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_paths(MCV_WORLD_PARAMETERS __global uint *paths, uint stride,
-                                                                         __global const mcv_device_ray *rays,
-                                                                         __global mcv_device_vertex *vertices,
-                                                                         __global uint *vertex_counts) {
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void
+trace_paths(MCV_WORLD_PARAMETERS __global uint *paths, uint stride,
+            __global const mcv_device_ray *rays, __global mcv_device_vertex *vertices,
+            __global uint *vertex_counts) {
     MCV_MAKE_WORLD(world)
     const uint ray = get_global_id(0);
     mcv_slot slot;
     slot.base = paths;
     slot.capacity = get_global_size(0);
     slot.index = ray;
-    vertex_counts[ray] = mcv_trace_path(world, slot, rays[ray], stride, vertices + (size_t)ray * stride);
+    vertex_counts[ray] =
+        mcv_trace_path(world, slot, rays[ray], stride, vertices + (size_t)ray * stride);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "cl/kept.h"
+#include "cl/program_cache.h"
 
 #include <pthread.h>
 #include <stdbool.h>
