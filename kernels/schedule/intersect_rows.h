@@ -33,7 +33,7 @@ MCV_BATCH uint mcv_list_near_triangles(mcv_world world, uint *paths, uint count,
     MCV_VECTORIZE
     MCV_EACH_PATH (slot, paths, 0, mcv_fill_lanes(count)) {
         const mcv_vec3 o = MCV_LOAD_3(slot, origin), d = MCV_LOAD_3(slot, direction);
-        enters[slot.index] = (uint)mcv_hits_box(low, high, extent, o, d, MCV_LOAD(slot, hit, 0));
+        enters[slot.index] = (uint)mcv_enters_box(low, high, extent, o, d, MCV_LOAD(slot, hit, 0));
     }
     return mcv_compact_indices(enters, count, chosen);
 }

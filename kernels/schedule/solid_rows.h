@@ -7,7 +7,7 @@
 #include "schedule/compact.h"
 #include "schedule/vectorize.h"
 #include "traverse/closest.h"
-#include "traverse/packet.h"
+#include "traverse/rows.h"
 
 #if MCV_WITH_SURFACES
 /* Rays side by side: rows of MCV_ROW words for each component. The directions are unit. */
