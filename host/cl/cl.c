@@ -224,7 +224,7 @@ mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error) {
     }
     *cl = c.cl;
     cl_int code;
-    cl->context = mcv_kept_context(cl->device, &code);
+    cl->context = mcv_cached_context(cl->device, &code);
     MCV_TRY_CL(code, error);
     cl->queue = clCreateCommandQueue(cl->context, cl->device, CL_QUEUE_PROFILING_ENABLE, &code);
     if (code == CL_SUCCESS) return MCV_OK;
@@ -301,7 +301,7 @@ mcv_result mcv_cl_build(mcv_cl *cl, const char *name, const char *options, cl_pr
     if (length >= (int)sizeof all_options)
         result = mcv_fail(error, MCV_DEVICE, "%s.cl: the build options are too long", name);
     if (result == MCV_OK && !from_files)
-        *program = mcv_kept_program(cl->context, source, all_options);
+        *program = mcv_cached_program(cl->context, source, all_options);
     const bool made = result == MCV_OK && !*program;
     if (made) result = make_program(cl, name, source, all_options, program, error);
     if (result == MCV_OK && !cl->probed) result = probe(cl, *program, error);

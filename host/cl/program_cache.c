@@ -6,66 +6,66 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { KEPT_PROGRAMS = 4 };
+enum { CACHED_PROGRAMS = 4 };
 
-typedef struct kept_program {
+typedef struct cached_program {
     const char *source; /* the library's own text */
     char options[MCV_MAX_BUILD_OPTIONS];
     cl_program program;
-} kept_program;
+} cached_program;
 
 static struct {
     pthread_mutex_t lock;
     cl_device_id device;
     cl_context context;
-    kept_program programs[KEPT_PROGRAMS];
+    cached_program programs[CACHED_PROGRAMS];
     unsigned next;
-} kept = {.lock = PTHREAD_MUTEX_INITIALIZER};
+} cache = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 static void forget_device(void) {
-    for (int i = 0; i < KEPT_PROGRAMS; ++i) {
-        if (kept.programs[i].program) clReleaseProgram(kept.programs[i].program);
-        kept.programs[i].program = NULL;
+    for (int i = 0; i < CACHED_PROGRAMS; ++i) {
+        if (cache.programs[i].program) clReleaseProgram(cache.programs[i].program);
+        cache.programs[i].program = NULL;
     }
-    if (kept.context) clReleaseContext(kept.context);
-    kept.context = NULL;
+    if (cache.context) clReleaseContext(cache.context);
+    cache.context = NULL;
 }
 
-cl_context mcv_kept_context(cl_device_id device, cl_int *code) {
+cl_context mcv_cached_context(cl_device_id device, cl_int *code) {
     *code = CL_SUCCESS;
-    pthread_mutex_lock(&kept.lock);
-    if (kept.device != device) forget_device();
-    if (!kept.context) kept.context = clCreateContext(NULL, 1, &device, NULL, NULL, code);
-    kept.device = device;
-    cl_context context = kept.context;
+    pthread_mutex_lock(&cache.lock);
+    if (cache.device != device) forget_device();
+    if (!cache.context) cache.context = clCreateContext(NULL, 1, &device, NULL, NULL, code);
+    cache.device = device;
+    cl_context context = cache.context;
     if (context) clRetainContext(context);
-    pthread_mutex_unlock(&kept.lock);
+    pthread_mutex_unlock(&cache.lock);
     return context;
 }
 
-cl_program mcv_kept_program(cl_context context, const char *source, const char *options) {
+cl_program mcv_cached_program(cl_context context, const char *source, const char *options) {
     cl_program found = NULL;
-    pthread_mutex_lock(&kept.lock);
-    for (int i = 0; i < KEPT_PROGRAMS && context == kept.context && !found; ++i) {
-        const kept_program *k = &kept.programs[i];
+    pthread_mutex_lock(&cache.lock);
+    for (int i = 0; i < CACHED_PROGRAMS && context == cache.context && !found; ++i) {
+        const cached_program *k = &cache.programs[i];
         if (k->program && k->source == source && strcmp(k->options, options) == 0)
             found = k->program;
     }
     if (found) clRetainProgram(found);
-    pthread_mutex_unlock(&kept.lock);
+    pthread_mutex_unlock(&cache.lock);
     return found;
 }
 
 void mcv_keep_program(cl_context context, const char *source, const char *options,
                       cl_program program) {
-    pthread_mutex_lock(&kept.lock);
-    if (context == kept.context) {
-        kept_program *k = &kept.programs[kept.next++ % KEPT_PROGRAMS];
+    pthread_mutex_lock(&cache.lock);
+    if (context == cache.context) {
+        cached_program *k = &cache.programs[cache.next++ % CACHED_PROGRAMS];
         if (k->program) clReleaseProgram(k->program);
         clRetainProgram(program);
         k->program = program;
         k->source = source;
         snprintf(k->options, sizeof k->options, "%s", options);
     }
-    pthread_mutex_unlock(&kept.lock);
+    pthread_mutex_unlock(&cache.lock);
 }

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "cl/cl.h"
-#include "cl/kept.h"
+#include "cl/program_cache.h"
 
 static void count_device(void *user, unsigned index, const mcv_cl *device) {
     unsigned *count = user;
@@ -103,22 +103,22 @@ static void test_programs_are_kept(void **state) {
     assert_int_equal(mcv_cl_open(NULL, &second, &error), MCV_OK);
     assert_ptr_equal(first.context, second.context);
     mcv_cl_close(&second);
-    assert_null(mcv_kept_program(first.context, source, "-DA=1"));
+    assert_null(mcv_cached_program(first.context, source, "-DA=1"));
     cl_program program = new_program(&first, source);
     mcv_keep_program(first.context, source, "-DA=1", program);
-    cl_program found = mcv_kept_program(first.context, source, "-DA=1");
+    cl_program found = mcv_cached_program(first.context, source, "-DA=1");
     assert_ptr_equal(found, program);
     clReleaseProgram(found);
     clReleaseProgram(program);
-    assert_null(mcv_kept_program(first.context, source, "-DA=2"));
-    assert_null(mcv_kept_program(first.context, source + 1, "-DA=1"));
-    assert_null(mcv_kept_program(NULL, source, "-DA=1"));
+    assert_null(mcv_cached_program(first.context, source, "-DA=2"));
+    assert_null(mcv_cached_program(first.context, source + 1, "-DA=1"));
+    assert_null(mcv_cached_program(NULL, source, "-DA=1"));
     for (int i = 0; i < 4; ++i) {
         program = new_program(&first, source);
         mcv_keep_program(first.context, source, others[i], program);
         clReleaseProgram(program);
     }
-    assert_null(mcv_kept_program(first.context, source, "-DA=1"));
+    assert_null(mcv_cached_program(first.context, source, "-DA=1"));
     mcv_cl_close(&first);
 }
 

@@ -643,7 +643,8 @@ static void test_rough_against_chance(void **state) {
     (void)state;
     for (int light = 0; light < (SLOW ? LIGHTS : 1); ++light) {
         mcv_scene *scene = rough_scene(light);
-        mcv_render_options by_light = options_of(512, 1), by_chance = options_of(4096, 2);
+        mcv_render_options by_light = options_of(SLOW ? 512 : 1024, 1),
+                           by_chance = options_of(SLOW ? 4096 : 2048, 2);
         by_chance.no_light_paths = true;
         mcv_film x = render(scene, &by_light, true), y = render(scene, &by_chance, false);
         print_message("%s: errors %.3g %% and, by chance, %.3g %%\n", lights[light],
