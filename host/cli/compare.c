@@ -4,7 +4,7 @@
 #include "cli/options.h"
 #include "cli/picture.h"
 #include "cli/report.h"
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 #include "io/exr.h"
 #include "io/figure.h"
 #include "core/output_file.h"

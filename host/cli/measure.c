@@ -7,7 +7,7 @@
 #include "cli/options.h"
 #include "cli/places.h"
 #include "cli/report.h"
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 #include "core/basics.h"
 #include "io/png.h"
 #include "io/exr.h"

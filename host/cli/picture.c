@@ -2,7 +2,7 @@
 #include "cli/picture.h"
 
 #include "cli/camera.h"
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 #include "io/exr.h"
 #include "core/output_file.h"
 #include "scene/camera_model.h"

@@ -5,7 +5,7 @@
 #include "cli/interrupt.h"
 #include "cli/options.h"
 #include "cli/picture.h"
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 #include "core/basics.h"
 #include "report/progress.h"
 #include "report/summary.h"

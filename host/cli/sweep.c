@@ -9,7 +9,7 @@
 #include "cli/metrics.h"
 #include "cli/picture.h"
 #include "cli/places.h"
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 #include "core/basics.h"
 #include "io/exr.h"
 #include "core/output_file.h"
