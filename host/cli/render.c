@@ -204,7 +204,8 @@ mcv_result mcv_verb_render(const mcv_command *command, mcv_error *error) {
     mcv_scene *scene;
     mcv_render_options options;
     const double begun = mcv_seconds();
-    if (!command->camera && mcv_camera_wanted(command))
+    const mcv_camera_settings camera = mcv_camera_settings_of(command);
+    if (!command->camera && mcv_camera_wanted(&camera))
         return mcv_fail(
             error, MCV_USAGE,
             "the exposure is that of --camera FILE: give it, or leave the exposure out");

@@ -6,7 +6,8 @@
 #include "analysis/lightfield.h"
 #include "cli/camera.h"
 #include "cli/interrupt.h"
-#include "cli/metrics.h"
+#include "analysis/channel.h"
+#include "analysis/metrics.h"
 #include "cli/picture.h"
 #include "cli/places.h"
 #include "scene/sensor_find.h"
@@ -176,6 +177,7 @@ static mcv_result complete_set(const sweep *s, size_t set, double *numbers, bool
 
 static mcv_result read_metrics(sweep *s, mcv_error *error) {
     const mcv_command *c = s->command;
+    mcv_places places = mcv_places_of(c);
     if (c->metric.count == 0)
         return mcv_fail(error, MCV_USAGE,
                         "--metric is missing: what to measure, as in --metric mean or --metric "
@@ -192,8 +194,7 @@ static mcv_result read_metrics(sweep *s, mcv_error *error) {
         for (size_t i = 0; i < s->metric_count; ++i)
             if (strcmp(s->metrics[i].name, m->name) == 0)
                 return mcv_fail(error, MCV_USAGE, "--metric %s: is there twice", m->name);
-        MCV_TRY(
-            mcv_expression_evaluate(m->expression, mcv_metric_known, (void *)c, &ignored, error));
+        MCV_TRY(mcv_expression_evaluate(m->expression, mcv_metric_known, &places, &ignored, error));
     }
     for (size_t i = 0; i < c->until.count; ++i) {
         const char *item = c->until.items[i], *equals = strrchr(item, '=');
@@ -286,38 +287,40 @@ static mcv_result read_channel(const sweep *s, const mcv_image *image, const mcv
 static mcv_result take_readings(const sweep *s, const mcv_film *film, mcv_metrics *m,
                                 mcv_error *error) {
     light l;
-    mcv_exposure exposure = {0};
-    *m = (mcv_metrics){.command = s->command, .known = film->replicates > 1};
+    const mcv_camera_settings camera = mcv_camera_settings_of(s->command);
+    mcv_read_out out = {.level = NAN};
+    *m = (mcv_metrics){.known = film->replicates > 1};
     m->readings.render_freedom = film->replicates - 1.0;
     mcv_result result = develop(s, film, &l, error);
     const mcv_image *image = &l.parts[0].image, *deviation = &l.parts[1].image,
                     *light_error = deviation;
-    if (result == MCV_OK && mcv_camera_wanted(s->command)) {
-        result = mcv_camera_read_out(s->command, s->rig, &l.exr, &exposure,
-                                     &m->readings.correlation, error);
-        image = &exposure.grey;
-        deviation = &exposure.uncertainty;
-        light_error = &exposure.render;
+    if (result == MCV_OK && mcv_camera_wanted(&camera)) {
+        result = mcv_camera_read_out(&camera, s->rig, &l.exr, &out, error);
+        m->readings.correlation = out.correlation;
+        image = &out.exposure.grey;
+        deviation = &out.exposure.uncertainty;
+        light_error = &out.exposure.render;
         m->known = m->whole = true;
     }
     if (result == MCV_OK) result = read_channel(s, image, deviation, light_error, m, error);
-    mcv_exposure_free(&exposure);
+    mcv_exposure_free(&out.exposure);
     free_light(&l);
     return result;
 }
 
 /* The scale of the image, and the places to measure in as its pixels. */
-static mcv_result find_places(const sweep *s, mcv_metrics *m, mcv_command *resolved,
+static mcv_result find_places(const sweep *s, mcv_metrics *m, mcv_places *resolved,
                               mcv_error *error) {
+    const mcv_places given = mcv_places_of(s->command);
     mcv_camera_model model;
     MCV_TRY(mcv_camera_model_of(s->scene, s->scene->sensors + s->sensor, &model, error));
     const bool fits =
         mcv_camera_model_fit(&model, m->readings.values.width, m->readings.values.height);
     for (int i = 0; i < 2 && fits && model.macro[0] * model.macro[1] == 1; ++i)
         m->pixel[i] = model.object_pixel[i];
-    const mcv_result result = mcv_places_resolve(s->command, fits ? &model : NULL, resolved, error);
+    const mcv_result result = mcv_places_resolve(&given, fits ? &model : NULL, resolved, error);
     mcv_camera_model_free(&model);
-    m->command = resolved;
+    m->places = resolved;
     return result;
 }
 
@@ -325,7 +328,7 @@ static mcv_result find_places(const sweep *s, mcv_metrics *m, mcv_command *resol
  * those that fail. */
 static mcv_result measure(const sweep *s, const mcv_film *film, double *numbers, mcv_error *error) {
     mcv_metrics m;
-    mcv_command resolved = {0};
+    mcv_places resolved = {0};
     mcv_result result = take_readings(s, film, &m, error);
     if (result == MCV_OK) result = find_places(s, &m, &resolved, error);
     const bool taken = result == MCV_OK;
@@ -888,7 +891,8 @@ static mcv_result plan_files(sweep *s, mcv_error *error) {
 static mcv_result plan(sweep *s, mcv_error *error) {
     const mcv_command *c = s->command;
     MCV_TRY(mcv_render_options_read(c, &s->options, error));
-    if (mcv_camera_wanted(c)) MCV_TRY(mcv_camera_check_options(c, error));
+    const mcv_camera_settings camera = mcv_camera_settings_of(c);
+    if (mcv_camera_wanted(&camera)) MCV_TRY(mcv_camera_check_settings(&camera, error));
     s->options.progress = go_on;
     if (c->until.count > 0) s->options.enough = is_enough;
     s->options.user = s;
