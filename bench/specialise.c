@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "drive.h"
+#include "device/features.h"
 #include "harness.h"
 
 static const char first_sample_scene[] = "report-clean.glb";

@@ -48,7 +48,7 @@ typedef struct worker {
     uint32_t number;
     uint32_t next_draft, drafts_left; /* of its current chunk */
     uint32_t node_count, leaf_count;
-    mcv_box bounds, centroids; /* of its share of the triangles */
+    mcv_box3f bounds, centroids; /* of its share of the triangles */
 } worker;
 
 /* Levels that n triangles need if every node halves them evenly. */
@@ -133,7 +133,7 @@ static uint32_t pack_leaf(const mcv_record *r) {
     return MCV_CHILD_LEAF | r->begin * MCV_LEAF_TRIANGLES | (mcv_record_count(r) - 1);
 }
 
-static void set_child(mcv_node *node, uint32_t slot, const mcv_box *bounds, uint32_t child) {
+static void set_child(mcv_node *node, uint32_t slot, const mcv_box3f *bounds, uint32_t child) {
     for (int axis = 0; axis < 3; ++axis) {
         node->bounds[axis][0][slot] = bounds->lower[axis];
         node->bounds[axis][1][slot] = bounds->upper[axis];
@@ -166,7 +166,7 @@ static bool make_node(worker *w, const task *t) {
     mcv_record children[MCV_BVH_WIDTH];
     const uint32_t count = mcv_record_count(&t->content) ? open_record(b, t, children) : 0;
     mcv_node *node = draft_node(b, t->draft);
-    const mcv_box nothing = mcv_box_empty();
+    const mcv_box3f nothing = mcv_box3f_empty();
     *node = (mcv_node){.extent = b->extent};
     for (uint32_t i = count; i < MCV_BVH_WIDTH; ++i) set_child(node, i, &nothing, MCV_NONE);
     for (uint32_t i = 0; i < count; ++i) {

@@ -33,25 +33,25 @@ static inline float larger(float a, float b) { return a > b ? a : b; }
 typedef struct candidate {
     float cost; /* infinite: there is none */
     binning plane;
-    mcv_box left, right;
+    mcv_box3f left, right;
     uint32_t left_count, right_count;
 } candidate;
 
-mcv_box mcv_box_empty(void) {
-    return (mcv_box){{INFINITY, INFINITY, INFINITY, INFINITY},
+mcv_box3f mcv_box3f_empty(void) {
+    return (mcv_box3f){{INFINITY, INFINITY, INFINITY, INFINITY},
                      {-INFINITY, -INFINITY, -INFINITY, -INFINITY}};
 }
 
 mcv_record mcv_record_empty(uint32_t begin, uint32_t end, uint32_t limit) {
-    return (mcv_record){begin, end, limit, mcv_box_empty(), mcv_box_empty()};
+    return (mcv_record){begin, end, limit, mcv_box3f_empty(), mcv_box3f_empty()};
 }
 
-static inline mcv_box reference_box(const mcv_reference *r) {
-    return (mcv_box){{r->lower[0], r->lower[1], r->lower[2], 0.0f},
+static inline mcv_box3f reference_box(const mcv_reference *r) {
+    return (mcv_box3f){{r->lower[0], r->lower[1], r->lower[2], 0.0f},
                      {r->upper[0], r->upper[1], r->upper[2], 0.0f}};
 }
 
-static binning bin_axis(const mcv_box *range, int axis, uint32_t bins) {
+static binning bin_axis(const mcv_box3f *range, int axis, uint32_t bins) {
     const float width = range->upper[axis] - range->lower[axis];
     const float scale = (float)bins * 0.99999f / width;
     return (binning){axis, bins, 0, range->lower[axis], isfinite(scale) ? scale : 0.0f};
@@ -62,18 +62,18 @@ static inline uint32_t bin_of(const binning *b, const mcv_reference *r) {
 }
 
 /* Leaves hold whole blocks, so blocks are what a side costs. */
-static inline float side_cost(const mcv_box *bounds, uint32_t count) {
+static inline float side_cost(const mcv_box3f *bounds, uint32_t count) {
     const uint32_t blocks = (count + MCV_LEAF_TRIANGLES - 1) / MCV_LEAF_TRIANGLES;
     return mcv_box_area(bounds) * (float)blocks;
 }
 
 /* The cheapest plane between bins that begin `entries` and end `exits` references; keeps *best if
  * that is cheaper. */
-static void sweep(const binning *plane, const mcv_box *bounds, const uint32_t *entries,
+static void sweep(const binning *plane, const mcv_box3f *bounds, const uint32_t *entries,
                   const uint32_t *exits, candidate *best) {
-    mcv_box right[MOST_BINS];
+    mcv_box3f right[MOST_BINS];
     uint32_t right_count[MOST_BINS];
-    mcv_box side = mcv_box_empty();
+    mcv_box3f side = mcv_box3f_empty();
     uint32_t count = 0;
     for (uint32_t i = plane->bins; i-- > 1;) {
         mcv_box_add(&side, &bounds[i]);
@@ -81,7 +81,7 @@ static void sweep(const binning *plane, const mcv_box *bounds, const uint32_t *e
         right[i] = side;
         right_count[i] = count;
     }
-    side = mcv_box_empty();
+    side = mcv_box3f_empty();
     count = 0;
     for (uint32_t i = 1; i < plane->bins; ++i) {
         mcv_box_add(&side, &bounds[i - 1]);
@@ -100,7 +100,7 @@ typedef struct object_bins {
     const mcv_splitter *splitter;
     const binning *axes;
     uint32_t begin, end;
-    mcv_box bounds[3][MOST_BINS];
+    mcv_box3f bounds[3][MOST_BINS];
     uint32_t counts[3][MOST_BINS];
 } object_bins;
 
@@ -108,13 +108,13 @@ static void *fill_bins(void *user) {
     object_bins *b = user;
     for (int axis = 0; axis < 3; ++axis) {
         for (uint32_t i = 0; i < b->axes[axis].bins; ++i) {
-            b->bounds[axis][i] = mcv_box_empty();
+            b->bounds[axis][i] = mcv_box3f_empty();
             b->counts[axis][i] = 0;
         }
     }
     for (uint32_t i = b->begin; i < b->end; ++i) {
         const mcv_reference *here = b->splitter->references + i;
-        const mcv_box added = reference_box(here);
+        const mcv_box3f added = reference_box(here);
         for (int axis = 0; axis < 3; ++axis) {
             const uint32_t bin = bin_of(&b->axes[axis], here);
             mcv_box_add(&b->bounds[axis][bin], &added);
@@ -198,7 +198,7 @@ static float round_up(double x) {
     return (double)(float)x < x ? nextafterf((float)x, INFINITY) : (float)x;
 }
 
-static bool clip_to(mcv_reference *part, const mcv_reference *whole, const mcv_box *bounds) {
+static bool clip_to(mcv_reference *part, const mcv_reference *whole, const mcv_box3f *bounds) {
     bool some = true;
     for (int k = 0; k < 3; ++k) {
         part->lower[k] = larger(whole->lower[k], bounds->lower[k]);
@@ -220,7 +220,7 @@ static bool clip_to(mcv_reference *part, const mcv_reference *whole, const mcv_b
 static void split_reference(const mcv_splitter *s, const mcv_reference *whole, int axis,
                             float plane, mcv_reference *left, bool *has_left, mcv_reference *right,
                             bool *has_right) {
-    mcv_box bounds[2] = {mcv_box_empty(), mcv_box_empty()};
+    mcv_box3f bounds[2] = {mcv_box3f_empty(), mcv_box3f_empty()};
     const uint32_t *corners = s->indices + 3 * (size_t)whole->triangle;
     const float *a = s->positions + 3 * (size_t)corners[2];
     for (int corner = 0; corner < 3; ++corner) {
@@ -252,8 +252,8 @@ static void split_reference(const mcv_splitter *s, const mcv_reference *whole, i
     *has_left = true;
 }
 
-static inline mcv_box point_box(const float *p) {
-    return (mcv_box){{p[0], p[1], p[2], 0.0f}, {p[0], p[1], p[2], 0.0f}};
+static inline mcv_box3f point_box(const float *p) {
+    return (mcv_box3f){{p[0], p[1], p[2], 0.0f}, {p[0], p[1], p[2], 0.0f}};
 }
 
 /*
@@ -262,11 +262,11 @@ static inline mcv_box point_box(const float *p) {
  * one, so will the halves of its box.
  */
 static void add_parts(const mcv_splitter *s, const mcv_reference *whole, const binning *b,
-                      uint32_t first, uint32_t last, mcv_box *bounds) {
+                      uint32_t first, uint32_t last, mcv_box3f *bounds) {
     const int axis = b->axis;
-    const mcv_box box = reference_box(whole);
+    const mcv_box3f box = reference_box(whole);
     if (last <= first + 1) {
-        mcv_box left = box, right = box;
+        mcv_box3f left = box, right = box;
         if (last > first) {
             left.upper[axis] = smaller(left.upper[axis], plane_of(b, last));
             right.lower[axis] = larger(right.lower[axis], plane_of(b, last));
@@ -275,8 +275,8 @@ static void add_parts(const mcv_splitter *s, const mcv_reference *whole, const b
         mcv_box_add(&bounds[last], &right);
         return;
     }
-    mcv_box parts[SPATIAL_BINS];
-    for (uint32_t i = first; i <= last; ++i) parts[i] = mcv_box_empty();
+    mcv_box3f parts[SPATIAL_BINS];
+    for (uint32_t i = first; i <= last; ++i) parts[i] = mcv_box3f_empty();
     const uint32_t *corners = s->indices + 3 * (size_t)whole->triangle;
     for (int corner = 0; corner < 3; ++corner) {
         const float *p = s->positions + 3 * (size_t)corners[corner],
@@ -284,7 +284,7 @@ static void add_parts(const mcv_splitter *s, const mcv_reference *whole, const b
         const float *low = p[axis] <= q[axis] ? p : q, *high = low == p ? q : p;
         const uint32_t bin = spatial_bin(b, p[axis]), from = spatial_bin(b, low[axis]),
                        to = spatial_bin(b, high[axis]);
-        const mcv_box here = point_box(p);
+        const mcv_box3f here = point_box(p);
         if (bin >= first && bin <= last) mcv_box_add(&parts[bin], &here);
         for (uint32_t i = from < first ? first : from; i < to && i < last; ++i) {
             const float plane = plane_of(b, i + 1),
@@ -292,13 +292,13 @@ static void add_parts(const mcv_splitter *s, const mcv_reference *whole, const b
             const float crossing[3] = {low[0] + t * (high[0] - low[0]),
                                        low[1] + t * (high[1] - low[1]),
                                        low[2] + t * (high[2] - low[2])};
-            const mcv_box there = point_box(crossing);
+            const mcv_box3f there = point_box(crossing);
             mcv_box_add(&parts[i], &there);
             mcv_box_add(&parts[i + 1], &there);
         }
     }
     for (uint32_t i = first; i <= last; ++i) {
-        mcv_box part;
+        mcv_box3f part;
         for (int k = 0; k < 4; ++k) {
             part.lower[k] = larger(parts[i].lower[k], box.lower[k]);
             part.upper[k] = smaller(parts[i].upper[k], box.upper[k]);
@@ -313,10 +313,10 @@ static candidate find_spatial_split(const mcv_splitter *s, const mcv_record *r) 
     candidate best = {.cost = INFINITY};
     for (int axis = 0; axis < 3; ++axis) {
         const binning bins = bin_axis(&r->bounds, axis, SPATIAL_BINS);
-        mcv_box bounds[SPATIAL_BINS];
+        mcv_box3f bounds[SPATIAL_BINS];
         uint32_t entries[SPATIAL_BINS] = {0}, exits[SPATIAL_BINS] = {0};
         if (!(bins.scale > 0.0f)) continue;
-        for (uint32_t i = 0; i < SPATIAL_BINS; ++i) bounds[i] = mcv_box_empty();
+        for (uint32_t i = 0; i < SPATIAL_BINS; ++i) bounds[i] = mcv_box3f_empty();
         for (uint32_t i = r->begin; i < r->end; ++i) {
             const mcv_reference *here = s->references + i;
             const uint32_t first = spatial_bin(&bins, here->lower[axis]),
@@ -330,8 +330,8 @@ static candidate find_spatial_split(const mcv_splitter *s, const mcv_record *r) 
     return best;
 }
 
-static float area_with(const mcv_box *a, const mcv_reference *r) {
-    mcv_box both = reference_box(r);
+static float area_with(const mcv_box3f *a, const mcv_reference *r) {
+    mcv_box3f both = reference_box(r);
     mcv_box_add(&both, a);
     return mcv_box_area(&both);
 }
@@ -439,7 +439,7 @@ static void share_room(const mcv_splitter *s, const mcv_record *r, mcv_record *l
 
 static bool overlaps(const mcv_splitter *s, const mcv_record *r, const candidate *split) {
     const int axis = split->plane.axis;
-    mcv_box both;
+    mcv_box3f both;
     for (int i = 0; i < 4; ++i) {
         both.lower[i] = larger(split->left.lower[i], split->right.lower[i]);
         both.upper[i] = smaller(split->left.upper[i], split->right.upper[i]);

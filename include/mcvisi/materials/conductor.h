@@ -22,8 +22,8 @@
 #define MCV_CONDUCTOR_PARAMS(X) \
     X(spectrum, n, MCV_UNSET, 0, 100, \
       "real part of the refractive index n - ik, in place of a metal's name") \
-    X(spectrum, k, MCV_UNSET, 0, 100, "its extinction coefficient") \
+    X(spectrum, k, MCV_UNSET, 0, 100, "extinction coefficient k of n - ik") \
     MCV_ROUGHNESS_PARAMS(X, 0) \
-    X(choice, metal, 0, 0, 7, "whose n and k at the scene's wavelengths it has")
+    X(choice, metal, 0, 0, 7, "metal whose n and k at the scene's wavelengths count")
 
 #endif

@@ -26,6 +26,6 @@
     X(number, anisotropy, 0, 0, 1, \
       "how much rougher the surface is along the tangent than across") \
     X(angle, anisotropyRotation, 0, -100, 100, \
-      "of the rougher direction from the tangent, counter-clockwise [rad]")
+      "angle of the rougher direction from the tangent, counter-clockwise [rad]")
 
 #endif
