@@ -8,9 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- names
- * ------------------------------------------------------------------------------------------------------
- */
+/* --- names --- */
 
 static const char *const region_figures[] = {
 #define MCV_X(member, name) name,
@@ -199,9 +197,7 @@ mcv_result mcv_metric_known(void *user, const char *name, mcv_quantity *quantity
     return choose(user, name, &chosen, error);
 }
 
-/* --- figures
- * ----------------------------------------------------------------------------------------------------
- */
+/* --- figures --- */
 
 static void know_noise(mcv_metrics *m, mcv_roi *region) {
     mcv_know_noise(&m->readings, m->known, m->whole, region);

@@ -59,8 +59,7 @@ mcv_result mcv_camera_check(const mcv_command *command, const char *grey, mcv_er
     return mcv_camera_preview(command, grey, preview) ? mcv_output_check(preview, error) : MCV_OK;
 }
 
-/* --- what comes out
- * --------------------------------------------------------------------------------------------- */
+/* --- what comes out --- */
 
 static mcv_attribute number_attribute(const char *name, double number) {
     return (mcv_attribute){.name = name, .numbers = {number}, .count = 1};
@@ -202,9 +201,7 @@ static void warn(const char *path, const mcv_read_out *out) {
             100 * (double)exposure->saturated / count, exposure->brightest, out->camera.full_well);
 }
 
-/* --- the whole
- * --------------------------------------------------------------------------------------------------
- */
+/* --- the whole --- */
 
 /* Two files that are written at once. */
 typedef struct values {

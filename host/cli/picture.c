@@ -16,9 +16,7 @@
 
 enum { MAX_PARTS = MCV_MAX_REPLICATES + 3 }; /* image, error, samples */
 
-/* --- names
- * ------------------------------------------------------------------------------------------------------
- */
+/* --- names --- */
 
 /* The path without the ending of its file name. */
 static int stem_length(const char *path) {
@@ -97,8 +95,7 @@ mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, 
     return MCV_OK;
 }
 
-/* --- what is needed to repeat a render
- * -------------------------------------------------------------------------- */
+/* --- what is needed to repeat a render --- */
 
 /* FNV-1a, 64 bits, of a file's bytes. */
 static mcv_result hash_file(const char *path, uint64_t *hash, mcv_error *error) {
