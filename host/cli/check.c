@@ -5,7 +5,7 @@
 #include "check/growth.h"
 #include "cli/options.h"
 #include "cli/report.h"
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 #include "core/output_file.h"
 #include "check/setup_page.h"
 #include "reference/filling.h"
