@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 #include "harness.h"
 #include "scene/sensors.h"
 #include "loader/load.h"

@@ -5,7 +5,7 @@
 #include "check/growth.h"
 #include "cli/command.h"
 #include "cli/report.h"
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 #include "core/output_file.h"
 #include "check/setup_page.h"
 #include "reference/filling.h"
@@ -27,9 +27,7 @@ enum {
     DEFINES_SLICE = 512
 }; /* of the tile schedule, as the renderer chooses it where paths split */
 
-/* --- scene
- * ------------------------------------------------------------------------------------------------------
- */
+/* --- scene --- */
 
 static void report_size(mcv_report *report, const mcv_scene *scene) {
     double lower[3] = {INFINITY, INFINITY, INFINITY};
@@ -51,9 +49,7 @@ static void report_size(mcv_report *report, const mcv_scene *scene) {
     mcv_report_numbers(report, "upper_corner", "m", ", ", upper, 3);
 }
 
-/* --- elements
- * ---------------------------------------------------------------------------------------------------
- */
+/* --- elements --- */
 
 /* All parameters of an element, as they are after everything that follows from others has been
  * derived. */
@@ -262,8 +258,7 @@ static void report_material(mcv_report *report, const mcv_scene *scene, uint32_t
     mcv_report_close(report);
 }
 
-/* --- what rendering takes
- * --------------------------------------------------------------------------------------- */
+/* --- what rendering takes --- */
 
 static void report_work(mcv_report *report, const mcv_packed *packed,
                         const mcv_feature_causes *causes) {

@@ -4,7 +4,7 @@
 #include "cli/command.h"
 #include "cli/picture.h"
 #include "cli/report.h"
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 #include "io/exr.h"
 #include "io/figure.h"
 #include "core/output_file.h"
@@ -106,9 +106,7 @@ static void free_render(render *r) {
     mcv_exr_free(&r->exr);
 }
 
-/* --- scenes
- * -----------------------------------------------------------------------------------------------------
- */
+/* --- scenes --- */
 
 static mcv_result choose_sensor(const mcv_command *command, mcv_scene *scene, uint32_t *sensor,
                                 mcv_error *error) {
@@ -224,8 +222,7 @@ static mcv_result check_options(const mcv_command *command, mcv_error *error) {
     return result;
 }
 
-/* --- the comparison
- * --------------------------------------------------------------------------------------------- */
+/* --- the comparison --- */
 
 /* Equal seeds make equal sample points: the noise of both would be the same, and the tests too
  * kind. */

@@ -134,16 +134,16 @@ uint32_t mcv_shading_of(const mcv_packed *packed, const mcv_device_instance *ins
     const mcv_device_gloss *gloss = packed->gloss ? &packed->gloss[instance->material] : NULL;
     const mcv_device_emitter *e =
         instance->emitter == MCV_NONE ? NULL : packed->emitters + instance->emitter;
-    if (m->type == MCV_MATERIAL_ABSORBER && !e) return MCV_SHADED_BLACK;
+    if (m->type == MCV_MATERIAL_ABSORBER && !e) return MCV_SHADING_BLACK;
     if (m->type == MCV_MATERIAL_ABSORBER && packed->emitter_count <= MCV_MOST_LAMPS &&
         e->texture == MCV_NONE && (e->type == MCV_EMITTER_AREA || e->type == MCV_EMITTER_PARALLEL))
-        return MCV_SHADED_BLACK + 1 + instance->emitter;
-    if (m->texture != MCV_NONE || e) return MCV_SHADED_ALONE;
-    if (m->type == MCV_MATERIAL_DIFFUSE) return MCV_SHADED_DIFFUSE;
-    if (m->type == MCV_MATERIAL_DIELECTRIC && !m->scattering_sides) return MCV_SHADED_SMOOTH;
+        return MCV_SHADING_BLACK + 1 + instance->emitter;
+    if (m->texture != MCV_NONE || e) return MCV_SHADING_ANY;
+    if (m->type == MCV_MATERIAL_DIFFUSE) return MCV_SHADING_DIFFUSE;
+    if (m->type == MCV_MATERIAL_DIELECTRIC && !m->scattering_sides) return MCV_SHADING_SMOOTH;
     if (!gloss || !m->scattering_sides || m->type == MCV_MATERIAL_RETROREFLECTOR)
-        return MCV_SHADED_ALONE;
+        return MCV_SHADING_ANY;
     return gloss->azimuths == 1 && gloss->roughnesses == 1 && gloss->texture == MCV_NONE
-               ? MCV_SHADED_GLOSSY
-               : MCV_SHADED_ALONE;
+               ? MCV_SHADING_GLOSS
+               : MCV_SHADING_ANY;
 }

@@ -34,7 +34,7 @@ mcv_device_material mcv_pack_material(const mcv_material *material);
 size_t mcv_texel_words(const mcv_texture *texture);
 void mcv_pack_textures(const mcv_scene *scene, mcv_packed *packed);
 
-/* MCV_SHADED_… of an instance (kernels/schedule/ranges.h), when all else is packed. */
+/* MCV_SHADING_… of an instance (kernels/schedule/ranges.h), when all else is packed. */
 uint32_t mcv_shading_of(const mcv_packed *packed, const mcv_device_instance *instance);
 
 /* pack_emitters.c */

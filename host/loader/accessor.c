@@ -163,9 +163,7 @@ mcv_result mcv_accessor_get(const json_t *root, const json_t *object, const char
     return mcv_accessor_check(root, json_array_get(accessors, index), accessor, &here, error);
 }
 
-/* --- reading
- * ----------------------------------------------------------------------------------------------------
- */
+/* --- reading --- */
 
 static double component(const uint8_t *p, uint32_t type) {
     uint16_t u16;

@@ -11,9 +11,7 @@ struct mcv_asset_cache {
     size_t count, read;
 };
 
-/* --- stamps
- * -----------------------------------------------------------------------------------------------------
- */
+/* --- stamps --- */
 
 static bool read_stamp(const char *path, mcv_stamp *stamp) {
     struct stat s;
@@ -58,9 +56,7 @@ void mcv_stamps_free(mcv_stamp *stamps, size_t count) {
     free(stamps);
 }
 
-/* --- assets
- * -----------------------------------------------------------------------------------------------------
- */
+/* --- assets --- */
 
 mcv_asset_cache *mcv_asset_cache_new(void) { return calloc(1, sizeof(mcv_asset_cache)); }
 

@@ -107,7 +107,7 @@ static mcv_vertex host_vertex(const mcv_packed *packed, const mcv_device_vertex 
     if (to.triangle != MCV_NONE &&
         to.triangle >= MCV_EXACT) /* 4 per solid there, 3 here, after the triangles */
         to.triangle =
-            packed->triangle_count + 3 * ((to.triangle & ~MCV_EXACT) >> 2) + (to.triangle & 3u);
+            packed->triangle_count + 3 * mcv_solid_of(to.triangle) + mcv_piece_of(to.triangle);
     for (int k = 0; k < 3; ++k) {
         to.position[k] = from->position[k] + (double)from->position_rest[k] + packed->centre[k];
         to.normal[k] = from->normal[k] + (double)from->normal_rest[k];

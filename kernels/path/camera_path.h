@@ -134,6 +134,19 @@ typedef struct mcv_slot {
     uint index;
 } mcv_slot;
 
+#if MCV_TILE
+/* For what does not ask for `glosses`. */
+MCV_LOOP_FUNCTION mcv_slot mcv_slot_at(uint *paths, uint index) {
+    mcv_slot slot;
+    slot.base = paths;
+    slot.index = index;
+#if MCV_WITH_GLOSS
+    slot.glosses = 0;
+#endif
+    return slot;
+}
+#endif
+
 #define MCV_WORD(slot, field, k) \
     (slot).base[((uint)MCV_PATH_##field + (uint)(k)) * MCV_CAPACITY(slot) + (slot).index]
 #define MCV_LOAD(slot, field, k) as_float(MCV_WORD(slot, field, k))

@@ -172,9 +172,9 @@ MCV_STAGE_KERNEL(accumulate_film) {
                 values[k] += mcv_path_value(world, slot, channel, &nonfinite);
             }
         }
-        const mcv_float_pair sum = mcv_tree_sum(values, lows, block);
-        sums[(size_t)(i * MCV_CHANNELS + channel) * 2] = sum.high;
-        sums[(size_t)(i * MCV_CHANNELS + channel) * 2 + 1] = sum.low;
+        mcv_tree_sums(values, lows, block, block);
+        sums[(size_t)(i * MCV_CHANNELS + channel) * 2] = values[0];
+        sums[(size_t)(i * MCV_CHANNELS + channel) * 2 + 1] = lows[0];
     }
     if (nonfinite > 0) atomic_add(&counters[MCV_COUNTER_nonfinite], nonfinite);
 }
