@@ -356,8 +356,8 @@ static void print_defines(uint32_t features, uint32_t channels, uint32_t sensor_
 }
 
 static mcv_result report_scene(const mcv_scene *scene, const mcv_packed *packed,
-                               const mcv_feature_causes *causes,
-                               const mcv_command *command, mcv_error *error) {
+                               const mcv_feature_causes *causes, const mcv_command *command,
+                               mcv_error *error) {
     mcv_findings findings;
     MCV_TRY(mcv_findings_of(scene, &findings, error));
     mcv_result result = print_report(scene, packed, causes, command, &findings, error);

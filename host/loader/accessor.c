@@ -204,8 +204,8 @@ static const uint8_t *element(const mcv_gltf *gltf, const mcv_buffer_span *span,
 }
 
 /* A buffer may be declared without data. */
-static mcv_result check_data(const mcv_gltf *gltf, const mcv_buffer_span *span, const mcv_json_path *place,
-                             mcv_error *error) {
+static mcv_result check_data(const mcv_gltf *gltf, const mcv_buffer_span *span,
+                             const mcv_json_path *place, mcv_error *error) {
     if (span->view == MCV_NONE || span->end <= mcv_gltf_buffer(gltf, span->buffer).size)
         return MCV_OK;
     return mcv_fail_at(place, error, "buffer %u has no data: give it a uri", span->buffer);

@@ -98,7 +98,7 @@ const mcv_cached_asset *mcv_asset_cache_find(const mcv_asset_cache *cache, const
 }
 
 mcv_result mcv_asset_cache_add(mcv_loader *asset, const double size[3], const mcv_json_path *place,
-                        mcv_error *error) {
+                               mcv_error *error) {
     mcv_asset_cache *cache = asset->cache;
     if (!cache) return MCV_OK;
     mcv_cached_asset *assets = realloc(cache->assets, (cache->count + 1) * sizeof *assets);
