@@ -5,6 +5,7 @@
  * reference renderer; what goes in comes out; a lens shows what a fine mesh of it shows.
  */
 #include "agreement.h"
+#include "loader/load.h"
 
 /* T1: a plate shifts a ray by t sin θ (1 - cos θ/√(n² - sin² θ)). float32: 2e-6 t. */
 static void plate(void **state) {

@@ -8,6 +8,7 @@
 #include "mcvisi/surfaces/solid.h"
 #include "reference/random.h"
 #include "render/render.h"
+#include "loader/load.h"
 
 /* Which of the tests run: no file of them shall take long. */
 #ifndef LOSSLESS
