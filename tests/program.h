@@ -3,11 +3,7 @@
 #ifndef MCVISI_TESTS_PROGRAM_H
 #define MCVISI_TESTS_PROGRAM_H
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <stdio.h>
 #include <stdlib.h>

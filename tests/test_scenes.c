@@ -3,11 +3,7 @@
  * The shipped scenes are what their descriptions say: closed lenses of the right volume and normals, the panel and the
  * camera where the report's experiment has them, the CAD part in the frame of its camera.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <stdio.h>
 #include <stdlib.h>

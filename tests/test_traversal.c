@@ -4,11 +4,7 @@
  * Traversal on the device: the same hit as a loop over all triangles, to the last bit; closed meshes without a crack and
  * without a double hit; rays from offset origins. test_traversal_slow.c runs the same tests with many more rays.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 #include <string.h>
 
 #include "mcvisi/offset.h"
