@@ -114,9 +114,9 @@ static mcv_result add_clock(drive *d, const mcv_render_options *options, mcv_err
     clReleaseProgram(s->program);
     s->program = NULL;
     mcv_cl_release(&s->counters);
-    MCV_TRY(mcv_cl_build(d->cl, "tile", defines, &s->program, error));
+    MCV_TRY(mcv_cl_build(d->cl, "schedule/tile", defines, &s->program, error));
     if (packed->features >> MCV_FEATURE_AIM & 1)
-        MCV_TRY(mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
+        MCV_TRY(mcv_cl_kernel(s->program, "guide_pupil", &s->kernels[MCV_KERNEL_guide_pupil], error));
     MCV_TRY(mcv_cl_kernel(s->program, "render_tile", &s->kernels[MCV_KERNEL_generate_rays], error));
     const size_t slices = s->capacity / s->slice;
     return mcv_cl_buffer(d->cl, "the counters", sizeof(cl_uint) * slices * (MCV_COUNTER_COUNT + STAGE_COUNT), NULL, &s->counters, error);

@@ -24,7 +24,7 @@ typedef struct drive {
     float *sums;            /* of the last run */
     size_t sum_count;
     double seconds_program; /* to build it */
-    bool clock;             /* the program counts ticks: see kernels/clock.h */
+    bool clock;             /* the program counts ticks: see kernels/schedule/clock.h */
 } drive;
 
 typedef struct drive_options {

@@ -14,7 +14,7 @@
 #include "analysis/edge.h"
 #include "convergence.h"
 #include "harness.h"
-#include "output/figure.h"
+#include "io/figure.h"
 
 #include <ctype.h>
 #include <stdarg.h>

@@ -3,7 +3,7 @@
  * Time to an image of a given error against Mitsuba 3: bench_render [--quick] [--only TEXT] [OUTPUT.json]. Where Mitsuba is not
  * (`./run deps peers`), it says so, and only `sampling_gain` and `adaptive_gain` are measured.
  *
- * Scenes that both describe (tests/peer_scenes.h, tests/mitsuba_peer.py), three channels, 32 surfaces a path, all cores, wall clock; scene
+ * Scenes that both describe (tests/common/peer_scenes.h, tests/peers/mitsuba_peer.py), three channels, 32 surfaces a path, all cores, wall clock; scene
  * loaded and kernels compiled before. Mitsuba takes part with each variant, sampler and integrator that fits, of which the best
  * counts: for `samples_per_second` the fastest, for `time_to_rmse` the one that reaches the error first. A sample of Mitsuba's is one path
  * from the camera; in `paths_per_second` ours is, too, without the light paths and branches that a usual sample has.
@@ -29,9 +29,9 @@
 #include "convergence.h"
 #include "harness.h"
 #include "image_maker.h"
-#include "output/png.h"
+#include "io/png.h"
 #include "peer_scenes.h"
-#include "render/albedo.h"
+#include "device/albedo.h"
 
 #include "workload.h" /* after the scenes, whose parameters are called like its mesh */
 

@@ -3,10 +3,10 @@
  * Where the time of a render goes: bench_stages [--quick] [OUTPUT.json].
  *
  * For each scene that ships, at fewer pixels on the same field of view, one launch of the samples 4 … 7 of four replicates:
- *   - seconds, items and bytes of path state of each stage, in the tile schedule (ticks of the processor, kernels/clock.h) and as its
+ *   - seconds, items and bytes of path state of each stage, in the tile schedule (ticks of the processor, kernels/schedule/clock.h) and as its
  *     peer in the stream schedule (one launch a stage);
- *   - the rays of that launch, taken from the stream schedule, in the order and the way (kernels/ways.h) of the tile
- * schedule, through kernels/intersect.cl and nothing else: rays per second as the peer of the stages that intersect;
+ *   - the rays of that launch, taken from the stream schedule, in the order and the way (kernels/traverse/policy.h) of the tile
+ * schedule, through kernels/test/intersect.cl and nothing else: rays per second as the peer of the stages that intersect;
  *   - the second half of a render of eight samples, which begins those very paths, with all that the host does then: its rays per second
  *     over those of the bare traversal are the share of the time that the render has for what it is about. All cores.
  */
@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../kernels/path.h"
+#include "kernels/path/camera_path.h"
 #include "drive.h"
 #include "harness.h"
 #include "rays.h"
@@ -274,7 +274,7 @@ static mcv_result replay_open(const drive *d, const ray_list lists[KINDS], repla
     char way[32];
     snprintf(way, sizeof way, "-DMCV_WITH_INTERLEAVE=%u", d->device.packed.features >> MCV_FEATURE_INTERLEAVE & 1);
     *r = (replay){.cl = d->cl, .scene = &d->device};
-    MCV_TRY(mcv_cl_build(r->cl, "intersect", way, &r->program, error));
+    MCV_TRY(mcv_cl_build(r->cl, "test/intersect", way, &r->program, error));
     for (int k = 0; k < KINDS; ++k) {
         r->counts[k] = (cl_uint)lists[k].count;
         MCV_TRY(mcv_cl_kernel(r->program, kernel_names[k], &r->kernels[k], error));
@@ -408,7 +408,7 @@ static mcv_result bench_schedules(scene_bench *s) {
     items_of(&tile->stats, items);
     for (int i = 0; i < STAGE_COUNT; ++i) {
         /* The stages come first and in this order. Pupils are aimed once and not in each launch. */
-        if (!stream->schedule.kernels[i] || i == STAGE_aim_pupils) continue;
+        if (!stream->schedule.kernels[i] || i == STAGE_guide_pupil) continue;
         bench_row(s->b, BENCH_WALL, s->tile.stages + i, s->stream.stages + i, 0, "s", "%s, %s", s->name, stage_names[i]);
         bench_more(s->b, "items", items[i]);
         bench_more(s->b, "bytes", items[i] * bytes_per_item(&tile->device.packed, i));

@@ -2,7 +2,7 @@
 /*
  * Rays per second against Embree 3 (rtcIntersect1 and rtcOccluded1 of high build quality): bench_traversal [--quick] [OUTPUT.json].
  *
- * Our rays go the way that the renderer would take (kernels/ways.h). On one core the peers are Embree's robust scene, whose answers are
+ * Our rays go the way that the renderer would take (kernels/traverse/policy.h). On one core the peers are Embree's robust scene, whose answers are
  * comparable to ours, its fast one, and a scalar binary hierarchy of ours (bvh2.cl), timed by the processor's clock, which other programs
  * disturb less; on all cores Embree's robust scene, by the wall's. The core scaling of a row is our speed-up from one core to all over
  * Embree's, by the wall's clock. The summary holds geometric means of the ratios to robust Embree on one core.

@@ -139,7 +139,7 @@ mcv_result caster_open(mcv_cl *cl, uint32_t triangle_count, const mcv_bvh *bvh, 
     char way[32];
     *c = (caster){.cl = cl};
     snprintf(way, sizeof way, "-DMCV_WITH_INTERLEAVE=%d", triangle_count >= MCV_MANY_TRIANGLES);
-    MCV_TRY(mcv_cl_build(cl, "intersect", way, &c->program, error));
+    MCV_TRY(mcv_cl_build(cl, "test/intersect", way, &c->program, error));
     for (int i = 0; i < CASTER_KERNELS; ++i) MCV_TRY(mcv_cl_kernel(c->program, names[i], &c->kernels[i], error));
     MCV_TRY(mcv_cl_buffer(cl, "the nodes", bvh->node_count * sizeof *bvh->nodes, bvh->nodes, &c->nodes, error));
     return mcv_cl_buffer(cl, "the leaves", bvh->leaf_count * sizeof *bvh->leaves, bvh->leaves, &c->leaves, error);

@@ -37,7 +37,7 @@ typedef struct workload_rays {
 /* Of a mesh as its surfaces were diffuse. `hits` are room for those of the primary rays, by Embree. */
 void workload_make_rays(const bench *b, const mesh *m, RTCScene scene, mcv_hit *hits, workload_rays *made);
 
-/* Ours: a hierarchy on a device and the kernels of kernels/intersect.cl, those that the renderer would take for so many triangles. */
+/* Ours: a hierarchy on a device and the kernels of kernels/test/intersect.cl, those that the renderer would take for so many triangles. */
 enum { CLOSEST_MANY, ANY_MANY, CASTER_KERNELS };
 typedef struct caster {
     mcv_cl *cl;

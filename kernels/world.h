@@ -13,7 +13,7 @@
 #include "mcvisi/sensors/sensor.h"
 #include "mcvisi/emitters/emitter.h"
 #include "mcvisi/materials/material.h"
-#include "traverse.h"
+#include "traverse/bvh8.h"
 
 #define MCV_JOIN_3(a, b, c) a##b##c
 #define MCV_JOIN(a, b, c) MCV_JOIN_3(a, b, c)
@@ -98,12 +98,12 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
     X(__global const uint, emitter_cdf) \
     X(__global const mcv_device_texture, textures) \
     X(__global const uint, texels)         /* RGBA, 8 bits each */ \
-    X(__global const mcv_device_aim, aims) /* of the pixels, row by row */ \
+    X(__global const mcv_device_pupil_guide, pupil_guides) /* of the pixels, row by row */ \
     X(__global const uint, listed)         /* where the frame has them listed: the pixels */ \
     X(__global const MCV_SOLID, solids) \
     X(__global const MCV_PRECISE_SOLID, precise_solids) \
-    X(__global const float, position_rests) /* what rounding leaves of the positions and the normals */ \
-    X(__global const float, normal_rests) \
+    X(__global const float, position_lows) /* what rounding leaves of the positions and the normals */ \
+    X(__global const float, normal_lows) \
     X(__global const MCV_DOUBLE, refractive_indices) /* of the media */
 
 #define MCV_WORLD_FIELD(type, name) type *name;

@@ -7,9 +7,9 @@
  *
  * Each number is computed from the float image, as its function here says.
  */
-#include "output/exr.h"
-#include "output/figure.h"
-#include "output/png.h"
+#include "io/exr.h"
+#include "io/figure.h"
+#include "io/png.h"
 #include "scene/scene.h"
 
 #include <errno.h>

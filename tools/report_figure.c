@@ -5,9 +5,9 @@
  */
 #include "analysis/contrast.h"
 #include "analysis/lightfield_file.h"
-#include "output/figure.h"
-#include "output/file.h"
-#include "output/png.h"
+#include "io/figure.h"
+#include "core/output_file.h"
+#include "io/png.h"
 
 #include <jansson.h>
 #include <math.h>

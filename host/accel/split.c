@@ -199,7 +199,7 @@ static bool clip_to(mcv_reference *part, const mcv_reference *whole, const mcv_b
 /*
  * The parts of a reference on either side of a plane: boxes around the triangle's part on that side, within the reference's box. A
  * side may have none, and is said so; never both. Corners on the plane are rounded outwards from double, whose own error, 2^-29 of the
- * float's, is nothing to the margin of traversal (kernels/traverse.h): what is in the box lies in one part or the other.
+ * float's, is nothing to the margin of traversal (kernels/traverse/bvh8.h): what is in the box lies in one part or the other.
  */
 static void split_reference(const mcv_splitter *s, const mcv_reference *whole, int axis, float plane, mcv_reference *left, bool *has_left,
                             mcv_reference *right, bool *has_right) {

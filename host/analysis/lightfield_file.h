@@ -4,7 +4,7 @@
 #define MCVISI_HOST_ANALYSIS_LIGHTFIELD_FILE_H
 
 #include "analysis/lightfield.h"
-#include "output/exr.h"
+#include "io/exr.h"
 
 typedef struct mcv_light_field_file {
     mcv_exr exr;         /* part 0 is the image */

@@ -2,7 +2,7 @@
 #include "analysis/region.h"
 
 #include "analysis/form.h"
-#include "output/values.h"
+#include "io/values.h"
 
 #include <math.h>
 #include <stdio.h>

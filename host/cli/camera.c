@@ -9,10 +9,10 @@
 #include "cli/report.h"
 #include "core/basics.h"
 #include "core/parallel.h"
-#include "output/exr.h"
-#include "output/file.h"
-#include "output/png.h"
-#include "output/values.h"
+#include "io/exr.h"
+#include "core/output_file.h"
+#include "io/png.h"
+#include "io/values.h"
 #include "scene/camera_model.h"
 
 #include <math.h>

@@ -6,7 +6,7 @@
 #include "analysis/camera.h"
 #include "analysis/region.h"
 #include "cli/options.h"
-#include "output/exr.h"
+#include "io/exr.h"
 
 #include <limits.h>
 

@@ -5,10 +5,10 @@
 #include "cli/picture.h"
 #include "cli/report.h"
 #include "cli/sensor.h"
-#include "output/exr.h"
-#include "output/figure.h"
-#include "output/file.h"
-#include "output/progress.h"
+#include "io/exr.h"
+#include "io/figure.h"
+#include "core/output_file.h"
+#include "report/progress.h"
 #include "reference/reference.h"
 
 #include <math.h>

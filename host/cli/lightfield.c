@@ -5,9 +5,9 @@
 #include "cli/options.h"
 #include "core/basics.h"
 #include "cli/report.h"
-#include "output/figure.h"
-#include "output/file.h"
-#include "output/png.h"
+#include "io/figure.h"
+#include "core/output_file.h"
+#include "io/png.h"
 
 #include <math.h>
 #include <stdio.h>

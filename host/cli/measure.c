@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi measure: figures of regions of an image, and of the edges, lines, widths and circles in it. */
-#include "analysis/growth.h"
+#include "check/growth.h"
 #include "analysis/render_error.h"
 #include "cli/metrics.h"
 #include "cli/options.h"
@@ -8,11 +8,11 @@
 #include "cli/report.h"
 #include "cli/sensor.h"
 #include "core/basics.h"
-#include "output/png.h"
-#include "output/exr.h"
-#include "output/file.h"
-#include "output/grid.h"
-#include "output/values.h"
+#include "io/png.h"
+#include "io/exr.h"
+#include "core/output_file.h"
+#include "io/grid.h"
+#include "io/values.h"
 #include "scene/sensors.h"
 
 #include <math.h>
@@ -402,7 +402,7 @@ static void report_distances(const subject *s, mcv_report *report) {
 
 static mcv_result find_all(subject *s, mcv_error *error) {
     for (unsigned f = 0; f < MCV_FORM_COUNT; ++f) {
-        const mcv_list *texts = mcv_form_boxes(s->command, f);
+        const mcv_compact_indices *texts = mcv_form_boxes(s->command, f);
         for (size_t i = 0; i < texts->count; ++i, ++s->found_count)
             MCV_TRY(mcv_locate(&s->readings, s->noise, s->whole, f, texts->items[i], i + 1, s->found + s->found_count, error));
     }
@@ -530,7 +530,7 @@ static void report_boxes(const subject *s, mcv_report *report) {
 /* --- the grid --------------------------------------------------------------------------------------------------- */
 
 /* The boxes of "[NAME=]X,Y,W,H[+X,Y,W,H…]"; other forms are left out. */
-static void draw_boxes(mcv_grid *grid, const mcv_list *list) {
+static void draw_boxes(mcv_grid *grid, const mcv_compact_indices *list) {
     for (size_t i = 0; i < list->count; ++i) {
         char name[64];
         const char *rest;

@@ -42,9 +42,9 @@ enum {
 #define MCV_X(verb, VERB, argument, doc) MCV_IN_##VERB = 1 << MCV_VERB_##VERB,
     MCV_VERBS(MCV_X)
 #undef MCV_X
-        MCV_IN_TAKE = MCV_IN_RENDER | MCV_IN_SWEEP, /* light from a scene */
+        MCV_IN_RENDERS = MCV_IN_RENDER | MCV_IN_SWEEP, /* light from a scene */
     MCV_IN_FIGURES = MCV_IN_MEASURE | MCV_IN_SWEEP,
-    MCV_IN_GREY = MCV_IN_TAKE | MCV_IN_CAMERA
+    MCV_IN_GREY = MCV_IN_RENDERS | MCV_IN_CAMERA
 };
 
 /*
@@ -91,19 +91,19 @@ enum {
     X(text, working_distance, "working-distance", 0, "W", MCV_IN_NEW, NULL, 0, 0, \
       "from the lens to the plane in focus, the middle of the part: a length, as in 110mm") \
     X(number, f_number, "f-number", 0, "N", MCV_IN_NEW, NULL, 0, 1e4, "the working f-number, on the image side") \
-    X(text, sensor, "sensor", 0, "NAME", MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_MEASURE | MCV_IN_COMPARE, NULL, 0, 0, \
+    X(text, sensor, "sensor", 0, "NAME", MCV_IN_RENDERS | MCV_IN_CHECK | MCV_IN_MEASURE | MCV_IN_COMPARE, NULL, 0, 0, \
       "only this sensor, by name or number") \
-    X(count, spp, "spp", 0, "N", MCV_IN_TAKE | MCV_IN_COMPARE, NULL, 1, 1ull << 37, \
+    X(count, spp, "spp", 0, "N", MCV_IN_RENDERS | MCV_IN_COMPARE, NULL, 1, 1ull << 37, \
       "stop at N samples per pixel over all replicates; N / replicates is rounded up to a power of two") \
-    X(number, error, "error", 0, "E", MCV_IN_TAKE | MCV_IN_COMPARE, NULL, 0, 1e9, \
+    X(number, error, "error", 0, "E", MCV_IN_RENDERS | MCV_IN_COMPARE, NULL, 0, 1e9, \
       "stop at this error: root of the mean squared standard error over the image's mean; without --spp, --error, --time and " \
       "--samples it is 0.01 or 60 s") \
-    X(time, time, "time", 0, "T", MCV_IN_TAKE | MCV_IN_COMPARE, NULL, 0, 1e9, \
+    X(time, time, "time", 0, "T", MCV_IN_RENDERS | MCV_IN_COMPARE, NULL, 0, 1e9, \
       "stop before T seconds (or with a unit: 5min) have passed, and not before 0.8 T, those of building the scene and the kernels " \
       "included; the first sample of each pixel and replicate is always rendered") \
     X(range, samples, "samples", 0, "A:B", MCV_IN_RENDER, NULL, 0, 1ull << 31, \
       "render just samples A to B - 1 of each replicate; B - A is a power of two and A a multiple of it") \
-    X(count, replicates, "replicates", 0, "R", MCV_IN_TAKE, "4", 1, 64, \
+    X(count, replicates, "replicates", 0, "R", MCV_IN_RENDERS, "4", 1, 64, \
       "independent scrambles of the sample points, from whose spread the standard error comes") \
     X(count, repeats, "replicates", 0, "R", MCV_IN_COMPARE, "16", 2, 64, \
       "independent scrambles of the sample points of a scene; what differs by less than their spread is no difference") \
@@ -113,23 +113,23 @@ enum {
     X(flag, adaptive, "adaptive", 0, NULL, MCV_IN_RENDER, NULL, 0, 0, \
       "more samples for pixels with more noise, fewer for the others, if it pays; --spp is then the most on the average; the part " \
       "`samples` of the OpenEXR file says where they went") \
-    X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_TAKE | MCV_IN_COMPARE, "sobol", 0, 0, \
+    X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_RENDERS | MCV_IN_COMPARE, "sobol", 0, 0, \
       "Owen-scrambled Sobol' points, or independent ones") \
-    X(choice, split, "split", 0, "on|off", MCV_IN_TAKE | MCV_IN_COMPARE, "on", 0, 0, \
+    X(choice, split, "split", 0, "on|off", MCV_IN_RENDERS | MCV_IN_COMPARE, "on", 0, 0, \
       "follow both what glass, sheets and beam splitters reflect and what they pass, or one of them by chance") \
     X(count, seed, "seed", 0, "S", MCV_IN_GREY | MCV_IN_COMPARE, "0", 0, UINT32_MAX, \
       "another seed, another noise; the same seed, the same bits") \
-    X(count, depth, "depth", 0, "N", MCV_IN_TAKE | MCV_IN_COMPARE | MCV_IN_TRACE, "32", 1, 1000000, "surfaces that a path may meet") \
-    X(size, resolution, "resolution", 0, "WxH", MCV_IN_TAKE | MCV_IN_COMPARE, NULL, 1, 65536, \
+    X(count, depth, "depth", 0, "N", MCV_IN_RENDERS | MCV_IN_COMPARE | MCV_IN_TRACE, "32", 1, 1000000, "surfaces that a path may meet") \
+    X(size, resolution, "resolution", 0, "WxH", MCV_IN_RENDERS | MCV_IN_COMPARE, NULL, 1, 65536, \
       "other pixels on the same field of view; the macro pixels of a light field camera") \
-    X(choice, schedule, "schedule", 0, "auto|tile|stream", MCV_IN_TAKE | MCV_IN_COMPARE, "auto", 0, 0, \
+    X(choice, schedule, "schedule", 0, "auto|tile|stream", MCV_IN_RENDERS | MCV_IN_COMPARE, "auto", 0, 0, \
       "how the stages are launched: a slice of the image at a time (CPUs), or one launch a stage (GPUs); the same bits") \
-    X(text, device, "device", 0, "D", MCV_IN_TAKE | MCV_IN_TRACE | MCV_IN_COMPARE, NULL, 0, 0, \
+    X(text, device, "device", 0, "D", MCV_IN_RENDERS | MCV_IN_TRACE | MCV_IN_COMPARE, NULL, 0, 0, \
       "a number from `mcvisi devices`, PLATFORM:TYPE:NAME, or `reference`: the independent renderer in double precision, slow") \
-    X(choice, precision, "precision", 0, "single|mixed|double", MCV_IN_TAKE | MCV_IN_TRACE | MCV_IN_COMPARE, NULL, 0, 0, \
+    X(choice, precision, "precision", 0, "single|mixed|double", MCV_IN_RENDERS | MCV_IN_TRACE | MCV_IN_COMPARE, NULL, 0, 0, \
       "single: float32, the default; mixed: where rays meet smooth surfaces and how they go on is worked out in double; double: all " \
       "is, by the reference renderer, slow") \
-    X(count, threads, "threads", 0, "N", MCV_IN_TAKE | MCV_IN_TRACE | MCV_IN_LIGHTFIELD | MCV_IN_COMPARE, NULL, 1, 1024, \
+    X(count, threads, "threads", 0, "N", MCV_IN_RENDERS | MCV_IN_TRACE | MCV_IN_LIGHTFIELD | MCV_IN_COMPARE, NULL, 1, 1024, \
       "threads of the host (building the scene, the reference renderer, the gradient); by default one per core") \
     X(text, rays, "rays", 0, "rays.csv", MCV_IN_TRACE, NULL, 0, 0, "the rays: rows x,y,z,dx,dy,dz in metres, in the world") \
     X(text, paths, "output", 'o', "paths.csv", MCV_IN_TRACE, NULL, 0, 0, "where to write the vertices; by default standard output") \
@@ -253,7 +253,7 @@ enum {
       "of the emd-gradient: the value shown in the last colour, to compare pictures; by default 99.5 % of the macro pixels lie below it") \
     X(size, angular, "angular", 0, "JxK", MCV_IN_LIGHTFIELD, NULL, 1, 256, \
       "pixels of a macro pixel, for images whose header does not tell") \
-    X(list, set, "set", 0, "PATH=VALUE", MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE | MCV_IN_COMPARE, NULL, 0, 0, \
+    X(list, set, "set", 0, "PATH=VALUE", MCV_IN_RENDERS | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE | MCV_IN_COMPARE, NULL, 0, 0, \
       "change the scene, as in --set sensors/cam/fNumber=8 or --set emitters/back/halfAngle=0.2deg; may be repeated") \
     X(text, html, "html", 0, "F.html", MCV_IN_CHECK, NULL, 0, 0, \
       "draw the set-up, too: a page with each sensor's view from the side and from above, with rays, field, focus, depth of field, " \
@@ -262,17 +262,17 @@ enum {
     X(flag, defines, "defines", 0, NULL, MCV_IN_CHECK, NULL, 0, 0, \
       "print the -D options that specialise the scene's OpenCL programs; without a scene, those with all features") \
     X(flag, json, "json", 0, NULL, \
-      MCV_IN_TAKE | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | MCV_IN_MEASURE | MCV_IN_LIGHTFIELD | MCV_IN_DEVICES | MCV_IN_HELP, \
+      MCV_IN_RENDERS | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | MCV_IN_MEASURE | MCV_IN_LIGHTFIELD | MCV_IN_DEVICES | MCV_IN_HELP, \
       NULL, 0, 0, "print JSON in SI units; render prints one object, on one line, per sensor; help a schema of the options")
 
-typedef struct mcv_list {
+typedef struct mcv_compact_indices {
     const char **items;
     size_t count;
-} mcv_list;
+} mcv_compact_indices;
 
 #define MCV_OPTION_FIELD_flag(field) bool field;
 #define MCV_OPTION_FIELD_text(field) const char *field;
-#define MCV_OPTION_FIELD_list(field) mcv_list field;
+#define MCV_OPTION_FIELD_list(field) mcv_compact_indices field;
 #define MCV_OPTION_FIELD_number(field) double field;
 #define MCV_OPTION_FIELD_time(field) double field;
 #define MCV_OPTION_FIELD_channels(field) double field[3];

@@ -3,8 +3,8 @@
 
 #include "cli/camera.h"
 #include "cli/sensor.h"
-#include "output/exr.h"
-#include "output/file.h"
+#include "io/exr.h"
+#include "core/output_file.h"
 #include "scene/camera_model.h"
 #include "scene/params.h"
 

@@ -4,8 +4,8 @@
 #define MCVISI_HOST_CLI_PICTURE_H
 
 #include "cli/options.h"
-#include "output/exr.h"
-#include "output/png.h"
+#include "io/exr.h"
+#include "io/png.h"
 #include "render/render.h"
 
 #include <limits.h>

@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-static mcv_result resolve_list(const char *what, const mcv_list *from, const mcv_camera_model *model, mcv_list *to, mcv_error *error) {
+static mcv_result resolve_list(const char *what, const mcv_compact_indices *from, const mcv_camera_model *model, mcv_compact_indices *to, mcv_error *error) {
     to->items = calloc(from->count + 1, sizeof *to->items);
     if (!to->items) return mcv_fail(error, MCV_FAILED, "no memory for %s", what);
     for (; to->count < from->count; ++to->count) {
@@ -20,7 +20,7 @@ mcv_result mcv_places_resolve(const mcv_command *command, const mcv_camera_model
     char *background = NULL;
     *resolved = *command;
     resolved->background = NULL;
-#define MCV_X(field, name) resolved->field = (mcv_list){0};
+#define MCV_X(field, name) resolved->field = (mcv_compact_indices){0};
     MCV_PLACE_OPTIONS(MCV_X)
 #undef MCV_X
     if (command->background) MCV_TRY(mcv_part_place_resolve("--background", command->background, model, &background, error));
@@ -31,10 +31,10 @@ mcv_result mcv_places_resolve(const mcv_command *command, const mcv_camera_model
     return MCV_OK;
 }
 
-static void free_list(mcv_list *list) {
+static void free_list(mcv_compact_indices *list) {
     for (size_t i = 0; i < list->count; ++i) free((void *)list->items[i]);
     free((void *)list->items);
-    *list = (mcv_list){0};
+    *list = (mcv_compact_indices){0};
 }
 
 void mcv_places_free(mcv_command *resolved) {

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi render: every sensor of a scene, or one, into OpenEXR and PNG. */
-#include "analysis/findings.h"
+#include "check/findings.h"
 #include "cli/camera.h"
 #include "cli/interrupt.h"
 #include "cli/options.h"
 #include "cli/picture.h"
 #include "cli/sensor.h"
 #include "core/basics.h"
-#include "output/progress.h"
-#include "output/summary.h"
+#include "report/progress.h"
+#include "report/summary.h"
 #include "reference/reference.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi sweep: many sets of parameters, one render and a few measured figures of each; a table that grows row by row, and a page. */
-#include "analysis/design.h"
-#include "analysis/expression.h"
+#include "experiment/design.h"
+#include "experiment/expression.h"
 #include "analysis/lightfield.h"
 #include "cli/camera.h"
 #include "cli/interrupt.h"
@@ -10,11 +10,11 @@
 #include "cli/places.h"
 #include "cli/sensor.h"
 #include "core/basics.h"
-#include "output/exr.h"
-#include "output/file.h"
-#include "output/plots.h"
+#include "io/exr.h"
+#include "core/output_file.h"
+#include "io/plots.h"
 #include "reference/reference.h"
-#include "scene/json.h"
+#include "core/json.h"
 #include "scene/sensors.h"
 
 #include <ctype.h>
@@ -68,7 +68,7 @@ typedef struct sweep {
     size_t built, compiled; /* acceleration structures and programs that no render before had left */
 
     mcv_renderer *renderer;
-    mcv_kept_assets *assets;
+    mcv_asset_cache *assets;
     /* Of the set at work: */
     const double *now;
     const mcv_scene *scene;
@@ -364,7 +364,7 @@ static mcv_result render_scene(sweep *s, mcv_scene *scene, size_t set, const cha
 
 /* All --set, then the set's own; texts holds the latter. */
 static mcv_result load_scene(const sweep *s, const double *numbers, char (*texts)[512], mcv_scene **scene, mcv_error *error) {
-    const mcv_list *given = &s->command->set;
+    const mcv_compact_indices *given = &s->command->set;
     const char **items = malloc((given->count + s->count + 1) * sizeof *items);
     if (!items) return mcv_fail(error, MCV_FAILED, "no memory for a set of parameters");
     if (given->count) memcpy(items, given->items, given->count * sizeof *items);

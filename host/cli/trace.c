@@ -2,7 +2,7 @@
 /* mcvisi trace: every vertex of given rays' paths, as a table. */
 #include "cli/options.h"
 #include "cli/rays.h"
-#include "output/file.h"
+#include "core/output_file.h"
 #include "reference/reference.h"
 
 #include <errno.h>

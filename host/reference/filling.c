@@ -5,7 +5,7 @@
 
 #include "reference/geometry.h"
 #include "reference/random.h"
-#include "reference/sight.h"
+#include "reference/sensor_ray.h"
 #include "scene/emitters.h"
 #include "scene/sensors.h"
 
@@ -54,14 +54,14 @@ static bool in_cone(const mcv_scene *scene, const mcv_emitter *emitter, ref_vec 
 }
 
 /* Follows one ray of sight to the first surface. */
-static void look(const ref_geometry *geometry, ref_sight sight, tally *tallies) {
+static void look(const ref_geometry *geometry, ref_sensor_ray sensor_ray, tally *tallies) {
     const mcv_scene *scene = geometry->scene;
     ref_hit hit;
-    if (!(sight.weight > 0) || !ref_closest_hit(geometry, sight.origin, sight.direction, MCV_NONE, &hit)) return;
+    if (!(sensor_ray.weight > 0) || !ref_closest_hit(geometry, sensor_ray.origin, sensor_ray.direction, MCV_NONE, &hit)) return;
     const uint32_t number = scene->instances[hit.triangle->instance].emitter;
     if (number == MCV_NONE || !has_cone(scene->emitters + number)) return;
     const ref_surface surface = ref_surface_at(geometry, &hit);
-    const ref_vec back = ref_scale(-1, sight.direction);
+    const ref_vec back = ref_scale(-1, sensor_ray.direction);
     if (!(ref_dot(back, surface.geometric) > 0)) return; /* behind it there is nothing to face */
     const bool lit = in_cone(scene, scene->emitters + number, back, &surface);
     tallies[number].seen_now = true;
@@ -93,7 +93,7 @@ static void look_through_pupil(const ref_geometry *geometry, const mcv_sensor *s
         const double u = (across + ref_random_unit(&random)) / PLACES;
         const double v = (down + ref_random_unit(&random)) / PLACES;
         look(geometry,
-             ref_sight_sample(sensor, spread(pixel % columns, columns, width), spread(pixel / columns, rows, height), 0.5, 0.5, u, v),
+             ref_sensor_ray_sample(sensor, spread(pixel % columns, columns, width), spread(pixel / columns, rows, height), 0.5, 0.5, u, v),
              tallies);
         count(tallies, geometry->scene->emitter_count);
     }
@@ -114,7 +114,7 @@ static void look_from_macro_pixels(const ref_geometry *geometry, const mcv_senso
             const uint32_t right = place % PLACES_IN_PIXEL, down = place / PLACES_IN_PIXEL;
             const double x = (right + ref_random_unit(&random)) / PLACES_IN_PIXEL;
             const double y = (down + ref_random_unit(&random)) / PLACES_IN_PIXEL;
-            look(geometry, ref_sight_sample(sensor, column, row, x, y, 0.5, 0.5), tallies);
+            look(geometry, ref_sensor_ray_sample(sensor, column, row, x, y, 0.5, 0.5), tallies);
         }
         count(tallies, geometry->scene->emitter_count);
     }

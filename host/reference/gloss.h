@@ -27,7 +27,7 @@ typedef struct ref_gloss_table {
     double outside; /* index, 0 but for dielectrics */
     ref_albedos albedos;
     double multiple[3]; /* conductor: what reflection between microfacets leaves */
-    float *orders;      /* of metal and glass alike in all directions: two and more meetings (render/multiple.h), per roughness; or NULL */
+    float *orders;      /* of metal and glass alike in all directions: two and more meetings (device/multiple.h), per roughness; or NULL */
 } ref_gloss_table;
 
 typedef struct ref_gloss_tables {

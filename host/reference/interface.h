@@ -12,13 +12,13 @@
 #include "reference/geometry.h"
 
 /* A surface as seen along a direction. */
-typedef struct ref_meeting {
+typedef struct ref_interaction {
     bool front;           /* the ray comes from the triangle's front */
     ref_vec face, normal; /* on the ray's side */
     ref_vec direction;
-} ref_meeting;
+} ref_interaction;
 
-ref_meeting ref_meet(const ref_surface *surface, ref_vec direction);
+ref_interaction ref_make_interaction(const ref_surface *surface, ref_vec direction);
 
 /*
  * Fresnel's reflectances of a polarised wave, perpendicular and parallel to the plane of incidence, by the cosine of the
@@ -27,14 +27,14 @@ ref_meeting ref_meet(const ref_surface *surface, ref_vec direction);
 void ref_fresnel(double from, double to, double cosine, double *perpendicular, double *parallel);
 
 /* The reflectance of unpolarised light from index `from` to index `to`; 1 under total reflection. */
-double ref_reflectance(const ref_meeting *meeting, double from, double to);
+double ref_reflectance(const ref_interaction *interaction, double from, double to);
 
 /* What a coating of that reflectance at normal incidence (0: none) makes of the bare interface's. */
 double ref_coated(double bare, double coating, double from, double to);
 
-ref_vec ref_reflect(const ref_meeting *meeting);
+ref_vec ref_reflect(const ref_interaction *interaction);
 
 /* Only below total reflection. Equal indices: the same direction, exactly. */
-ref_vec ref_refract(const ref_meeting *meeting, double from, double to);
+ref_vec ref_refract(const ref_interaction *interaction, double from, double to);
 
 #endif

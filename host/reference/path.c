@@ -79,7 +79,7 @@ static void add_emission(const ref_world *world, const path *p, const ref_surfac
 /* A surface that spreads light, as the path meets it. */
 typedef struct spreader {
     const mcv_material *material;
-    ref_meeting meeting;
+    ref_interaction interaction;
     double share[3];                          /* diffuse: its reflectance there … */
     double passed[3];                         /* … and its transmittance */
     const ref_media *near;                    /* media around light on the path's side … */
@@ -90,11 +90,11 @@ typedef struct spreader {
 } spreader;
 
 static ref_vec to_frame(const spreader *s, ref_vec v) {
-    return (ref_vec){ref_dot(v, s->x), ref_dot(v, s->y), ref_dot(v, s->meeting.normal)};
+    return (ref_vec){ref_dot(v, s->x), ref_dot(v, s->y), ref_dot(v, s->interaction.normal)};
 }
 
 static ref_vec from_frame(const spreader *s, ref_vec v) {
-    return ref_add(ref_scale(v.z, s->meeting.normal), ref_add(ref_scale(v.x, s->x), ref_scale(v.y, s->y)));
+    return ref_add(ref_scale(v.z, s->interaction.normal), ref_add(ref_scale(v.x, s->x), ref_scale(v.y, s->y)));
 }
 
 /* The chance with which a path stays on its side of a diffuse surface. */
@@ -105,9 +105,9 @@ static double reflects(const spreader *s) {
 
 /* f cosθ for light from the direction, and the density with which the path would choose it. */
 static double respond(const spreader *s, ref_vec direction, double value[3]) {
-    const double cosine = ref_dot(direction, s->meeting.normal);
+    const double cosine = ref_dot(direction, s->interaction.normal);
     value[0] = value[1] = value[2] = 0;
-    if (cosine * ref_dot(direction, s->meeting.face) <= 0) return 0; /* normal and face disagree on its side */
+    if (cosine * ref_dot(direction, s->interaction.face) <= 0) return 0; /* normal and face disagree on its side */
     if (s->gloss.material) return ref_gloss_evaluate(&s->gloss, s->o, to_frame(s, direction), value);
     if (s->returns) return ref_retroreflector_evaluate(s->returns, s->o, to_frame(s, direction), value);
     for (int channel = 0; channel < 3; ++channel) value[channel] = (cosine > 0 ? s->share : s->passed)[channel] * fabs(cosine) / M_PI;
@@ -143,7 +143,7 @@ static void add_direct(const ref_world *world, const path *p, const ref_emitter 
     ref_emitted(world->scene, &source, ref_scale(-1, direction), emitted);
     const double density = ref_emitter_density(emitter, surface->position, direction, &source);
     if (largest(emitted) == 0 || density == 0) return;
-    const bool beyond = ref_dot(direction, s->meeting.face) < 0;
+    const bool beyond = ref_dot(direction, s->interaction.face) < 0;
     const mcv_dielectric_params *filling = ref_media_filling(beyond ? &s->far : s->near, world->scene);
     const double ior = ref_media_ior(filling, kept_channel(p));
     const double scale = weight_against(density, own) / density / (ior * ior);
@@ -166,7 +166,7 @@ static void add_light(const ref_world *world, const path *p, const mcv_emitter *
     const bool blocked = ref_closest_hit(&world->geometry, surface->position, light.direction, surface->number, &hit) &&
                          hit.distance < light.distance && hit.triangle->instance != light.instance;
     if (blocked) return;
-    const bool beyond = ref_dot(light.direction, s->meeting.face) < 0;
+    const bool beyond = ref_dot(light.direction, s->interaction.face) < 0;
     const mcv_dielectric_params *filling = ref_media_filling(beyond ? &s->far : s->near, world->scene);
     const double ior = ref_media_ior(filling, kept_channel(p));
     for (int channel = 0; channel < 3; ++channel) {
@@ -190,7 +190,7 @@ static bool meet_spreader(const ref_world *world, path *p, const ref_surface *su
     if (!(density > 0)) return false; /* into the surface: absorbed */
     p->direction = ref_unit(direction);
     p->density = world->sample_emitters ? density : 0;
-    if (ref_dot(direction, s->meeting.face) < 0) p->media = s->far;
+    if (ref_dot(direction, s->interaction.face) < 0) p->media = s->far;
     for (int channel = 0; channel < 3; ++channel) p->throughput[channel] *= value[channel] / density;
     return true;
 }
@@ -198,69 +198,69 @@ static bool meet_spreader(const ref_world *world, path *p, const ref_surface *su
 /* The frame of a surface of microfacets: its first axis is the rougher direction. */
 static void find_frame(const ref_surface *surface, spreader *s) {
     const double rotation = mcv_material_roughness(s->material).rotation;
-    ref_frame(s->meeting.normal, &s->x, &s->y);
+    ref_frame(s->interaction.normal, &s->x, &s->y);
     if (ref_dot(surface->tangent, surface->tangent) > 0) {
         const ref_vec across = ref_scale(surface->hand, ref_cross(surface->normal, surface->tangent));
         const ref_vec turned = ref_add(ref_scale(cos(rotation), surface->tangent), ref_scale(sin(rotation), across));
-        const ref_vec flat = ref_sub(turned, ref_scale(ref_dot(turned, s->meeting.normal), s->meeting.normal));
+        const ref_vec flat = ref_sub(turned, ref_scale(ref_dot(turned, s->interaction.normal), s->interaction.normal));
         if (ref_dot(flat, flat) > 0) s->x = ref_unit(flat);
-        s->y = ref_cross(s->meeting.normal, s->x);
+        s->y = ref_cross(s->interaction.normal, s->x);
     }
-    s->o = to_frame(s, ref_scale(-1, s->meeting.direction));
+    s->o = to_frame(s, ref_scale(-1, s->interaction.direction));
 }
 
 static bool meet_dielectric(const ref_world *world, path *p, const ref_surface *surface, const ref_hits *hits, bool last,
                             ref_random *random, ref_tally *tally, double radiance[3]) {
-    const ref_meeting meeting = ref_meet(surface, p->direction);
+    const ref_interaction interaction = ref_make_interaction(surface, p->direction);
     ref_media beyond;
     if (!ref_media_cross_all(&p->media, &beyond, hits->count, hits->instances, hits->fronts)) ++tally->unmatched;
     const mcv_dielectric_params *near = ref_media_filling(&p->media, world->scene), *far = ref_media_filling(&beyond, world->scene);
     keep_channel(p, near, far, random);
     const double from = ref_media_ior(near, kept_channel(p)), to = ref_media_ior(far, kept_channel(p));
     const uint32_t number = world->scene->instances[surface->instance].material;
-    const double outside = ref_media_ior(meeting.front ? near : far, MCV_ALBEDO_CHANNEL);
+    const double outside = ref_media_ior(interaction.front ? near : far, MCV_ALBEDO_CHANNEL);
     const ref_gloss_table *table = ref_gloss_find(&world->gloss, world->scene, number, outside);
     if (table && from != to) {
-        spreader s = {.material = &world->scene->materials[number], .meeting = meeting, .near = &p->media, .far = beyond};
-        s.gloss = (ref_gloss){.material = s.material, .table = table, .roughness = 1, .from = from, .to = to, .inside = !meeting.front};
+        spreader s = {.material = &world->scene->materials[number], .interaction = interaction, .near = &p->media, .far = beyond};
+        s.gloss = (ref_gloss){.material = s.material, .table = table, .roughness = 1, .from = from, .to = to, .inside = !interaction.front};
         find_frame(surface, &s);
         return meet_spreader(world, p, surface, &s, last, random, tally, radiance);
     }
-    const double coating = from == to ? 0 : mcv_material_coating(&world->scene->materials[number], meeting.front ? from : to);
-    if (ref_random_unit(random) < ref_coated(ref_reflectance(&meeting, from, to), coating, from, to)) {
-        p->direction = ref_reflect(&meeting);
+    const double coating = from == to ? 0 : mcv_material_coating(&world->scene->materials[number], interaction.front ? from : to);
+    if (ref_random_unit(random) < ref_coated(ref_reflectance(&interaction, from, to), coating, from, to)) {
+        p->direction = ref_reflect(&interaction);
     } else {
-        p->direction = ref_refract(&meeting, from, to);
+        p->direction = ref_refract(&interaction, from, to);
         p->media = beyond;
     }
     return true;
 }
 
 static void meet_mirror(path *p, const ref_surface *surface, const double reflectance[3]) {
-    const ref_meeting meeting = ref_meet(surface, p->direction);
-    p->direction = ref_reflect(&meeting);
+    const ref_interaction interaction = ref_make_interaction(surface, p->direction);
+    p->direction = ref_reflect(&interaction);
     multiply(p->throughput, reflectance);
 }
 
 static void meet_sheet(const ref_world *world, path *p, const ref_surface *surface, double ior, const double transmittance[3],
                        ref_random *random) {
-    const ref_meeting meeting = ref_meet(surface, p->direction);
+    const ref_interaction interaction = ref_make_interaction(surface, p->direction);
     const double outside = ref_media_ior(ref_media_filling(&p->media, world->scene), kept_channel(p));
-    if (ref_random_unit(random) < ref_sheet_reflectance(ref_reflectance(&meeting, outside, ior)))
-        p->direction = ref_reflect(&meeting);
+    if (ref_random_unit(random) < ref_sheet_reflectance(ref_reflectance(&interaction, outside, ior)))
+        p->direction = ref_reflect(&interaction);
     else
         multiply(p->throughput, transmittance);
 }
 
 /* One of its two ways by their largest shares. */
 static void meet_beam_splitter(path *p, const ref_surface *surface, const mcv_beam_splitter_params *splitter, ref_random *random) {
-    const ref_meeting meeting = ref_meet(surface, p->direction);
+    const ref_interaction interaction = ref_make_interaction(surface, p->direction);
     const double reflected = largest(splitter->reflectance), all = reflected + largest(splitter->transmittance);
     const bool reflects = ref_random_unit(random) * all < reflected;
     const double chance = (reflects ? reflected : all - reflected) / all;
     multiply(p->throughput, reflects ? splitter->reflectance : splitter->transmittance);
     for (int channel = 0; channel < 3; ++channel) p->throughput[channel] = all > 0 ? p->throughput[channel] / chance : 0;
-    if (reflects) p->direction = ref_reflect(&meeting);
+    if (reflects) p->direction = ref_reflect(&interaction);
 }
 
 /* `parameter` times the material's texture. */
@@ -271,14 +271,14 @@ static void modulate(const ref_world *world, const ref_surface *surface, const d
 }
 
 static void meet_conductor(const ref_world *world, path *p, const ref_surface *surface, const mcv_conductor_params *metal) {
-    const ref_meeting meeting = ref_meet(surface, p->direction);
+    const ref_interaction interaction = ref_make_interaction(surface, p->direction);
     const mcv_dielectric_params *filling = ref_media_filling(&p->media, world->scene);
-    const double cosine = fmin(-ref_dot(meeting.direction, meeting.normal), 1);
+    const double cosine = fmin(-ref_dot(interaction.direction, interaction.normal), 1);
     for (int channel = 0; channel < 3; ++channel) {
         const double outside = ref_media_ior(filling, channel);
         p->throughput[channel] *= ref_conductor_reflectance(metal->n[channel] / outside, metal->k[channel] / outside, cosine);
     }
-    p->direction = ref_reflect(&meeting);
+    p->direction = ref_reflect(&interaction);
 }
 
 /* An opaque or thin surface of microfacets. */
@@ -287,7 +287,7 @@ static bool meet_gloss(const ref_world *world, path *p, const ref_surface *surfa
     const uint32_t number = world->scene->instances[surface->instance].material;
     const mcv_material *material = &world->scene->materials[number];
     const uint32_t texture = mcv_material_surface_texture(material);
-    spreader s = {.material = material, .meeting = ref_meet(surface, p->direction), .near = &p->media, .far = p->media};
+    spreader s = {.material = material, .interaction = ref_make_interaction(surface, p->direction), .near = &p->media, .far = p->media};
     s.gloss = (ref_gloss){.material = material,
                           .table = ref_gloss_find(&world->gloss, world->scene, number, 0),
                           .roughness = 1,
@@ -308,7 +308,7 @@ static bool meet_retroreflector(const ref_world *world, path *p, const ref_surfa
                                 ref_tally *tally, double radiance[3]) {
     const mcv_material *material = &world->scene->materials[world->scene->instances[surface->instance].material];
     const mcv_retroreflector_params *r = &material->as.retroreflector;
-    spreader s = {.material = material, .meeting = ref_meet(surface, p->direction), .near = &p->media, .far = p->media};
+    spreader s = {.material = material, .interaction = ref_make_interaction(surface, p->direction), .near = &p->media, .far = p->media};
     find_frame(surface, &s);
     if (r->divergence > 0) {
         s.returns = r;
@@ -333,7 +333,7 @@ static bool meet_surface(const ref_world *world, path *p, const ref_surface *sur
     p->density = 0; /* emitters behind smooth surfaces, passed straight or not, are not sampled */
     switch (material->type) {
     case MCV_MATERIAL_DIFFUSE: {
-        spreader s = {.material = material, .meeting = ref_meet(surface, p->direction), .near = &p->media, .far = p->media};
+        spreader s = {.material = material, .interaction = ref_make_interaction(surface, p->direction), .near = &p->media, .far = p->media};
         find_frame(surface, &s);
         modulate(world, surface, material->as.diffuse.reflectance, s.share);
         modulate(world, surface, material->as.diffuse.transmittance, s.passed);
@@ -374,17 +374,17 @@ static bool survives(path *p, ref_random *random) {
     return true;
 }
 
-void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *random, ref_tally *tally, double value[3]) {
-    path p = {.origin = sight->origin, .direction = sight->direction, .media = world->media, .throughput = {1, 1, 1}};
+void ref_path_value(const ref_world *world, const ref_sensor_ray *sensor_ray, ref_random *random, ref_tally *tally, double value[3]) {
+    path p = {.origin = sensor_ray->origin, .direction = sensor_ray->direction, .media = world->media, .throughput = {1, 1, 1}};
     const mcv_dielectric_params *around = ref_media_filling(&p.media, world->scene);
     value[0] = value[1] = value[2] = 0;
-    if (sight->weight == 0) return; /* the lens stops it */
+    if (sensor_ray->weight == 0) return; /* the lens stops it */
     ++tally->paths;
-    tally->begun += sight->weight;
+    tally->begun += sensor_ray->weight;
     for (uint32_t met = 0;; ++met) {
         if (met == world->depth) {
             ++tally->depth_cut;
-            tally->cut += sight->weight * largest(p.throughput);
+            tally->cut += sensor_ray->weight * largest(p.throughput);
             break;
         }
         const mcv_dielectric_params *filling = ref_media_filling(&p.media, world->scene);
@@ -408,5 +408,5 @@ void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *
         p.origin = surface.position;
         p.skip = hits.numbers;
     }
-    for (int channel = 0; channel < 3; ++channel) value[channel] *= sight->weight * pow(ref_media_ior(around, channel), 2);
+    for (int channel = 0; channel < 3; ++channel) value[channel] *= sensor_ray->weight * pow(ref_media_ior(around, channel), 2);
 }

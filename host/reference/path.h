@@ -10,7 +10,7 @@
 #include "reference/emission.h"
 #include "reference/gloss.h"
 #include "reference/media.h"
-#include "reference/sight.h"
+#include "reference/sensor_ray.h"
 #include "render/render.h"
 
 typedef struct ref_world {
@@ -39,7 +39,7 @@ typedef struct ref_hits {
 ref_hits ref_hits_at(const ref_geometry *geometry, ref_vec origin, ref_vec direction, const ref_skip *skip, const ref_hit *hit);
 
 /* Follows one ray of sight: what it adds to its pixel, the radiance that arrives along it times its weight. */
-void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *random, ref_tally *tally, double value[3]);
+void ref_path_value(const ref_world *world, const ref_sensor_ray *sensor_ray, ref_random *random, ref_tally *tally, double value[3]);
 
 /* mcv_reference_render (reference.h); without sample_emitters, emission is found by chance only: the same image, more noise. */
 mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, bool sample_emitters, mcv_film *film,

@@ -37,8 +37,8 @@ static void sum_samples(const pass *r, uint32_t column, uint32_t row, uint32_t r
     ref_random random = ref_random_begin(r->options->seed, (uint64_t)row * r->film->width + column, replicate, first);
     double place[4];
     for (int i = 0; i < 4; ++i) place[i] = ref_random_unit(&random);
-    const ref_sight sight = ref_sight_sample(r->sensor, column, row, place[0], place[1], place[2], place[3]);
-    ref_path_value(r->world, &sight, &random, tally, sum);
+    const ref_sensor_ray sensor_ray = ref_sensor_ray_sample(r->sensor, column, row, place[0], place[1], place[2], place[3]);
+    ref_path_value(r->world, &sensor_ray, &random, tally, sum);
     /* What an image of floats cannot hold is not finite there. */
     if (!(fmax(fabs(sum[0]), fmax(fabs(sum[1]), fabs(sum[2]))) <= FLT_MAX) || !isfinite(sum[0] + sum[1] + sum[2])) {
         ++tally->nonfinite;

@@ -39,10 +39,10 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_h
     const double ior = ref_media_ior(ref_media_filling(media, scene), 0);
     double texture[3];
     ref_texture_lookup(scene, material->texture, surface->texcoord, texture);
-    const ref_meeting meeting = ref_meet(surface, *direction);
+    const ref_interaction interaction = ref_make_interaction(surface, *direction);
     double reflectance;
     vertex->event = MCV_EVENT_END;
-    store(vertex->normal, meeting.normal);
+    store(vertex->normal, interaction.normal);
     switch (material->type) {
     case MCV_MATERIAL_MIRROR:
         vertex->event = MCV_EVENT_REFLECT;
@@ -53,22 +53,22 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_h
         vertex->event = MCV_EVENT_REFLECT;
         vertex->transmittance *=
             material->as.retroreflector.reflectance[0] *
-            ref_retroreflector_efficiency(&material->as.retroreflector, (ref_vec){ref_length(ref_cross(*direction, meeting.normal)), 0,
-                                                                                  -ref_dot(*direction, meeting.normal)});
+            ref_retroreflector_efficiency(&material->as.retroreflector, (ref_vec){ref_length(ref_cross(*direction, interaction.normal)), 0,
+                                                                                  -ref_dot(*direction, interaction.normal)});
         *direction = ref_scale(-1, *direction);
         return true;
     case MCV_MATERIAL_CONDUCTOR:
         if (mcv_material_is_rough(material)) break;
         vertex->event = MCV_EVENT_REFLECT;
         vertex->transmittance *= ref_conductor_reflectance(material->as.conductor.n[0] / ior, material->as.conductor.k[0] / ior,
-                                                           fmin(-ref_dot(*direction, meeting.normal), 1));
+                                                           fmin(-ref_dot(*direction, interaction.normal), 1));
         break;
     case MCV_MATERIAL_BEAM_SPLITTER: /* goes straight on */
         vertex->event = MCV_EVENT_PASS;
         vertex->transmittance *= material->as.beam_splitter.transmittance[0];
         break;
     case MCV_MATERIAL_SHEET:
-        reflectance = ref_sheet_reflectance(ref_reflectance(&meeting, ior, material->as.sheet.ior));
+        reflectance = ref_sheet_reflectance(ref_reflectance(&interaction, ior, material->as.sheet.ior));
         vertex->event = reflectance == 1 ? MCV_EVENT_REFLECT : MCV_EVENT_PASS; /* 1: total reflection */
         if (reflectance < 1) vertex->transmittance *= (1 - reflectance) * material->as.sheet.transmittance[0] * texture[0];
         break;
@@ -77,19 +77,19 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_h
         ref_media_cross_all(media, &beyond, hits->count, hits->instances, hits->fronts);
         const double from = ref_media_ior(ref_media_filling(media, scene), 0), to = ref_media_ior(ref_media_filling(&beyond, scene), 0);
         if (mcv_material_is_rough(material) && from != to) break;
-        reflectance = ref_reflectance(&meeting, from, to);
-        if (from != to) reflectance = ref_coated(reflectance, mcv_material_coating(material, meeting.front ? from : to), from, to);
+        reflectance = ref_reflectance(&interaction, from, to);
+        if (from != to) reflectance = ref_coated(reflectance, mcv_material_coating(material, interaction.front ? from : to), from, to);
         vertex->event = reflectance == 1 ? MCV_EVENT_REFLECT : from == to ? MCV_EVENT_PASS : MCV_EVENT_REFRACT;
         if (vertex->event == MCV_EVENT_REFLECT) break;
         vertex->transmittance *= 1 - reflectance;
-        *direction = ref_refract(&meeting, from, to);
+        *direction = ref_refract(&interaction, from, to);
         *media = beyond;
         break;
     }
     default:
         break;
     }
-    if (vertex->event == MCV_EVENT_REFLECT) *direction = ref_reflect(&meeting);
+    if (vertex->event == MCV_EVENT_REFLECT) *direction = ref_reflect(&interaction);
     return vertex->event != MCV_EVENT_END;
 }
 

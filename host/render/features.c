@@ -2,9 +2,9 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "../../kernels/path.h"
-#include "render/light.h"
-#include "render/pack.h"
+#include "kernels/path/camera_path.h"
+#include "device/light.h"
+#include "device/pack.h"
 #include "render/render.h"
 #include "scene/sensors.h"
 

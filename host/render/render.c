@@ -211,30 +211,30 @@ static bool find_pixel(const renderer *r, uint32_t number, size_t *pixel) {
 }
 
 /* Some sets of a round: what their launches leave on the device, on its way into the round. */
-typedef struct harvest {
+typedef struct readback {
     uint32_t first_set, sets;
     uint32_t launched_blocks, blocks_per_set; /* of one launch; of the round */
     uint32_t first_block;                     /* of the launch that was read */
     float *read;                              /* its sums */
     double *blocks;                           /* [set][channel][block] */
     double share;                             /* of a sample in the round: 1 over what the class takes more of them */
-    bool ripe;                                /* `read` holds sums that are not yet added */
-} harvest;
+    bool pending;                                /* `read` holds sums that are not yet added */
+} readback;
 
 /* The sum of a set's samples in the round, once all of its launches are read. */
-static double sum_of_set(const harvest *h, uint32_t set, uint32_t channel, uint32_t channels) {
+static double sum_of_set(const readback *h, uint32_t set, uint32_t channel, uint32_t channels) {
     const size_t at = (size_t)set * channels + channel;
     if (h->blocks_per_set == 1) return (double)h->read[2 * at] + (double)h->read[2 * at + 1];
     return mcv_tree_sum(h->blocks + at * h->blocks_per_set, h->blocks_per_set, 1);
 }
 
 /* Adds what was read; after the last launch of the sets, their sums go into the round. */
-static void bring_in(const renderer *r, harvest *h) {
+static void accumulate_readback(const renderer *r, readback *h) {
     const mcv_film *film = r->film;
     const uint32_t channels = film->channels;
     const size_t pixels = (size_t)film->width * film->height;
-    if (!h->ripe) return;
-    h->ripe = false;
+    if (!h->pending) return;
+    h->pending = false;
     for (uint32_t set = 0; h->blocks_per_set > 1 && set < h->sets; ++set) {
         for (uint32_t b = 0; b < h->launched_blocks; ++b) {
             for (uint32_t c = 0; c < channels; ++c) {
@@ -261,17 +261,17 @@ static double stage_seconds(const mcv_render_stats *stats) {
 }
 
 /* One launch: 2^frame.log2_samples samples of `sets` sets. While it runs, what the one before left is brought in. */
-static mcv_result launch(renderer *r, uint32_t sets, uint32_t first_block, harvest *h) {
+static mcv_result launch(renderer *r, uint32_t sets, uint32_t first_block, readback *h) {
     const double begun = mcv_seconds();
     r->frame.path_count = sets << r->frame.log2_samples;
     MCV_TRY(mcv_schedule_start(&r->schedule, &r->frame, r->stats, r->error));
-    bring_in(r, h);
+    accumulate_readback(r, h);
     MCV_TRY(mcv_schedule_wait(&r->schedule, r->stats, r->error));
     MCV_TRY(mcv_cl_read(&r->cl, r->schedule.sums, 0, 8 * (size_t)sets * h->launched_blocks * r->film->channels, h->read, r->error));
     h->first_set = r->frame.first_set;
     h->sets = sets;
     h->first_block = first_block;
-    h->ripe = true;
+    h->pending = true;
     if (r->stats->seconds_first_sample > 0) return MCV_OK;
     r->warming = fmax(0, mcv_seconds() - begun - stage_seconds(r->stats));
     r->stats->seconds_first_sample = mcv_seconds() - r->begun;
@@ -317,7 +317,7 @@ static mcv_result render_class(renderer *r, pixel_class class, uint64_t first, u
     const uint32_t launch_samples = 1u << log2_samples;
     const uint32_t block = launch_samples < MCV_BLOCK ? launch_samples : MCV_BLOCK;
     const uint32_t sets_per_launch = capacity / launch_samples;
-    harvest h = {.launched_blocks = launch_samples / block, .blocks_per_set = (uint32_t)(count / block), .share = ldexp(1, -class.level)};
+    readback h = {.launched_blocks = launch_samples / block, .blocks_per_set = (uint32_t)(count / block), .share = ldexp(1, -class.level)};
     mcv_result result = MCV_OK;
     if (end_set > 0xffffffffu) {
         return mcv_fail(r->error, MCV_BAD_INPUT, "the image has too many pixels for %u replicates: %llu sets, at most 2^32",
@@ -342,7 +342,7 @@ static mcv_result render_class(renderer *r, pixel_class class, uint64_t first, u
         const double share = (double)(set + sets - first_set) / (double)set_count;
         if (result == MCV_OK) *stop = !go_on(r, before + share * round, done_before);
     }
-    if (result == MCV_OK) bring_in(r, &h);
+    if (result == MCV_OK) accumulate_readback(r, &h);
     free(h.read);
     free(h.blocks);
     return result;

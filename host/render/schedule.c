@@ -10,7 +10,7 @@ enum {
     MAX_SLOTS = 4096,     /* of a slice: its state is on a thread's stack */
     MAX_STREAM_PATHS = 1 << 20,
     MAX_STREAM_SLOTS = 1 << 22, /* few paths have all of their branches */
-    STREAM_GROUP = 64,          /* as in kernels/stream.cl */
+    STREAM_GROUP = 64,          /* as in kernels/schedule/stream.cl */
     STREAM_ARGUMENTS = MCV_SCENE_ARGUMENTS + 7,
 };
 
@@ -25,8 +25,8 @@ static bool aims(const mcv_schedule *s) { return s->scene->packed.features >> MC
 static bool traces_light(const mcv_schedule *s) { return s->scene->packed.features >> MCV_FEATURE_LIGHT_TRACING & 1; }
 
 static mcv_result open_tile(mcv_schedule *s, const char *options, mcv_error *error) {
-    MCV_TRY(mcv_cl_build(s->cl, "tile", options, &s->program, error));
-    if (aims(s)) MCV_TRY(mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
+    MCV_TRY(mcv_cl_build(s->cl, "schedule/tile", options, &s->program, error));
+    if (aims(s)) MCV_TRY(mcv_cl_kernel(s->program, "guide_pupil", &s->kernels[MCV_KERNEL_guide_pupil], error));
     if (traces_light(s)) MCV_TRY(mcv_cl_kernel(s->program, "trace_emitter_paths", &s->kernels[MCV_KERNEL_trace_emitter_paths], error));
     return mcv_cl_kernel(s->program, "render_tile", &s->kernels[MCV_KERNEL_generate_rays], error);
 }
@@ -35,7 +35,7 @@ static mcv_result open_stream(mcv_schedule *s, const char *options, mcv_error *e
     const uint32_t MCV_WITH_AIM = aims(s);
     const uint32_t MCV_WITH_LIGHT_TRACING = traces_light(s);
     const uint32_t MCV_WITH_NEXT_EVENT = s->scene->packed.features >> MCV_FEATURE_NEXT_EVENT & 1;
-    MCV_TRY(mcv_cl_build(s->cl, "stream", options, &s->program, error));
+    MCV_TRY(mcv_cl_build(s->cl, "schedule/stream", options, &s->program, error));
 #define MCV_X(stage, runs) \
     if (runs) MCV_TRY(mcv_cl_kernel(s->program, #stage, &s->kernels[MCV_KERNEL_##stage], error));
     MCV_STREAM_KERNELS(MCV_X)
@@ -251,8 +251,8 @@ mcv_result mcv_schedule_aim(mcv_schedule *schedule, const mcv_frame *frame, mcv_
     const size_t pixels = (size_t)frame->width * frame->height;
     MCV_TRY(mcv_cl_write(s->cl, s->scene->frame, 0, sizeof *frame, frame, error));
     mcv_device_scene_arguments(s->scene, arguments);
-    arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->scene->aims);
-    MCV_TRY(launch(s, MCV_KERNEL_aim_pupils, tile ? (pixels + s->slice - 1) / s->slice : pixels, tile ? 1 : STREAM_GROUP, arguments,
+    arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->scene->pupil_guides);
+    MCV_TRY(launch(s, MCV_KERNEL_guide_pupil, tile ? (pixels + s->slice - 1) / s->slice : pixels, tile ? 1 : STREAM_GROUP, arguments,
                    MCV_SCENE_ARGUMENTS + 1, error));
     MCV_TRY(mcv_cl_finish(s->cl, error));
     add_times(s, stats);

@@ -6,10 +6,10 @@
 #ifndef MCVISI_HOST_RENDER_SCHEDULE_H
 #define MCVISI_HOST_RENDER_SCHEDULE_H
 
-#include "render/device_scene.h"
+#include "device/device_scene.h"
 #include "render/render.h"
 
-/* X(kernel of kernels/stream.cl): the stages in their order, then the count. */
+/* X(kernel of kernels/schedule/stream.cl): the stages in their order, then the count. */
 #define MCV_STREAM_KERNELS(X) MCV_STAGES(X) X(count_rays, 1)
 #define MCV_X(stage, runs) MCV_KERNEL_##stage,
 enum { MCV_STREAM_KERNELS(MCV_X) MCV_STREAM_KERNEL_COUNT };

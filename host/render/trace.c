@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/device_scene.h"
+#include "device/device_scene.h"
 #include "render/render.h"
 
 enum { MAX_BATCH = 16384, MAX_BATCH_BYTES = 64 << 20 };
@@ -28,7 +28,7 @@ static mcv_result open_tracer(tracer *t, const mcv_scene *scene, size_t ray_coun
     MCV_TRY(mcv_device_scene_finish(&t->cl, NULL, &t->scene, error));
     const mcv_packed *packed = &t->scene.packed;
     mcv_feature_options(packed->features, packed->channels, MCV_SENSOR_PINHOLE, MCV_SAMPLER_SOBOL, MCV_BLOCK, defines, sizeof defines);
-    MCV_TRY(mcv_cl_build(&t->cl, "trace", defines, &t->program, error));
+    MCV_TRY(mcv_cl_build(&t->cl, "schedule/trace", defines, &t->program, error));
     MCV_TRY(mcv_cl_kernel(t->program, "trace_paths", &t->kernel, error));
 
     t->stride = options->depth + 1;
@@ -79,8 +79,8 @@ static mcv_result device_ray(const tracer *t, const mcv_scene *scene, const mcv_
         const double origin = ray->origin[k] - packed->centre[k], direction = d[k] / length;
         out->origin[k] = (float)origin;
         out->direction[k] = (float)direction;
-        out->origin_rest[k] = (float)(origin - out->origin[k]);
-        out->direction_rest[k] = (float)(direction - out->direction[k]);
+        out->origin_low[k] = (float)(origin - out->origin[k]);
+        out->direction_low[k] = (float)(direction - out->direction[k]);
     }
     out->media = mcv_media_around(scene, packed, ray->origin);
     memset(out->padding, 0, sizeof out->padding);
@@ -95,7 +95,7 @@ static mcv_vertex host_vertex(const mcv_packed *packed, const mcv_device_vertex 
     for (int k = 0; k < 3; ++k) {
         to.position[k] = from->position[k] + (double)from->position_rest[k] + packed->centre[k];
         to.normal[k] = from->normal[k] + (double)from->normal_rest[k];
-        to.direction[k] = from->direction[k] + (double)from->direction_rest[k];
+        to.direction[k] = from->direction[k] + (double)from->direction_low[k];
     }
     to.ior = from->medium > 0 ? sqrt(1 / (double)packed->media[0][from->medium].inverse_index_squared) : 1;
     to.transmittance = from->transmittance;

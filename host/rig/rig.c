@@ -2,7 +2,7 @@
 #include "rig/rig.h"
 
 #include "core/basics.h"
-#include "scene/load.h"
+#include "loader/load.h"
 #include "scene/params.h"
 
 #include <ctype.h>
@@ -47,7 +47,7 @@ static void add_points(mcv_rig *r, const mcv_mesh *mesh, const mcv_transform *to
 
 static mcv_result read_stl(mcv_rig *r, double unit, mcv_error *error) {
     const char *path = r->wishes.part;
-    const mcv_place place = mcv_place_file(path);
+    const mcv_json_path place = mcv_place_file(path);
     const mcv_transform identity = mcv_transform_identity();
     mcv_bytes bytes;
     uint32_t mesh;

@@ -3,7 +3,7 @@
 #include "rig/rig.h"
 
 #include "core/basics.h"
-#include "output/file.h"
+#include "core/output_file.h"
 
 #include <ctype.h>
 #include <errno.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "scene/camera_model.h"
 
-#include "scene/json.h"
+#include "core/json.h"
 #include "scene/sensors.h"
 #include "scene/transform.h"
 
@@ -265,9 +265,9 @@ char *mcv_camera_model_write(const mcv_camera_model *model) {
 }
 
 /* A member that must be there: an array of arrays, or of numbers where there is one row. */
-static mcv_result get_matrix(const json_t *object, const char *key, size_t rows, size_t columns, double *out, const mcv_place *where,
+static mcv_result get_matrix(const json_t *object, const char *key, size_t rows, size_t columns, double *out, const mcv_json_path *where,
                              mcv_error *error) {
-    const mcv_place here = mcv_place_key(where, key);
+    const mcv_json_path here = mcv_json_path_key(where, key);
     const json_t *matrix = json_object_get(object, key);
     bool right = json_array_size(matrix) == (rows == 1 ? columns : rows);
     for (size_t i = 0; right && i < rows; ++i) {
@@ -283,15 +283,15 @@ static mcv_result get_matrix(const json_t *object, const char *key, size_t rows,
     return mcv_fail_at(&here, error, "must be %zu x %zu numbers", rows, columns);
 }
 
-static mcv_result get_number(const json_t *object, const char *key, double absent, double *out, const mcv_place *where, mcv_error *error) {
+static mcv_result get_number(const json_t *object, const char *key, double absent, double *out, const mcv_json_path *where, mcv_error *error) {
     *out = absent;
     return mcv_json_number(object, key, -DBL_MAX, DBL_MAX, out, where, error);
 }
 
 /* Two whole numbers, or 1 and 1. */
-static mcv_result get_pair(const json_t *object, const char *key, uint32_t out[2], const mcv_place *where, mcv_error *error) {
+static mcv_result get_pair(const json_t *object, const char *key, uint32_t out[2], const mcv_json_path *where, mcv_error *error) {
     double pair[2] = {1, 1};
-    const mcv_place here = mcv_place_key(where, key);
+    const mcv_json_path here = mcv_json_path_key(where, key);
     MCV_TRY(mcv_json_numbers(object, key, 2, 1, 1 << 24, pair, where, error));
     for (int i = 0; i < 2; ++i) {
         if (pair[i] != floor(pair[i])) return mcv_fail_at(&here, error, "must be whole numbers");
@@ -300,21 +300,21 @@ static mcv_result get_pair(const json_t *object, const char *key, uint32_t out[2
     return MCV_OK;
 }
 
-static mcv_result get_lengths(const json_t *object, const char *key, double out[2], const mcv_place *where, mcv_error *error) {
-    const mcv_place here = mcv_place_key(where, key);
+static mcv_result get_lengths(const json_t *object, const char *key, double out[2], const mcv_json_path *where, mcv_error *error) {
+    const mcv_json_path here = mcv_json_path_key(where, key);
     MCV_TRY(get_matrix(object, key, 1, 2, out, where, error));
     return out[0] > 0 && out[1] > 0 ? MCV_OK : mcv_fail_at(&here, error, "must be lengths above 0");
 }
 
-static mcv_result get_nodes(const json_t *object, mcv_camera_model *model, const mcv_place *where, mcv_error *error) {
-    const mcv_place list = mcv_place_key(where, "nodes");
+static mcv_result get_nodes(const json_t *object, mcv_camera_model *model, const mcv_json_path *where, mcv_error *error) {
+    const mcv_json_path list = mcv_json_path_key(where, "nodes");
     const json_t *nodes = json_object_get(object, "nodes"), *node;
     size_t i;
     if (!json_is_array(nodes)) return mcv_fail_at(&list, error, "must be an array");
     model->nodes = calloc(json_array_size(nodes) + 1, sizeof *model->nodes);
     if (!model->nodes) return mcv_fail_memory(where, error);
     json_array_foreach(nodes, i, node) {
-        const mcv_place here = mcv_place_index(&list, i);
+        const mcv_json_path here = mcv_place_index(&list, i);
         double matrix[12] = {0};
         mcv_placement *frame = model->nodes + model->node_count;
         MCV_TRY(get_matrix(node, "toWorld", 3, 4, matrix, &here, error));
@@ -330,8 +330,8 @@ static mcv_result get_nodes(const json_t *object, mcv_camera_model *model, const
     return MCV_OK;
 }
 
-static mcv_result get_render_error(const json_t *object, mcv_render_error *out, const mcv_place *where, mcv_error *error) {
-    const mcv_place here = mcv_place_key(where, "renderError");
+static mcv_result get_render_error(const json_t *object, mcv_render_error *out, const mcv_json_path *where, mcv_error *error) {
+    const mcv_json_path here = mcv_json_path_key(where, "renderError");
     json_t *render = NULL;
     double channels = 0;
     if (!json_object_get(object, "renderError")) return MCV_OK;
@@ -359,8 +359,8 @@ static mcv_result get_render_error(const json_t *object, mcv_render_error *out, 
     return result;
 }
 
-static mcv_result get_all(const json_t *object, mcv_camera_model *model, const mcv_place *where, mcv_error *error) {
-    const mcv_place kind_place = mcv_place_key(where, "model"), size = mcv_place_key(where, "size");
+static mcv_result get_all(const json_t *object, mcv_camera_model *model, const mcv_json_path *where, mcv_error *error) {
+    const mcv_json_path kind_place = mcv_json_path_key(where, "model"), size = mcv_json_path_key(where, "size");
     const char *kind = "";
     MCV_TRY(mcv_json_string(object, "model", &kind, where, error));
     model->telecentric = strcmp(kind, "telecentric") == 0;
@@ -389,7 +389,7 @@ static mcv_result get_all(const json_t *object, mcv_camera_model *model, const m
 mcv_result mcv_camera_model_read(const char *text, const char *path, mcv_camera_model *model, bool *is_one, mcv_error *error) {
     json_t *object = text ? json_loads(text, 0, NULL) : NULL;
     const char *said = json_string_value(json_object_get(object, "format"));
-    const mcv_place file = mcv_place_file(path), where = mcv_place_key(&file, MCV_CAMERA_MODEL_KEY);
+    const mcv_json_path file = mcv_place_file(path), where = mcv_json_path_key(&file, MCV_CAMERA_MODEL_KEY);
     *model = (mcv_camera_model){0};
     *is_one = said && strcmp(said, format) == 0;
     const mcv_result result = *is_one ? get_all(object, model, &where, error) : MCV_OK;

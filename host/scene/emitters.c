@@ -16,9 +16,9 @@ bool mcv_emitter_has_surface(uint32_t type) {
     return type != MCV_EMITTER_ENVIRONMENT && type != MCV_EMITTER_POINT && type != MCV_EMITTER_SPOT && type != MCV_EMITTER_DIRECTIONAL;
 }
 
-mcv_result mcv_emitter_check(mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_emitter_check(mcv_emitter *emitter, const mcv_json_path *place, mcv_error *error) {
     if (mcv_emitter_half_angle(emitter) == 0) {
-        const mcv_place here = mcv_place_key(place, "halfAngle");
+        const mcv_json_path here = mcv_json_path_key(place, "halfAngle");
         return mcv_fail_at(&here, error, "0 would be a collimated beam: use the type \"collimatedBeam\", or give an angle above 0");
     }
     MCV_TRY(mcv_params_check(mcv_emitter_table(emitter->type), &emitter->as, place, error));
@@ -28,7 +28,7 @@ mcv_result mcv_emitter_check(mcv_emitter *emitter, const mcv_place *place, mcv_e
                                 error);
     }
     if (emitter->type != MCV_EMITTER_SPOT || emitter->as.spot.innerConeAngle <= emitter->as.spot.outerConeAngle) return MCV_OK;
-    const mcv_place here = mcv_place_key(place, "innerConeAngle");
+    const mcv_json_path here = mcv_json_path_key(place, "innerConeAngle");
     return mcv_fail_at(&here, error, "%g rad must be at most outerConeAngle %g rad", emitter->as.spot.innerConeAngle,
                        emitter->as.spot.outerConeAngle);
 }
@@ -65,9 +65,9 @@ mcv_pattern *mcv_emitter_pattern(mcv_emitter *emitter) { return parameter(emitte
 
 uint32_t *mcv_emitter_index(mcv_emitter *emitter) { return parameter(emitter, "index"); }
 
-mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_json_path *place, mcv_error *error) {
     const uint32_t *image = parameter(emitter, "image");
-    const mcv_place here = mcv_place_key(place, "image");
+    const mcv_json_path here = mcv_json_path_key(place, "image");
     if (!image || *image == MCV_NONE) return MCV_OK;
     if (*image >= scene->texture_count) return mcv_fail_at(&here, error, "texture %u does not exist", *image);
     if (!mcv_emitter_has_surface(emitter->type)) return MCV_OK;
@@ -252,7 +252,7 @@ double mcv_emitter_unit_power(const mcv_scene *scene, const mcv_emitter *emitter
     }
 }
 
-mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter, const mcv_json_path *place, mcv_error *error) {
     const char *unit, *key = mcv_emitter_brightness(emitter, &unit);
     const double *brightness = mcv_emitter_parameter(emitter, key);
     const double *power = mcv_emitter_parameter(emitter, "power");

@@ -3,20 +3,20 @@
 #ifndef MCVISI_HOST_SCENE_EMITTERS_H
 #define MCVISI_HOST_SCENE_EMITTERS_H
 
-#include "scene/place.h"
+#include "core/json_path.h"
 #include "scene/scene.h"
 
 /* Does this type emit from the surface of an instance? */
 bool mcv_emitter_has_surface(uint32_t type);
 
 /* Checks parameters by the table, names the collimated beam where a cone's half-angle is 0, derives what a lens's parameters leave out. */
-mcv_result mcv_emitter_check(mcv_emitter *emitter, const mcv_place *place, mcv_error *error);
+mcv_result mcv_emitter_check(mcv_emitter *emitter, const mcv_json_path *place, mcv_error *error);
 
 /* Does the parameter `image` fit: a texture of the scene, but for an environment on a rectangle, M·J x N·K pixels for a light field? */
-mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_place *place, mcv_error *error);
+mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_json_path *place, mcv_error *error);
 
 /* emitter->radiance from its parameters, area and image: exactly one of radiance (irradiance, intensity) and power must be given. */
-mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter, const mcv_place *place, mcv_error *error);
+mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter, const mcv_json_path *place, mcv_error *error);
 
 /* Width and height of its rectangle, or NaN where it is not one of its own [m]. */
 void mcv_emitter_size(const mcv_emitter *emitter, double size[2]);

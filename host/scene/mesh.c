@@ -5,10 +5,10 @@
 
 #include <stdlib.h>
 
-static mcv_result check_finite(const float *values, uint32_t count, uint32_t components, const char *key, const mcv_place *place,
+static mcv_result check_finite(const float *values, uint32_t count, uint32_t components, const char *key, const mcv_json_path *place,
                                mcv_error *error) {
     if (!values) return MCV_OK;
-    const mcv_place here = mcv_place_key(place, key);
+    const mcv_json_path here = mcv_json_path_key(place, key);
     for (size_t i = 0; i < (size_t)count * components; ++i)
         if (!isfinite(values[i]))
             return mcv_fail_at(&here, error, "vertex %zu has the coordinate %g, but must be finite", i / components, (double)values[i]);
@@ -32,7 +32,7 @@ static void add_faces(const mcv_mesh *mesh, double *sums) {
 }
 
 /* Sums the faces around each vertex whose normal has no direction; one without any face that has one looks along z. */
-static mcv_result repair_normals(mcv_mesh *mesh, const mcv_place *place, mcv_error *error) {
+static mcv_result repair_normals(mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error) {
     double *sums = calloc(mesh->vertex_count, 3 * sizeof *sums);
     if (!sums) return mcv_fail_memory(place, error);
     add_faces(mesh, sums);
@@ -47,7 +47,7 @@ static mcv_result repair_normals(mcv_mesh *mesh, const mcv_place *place, mcv_err
     return MCV_OK;
 }
 
-mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_json_path *place, mcv_error *error) {
     MCV_TRY(check_finite(mesh->positions, mesh->vertex_count, 3, "POSITION", place, error));
     MCV_TRY(check_finite(mesh->normals, mesh->vertex_count, 3, "NORMAL", place, error));
     MCV_TRY(check_finite(mesh->texcoords, mesh->vertex_count, 2, "TEXCOORD_0", place, error));
@@ -55,7 +55,7 @@ mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_place *p
     MCV_TRY(check_finite(mesh->tangents, mesh->vertex_count, 4, "TANGENT", place, error));
     for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; ++i)
         if (mesh->indices[i] >= mesh->vertex_count) {
-            const mcv_place here = mcv_place_key(place, "indices");
+            const mcv_json_path here = mcv_json_path_key(place, "indices");
             return mcv_fail_at(&here, error, "index %u of triangle %zu points to nothing: vertices go from 0 to %u", mesh->indices[i],
                                i / 3, mesh->vertex_count - 1);
         }
@@ -85,7 +85,7 @@ static void add_gradients(const mcv_mesh *mesh, const uint32_t v[3], double *sum
         }
 }
 
-mcv_result mcv_mesh_make_tangents(mcv_mesh *mesh, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_mesh_make_tangents(mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error) {
     double *sums = calloc(mesh->vertex_count, 9 * sizeof *sums); /* ∂p/∂u, ∂p/∂v; then the faces' normals */
     mesh->tangents = malloc(4 * sizeof(float) * mesh->vertex_count);
     if (!sums || !mesh->tangents) {

@@ -108,7 +108,7 @@ static void find_places(creasing *c) {
 }
 
 /* From sorted corners to those of the mesh, by number. */
-static mcv_result number_corners(creasing *c, const mcv_place *place, mcv_error *error) {
+static mcv_result number_corners(creasing *c, const mcv_json_path *place, mcv_error *error) {
     corner *numbered = malloc(((size_t)c->count + 1) * sizeof *numbered);
     if (!numbered) return mcv_fail_memory(place, error);
     for (uint32_t k = 0; k < c->count; ++k) numbered[c->order[k]] = c->corners[k];
@@ -193,7 +193,7 @@ static void sum_around(creasing *c, const uint32_t *around, uint32_t n, double (
     }
 }
 
-static mcv_result crease(creasing *c, double (*sums)[3], float *normals, const mcv_place *place, mcv_error *error) {
+static mcv_result crease(creasing *c, double (*sums)[3], float *normals, const mcv_json_path *place, mcv_error *error) {
     find_places(c);
     MCV_TRY(number_corners(c, place, error));
     for (uint32_t first = 0, last; first < c->count; first = last) {
@@ -204,7 +204,7 @@ static mcv_result crease(creasing *c, double (*sums)[3], float *normals, const m
     return MCV_OK;
 }
 
-mcv_result mcv_mesh_make_normals(mcv_mesh *mesh, double crease_angle, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_mesh_make_normals(mcv_mesh *mesh, double crease_angle, const mcv_json_path *place, mcv_error *error) {
     const size_t count = 3 * (size_t)mesh->triangle_count;
     creasing c = {.positions = mesh->positions,
                   .normals = calloc(count + 1, 3 * sizeof *c.normals),

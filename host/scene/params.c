@@ -154,7 +154,7 @@ static const char *example(mcv_param_kind kind) {
     }
 }
 
-static mcv_result parse_number(const mcv_param *param, const json_t *value, double *number, const mcv_place *place, mcv_error *error) {
+static mcv_result parse_number(const mcv_param *param, const json_t *value, double *number, const mcv_json_path *place, mcv_error *error) {
     const mcv_param_kind kind = param->kind == MCV_PARAM_length2 ? MCV_PARAM_length : param->kind;
     if (json_is_string(value) && !mcv_param_integral(param->kind) && param->kind != MCV_PARAM_spectrum) {
         if (mcv_parse_quantity(json_string_value(value), kind, number)) return MCV_OK;
@@ -186,7 +186,7 @@ static const char *nearest_option(const char *text, const char *const *options) 
     return mcv_nearest_word(text, options, count);
 }
 
-static mcv_result parse_choice(const mcv_param *param, const json_t *value, void *params, const mcv_place *place, mcv_error *error) {
+static mcv_result parse_choice(const mcv_param *param, const json_t *value, void *params, const mcv_json_path *place, mcv_error *error) {
     const char *const *options = mcv_param_options(param->key);
     const char *text = json_string_value(value);
     char list[512] = "";
@@ -203,20 +203,20 @@ static mcv_result parse_choice(const mcv_param *param, const json_t *value, void
 }
 
 /* Which image it is only the loader can tell (load_images.c); here it is only marked as given. */
-static mcv_result parse_image(const mcv_param *param, const json_t *value, void *params, const mcv_place *place, mcv_error *error) {
+static mcv_result parse_image(const mcv_param *param, const json_t *value, void *params, const mcv_json_path *place, mcv_error *error) {
     if (!json_is_integer(value) && !json_is_string(value) && !json_is_object(value))
         return mcv_fail_at(place, error, "must be the index or the name of one of the file's images, or {\"uri\": FILE.exr}");
     set(param, params, 0, 0);
     return MCV_OK;
 }
 
-static mcv_result parse_flag(const mcv_param *param, const json_t *value, void *params, const mcv_place *place, mcv_error *error) {
+static mcv_result parse_flag(const mcv_param *param, const json_t *value, void *params, const mcv_json_path *place, mcv_error *error) {
     if (!json_is_boolean(value)) return mcv_fail_at(place, error, "must be true or false");
     set(param, params, 0, json_is_true(value));
     return MCV_OK;
 }
 
-static mcv_result parse_value(const mcv_param *param, const json_t *value, void *params, const mcv_place *place, mcv_error *error) {
+static mcv_result parse_value(const mcv_param *param, const json_t *value, void *params, const mcv_json_path *place, mcv_error *error) {
     if (param->kind == MCV_PARAM_choice) return parse_choice(param, value, params, place, error);
     if (param->kind == MCV_PARAM_image) return parse_image(param, value, params, place, error);
     if (param->kind == MCV_PARAM_flag) return parse_flag(param, value, params, place, error);
@@ -230,7 +230,7 @@ static mcv_result parse_value(const mcv_param *param, const json_t *value, void 
     }
     if (!json_is_array(value) && n == 4) return mcv_fail_at(place, error, "must be an array of 4 integers");
     for (size_t i = 0; i < n; ++i) {
-        const mcv_place element = mcv_place_index(place, i);
+        const mcv_json_path element = mcv_place_index(place, i);
         double number = 0;
         MCV_TRY(json_is_array(value) ? parse_number(param, json_array_get(value, i), &number, &element, error)
                                      : parse_number(param, value, &number, place, error));
@@ -239,7 +239,7 @@ static mcv_result parse_value(const mcv_param *param, const json_t *value, void 
     return MCV_OK;
 }
 
-static mcv_result fail_unknown(mcv_param_table table, const char *const *others, const mcv_place *place, const char *key,
+static mcv_result fail_unknown(mcv_param_table table, const char *const *others, const mcv_json_path *place, const char *key,
                                mcv_error *error) {
     const char *words[64];
     char list[1024] = "";
@@ -252,7 +252,7 @@ static mcv_result fail_unknown(mcv_param_table table, const char *const *others,
     return mcv_fail_at(place, error, "unknown key \"%s\": known are %s", key, list);
 }
 
-mcv_result mcv_params_parse(mcv_param_table table, const json_t *object, const char *const *others, void *params, const mcv_place *place,
+mcv_result mcv_params_parse(mcv_param_table table, const json_t *object, const char *const *others, void *params, const mcv_json_path *place,
                             mcv_error *error) {
     const char *key;
     json_t *value;
@@ -260,7 +260,7 @@ mcv_result mcv_params_parse(mcv_param_table table, const json_t *object, const c
         size_t i = 0, other = 0;
         while (i < table.count && strcmp(table.params[i].key, key) != 0) ++i;
         while (others[other] && strcmp(others[other], key) != 0) ++other;
-        const mcv_place here = mcv_place_key(place, key);
+        const mcv_json_path here = mcv_json_path_key(place, key);
         if (i < table.count)
             MCV_TRY(parse_value(table.params + i, value, params, &here, error));
         else if (!others[other])
@@ -269,10 +269,10 @@ mcv_result mcv_params_parse(mcv_param_table table, const json_t *object, const c
     return MCV_OK;
 }
 
-mcv_result mcv_params_check(mcv_param_table table, const void *params, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_params_check(mcv_param_table table, const void *params, const mcv_json_path *place, mcv_error *error) {
     for (size_t i = 0; i < table.count; ++i) {
         const mcv_param *param = table.params + i;
-        const mcv_place here = mcv_place_key(place, param->key);
+        const mcv_json_path here = mcv_json_path_key(place, param->key);
         if (mcv_param_unset(param, params)) {
             if (param->default_value == MCV_REQUIRED) return mcv_fail_at(&here, error, "is missing: %s", param->doc);
             if (param->default_value == MCV_UNSET || !isnan(get(param, params, 0))) continue;
@@ -288,11 +288,11 @@ mcv_result mcv_params_check(mcv_param_table table, const void *params, const mcv
     return MCV_OK;
 }
 
-mcv_result mcv_element_type(const json_t *object, const char *const *types, uint32_t count, uint32_t *type, const mcv_place *place,
+mcv_result mcv_element_type(const json_t *object, const char *const *types, uint32_t count, uint32_t *type, const mcv_json_path *place,
                             mcv_error *error) {
     char list[512] = "";
     const char *name = NULL;
-    const mcv_place here = mcv_place_key(place, "type");
+    const mcv_json_path here = mcv_json_path_key(place, "type");
     MCV_TRY(mcv_json_string(object, "type", &name, place, error));
     for (*type = 0; *type < count; ++*type) {
         if (name && strcmp(name, types[*type]) == 0) return MCV_OK;

@@ -20,7 +20,7 @@ mcv_param_table mcv_pattern_table(uint32_t type) {
     return tables[type];
 }
 
-mcv_result mcv_pattern_parse(const json_t *value, mcv_pattern *pattern, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_pattern_parse(const json_t *value, mcv_pattern *pattern, const mcv_json_path *place, mcv_error *error) {
     static const char *const others[] = {"type", "extras", NULL};
     uint32_t type;
     if (!json_is_object(value)) return mcv_fail_at(place, error, "must be an object with a \"type\", such as \"phaseShift\"");
@@ -55,10 +55,10 @@ double mcv_pattern_value(const mcv_pattern *pattern, uint32_t index, uint32_t at
     return ((gray >> (bits - 1 - index % bits) & 1) == 1) != (index >= bits);
 }
 
-mcv_result mcv_pattern_image(const mcv_pattern *pattern, uint32_t index, mcv_texture *texture, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_pattern_image(const mcv_pattern *pattern, uint32_t index, mcv_texture *texture, const mcv_json_path *place, mcv_error *error) {
     const uint32_t count = mcv_pattern_count(pattern), length = length_of(pattern);
     const bool vertical = pattern->orientation == MCV_ORIENTATION_VERTICAL;
-    const mcv_place here = mcv_place_key(place, "index");
+    const mcv_json_path here = mcv_json_path_key(place, "index");
     if (index >= count) return mcv_fail_at(&here, error, "%u is beyond the sequence, whose %u images are 0 to %u", index, count, count - 1);
     texture->name = (char *)mcv_pattern_types[pattern->type];
     texture->width = vertical ? length : 1;

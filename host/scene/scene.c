@@ -89,18 +89,18 @@ static char *copy_name(const char *name, bool *failed) { return copy(name ? name
 
 /* FILE: KIND/NAME, for the messages of the add functions. */
 typedef struct element_place {
-    mcv_place file, kind, element;
+    mcv_json_path file, kind, element;
 } element_place;
 
-static const mcv_place *place_element(element_place *place, const mcv_scene *scene, const char *kind, const char *name, uint32_t index) {
+static const mcv_json_path *place_element(element_place *place, const mcv_scene *scene, const char *kind, const char *name, uint32_t index) {
     place->file = mcv_place_file(scene->path);
-    place->kind = mcv_place_key(&place->file, kind);
-    place->element = mcv_place_element(&place->kind, name, index);
+    place->kind = mcv_json_path_key(&place->file, kind);
+    place->element = mcv_json_path_element(&place->kind, name, index);
     return &place->element;
 }
 
 mcv_result mcv_scene_take_texture(mcv_scene *scene, mcv_texture *texture, mcv_error *error) {
-    const mcv_place file = mcv_place_file(scene->path);
+    const mcv_json_path file = mcv_place_file(scene->path);
     if (append(&scene->textures, &scene->texture_count, texture, sizeof *texture)) return MCV_OK;
     free(texture->name);
     if (!texture->shares_pixels) {
@@ -112,7 +112,7 @@ mcv_result mcv_scene_take_texture(mcv_scene *scene, mcv_texture *texture, mcv_er
 
 mcv_result mcv_scene_add_texture(mcv_scene *scene, const mcv_texture *texture, mcv_error *error) {
     element_place place;
-    const mcv_place *here = place_element(&place, scene, "textures", texture->name, scene->texture_count);
+    const mcv_json_path *here = place_element(&place, scene, "textures", texture->name, scene->texture_count);
     if (texture->width == 0 || texture->height == 0 || !texture->rgba == !texture->linear)
         return mcv_fail_at(here, error, "must have pixels");
     bool failed = false;
@@ -128,7 +128,7 @@ mcv_result mcv_scene_add_texture(mcv_scene *scene, const mcv_texture *texture, m
     return mcv_fail_memory(here, error);
 }
 
-static mcv_result check_shares(const double reflectance[3], const char *key, const double other[3], const mcv_place *here,
+static mcv_result check_shares(const double reflectance[3], const char *key, const double other[3], const mcv_json_path *here,
                                mcv_error *error) {
     for (int k = 0; k < 3; ++k)
         if (reflectance[k] + other[k] > 1)
@@ -137,7 +137,7 @@ static mcv_result check_shares(const double reflectance[3], const char *key, con
 }
 
 /* What no single parameter shows. */
-static mcv_result check_material(const mcv_material *material, const mcv_place *here, mcv_error *error) {
+static mcv_result check_material(const mcv_material *material, const mcv_json_path *here, mcv_error *error) {
     if (material->type == MCV_MATERIAL_DIELECTRIC && material->as.dielectric.priority != floor(material->as.dielectric.priority))
         return mcv_fail_at(here, error, "priority %g must be an integer", material->as.dielectric.priority);
     if (material->type == MCV_MATERIAL_DIFFUSE)
@@ -165,7 +165,7 @@ static void settle_material(const mcv_scene *scene, mcv_material *material, bool
 
 mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material, mcv_error *error) {
     element_place place;
-    const mcv_place *here = place_element(&place, scene, "materials", material->name, scene->material_count);
+    const mcv_json_path *here = place_element(&place, scene, "materials", material->name, scene->material_count);
     if (material->type >= MCV_MATERIAL_COUNT) return mcv_fail_at(here, error, "%u is no type of material", material->type);
     if (material->texture != MCV_NONE && material->texture >= scene->texture_count)
         return mcv_fail_at(here, error, "texture %u does not exist", material->texture);
@@ -196,7 +196,7 @@ mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material
 }
 
 mcv_result mcv_scene_take_mesh(mcv_scene *scene, mcv_mesh *mesh, mcv_error *error) {
-    const mcv_place file = mcv_place_file(scene->path);
+    const mcv_json_path file = mcv_place_file(scene->path);
     if (append(&scene->meshes, &scene->mesh_count, mesh, sizeof *mesh)) return MCV_OK;
     mcv_mesh_free(mesh);
     return mcv_fail_memory(&file, error);
@@ -204,7 +204,7 @@ mcv_result mcv_scene_take_mesh(mcv_scene *scene, mcv_mesh *mesh, mcv_error *erro
 
 mcv_result mcv_scene_add_mesh(mcv_scene *scene, const mcv_mesh *mesh, mcv_error *error) {
     element_place place;
-    const mcv_place *here = place_element(&place, scene, "meshes", mesh->name, scene->mesh_count);
+    const mcv_json_path *here = place_element(&place, scene, "meshes", mesh->name, scene->mesh_count);
     if (!mesh->positions || !mesh->indices || mesh->vertex_count == 0) return mcv_fail_at(here, error, "must have positions and indices");
     const size_t vertices = mesh->vertex_count;
     bool failed = false;
@@ -225,7 +225,7 @@ mcv_result mcv_scene_add_mesh(mcv_scene *scene, const mcv_mesh *mesh, mcv_error 
 
 mcv_result mcv_scene_add_instance(mcv_scene *scene, const mcv_instance *instance, mcv_error *error) {
     element_place place;
-    const mcv_place *here = place_element(&place, scene, "nodes", instance->name, scene->instance_count);
+    const mcv_json_path *here = place_element(&place, scene, "nodes", instance->name, scene->instance_count);
     if (instance->mesh >= scene->mesh_count) return mcv_fail_at(here, error, "mesh %u does not exist", instance->mesh);
     if (instance->material >= scene->material_count) return mcv_fail_at(here, error, "material %u does not exist", instance->material);
     for (int i = 0; i < 12; ++i)
@@ -249,7 +249,7 @@ mcv_result mcv_scene_add_instance(mcv_scene *scene, const mcv_instance *instance
     return mcv_fail_memory(here, error);
 }
 
-static mcv_result check_emitter_instance(const mcv_scene *scene, mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+static mcv_result check_emitter_instance(const mcv_scene *scene, mcv_emitter *emitter, const mcv_json_path *place, mcv_error *error) {
     if (!mcv_emitter_has_surface(emitter->type)) {
         emitter->instance = MCV_NONE;
         emitter->area = 0;
@@ -268,7 +268,7 @@ static mcv_result check_emitter_instance(const mcv_scene *scene, mcv_emitter *em
 
 mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, mcv_error *error) {
     element_place place;
-    const mcv_place *here = place_element(&place, scene, "emitters", emitter->name, scene->emitter_count);
+    const mcv_json_path *here = place_element(&place, scene, "emitters", emitter->name, scene->emitter_count);
     if (emitter->type >= MCV_EMITTER_COUNT) return mcv_fail_at(here, error, "%u is no type of emitter", emitter->type);
     if (emitter->texture != MCV_NONE && emitter->texture >= scene->texture_count)
         return mcv_fail_at(here, error, "texture %u does not exist", emitter->texture);
@@ -299,7 +299,7 @@ static bool is_rigid(const mcv_transform *t) {
 
 mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_error *error) {
     element_place place;
-    const mcv_place *here = place_element(&place, scene, "sensors", sensor->name, scene->sensor_count);
+    const mcv_json_path *here = place_element(&place, scene, "sensors", sensor->name, scene->sensor_count);
     if (sensor->type >= MCV_SENSOR_COUNT) return mcv_fail_at(here, error, "%u is no type of sensor", sensor->type);
     mcv_sensor own = *sensor;
     MCV_TRY(mcv_sensor_resolve(&own, here, error));
@@ -314,7 +314,7 @@ mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_
 
 mcv_result mcv_scene_add_frame(mcv_scene *scene, const char *name, bool of_asset, const mcv_transform *to_world, mcv_error *error) {
     mcv_placement frame = {.of_asset = of_asset, .to_world = *to_world};
-    const mcv_place file = mcv_place_file(scene->path);
+    const mcv_json_path file = mcv_place_file(scene->path);
     if (!*name) return MCV_OK;
     for (int j = 0; j < 3; ++j) {
         const double column[3] = {to_world->m[j], to_world->m[3 + j], to_world->m[6 + j]};
@@ -329,7 +329,7 @@ mcv_result mcv_scene_add_frame(mcv_scene *scene, const char *name, bool of_asset
 
 mcv_result mcv_scene_add_solid(mcv_scene *scene, const mcv_solid *solid, const char *name, uint32_t body, uint32_t rim, mcv_error *error) {
     element_place place;
-    const mcv_place *here = place_element(&place, scene, "nodes", name, scene->instance_count);
+    const mcv_json_path *here = place_element(&place, scene, "nodes", name, scene->instance_count);
     float positions[24];
     uint32_t no_indices;
     MCV_TRY(mcv_solid_check(solid, here, error));
@@ -351,7 +351,7 @@ mcv_result mcv_scene_add_solid(mcv_scene *scene, const mcv_solid *solid, const c
 }
 
 mcv_result mcv_scene_warn(mcv_scene *scene, mcv_error *error, const char *format, ...) {
-    const mcv_place file = mcv_place_file(scene->path);
+    const mcv_json_path file = mcv_place_file(scene->path);
     char *text = NULL;
     va_list arguments;
     va_start(arguments, format);

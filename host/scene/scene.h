@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The scene as the host works with it: what the file says, in SI units and double, before any re-centring or packing for
- * a device. The loader (host/scene/load.c) makes it; the OpenCL renderer, the reference renderer and `mcvisi check` read it.
+ * a device. The loader (host/loader/load.c) makes it; the OpenCL renderer, the reference renderer and `mcvisi check` read it.
  *
  * Everything inside is owned by the scene and freed by mcv_scene_free. Tests may build one by hand with
  * mcv_scene_new and the mcv_scene_add_… functions, which copy what they are given.
@@ -211,11 +211,11 @@ mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene *
  * For scenes that are loaded again and again: the files of MCVISI_assets are kept as they were parsed, and read again only where they have
  * changed since (by inode, size and times). Scenes do not depend on what is kept. mcv_kept_assets_read: how many had to be read so far.
  */
-typedef struct mcv_kept_assets mcv_kept_assets;
-mcv_kept_assets *mcv_kept_assets_new(void); /* NULL without memory */
-void mcv_kept_assets_free(mcv_kept_assets *kept);
-size_t mcv_kept_assets_read(const mcv_kept_assets *kept);
-mcv_result mcv_scene_load_again(const char *path, mcv_overrides overrides, mcv_kept_assets *kept, mcv_scene **scene, mcv_error *error);
+typedef struct mcv_asset_cache mcv_asset_cache;
+mcv_asset_cache *mcv_kept_assets_new(void); /* NULL without memory */
+void mcv_kept_assets_free(mcv_asset_cache *kept);
+size_t mcv_kept_assets_read(const mcv_asset_cache *kept);
+mcv_result mcv_scene_load_again(const char *path, mcv_overrides overrides, mcv_asset_cache *kept, mcv_scene **scene, mcv_error *error);
 
 void mcv_scene_free(mcv_scene *scene);
 

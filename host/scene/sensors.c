@@ -46,9 +46,9 @@ static mcv_readout read_out(film f) {
 
 mcv_readout mcv_sensor_readout(const mcv_sensor *sensor) { return read_out(film_of(sensor)); }
 
-static mcv_result check_film(film f, const mcv_place *place, mcv_error *error) {
+static mcv_result check_film(film f, const mcv_json_path *place, mcv_error *error) {
     static const char *const lines[] = {"columns", "rows"};
-    const mcv_place region = mcv_place_key(place, "regionOfInterest"), binning = mcv_place_key(place, "binning");
+    const mcv_json_path region = mcv_json_path_key(place, "regionOfInterest"), binning = mcv_json_path_key(place, "binning");
     const bool all = f.region[0] == MCV_NONE;
     for (int i = 0; i < 2; ++i) {
         const uint32_t first = all ? 0 : f.region[i], size = all ? f.resolution[i] : f.region[i + 2];
@@ -71,8 +71,8 @@ static mcv_centre centre(const mcv_readout *readout, int axis, uint32_t binning)
 
 /* --- pinhole ---------------------------------------------------------------------------------------------------- */
 
-mcv_result mcv_pinhole_resolve(mcv_pinhole_params *params, const mcv_place *place, mcv_error *error) {
-    const mcv_place here = mcv_place_key(place, "radiometry");
+mcv_result mcv_pinhole_resolve(mcv_pinhole_params *params, const mcv_json_path *place, mcv_error *error) {
+    const mcv_json_path here = mcv_json_path_key(place, "radiometry");
     if (params->radiometry == MCV_RADIOMETRY_RADIANCE) return MCV_OK;
     return mcv_fail_at(&here, error, "a pinhole has no aperture, so no irradiance: use \"radiance\" or a thinLens");
 }
@@ -95,8 +95,8 @@ void mcv_pinhole_prepare(const mcv_pinhole_params *params, mcv_pinhole *device) 
  */
 static const double agreement = 5e-4;
 
-static mcv_result settle(double *value, double follows, const char *key, const char *from, const mcv_place *place, mcv_error *error) {
-    const mcv_place here = mcv_place_key(place, key);
+static mcv_result settle(double *value, double follows, const char *key, const char *from, const mcv_json_path *place, mcv_error *error) {
+    const mcv_json_path here = mcv_json_path_key(place, key);
     if (isnan(*value))
         *value = follows;
     else if (!(fabs(*value - follows) <= agreement * *value)) /* nothing given agrees with an infinite or negative one */
@@ -117,8 +117,8 @@ static double bend(int falloff, double focal_length) { return falloff == MCV_FAL
 
 static double disk_area(double diameter) { return M_PI / 4 * diameter * diameter; }
 
-mcv_result mcv_lens_resolve(mcv_lens l, const mcv_place *place, mcv_error *error) {
-    const mcv_place focus = mcv_place_key(place, "focusDistance");
+mcv_result mcv_lens_resolve(mcv_lens l, const mcv_json_path *place, mcv_error *error) {
+    const mcv_json_path focus = mcv_json_path_key(place, "focusDistance");
     if (isnan(*l.b) && isnan(*l.w)) return mcv_fail_at(place, error, "needs imageDistance or focusDistance, to say where it is in focus");
     if (*l.w <= l.f) return mcv_fail_at(&focus, error, "%g m must exceed focalLength %g m", *l.w, l.f);
     if (isnan(*l.b)) *l.b = l.f * *l.w / (*l.w - l.f);
@@ -132,7 +132,7 @@ mcv_result mcv_lens_resolve(mcv_lens l, const mcv_place *place, mcv_error *error
     return settle(l.f_number, *l.b / *l.diameter, "fNumber", "imageDistance and lensDiameter", place, error);
 }
 
-mcv_result mcv_thin_lens_resolve(mcv_thin_lens_params *p, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_thin_lens_resolve(mcv_thin_lens_params *p, const mcv_json_path *place, mcv_error *error) {
     return mcv_lens_resolve((mcv_lens){p->focalLength, &p->imageDistance, &p->focusDistance, &p->lensDiameter, &p->fNumber}, place, error);
 }
 
@@ -156,7 +156,7 @@ void mcv_thin_lens_prepare(const mcv_thin_lens_params *params, mcv_thin_lens *de
  * f and b from any two of f, b, m, W; settle() compares the rest with them. Where more are given f and b count first: they
  * are the report's parameters.
  */
-static mcv_result resolve_distances(mcv_telecentric_params *p, const char **from, const mcv_place *place, mcv_error *error) {
+static mcv_result resolve_distances(mcv_telecentric_params *p, const char **from, const mcv_json_path *place, mcv_error *error) {
     const double m = p->magnification, w = p->workingDistance;
     const bool f = !isnan(p->focalLength), b = !isnan(p->imageDistance);
     if (f && b) {
@@ -168,7 +168,7 @@ static mcv_result resolve_distances(mcv_telecentric_params *p, const char **from
         *from = "imageDistance and magnification";
         p->focalLength = p->imageDistance / (1 + m);
     } else if (f && !isnan(w)) {
-        const mcv_place here = mcv_place_key(place, "workingDistance");
+        const mcv_json_path here = mcv_json_path_key(place, "workingDistance");
         if (w <= p->focalLength) return mcv_fail_at(&here, error, "%g m must exceed focalLength %g m", w, p->focalLength);
         *from = "focalLength and workingDistance";
         p->imageDistance = p->focalLength * w / (w - p->focalLength);
@@ -182,13 +182,13 @@ static mcv_result resolve_distances(mcv_telecentric_params *p, const char **from
     } else {
         return mcv_fail_at(place, error, "a telecentric camera needs two of focalLength, imageDistance, magnification, workingDistance");
     }
-    const mcv_place here = mcv_place_key(place, "imageDistance");
+    const mcv_json_path here = mcv_json_path_key(place, "imageDistance");
     if (p->imageDistance > p->focalLength) return MCV_OK;
     return mcv_fail_at(&here, error, "%g m must exceed focalLength %g m: the stop lies in the focal plane, the image behind it",
                        p->imageDistance, p->focalLength);
 }
 
-mcv_result mcv_telecentric_resolve(mcv_telecentric_params *p, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_telecentric_resolve(mcv_telecentric_params *p, const mcv_json_path *place, mcv_error *error) {
     const char *from = NULL;
     MCV_TRY(resolve_distances(p, &from, place, error));
     const double f = p->focalLength, b = p->imageDistance;
@@ -234,7 +234,7 @@ void mcv_telecentric_prepare(const mcv_telecentric_params *params, mcv_telecentr
 
 /* --- light field ------------------------------------------------------------------------------------------------ */
 
-mcv_result mcv_light_field_resolve(mcv_light_field_params *p, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_light_field_resolve(mcv_light_field_params *p, const mcv_json_path *place, mcv_error *error) {
     return mcv_lens_resolve((mcv_lens){p->focalLength, &p->imageDistance, &p->focusDistance, &p->lensDiameter, &p->fNumber}, place, error);
 }
 
@@ -260,7 +260,7 @@ void mcv_light_field_prepare(const mcv_light_field_params *params, mcv_light_fie
 
 /* --- all -------------------------------------------------------------------------------------------------------- */
 
-mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_json_path *place, mcv_error *error) {
     MCV_TRY(mcv_params_check(mcv_sensor_table(sensor->type), &sensor->as, place, error));
     MCV_TRY(check_film(film_of(sensor), place, error));
     switch (sensor->type) {

@@ -3,18 +3,18 @@
 #ifndef MCVISI_HOST_SCENE_SENSORS_H
 #define MCVISI_HOST_SCENE_SENSORS_H
 
-#include "scene/place.h"
+#include "core/json_path.h"
 #include "scene/scene.h"
 
 /* Fills in parameters that follow from others; refuses contradictions and what the sensor cannot do. */
 #define MCV_SENSOR_FUNCTIONS(name, key, NAME) \
-    mcv_result mcv_##name##_resolve(mcv_##name##_params *params, const mcv_place *place, mcv_error *error); \
+    mcv_result mcv_##name##_resolve(mcv_##name##_params *params, const mcv_json_path *place, mcv_error *error); \
     void mcv_##name##_prepare(const mcv_##name##_params *params, mcv_##name *device);
 MCV_SENSORS(MCV_SENSOR_FUNCTIONS)
 #undef MCV_SENSOR_FUNCTIONS
 
 /* Checks required parameters and ranges by the table, then resolves. */
-mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_place *place, mcv_error *error);
+mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_json_path *place, mcv_error *error);
 
 /* κ = (b - f)/(b f), the inverse of the focused depth [1/m]. */
 static inline double mcv_kappa(double focal_length, double image_distance) {
@@ -27,7 +27,7 @@ typedef struct mcv_lens {
 } mcv_lens;
 
 /* b and D from what stands for them, and the other way round. A focus at infinity or behind the lens has no focusDistance. */
-mcv_result mcv_lens_resolve(mcv_lens l, const mcv_place *place, mcv_error *error);
+mcv_result mcv_lens_resolve(mcv_lens l, const mcv_json_path *place, mcv_error *error);
 
 /* What is read out of the film, in pixels; of a light field camera in macro pixels. */
 typedef struct mcv_readout {

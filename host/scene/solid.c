@@ -39,7 +39,7 @@ double mcv_cap_bend(const mcv_cap *cap, double radius) {
     return most * 1.25; /* polynomials of degree 18 at most, between 64 places */
 }
 
-mcv_result mcv_cap_check(const mcv_cap *cap, double radius, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_cap_check(const mcv_cap *cap, double radius, const mcv_json_path *place, mcv_error *error) {
     const double c = cap->curvature, rest = 1 - (1 + cap->conic) * c * c * radius * radius;
     const double largest = 1 / (fabs(c) * sqrt(1 + cap->conic));
     if (!isfinite(c) || !isfinite(cap->conic) || !isfinite(cap->z)) return mcv_fail_at(place, error, "must be finite");
@@ -70,7 +70,7 @@ static void height_range(const mcv_solid *solid, const mcv_cap *cap, double *low
     *low -= more, *high += more;
 }
 
-static mcv_result check_gap(const mcv_solid *solid, const mcv_place *place, mcv_error *error) {
+static mcv_result check_gap(const mcv_solid *solid, const mcv_json_path *place, mcv_error *error) {
     const double edge = reach(solid), rounding = 1e-9 * edge;
     double most = -INFINITY;
     for (int i = 0; i <= PLACES; ++i)
@@ -85,7 +85,7 @@ static mcv_result check_gap(const mcv_solid *solid, const mcv_place *place, mcv_
     return most > 0 ? MCV_OK : mcv_fail_at(place, error, "has no thickness");
 }
 
-mcv_result mcv_solid_check(const mcv_solid *solid, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_solid_check(const mcv_solid *solid, const mcv_json_path *place, mcv_error *error) {
     if (!(reach(solid) > 0) || !isfinite(reach(solid))) return mcv_fail_at(place, error, "must have a size above 0");
     for (int i = 0; i < 12; ++i)
         if (!isfinite(solid->to_world.m[i])) return mcv_fail_at(place, error, "its transform must be finite");
@@ -96,7 +96,7 @@ mcv_result mcv_solid_check(const mcv_solid *solid, const mcv_place *place, mcv_e
     return solid->side == MCV_SIDE_OPEN ? MCV_OK : check_gap(solid, place, error);
 }
 
-static mcv_result check_material(const mcv_solid *solid, const mcv_scene *scene, uint32_t material, const mcv_place *place,
+static mcv_result check_material(const mcv_solid *solid, const mcv_scene *scene, uint32_t material, const mcv_json_path *place,
                                  mcv_error *error) {
     const mcv_material *m = scene->materials + material;
     if (m->texture != MCV_NONE || mcv_material_surface_texture(m) != MCV_NONE)
@@ -121,7 +121,7 @@ static bool passes_light(const mcv_material *m) {
 }
 
 /* Light that came out of glass by an edge of something else would not know that it has. */
-static mcv_result check_rim(const mcv_scene *scene, uint32_t material, uint32_t rim, const mcv_place *place, mcv_error *error) {
+static mcv_result check_rim(const mcv_scene *scene, uint32_t material, uint32_t rim, const mcv_json_path *place, mcv_error *error) {
     const mcv_material *body = scene->materials + material, *edge = scene->materials + rim;
     if (rim == material || !passes_light(edge) || (body->type != MCV_MATERIAL_DIELECTRIC && edge->type != MCV_MATERIAL_DIELECTRIC))
         return MCV_OK;
@@ -129,7 +129,7 @@ static mcv_result check_rim(const mcv_scene *scene, uint32_t material, uint32_t 
                        edge->name, body->name);
 }
 
-mcv_result mcv_solid_check_materials(const mcv_solid *solid, const mcv_scene *scene, uint32_t body, uint32_t rim, const mcv_place *place,
+mcv_result mcv_solid_check_materials(const mcv_solid *solid, const mcv_scene *scene, uint32_t body, uint32_t rim, const mcv_json_path *place,
                                      mcv_error *error) {
     if (body >= scene->material_count || rim >= scene->material_count) return mcv_fail_at(place, error, "its material does not exist");
     MCV_TRY(check_material(solid, scene, body, place, error));

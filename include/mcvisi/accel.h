@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The acceleration structure as host/accel/bvh.c writes it and kernels/traverse.h reads it: a bounding volume hierarchy
+ * The acceleration structure as host/accel/bvh.c writes it and kernels/traverse/bvh8.h reads it: a bounding volume hierarchy
  * of eight children per node whose leaves are blocks of four triangles, both as structures of arrays, so that one
  * float8 holds a bound of all children and one float4 a coordinate of all triangles.
  */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The scene as the device sees it: float32, re-centred, in tables of 4-byte scalars. host/render/pack.c fills them.
+ * The scene as the device sees it: float32, re-centred, in tables of 4-byte scalars. host/device/pack.c fills them.
  */
 #ifndef MCVISI_TABLES_H
 #define MCVISI_TABLES_H
@@ -106,17 +106,17 @@ typedef struct mcv_device_material {
     float eta;      /* sheet: 1/n */
     float delta;    /* sheet: (n - 1)(n + 1)/n² */
     uint
-        spreads; /* on how many sides light from one direction leaves in many, so that emitters are sampled from here; 0: smooth or black */
+        scattering_sides; /* on how many sides light from one direction leaves in many, so that emitters are sampled from here; 0: smooth or black */
     float passed[3]; /* beam splitter, diffuse: transmittance; retroreflector: diffuse reflectance */
     float chance;    /* beam splitter, diffuse: with which it reflects */
     float spread;    /* retroreflector: tangent of its divergence, 0: light returns exactly */
     float fall;      /* retroreflector: 1/tangent of its entrance angle */
-    uint wide;       /* 1: spreads light so evenly that light paths connect it to the lens; 0: a lens would seldom lie in its highlights */
-    uint sharp;      /* 1: spreads light so little that light paths go through it as if it were smooth */
+    uint connectable;       /* 1: spreads light so evenly that light paths connect it to the lens; 0: a lens would seldom lie in its highlights */
+    uint near_specular;      /* 1: spreads light so little that light paths go through it as if it were smooth */
 } mcv_device_material;
 MCV_ASSERT_SIZE(mcv_device_material, 64);
 
-/* What a glossy material has beyond the others, under the same index; kernels/gloss.h. */
+/* What a glossy material has beyond the others, under the same index; kernels/bsdf/microfacet.h. */
 typedef struct mcv_device_gloss {
     float roughness;    /* where no texture scales it */
     float anisotropy;   /* α_t = α + (1 - α) anisotropy; 0: the surface has no direction */
@@ -155,7 +155,7 @@ typedef struct mcv_device_emitter {
     uint instance; /* whose triangles emit, or MCV_NONE */
     uint texture;  /* or MCV_NONE */
     uint cdf;      /* where its triangle_count + 1 entries begin in the table of cumulative shares, 2^31 = 1; an environment's, of pixels:
-                      kernels/environment.h */
+                      kernels/light/environment.h */
     uint triangle_count;
     float probability; /* that next-event estimation chooses it */
     float radiance[3]; /* or irradiance or intensity, by its type */
@@ -166,7 +166,7 @@ typedef struct mcv_device_emitter {
     float light_aim;   /* about what that is [sr, m²]; 1: nothing */
     float radius;      /* about the middle [m]; negative: the emitter is nowhere in particular */
     float facing[3];   /* normal of a flat one, else 0 */
-    float narrowest;   /* of its light, and how it widens with the distance: kernels/reach.h [m²] */
+    float narrowest;   /* of its light, and how it widens with the distance: kernels/light/selection.h [m²] */
     float widening;
     float power; /* its share of all emitters' */
     uint padding;
@@ -224,14 +224,14 @@ MCV_ASSERT_SIZE(mcv_device_texture, 64);
  * Where in the pupil, in its radii, a pixel's rays of sight meet a parallel emitter within its cone, to first order: about
  * centre + shift · (place in the pixel from its middle) in the ellipse spread · (unit disk). Matrices row by row.
  */
-typedef struct mcv_device_aim {
+typedef struct mcv_device_pupil_guide {
     float centre[2];
     float shift[4];
     float spread[4];
     float advantage; /* density of the points in the ellipse over that of the pupil's: 1/|det spread|; 0: the pixel does not aim */
     uint padding;
-} mcv_device_aim;
-MCV_ASSERT_SIZE(mcv_device_aim, 48);
+} mcv_device_pupil_guide;
+MCV_ASSERT_SIZE(mcv_device_pupil_guide, 48);
 
 /* What a launch counts, per slice or in all, for the host to add up; lost energy in units of 2^-11 paths. */
 #define MCV_COUNTERS(X) X(paths) X(rays) X(shadow_rays) X(depth_cut) X(lost) X(nonfinite) X(unmatched) X(saturated)
@@ -248,7 +248,7 @@ enum {
  */
 typedef struct mcv_device_ray {
     float origin[3], direction[3];
-    float origin_rest[3], direction_rest[3];
+    float origin_low[3], direction_low[3];
     uint media;
     uint padding[3];
 } mcv_device_ray;
@@ -263,7 +263,7 @@ typedef struct mcv_device_vertex {
     float transmittance;
     float radiance;
     float distance_rest;
-    float position_rest[3], normal_rest[3], direction_rest[3];
+    float position_rest[3], normal_rest[3], direction_low[3];
     uint padding[3];
 } mcv_device_vertex;
 MCV_ASSERT_SIZE(mcv_device_vertex, 112);

@@ -2,7 +2,7 @@
 /*
  * Conductor (type "conductor"): an opaque metal of complex index n - ik that reflects by Fresnel's formulas; smooth with roughness 0, else
  * made of microfacets (mcvisi/materials/microfacet.h) with α = roughness². What microfacets send on to each other leaves them where walks
- * from microfacet to microfacet do (Heitz et al. 2016, host/render/multiple.c), so that a metal that absorbs nothing stays white. Brushed
+ * from microfacet to microfacet do (Heitz et al. 2016, host/device/multiple.c), so that a metal that absorbs nothing stays white. Brushed
  * and turned metal: anisotropy s in (0, 1] widens the highlight along the mesh's tangent, α_t = α + (1 - α) s²
  * (KHR_materials_anisotropy); what its microfacets send on to each other is right in sum only (Kulla and Conty 2017). Roughness between 0
  * and 0.032 is 0.032.

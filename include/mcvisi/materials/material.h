@@ -8,7 +8,7 @@
  *
  * A material is one header with
  *     MCV_<NAME>_PARAMS(X)    its parameters (mcvisi/params.h)
- *     what light does at it   for the device; kernels/scatter.h puts it together with the path
+ *     what light does at it   for the device; kernels/bsdf/bsdf.h puts it together with the path
  * and one line in MCV_MATERIALS (mcvisi/elements.h).
  */
 #ifndef MCVISI_MATERIALS_MATERIAL_H

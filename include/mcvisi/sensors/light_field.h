@@ -52,9 +52,9 @@ MCV_FUNCTION uint mcv_pick(float xi, uint count) {
  * The ray of sight through a place of the square of the lens that belongs to the pixel, -1 … 1 along columns and rows; (film.x, film.y) is
  * the macro pixel's place among those that are binned.
  */
-MCV_LOOP_FUNCTION mcv_sight mcv_light_field_through(MCV_CONSTANT const mcv_light_field *sensor, mcv_film_sample film, float p_x,
+MCV_LOOP_FUNCTION mcv_sensor_ray mcv_light_field_through(MCV_CONSTANT const mcv_light_field *sensor, mcv_film_sample film, float p_x,
                                                     float p_y) {
-    mcv_sight sight;
+    mcv_sensor_ray sensor_ray;
     const uint column = film.column / sensor->angular_width;
     const uint row = film.row / sensor->angular_height;
     const float u = ((float)(film.column - column * sensor->angular_width) + mcv_fma(0.5f, p_x, 0.5f)) / (float)sensor->angular_width;
@@ -63,16 +63,16 @@ MCV_LOOP_FUNCTION mcv_sight mcv_light_field_through(MCV_CONSTANT const mcv_light
     const uint n = row * sensor->binning_y + mcv_pick(film.y, sensor->binning_y);
     const float lens_x = mcv_fma(2.0f, u, -1.0f);
     const float lens_y = -mcv_fma(2.0f, v, -1.0f);
-    sight.origin = mcv_vec(lens_x * sensor->radius, lens_y * sensor->radius, 0.0f);
-    sight.direction = mcv_vec(-mcv_fma(mcv_from_centre(sensor->centre_x, m, 0.5f), sensor->slope_x, sensor->kappa * sight.origin.x),
-                              mcv_fma(mcv_from_centre(sensor->centre_y, n, 0.5f), sensor->slope_y, -sensor->kappa * sight.origin.y), 1.0f);
-    sight.weight = sensor->circle && mcv_fma(lens_x, lens_x, lens_y * lens_y) > 1.0f
+    sensor_ray.origin = mcv_vec(lens_x * sensor->radius, lens_y * sensor->radius, 0.0f);
+    sensor_ray.direction = mcv_vec(-mcv_fma(mcv_from_centre(sensor->centre_x, m, 0.5f), sensor->slope_x, sensor->kappa * sensor_ray.origin.x),
+                              mcv_fma(mcv_from_centre(sensor->centre_y, n, 0.5f), sensor->slope_y, -sensor->kappa * sensor_ray.origin.y), 1.0f);
+    sensor_ray.weight = sensor->circle && mcv_fma(lens_x, lens_x, lens_y * lens_y) > 1.0f
                        ? 0.0f
-                       : mcv_sight_weight(sensor->etendue, sensor->bend, sight.origin, sight.direction);
-    return sight;
+                       : mcv_sensor_ray_weight(sensor->etendue, sensor->bend, sensor_ray.origin, sensor_ray.direction);
+    return sensor_ray;
 }
 
-MCV_LOOP_FUNCTION mcv_sight mcv_light_field_sample(MCV_CONSTANT const mcv_light_field *sensor, mcv_film_sample film, float xi, float eta) {
+MCV_LOOP_FUNCTION mcv_sensor_ray mcv_light_field_sample(MCV_CONSTANT const mcv_light_field *sensor, mcv_film_sample film, float xi, float eta) {
     mcv_film_sample binned = film;
     binned.x = xi;
     binned.y = eta;
@@ -84,11 +84,11 @@ MCV_LOOP_FUNCTION mcv_sight mcv_light_field_sample(MCV_CONSTANT const mcv_light_
  * The macro pixel from (x, y), its sensor pixel from o. Rays of sight go through the middles of macro pixels only, which no other light
  * meets by chance: each stands for its whole macro pixel here, over which light paths bring the mean.
  */
-MCV_FUNCTION float mcv_light_field_invert(MCV_CONSTANT const mcv_light_field *sensor, mcv_sight sight, mcv_film_place *place) {
-    const float p_x = sight.origin.x / sensor->radius;
-    const float p_y = sight.origin.y / sensor->radius;
-    const float m = mcv_on_film(sensor->centre_x, -mcv_fma(sensor->kappa, sight.origin.x, sight.direction.x) / sensor->slope_x);
-    const float n = mcv_on_film(sensor->centre_y, mcv_fma(sensor->kappa, sight.origin.y, sight.direction.y) / sensor->slope_y);
+MCV_FUNCTION float mcv_light_field_invert(MCV_CONSTANT const mcv_light_field *sensor, mcv_sensor_ray sensor_ray, mcv_film_point *place) {
+    const float p_x = sensor_ray.origin.x / sensor->radius;
+    const float p_y = sensor_ray.origin.y / sensor->radius;
+    const float m = mcv_on_film(sensor->centre_x, -mcv_fma(sensor->kappa, sensor_ray.origin.x, sensor_ray.direction.x) / sensor->slope_x);
+    const float n = mcv_on_film(sensor->centre_y, mcv_fma(sensor->kappa, sensor_ray.origin.y, sensor_ray.direction.y) / sensor->slope_y);
     const float width = (float)sensor->angular_width;
     const float height = (float)sensor->angular_height;
     if (mcv_abs(p_x) > 1.0f || mcv_abs(p_y) > 1.0f || (sensor->circle && mcv_fma(p_x, p_x, p_y * p_y) > 1.0f)) return 0.0f;
@@ -97,14 +97,14 @@ MCV_FUNCTION float mcv_light_field_invert(MCV_CONSTANT const mcv_light_field *se
     place->column = mcv_fma(mcv_floor(m / (float)sensor->binning_x), width, j + 0.5f);
     place->row = mcv_fma(mcv_floor(n / (float)sensor->binning_y), height, k + 0.5f);
     const float macro = sensor->slope_x * sensor->slope_y * (float)(sensor->binning_x * sensor->binning_y);
-    return mcv_sight_weight(sensor->etendue, sensor->bend, sight.origin, sight.direction) * width * height /
+    return mcv_sensor_ray_weight(sensor->etendue, sensor->bend, sensor_ray.origin, sensor_ray.direction) * width * height /
            (4.0f * sensor->radius * sensor->radius * macro);
 }
 
 MCV_FUNCTION float mcv_light_field_connect(MCV_CONSTANT const mcv_light_field *sensor, mcv_vec3 point, float xi, float eta,
-                                           mcv_sight *sight) {
-    sight->origin = mcv_vec(mcv_fma(2.0f, xi, -1.0f) * sensor->radius, mcv_fma(2.0f, eta, -1.0f) * sensor->radius, 0.0f);
-    sight->direction = mcv_vec((point.x - sight->origin.x) / point.z, (point.y - sight->origin.y) / point.z, 1.0f);
+                                           mcv_sensor_ray *sensor_ray) {
+    sensor_ray->origin = mcv_vec(mcv_fma(2.0f, xi, -1.0f) * sensor->radius, mcv_fma(2.0f, eta, -1.0f) * sensor->radius, 0.0f);
+    sensor_ray->direction = mcv_vec((point.x - sensor_ray->origin.x) / point.z, (point.y - sensor_ray->origin.y) / point.z, 1.0f);
     return 4.0f * sensor->radius * sensor->radius;
 }
 

@@ -28,7 +28,7 @@
  *     MCV_<NAME>_PARAMS(X)    its parameters (mcvisi/params.h)
  *     mcv_<name>              what the device needs of them, 4-byte scalars
  *     mcv_<name>_sample       pixel and aperture sample -> ray of sight
- *     mcv_<name>_through      pixel and point of the pupil in its radii -> ray of sight; of sensors that can aim (kernels/sight.h)
+ *     mcv_<name>_through      pixel and point of the pupil in its radii -> ray of sight; of sensors that can aim (kernels/path/sensor_ray.h)
  *     mcv_<name>_connect, mcv_<name>_invert, mcv_<name>_footprint
  *                             for light paths, see below; a sensor without them is not reached by any
  * one line in MCV_SENSORS (mcvisi/elements.h), and in host/scene/sensors.c
@@ -75,10 +75,10 @@
 #define MCV_FALLOFF_PARAMS(X) X(choice, falloff, 0, 0, 1, "of irradiance: cos⁴ of the angles on the object's side or on the image's")
 
 /* A ray of sight in the optical frame. The direction has z = 1 and is not normalised. */
-typedef struct mcv_sight {
+typedef struct mcv_sensor_ray {
     mcv_vec3 origin, direction;
     float weight; /* 0: the ray does not pass the lens */
-} mcv_sight;
+} mcv_sensor_ray;
 
 /* Where in the image a ray starts: pixel indices from the top-left corner, position (x, y) inside the pixel in [0, 1). */
 typedef struct mcv_film_sample {
@@ -87,9 +87,9 @@ typedef struct mcv_film_sample {
 } mcv_film_sample;
 
 /* The same as coordinates in the pixels of the image. */
-typedef struct mcv_film_place {
+typedef struct mcv_film_point {
     float column, row;
-} mcv_film_place;
+} mcv_film_point;
 
 /*
  * Light paths reach the sensor the other way round. With o the place on the lens and d the direction (z = 1) of a ray of sight, a
@@ -106,7 +106,7 @@ typedef struct mcv_film_place {
 /* A principal point's coordinate in the pixels of the image, as half of a whole number and what remains, at most 1/4. */
 typedef struct mcv_centre {
     int halves;
-    float rest;
+    float low;
 } mcv_centre;
 
 /*
@@ -114,17 +114,17 @@ typedef struct mcv_centre {
  * remains, as with the principal point in the middle; else within 2^-25 pixels more.
  */
 MCV_FUNCTION float mcv_from_centre(mcv_centre centre, uint index, float offset) {
-    return 0.5f * (float)(centre.halves - 2 * (int)index) - (offset - centre.rest);
+    return 0.5f * (float)(centre.halves - 2 * (int)index) - (offset - centre.low);
 }
 
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
 /* Where what mcv_from_centre gives lies on the film. */
-MCV_FUNCTION float mcv_on_film(mcv_centre centre, float from_centre) { return 0.5f * (float)centre.halves + (centre.rest - from_centre); }
+MCV_FUNCTION float mcv_on_film(mcv_centre centre, float from_centre) { return 0.5f * (float)centre.halves + (centre.low - from_centre); }
 #endif
 
 /* The radiometric weight: etendue = A/h² for irradiance, 0 for radiance; bend = 1/f for the angles on the image's side, 0 for the object's.
  */
-MCV_FUNCTION float mcv_sight_weight(float etendue, float bend, mcv_vec3 origin, mcv_vec3 direction) {
+MCV_FUNCTION float mcv_sensor_ray_weight(float etendue, float bend, mcv_vec3 origin, mcv_vec3 direction) {
     const mcv_vec3 counted = mcv_vec(mcv_fma(bend, origin.x, direction.x), mcv_fma(bend, origin.y, direction.y), direction.z);
     const float squared = mcv_dot(counted, counted);
     return etendue > 0.0f ? etendue / (squared * squared) : 1.0f;
