@@ -41,7 +41,8 @@ static void weld(vertex *vertices, size_t count, uint32_t *welded) {
     }
 }
 
-/* All edges of the meshes of instances, or of one mesh, sorted; *count of them. NULL without memory. */
+/* All edges of the meshes of instances, or of one mesh, sorted; *count of them. NULL without
+ * memory. */
 static edge *sorted_edges(const mcv_mesh *const *meshes, uint32_t mesh_count, size_t *count) {
     size_t vertex_count = 0, triangle_count = 0, v = 0, e = 0;
     for (uint32_t i = 0; i < mesh_count; ++i) {
@@ -55,7 +56,8 @@ static edge *sorted_edges(const mcv_mesh *const *meshes, uint32_t mesh_count, si
     for (uint32_t i = 0; i < mesh_count && memory; ++i)
         for (uint32_t k = 0; k < meshes[i]->vertex_count; ++k, ++v) {
             vertices[v].number = (uint32_t)v;
-            memcpy(vertices[v].position, meshes[i]->positions + 3 * (size_t)k, sizeof vertices[v].position);
+            memcpy(vertices[v].position, meshes[i]->positions + 3 * (size_t)k,
+                   sizeof vertices[v].position);
         }
     if (memory) weld(vertices, vertex_count, welded);
     uint32_t offset = 0, corner = 0;
@@ -80,24 +82,30 @@ static uint32_t count_unpaired(const edge *edges, size_t count) {
     uint32_t open = 0;
     for (size_t i = 0, next; i < count; i = next) {
         int32_t sum = 0;
-        for (next = i; next < count && compare_edges(edges + i, edges + next) == 0; ++next) sum += edges[next].run;
+        for (next = i; next < count && compare_edges(edges + i, edges + next) == 0; ++next)
+            sum += edges[next].run;
         open += sum != 0;
     }
     return open;
 }
 
-mcv_result mcv_open_edges(const mcv_scene *scene, uint32_t first, uint32_t last, uint32_t *edges_out, mcv_error *error) {
+mcv_result mcv_open_edges(const mcv_scene *scene, uint32_t first, uint32_t last,
+                          uint32_t *edges_out, mcv_error *error) {
     size_t count = 0;
     const mcv_mesh **meshes = malloc((last - first) * sizeof *meshes + 1);
-    for (uint32_t i = first; meshes && i < last; ++i) meshes[i - first] = scene->meshes + scene->instances[i].mesh;
+    for (uint32_t i = first; meshes && i < last; ++i)
+        meshes[i - first] = scene->meshes + scene->instances[i].mesh;
     edge *edges = meshes ? sorted_edges(meshes, last - first, &count) : NULL;
     if (edges) *edges_out = count_unpaired(edges, count);
     free(meshes);
     free(edges);
-    return edges ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: no memory for the edges of its meshes", scene->path);
+    return edges ? MCV_OK
+                 : mcv_fail(error, MCV_FAILED, "%s: no memory for the edges of its meshes",
+                            scene->path);
 }
 
-mcv_result mcv_shared_edges(const mcv_mesh *mesh, mcv_shared_edge **edges, size_t *count, mcv_error *error) {
+mcv_result mcv_shared_edges(const mcv_mesh *mesh, mcv_shared_edge **edges, size_t *count,
+                            mcv_error *error) {
     size_t all_count = 0, found = 0;
     edge *all = sorted_edges(&mesh, 1, &all_count);
     *edges = all ? malloc(all_count / 2 * sizeof **edges + 1) : NULL;
@@ -106,7 +114,8 @@ mcv_result mcv_shared_edges(const mcv_mesh *mesh, mcv_shared_edge **edges, size_
         if (next - i != 2 || all[i].run + all[i + 1].run != 0) continue;
         mcv_shared_edge *to = *edges + found++;
         for (int side = 0; side < 2; ++side) {
-            const uint32_t at = all[i + (size_t)side].corner, following = at % 3 == 2 ? at - 2 : at + 1;
+            const uint32_t at = all[i + (size_t)side].corner,
+                           following = at % 3 == 2 ? at - 2 : at + 1;
             to->triangles[side] = at / 3;
             to->ends[side][side] = mesh->indices[at];
             to->ends[side][1 - side] = mesh->indices[following];
@@ -114,5 +123,7 @@ mcv_result mcv_shared_edges(const mcv_mesh *mesh, mcv_shared_edge **edges, size_
     }
     free(all);
     *count = found;
-    return *edges ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the edges of mesh \"%s\"", mesh->name);
+    return *edges
+               ? MCV_OK
+               : mcv_fail(error, MCV_FAILED, "no memory for the edges of mesh \"%s\"", mesh->name);
 }

@@ -14,18 +14,22 @@ const char *const mcv_severities[] = {
 #undef MCV_X
 };
 
-/* --- the list --------------------------------------------------------------------------------------------------- */
+/* --- the list
+ * ---------------------------------------------------------------------------------------------------
+ */
 
 static char *make_path(const char *kind, const char *name, const char *key) {
     char *path = NULL;
     const bool named = name && *name;
-    return asprintf(&path, "%s%s%s%s%s", kind, named ? "/" : "", named ? name : "", named && key ? "/" : "", named && key ? key : "") < 0
+    return asprintf(&path, "%s%s%s%s%s", kind, named ? "/" : "", named ? name : "",
+                    named && key ? "/" : "", named && key ? key : "") < 0
                ? NULL
                : path;
 }
 
-mcv_result mcv_findings_add(mcv_findings *findings, mcv_severity severity, const char *kind, const char *name, const char *key,
-                            mcv_error *error, const char *format, ...) {
+mcv_result mcv_findings_add(mcv_findings *findings, mcv_severity severity, const char *kind,
+                            const char *name, const char *key, mcv_error *error, const char *format,
+                            ...) {
     mcv_finding *items = realloc(findings->items, (findings->count + 1) * sizeof *items);
     if (!items) return mcv_fail(error, MCV_FAILED, "no memory for what was found in the scene");
     findings->items = items;
@@ -49,7 +53,8 @@ mcv_result mcv_findings_of(const mcv_scene *scene, mcv_findings *findings, mcv_e
     *findings = (mcv_findings){0};
     mcv_result result = MCV_OK;
     for (uint32_t i = 0; i < scene->warning_count && result == MCV_OK; ++i)
-        result = mcv_findings_add(findings, MCV_SEVERITY_WARNING, "", NULL, NULL, error, "%s", scene->warnings[i]);
+        result = mcv_findings_add(findings, MCV_SEVERITY_WARNING, "", NULL, NULL, error, "%s",
+                                  scene->warnings[i]);
 #define MCV_X(name) \
     if (result == MCV_OK) result = mcv_find_##name(scene, findings, error);
     MCV_FINDINGS(MCV_X)
@@ -67,7 +72,8 @@ void mcv_findings_free(mcv_findings *findings) {
     *findings = (mcv_findings){0};
 }
 
-/* --- what the functions share ----------------------------------------------------------------------------------- */
+/* --- what the functions share
+ * ----------------------------------------------------------------------------------- */
 
 const char *mcv_length_in_words(double metres, char text[32]) {
     const double size = fabs(metres);
@@ -77,16 +83,20 @@ const char *mcv_length_in_words(double metres, char text[32]) {
 }
 
 const char *mcv_instance_label(const mcv_scene *scene, uint32_t instance, char text[MCV_LABEL]) {
-    const char *name = scene->instances[instance].name, *mesh = scene->meshes[scene->instances[instance].mesh].name;
+    const char *name = scene->instances[instance].name,
+               *mesh = scene->meshes[scene->instances[instance].mesh].name;
     const bool is_node = *name || !*mesh;
     if (!is_node) name = mesh;
-    snprintf(text, MCV_LABEL, "%s \"%.*s\"", is_node ? "node" : "mesh", mcv_whole_characters(name, 80), name);
+    snprintf(text, MCV_LABEL, "%s \"%.*s\"", is_node ? "node" : "mesh",
+             mcv_whole_characters(name, 80), name);
     return text;
 }
 
 uint32_t mcv_node_end(const mcv_scene *scene, uint32_t first) {
     uint32_t last = first + 1;
-    while (last < scene->instance_count && strcmp(scene->instances[first].name, scene->instances[last].name) == 0) ++last;
+    while (last < scene->instance_count &&
+           strcmp(scene->instances[first].name, scene->instances[last].name) == 0)
+        ++last;
     return last;
 }
 
@@ -95,7 +105,9 @@ uint32_t mcv_body_end(const mcv_scene *scene, uint32_t first) {
     uint32_t last = first + 1;
     for (; last < scene->instance_count; ++last) {
         const mcv_instance *b = scene->instances + last;
-        if (strcmp(a->name, b->name) != 0 || memcmp(&a->to_world, &b->to_world, sizeof a->to_world) != 0) break;
+        if (strcmp(a->name, b->name) != 0 ||
+            memcmp(&a->to_world, &b->to_world, sizeof a->to_world) != 0)
+            break;
     }
     return last;
 }
@@ -104,7 +116,9 @@ bool mcv_is_part(const mcv_scene *scene, uint32_t instance) {
     const char *name = scene->instances[instance].name;
     uint32_t first = instance;
     while (first > 0 && strcmp(scene->instances[first - 1].name, name) == 0) --first;
-    if (!*name) return scene->instances[instance].emitter == MCV_NONE; /* of no node that could be told from another */
+    if (!*name)
+        return scene->instances[instance].emitter ==
+               MCV_NONE; /* of no node that could be told from another */
     for (uint32_t i = first; i < mcv_node_end(scene, first); ++i)
         if (scene->instances[i].emitter != MCV_NONE) return false;
     return true;
@@ -147,10 +161,13 @@ static double film_scale(const mcv_sensor *sensor) {
 mcv_view mcv_view_of(const mcv_sensor *sensor) {
     const mcv_readout readout = mcv_sensor_readout(sensor);
     const double scale = film_scale(sensor);
-    mcv_view view = {.sensor = sensor, .optics = mcv_sensor_optics(sensor), .is_telecentric = sensor->type == MCV_SENSOR_TELECENTRIC};
+    mcv_view view = {.sensor = sensor,
+                     .optics = mcv_sensor_optics(sensor),
+                     .is_telecentric = sensor->type == MCV_SENSOR_TELECENTRIC};
     for (int i = 0; i < 2; ++i) {
         const double first = (readout.first[i] - readout.centre[i]) * readout.pitch[i] / scale;
-        const double last = first + (double)readout.size[i] * readout.binning[i] * readout.pitch[i] / scale;
+        const double last =
+            first + (double)readout.size[i] * readout.binning[i] * readout.pitch[i] / scale;
         view.film[i][0] = i == 0 ? first : -last; /* rows run down */
         view.film[i][1] = i == 0 ? last : -first;
         view.pixel[i] = readout.binning[i] * readout.pitch[i] / scale;
@@ -177,20 +194,24 @@ bool mcv_view_project(const mcv_view *view, const double world[3], double film[2
 }
 
 /*
- * A point at the depth z is blurred to 2 NA |z - W| of the object by a telecentric camera, and otherwise to D |1/z - κ| in tangents: the
- * depth of field, where that is a pixel, says how fast it grows.
+ * A point at the depth z is blurred to 2 NA |z - W| of the object by a telecentric camera, and
+ * otherwise to D |1/z - κ| in tangents: the depth of field, where that is a pixel, says how fast it
+ * grows.
  */
 double mcv_view_blur(const mcv_view *view, double depth) {
     const mcv_optics *o = &view->optics;
     if (isnan(o->focused_depth)) return 0; /* a pinhole */
-    if (view->is_telecentric) return 2 * o->numerical_aperture * fabs(depth - o->focused_depth) / mcv_view_pixel(view, depth);
+    if (view->is_telecentric)
+        return 2 * o->numerical_aperture * fabs(depth - o->focused_depth) /
+               mcv_view_pixel(view, depth);
     const double kappa = 1 / o->focused_depth, one_pixel = 1 / o->depth_of_field[0] - kappa;
     return fabs(1 / depth - kappa) / one_pixel;
 }
 
 mcv_extent mcv_view_extent(const mcv_view *view, const mcv_scene *scene, uint32_t instance) {
     const uint32_t vertices = scene->meshes[scene->instances[instance].mesh].vertex_count;
-    mcv_extent e = {.depth = {INFINITY, -INFINITY}, .film = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}}};
+    mcv_extent e = {.depth = {INFINITY, -INFINITY},
+                    .film = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}}};
     double range[2][2] = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}};
     for (uint32_t v = 0; v < vertices; ++v) {
         double world[3], local[3];
@@ -216,10 +237,12 @@ mcv_extent mcv_view_extent(const mcv_view *view, const mcv_scene *scene, uint32_
 bool mcv_view_shows(const mcv_view *view, const mcv_extent *e) {
     if (!(e->depth[1] > 0)) return false;
     if (e->crosses) return true;
-    const double blur = 0.5 * fmax(mcv_view_blur(view, e->depth[0]), mcv_view_blur(view, e->depth[1]));
+    const double blur =
+        0.5 * fmax(mcv_view_blur(view, e->depth[0]), mcv_view_blur(view, e->depth[1]));
     for (int i = 0; i < 2; ++i) {
         const double margin = blur * view->pixel[i];
-        if (e->film[i][1] < view->film[i][0] - margin || e->film[i][0] > view->film[i][1] + margin) return false;
+        if (e->film[i][1] < view->film[i][0] - margin || e->film[i][0] > view->film[i][1] + margin)
+            return false;
     }
     return true;
 }

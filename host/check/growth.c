@@ -9,11 +9,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* First-order optics leave out the fall-off over the cone, below its tangent squared, and what matte walls reflect, below that as well. */
+/* First-order optics leave out the fall-off over the cone, below its tangent squared, and what
+ * matte walls reflect, below that as well. */
 static const double left_out = 0.01;
 
 /* Depths of an instance along the sensor's axis. */
-static void depths_of(const mcv_scene *scene, uint32_t instance, const mcv_sensor *sensor, double depths[2]) {
+static void depths_of(const mcv_scene *scene, uint32_t instance, const mcv_sensor *sensor,
+                      double depths[2]) {
     const double *m = sensor->to_world.m, forward[3] = {-m[2], -m[5], -m[8]};
     const mcv_mesh *mesh = scene->meshes + scene->instances[instance].mesh;
     for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
@@ -25,13 +27,16 @@ static void depths_of(const mcv_scene *scene, uint32_t instance, const mcv_senso
     }
 }
 
-/* --- the backlight ---------------------------------------------------------------------------------------------- */
+/* --- the backlight
+ * ---------------------------------------------------------------------------------------------- */
 
 /* Does the emitter's surface, by its first triangle, look at the sensor within 60° of its axis? */
 static bool faces(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_sensor *sensor) {
     const double *m = sensor->to_world.m, forward[3] = {-m[2], -m[5], -m[8]};
     double normal[3];
-    if (emitter->instance == MCV_NONE || scene->meshes[scene->instances[emitter->instance].mesh].triangle_count == 0) return false;
+    if (emitter->instance == MCV_NONE ||
+        scene->meshes[scene->instances[emitter->instance].mesh].triangle_count == 0)
+        return false;
     mcv_scene_face_normal(scene, emitter->instance, 0, normal);
     return mcv_dot3(normal, forward) < -0.5 * sqrt(mcv_dot3(normal, normal));
 }
@@ -51,19 +56,24 @@ static uint32_t find_backlight(const mcv_scene *scene, const mcv_sensor *sensor,
     return found;
 }
 
-/* --- the part --------------------------------------------------------------------------------------------------- */
+/* --- the part
+ * ---------------------------------------------------------------------------------------------------
+ */
 
 static bool is_opaque(const mcv_scene *scene, uint32_t instance) {
     const uint32_t type = scene->materials[scene->instances[instance].material].type;
-    return type != MCV_MATERIAL_DIELECTRIC && type != MCV_MATERIAL_SHEET && type != MCV_MATERIAL_BEAM_SPLITTER;
+    return type != MCV_MATERIAL_DIELECTRIC && type != MCV_MATERIAL_SHEET &&
+           type != MCV_MATERIAL_BEAM_SPLITTER;
 }
 
 static bool is_glossy(const mcv_scene *scene, uint32_t instance) {
     const uint32_t type = scene->materials[scene->instances[instance].material].type;
-    return type != MCV_MATERIAL_DIFFUSE && type != MCV_MATERIAL_ABSORBER && type != MCV_MATERIAL_RETROREFLECTOR;
+    return type != MCV_MATERIAL_DIFFUSE && type != MCV_MATERIAL_ABSORBER &&
+           type != MCV_MATERIAL_RETROREFLECTOR;
 }
 
-static bool casts_shadow(const mcv_scene *scene, uint32_t instance, const mcv_sensor *sensor, double backlight, double depths[2]) {
+static bool casts_shadow(const mcv_scene *scene, uint32_t instance, const mcv_sensor *sensor,
+                         double backlight, double depths[2]) {
     depths[0] = INFINITY;
     depths[1] = -INFINITY;
     if (scene->instances[instance].emitter != MCV_NONE || !is_opaque(scene, instance)) return false;
@@ -71,9 +81,11 @@ static bool casts_shadow(const mcv_scene *scene, uint32_t instance, const mcv_se
     return depths[0] > 0 && depths[1] < backlight;
 }
 
-/* The tangent of the cone that a sensor takes in from the plane in focus; NaN without an aperture. */
+/* The tangent of the cone that a sensor takes in from the plane in focus; NaN without an aperture.
+ */
 static double pupil(const mcv_sensor *sensor) {
-    if (sensor->type == MCV_SENSOR_LIGHT_FIELD) return NAN; /* its views have apertures of their own */
+    if (sensor->type == MCV_SENSOR_LIGHT_FIELD)
+        return NAN; /* its views have apertures of their own */
     return mcv_sensor_optics(sensor).numerical_aperture;
 }
 
@@ -109,7 +121,8 @@ bool mcv_growth_of(const mcv_scene *scene, const mcv_sensor *sensor, mcv_growth 
         growth->light_is_narrower = true;
     }
     const double whole = 2 / (3 * M_PI) * growth->cone * growth->thickness;
-    growth->edge = growth->glossy ? (mcv_quantity){whole / 2, whole / sqrt(12)} : (mcv_quantity){whole, left_out * whole};
+    growth->edge = growth->glossy ? (mcv_quantity){whole / 2, whole / sqrt(12)}
+                                  : (mcv_quantity){whole, left_out * whole};
     return true;
 }
 
@@ -121,10 +134,15 @@ void mcv_growth_sentence(const mcv_scene *scene, const mcv_growth *growth, char 
         snprintf(by, sizeof by, "in its light's cone of %.2g°", atan(growth->cone) * 180 / M_PI);
     else
         snprintf(by, sizeof by, "at f/%.3g", growth->f_number);
-    snprintf(text, 512, "before emitter \"%.*s\" the edges of %s, %.3g mm thick, grow by %s %.3g µm each %s, a width by %.3g µm%s",
-             mcv_whole_characters(emitter, 60), emitter, mcv_instance_label(scene, growth->instance, label), 1e3 * growth->thickness,
+    snprintf(text, 512,
+             "before emitter \"%.*s\" the edges of %s, %.3g mm thick, grow by %s %.3g µm each %s, "
+             "a width by %.3g µm%s",
+             mcv_whole_characters(emitter, 60), emitter,
+             mcv_instance_label(scene, growth->instance, label), 1e3 * growth->thickness,
              growth->glossy ? "up to" : "about", 1e6 * most, by, 2e6 * most,
-             growth->telecentric ? ": `measure --nominal` takes it off" : " on the axis; elsewhere perspective shows one rim or the other");
+             growth->telecentric
+                 ? ": `measure --nominal` takes it off"
+                 : " on the axis; elsewhere perspective shows one rim or the other");
 }
 
 mcv_result mcv_find_growth(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
@@ -134,14 +152,17 @@ mcv_result mcv_find_growth(const mcv_scene *scene, mcv_findings *findings, mcv_e
         char sentence[512];
         if (!mcv_growth_of(scene, sensor, &growth)) continue;
         mcv_growth_sentence(scene, &growth, sentence);
-        MCV_TRY(mcv_findings_add(findings, MCV_SEVERITY_NOTE, "sensors", sensor->name, NULL, error, "%s", sentence));
+        MCV_TRY(mcv_findings_add(findings, MCV_SEVERITY_NOTE, "sensors", sensor->name, NULL, error,
+                                 "%s", sentence));
     }
     return MCV_OK;
 }
 
-/* --- at an edge of the image ------------------------------------------------------------------------------------ */
+/* --- at an edge of the image
+ * ------------------------------------------------------------------------------------ */
 
-/* A corner in the frame of the edge: along it, across it towards the bright side [pixel], and the depth [m]. */
+/* A corner in the frame of the edge: along it, across it towards the bright side [pixel], and the
+ * depth [m]. */
 typedef struct corner {
     double along, across, depth;
 } corner;
@@ -167,7 +188,8 @@ static double side_of(const corner *c, int plane, double length, double reach) {
     }
 }
 
-/* The part of a polygon on the inner side of a plane (Sutherland and Hodgman); returns its corners. */
+/* The part of a polygon on the inner side of a plane (Sutherland and Hodgman); returns its corners.
+ */
 static int clip(const corner *in, int count, int plane, double length, double reach, corner *out) {
     int kept = 0;
     for (int i = 0; i < count; ++i) {
@@ -177,7 +199,8 @@ static int clip(const corner *in, int count, int plane, double length, double re
         if ((sa >= 0) == (sb >= 0)) continue;
         const double t = sa / (sa - sb);
         out[kept++] =
-            (corner){a->along + t * (b->along - a->along), a->across + t * (b->across - a->across), a->depth + t * (b->depth - a->depth)};
+            (corner){a->along + t * (b->along - a->along), a->across + t * (b->across - a->across),
+                     a->depth + t * (b->depth - a->depth)};
     }
     return kept;
 }
@@ -197,12 +220,14 @@ static bool add_points(contour *c, const corner *corners, int count, double pixe
     return true;
 }
 
-/* The mean of h over the disk of tangents: their density across the wall is that of a half circle. */
+/* The mean of h over the disk of tangents: their density across the wall is that of a half circle.
+ */
 static double mean_shadow(const contour *c, double cone) {
     enum { STEPS = 64 };
     double sum = 0;
     for (int i = 0; i < STEPS; ++i) {
-        /* u = a cos φ at φ = kπ/(n + 1), with weights of sin²φ: Gauss and Chebyshev's rule of the second kind. */
+        /* u = a cos φ at φ = kπ/(n + 1), with weights of sin²φ: Gauss and Chebyshev's rule of the
+         * second kind. */
         const double angle = M_PI * (i + 1) / (STEPS + 1), u = cone * cos(angle);
         double h = -INFINITY;
         for (size_t k = 0; k < c->count; ++k) h = fmax(h, c->points[k][0] - u * c->points[k][1]);
@@ -218,8 +243,9 @@ static double outermost(const contour *c) {
 }
 
 /* Clips triangles between the sensor and the backlight to the surroundings of the edge. */
-static bool gather(const mcv_scene *scene, const mcv_camera_model *model, double backlight, uint32_t instance, const double point[2],
-                   const double normal[2], double length, double reach, double pixel, contour *found) {
+static bool gather(const mcv_scene *scene, const mcv_camera_model *model, double backlight,
+                   uint32_t instance, const double point[2], const double normal[2], double length,
+                   double reach, double pixel, contour *found) {
     const mcv_mesh *mesh = scene->meshes + scene->instances[instance].mesh;
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
         double corners[3][3];
@@ -229,42 +255,57 @@ static bool gather(const mcv_scene *scene, const mcv_camera_model *model, double
         for (int k = 0; k < 3; ++k) {
             const double depth = mcv_camera_model_depth(model, corners[k]);
             double at[2];
-            if (!(depth > 0 && depth < backlight) || !mcv_camera_model_project(model, corners[k], at)) count = 0;
+            if (!(depth > 0 && depth < backlight) ||
+                !mcv_camera_model_project(model, corners[k], at))
+                count = 0;
             if (count == 0) break;
             const double dx = at[0] - point[0], dy = at[1] - point[1];
-            polygons[0][k] = (corner){dy * normal[0] - dx * normal[1], dx * normal[0] + dy * normal[1], depth};
+            polygons[0][k] =
+                (corner){dy * normal[0] - dx * normal[1], dx * normal[0] + dy * normal[1], depth};
         }
         for (int plane = 0; plane < 4 && count > 0; ++plane)
-            count = clip(polygons[plane % 2], count, plane, length, reach, polygons[(plane + 1) % 2]);
+            count =
+                clip(polygons[plane % 2], count, plane, length, reach, polygons[(plane + 1) % 2]);
         if (!add_points(found, polygons[0], count, pixel)) return false;
     }
     return true;
 }
 
-mcv_result mcv_growth_at(const mcv_scene *scene, const mcv_camera_model *model, const mcv_growth *growth, const double point[2],
-                         const double normal[2], double length, double reach, mcv_quantity *edge, mcv_error *error) {
+mcv_result mcv_growth_at(const mcv_scene *scene, const mcv_camera_model *model,
+                         const mcv_growth *growth, const double point[2], const double normal[2],
+                         double length, double reach, mcv_quantity *edge, mcv_error *error) {
     const mcv_instance *node = scene->instances + growth->instance;
-    const double pixel = hypot(normal[0] * model->object_pixel[0], normal[1] * model->object_pixel[1]);
+    const double pixel =
+        hypot(normal[0] * model->object_pixel[0], normal[1] * model->object_pixel[1]);
     contour found = {0};
     bool enough = true, glossy = false;
     for (uint32_t i = 0; i < scene->instance_count && enough; ++i) {
         if (scene->instances[i].emitter != MCV_NONE || !is_opaque(scene, i)) continue;
         const size_t before = found.count;
-        enough = gather(scene, model, growth->backlight, i, point, normal, length, reach, pixel, &found);
+        enough =
+            gather(scene, model, growth->backlight, i, point, normal, length, reach, pixel, &found);
         glossy = glossy || (found.count > before && is_glossy(scene, i));
     }
     const double whole = found.count ? mean_shadow(&found, growth->cone) - outermost(&found) : NAN;
     free(found.points);
-    if (!enough) return mcv_fail(error, MCV_FAILED, "no memory for the contour of node \"%s\"", node->name);
+    if (!enough)
+        return mcv_fail(error, MCV_FAILED, "no memory for the contour of node \"%s\"", node->name);
     if (isnan(whole))
-        return mcv_fail(error, MCV_FAILED, "no contour of a part lies within %.3g pixels of it, so how far it grows is not known", reach);
-    *edge = glossy ? (mcv_quantity){whole / 2, whole / sqrt(12)} : (mcv_quantity){whole, left_out * whole};
+        return mcv_fail(
+            error, MCV_FAILED,
+            "no contour of a part lies within %.3g pixels of it, so how far it grows is not known",
+            reach);
+    *edge = glossy ? (mcv_quantity){whole / 2, whole / sqrt(12)}
+                   : (mcv_quantity){whole, left_out * whole};
     return MCV_OK;
 }
 
-mcv_result mcv_growth_of_circle(const mcv_scene *scene, const mcv_camera_model *model, const mcv_growth *growth, const double centre[2],
-                                double radius, bool bright_inside, double reach, mcv_quantity *edge, mcv_error *error) {
-    /* A piece of the circle this long [pixel] is off its tangent by 1/2R at most: nothing beside the reach. */
+mcv_result mcv_growth_of_circle(const mcv_scene *scene, const mcv_camera_model *model,
+                                const mcv_growth *growth, const double centre[2], double radius,
+                                bool bright_inside, double reach, mcv_quantity *edge,
+                                mcv_error *error) {
+    /* A piece of the circle this long [pixel] is off its tangent by 1/2R at most: nothing beside
+     * the reach. */
     enum { DIRECTIONS = 16, LENGTH = 2 };
     mcv_quantity mean = {0, 0};
     for (int i = 0; i < DIRECTIONS; ++i) {

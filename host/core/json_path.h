@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where in the scene file something stands: a chain on the callers' stacks, spelt out only when something is wrong there.
- * Elements are spelt as in --set (sensors/cam/focalLength), everything else by its JSON path (nodes/3/rotation).
+ * Where in the scene file something stands: a chain on the callers' stacks, spelt out only when
+ * something is wrong there. Elements are spelt as in --set (sensors/cam/focalLength), everything
+ * else by its JSON path (nodes/3/rotation).
  */
 #ifndef MCVISI_HOST_SCENE_PLACE_H
 #define MCVISI_HOST_SCENE_PLACE_H
@@ -14,7 +15,7 @@ extern "C" {
 
 typedef struct mcv_json_path {
     const struct mcv_json_path *parent; /* NULL: the file itself, whose path is key */
-    const char *key;                /* NULL: an index */
+    const char *key;                    /* NULL: an index */
     size_t index;
 } mcv_json_path;
 
@@ -26,7 +27,8 @@ mcv_json_path mcv_place_index(const mcv_json_path *parent, size_t index);
 mcv_json_path mcv_json_path_element(const mcv_json_path *parent, const char *name, size_t index);
 
 /* Writes "FILE: PATH: sentence" and returns MCV_BAD_INPUT. */
-mcv_result mcv_fail_at(const mcv_json_path *place, mcv_error *error, const char *format, ...) __attribute__((format(printf, 3, 4)));
+mcv_result mcv_fail_at(const mcv_json_path *place, mcv_error *error, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /* No memory left for what `place` asks for. */
 mcv_result mcv_fail_memory(const mcv_json_path *place, mcv_error *error);

@@ -10,9 +10,14 @@
 
 static const double pi = 3.14159265358979323846;
 
-enum { COSINES = MCV_MULTIPLE_COSINES, AZIMUTHS = MCV_MULTIPLE_AZIMUTHS, WORDS = MCV_MULTIPLE_WORDS };
+enum {
+    COSINES = MCV_MULTIPLE_COSINES,
+    AZIMUTHS = MCV_MULTIPLE_AZIMUTHS,
+    WORDS = MCV_MULTIPLE_WORDS
+};
 
-/* Visible microfacets of a direction that the second reflection is summed over: right to 1 %, as finer steps show. */
+/* Visible microfacets of a direction that the second reflection is summed over: right to 1 %, as
+ * finer steps show. */
 enum { RADII = 24, ANGLES = 24, FACETS = RADII * ANGLES };
 
 /* Steps of a metal's reflectance by the cosine. */
@@ -47,15 +52,19 @@ static double density(double alpha, double h_z_squared) {
 }
 
 /*
- * The direction w into which a visible microfacet reflects light from o, which may come from below: that of mcv_ggx_sample with
- * radius² = 1 - left². *c gets the cosine of incidence, *h_z the normal's.
+ * The direction w into which a visible microfacet reflects light from o, which may come from below:
+ * that of mcv_ggx_sample with radius² = 1 - left². *c gets the cosine of incidence, *h_z the
+ * normal's.
  */
-static void reflect(double alpha, const double o[3], double left, const double turn[2], double w[3], double *c, double *h_z) {
+static void reflect(double alpha, const double o[3], double left, const double turn[2], double w[3],
+                    double *c, double *h_z) {
     double s[3] = {alpha * o[0], alpha * o[1], o[2]};
     const double length = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
     for (int k = 0; k < 3; ++k) s[k] /= length;
-    const double z = left * left * (1 + s[2]), q = 1 + s[2] - z, around = sqrt(fmax(q * (2 - q), 0));
-    double h[3] = {alpha * (around * turn[0] + s[0]), alpha * (around * turn[1] + s[1]), fmax(z, 1e-150)};
+    const double z = left * left * (1 + s[2]), q = 1 + s[2] - z,
+                 around = sqrt(fmax(q * (2 - q), 0));
+    double h[3] = {alpha * (around * turn[0] + s[0]), alpha * (around * turn[1] + s[1]),
+                   fmax(z, 1e-150)};
     const double size = sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
     for (int k = 0; k < 3; ++k) h[k] /= size;
     *c = fmin(fmax(o[0] * h[0] + o[1] * h[1] + o[2] * h[2], 0), 1);
@@ -74,7 +83,8 @@ static double place_of(double cosine) {
     return root / (root + rest) * (COSINES - 1);
 }
 
-/* Between two directions, whose cosines have that sum, the cosine of half the angle between the azimuths for an entry, and back. */
+/* Between two directions, whose cosines have that sum, the cosine of half the angle between the
+ * azimuths for an entry, and back. */
 static double half_at(uint32_t entry, double sum) {
     const double t = (double)entry / (AZIMUTHS - 1), k = sum + MCV_MULTIPLE_LEAST;
     return k * t / (1 + k - t);
@@ -92,25 +102,32 @@ static float reflectance(const float *steps, float c) {
 }
 
 /*
- * Adds what light from one direction does by way of the directions into which its own visible microfacets reflect, to a second, `turn`
- * away in azimuth: 4 |o_z| |i_z| (1 + Λ(o) + Λ(i)) times the BRDF of two reflections, of white microfacets and by the words of an entry.
- * Heights between the reflections are integrated by hand; the balance heuristic shares with the other direction's microfacets.
+ * Adds what light from one direction does by way of the directions into which its own visible
+ * microfacets reflect, to a second, `turn` away in azimuth: 4 |o_z| |i_z| (1 + Λ(o) + Λ(i)) times
+ * the BRDF of two reflections, of white microfacets and by the words of an entry. Heights between
+ * the reflections are integrated by hand; the balance heuristic shares with the other direction's
+ * microfacets.
  */
-static void add_twice(const surface *work, const heading *from, const heading *to, double turn_cosine, double turn_sine,
-                      double sums[WORDS + 1]) {
-    const double alpha = work->alpha, x = to->sine * turn_cosine, y = to->sine * turn_sine, z = to->cosine;
-    const double own = 1 / (4 * from->cosine * (1 + from->lambda)), other = 1 / (4 * to->cosine * (1 + to->lambda));
+static void add_twice(const surface *work, const heading *from, const heading *to,
+                      double turn_cosine, double turn_sine, double sums[WORDS + 1]) {
+    const double alpha = work->alpha, x = to->sine * turn_cosine, y = to->sine * turn_sine,
+                 z = to->cosine;
+    const double own = 1 / (4 * from->cosine * (1 + from->lambda)),
+                 other = 1 / (4 * to->cosine * (1 + to->lambda));
     for (int f = 0; f < FACETS; ++f) {
         const double *w = from->w[f], d[3] = {x - w[0], y - w[1], z - w[2]};
         if (!(d[2] > 0)) continue;
-        const double squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], second = density(alpha, d[2] * d[2] / squared);
+        const double squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2],
+                     second = density(alpha, d[2] * d[2] / squared);
         const double reach = 1 / (1 + from->hit[f] + (w[2] > 0 ? from->lambda : to->lambda));
         const double first = from->density[f];
-        const double value = from->weight[f] * first * second * reach / (4 * fabs(w[2]) * (own * first + other * second));
+        const double value = from->weight[f] * first * second * reach /
+                             (4 * fabs(w[2]) * (own * first + other * second));
         const float c[2] = {from->c[f], (float)fmin(0.5 * sqrt(squared), 1)};
         sums[WORDS] += value;
         for (uint32_t k = 0; k < work->channels; ++k)
-            sums[k] += value * (double)(reflectance(work->reflectance[k], c[0]) * reflectance(work->reflectance[k], c[1]));
+            sums[k] += value * (double)(reflectance(work->reflectance[k], c[0]) *
+                                        reflectance(work->reflectance[k], c[1]));
         if (work->channels > 0) continue;
         const double a = pow(1 - (double)c[0], 5), b = pow(1 - (double)c[1], 5);
         sums[0] += value * (1 - a) * (1 - b);
@@ -127,7 +144,8 @@ static void fill_node(double alpha, double cosine, heading *node) {
         for (int r = 0; r < RADII; ++r) {
             const int f = a * RADII + r;
             const double left = (r + 0.5) / RADII;
-            const double angle = 2 * pi * (a + 0.5) / ANGLES, turn[2] = {cos(angle), sin(angle)}, o[3] = {node->sine, 0, cosine};
+            const double angle = 2 * pi * (a + 0.5) / ANGLES, turn[2] = {cos(angle), sin(angle)},
+                         o[3] = {node->sine, 0, cosine};
             double c, h_z;
             reflect(alpha, o, left, turn, node->w[f], &c, &h_z);
             node->weight[f] = 2 * left / FACETS;
@@ -141,36 +159,46 @@ static float *entry_at(float *table, uint32_t row, uint32_t column, uint32_t ent
     return table + (size_t)WORDS * ((row * COSINES + column) * AZIMUTHS + entry);
 }
 
-/* What white microfacets do by one reflection, normed as add_twice's sums: the density of the one between. */
+/* What white microfacets do by one reflection, normed as add_twice's sums: the density of the one
+ * between. */
 static double once_at(double alpha, const heading *a, const heading *b, double half) {
-    const double c = 2 * half * half - 1, z = a->cosine + b->cosine, across = b->sine * sqrt(fmax(1 - c * c, 0));
+    const double c = 2 * half * half - 1, z = a->cosine + b->cosine,
+                 across = b->sine * sqrt(fmax(1 - c * c, 0));
     const double along = a->sine + b->sine * c;
     return density(alpha, z * z / (z * z + along * along + across * across));
 }
 
-/* Of light from a direction: the shares that leave white microfacets after one, two and more reflections. */
+/* Of light from a direction: the shares that leave white microfacets after one, two and more
+ * reflections. */
 static void count_reflections(double alpha, const heading *from, double shares[3]) {
     enum { RADII_1 = 24, ANGLES_1 = 12, RADII_2 = 12, ANGLES_2 = 12 };
     const double own = from->lambda, o[3] = {from->sine, 0, from->cosine};
     memset(shares, 0, 3 * sizeof *shares);
     for (int f = 0; f < RADII_1 * ANGLES_1; ++f) {
-        /* Steep microfacets send light down: left = v² puts points there. Both sides of the plane of incidence are alike. */
-        const double v = (f % RADII_1 + 0.5) / RADII_1, first = 4 * v * v * v / (RADII_1 * ANGLES_1);
+        /* Steep microfacets send light down: left = v² puts points there. Both sides of the plane
+         * of incidence are alike. */
+        const double v = (f % RADII_1 + 0.5) / RADII_1,
+                     first = 4 * v * v * v / (RADII_1 * ANGLES_1);
         const int around = f / RADII_1;
         const double angle = pi * (around + 0.5) / ANGLES_1, turn[2] = {cos(angle), sin(angle)};
         double w[3], back[3], c, h_z;
         reflect(alpha, o, v * v, turn, w, &c, &h_z);
-        const double hit = lambda(alpha, fmax(fabs(w[2]), 1e-12)), goes_on = w[2] > 0 ? hit / (1 + own + hit) : 1;
+        const double hit = lambda(alpha, fmax(fabs(w[2]), 1e-12)),
+                     goes_on = w[2] > 0 ? hit / (1 + own + hit) : 1;
         shares[0] += first * (1 - goes_on);
         for (int k = 0; k < 3; ++k) back[k] = -w[k];
         for (int g = 0; g < RADII_2 * ANGLES_2; ++g) {
-            const double u = (g % RADII_2 + 0.5) / RADII_2, second = first * 4 * u * u * u / (RADII_2 * ANGLES_2);
+            const double u = (g % RADII_2 + 0.5) / RADII_2,
+                         second = first * 4 * u * u * u / (RADII_2 * ANGLES_2);
             const int about = g / RADII_2;
-            const double other = 2 * pi * (about + 0.5) / ANGLES_2, to[2] = {cos(other), sin(other)};
+            const double other = 2 * pi * (about + 0.5) / ANGLES_2,
+                         to[2] = {cos(other), sin(other)};
             double i[3];
             reflect(alpha, back, u * u, to, i, &c, &h_z);
             const double out = i[2] > 0 ? lambda(alpha, i[2]) : 0;
-            const double leaves = i[2] > 0 ? (1 + own) / (1 + own + out) * (w[2] > 0 ? 1 : (1 + hit) / (1 + hit + out)) : 0;
+            const double leaves = i[2] > 0 ? (1 + own) / (1 + own + out) *
+                                                 (w[2] > 0 ? 1 : (1 + hit) / (1 + hit + out))
+                                           : 0;
             shares[1] += second * goes_on * leaves;
             shares[2] += second * goes_on * (1 - leaves);
         }
@@ -179,7 +207,8 @@ static void count_reflections(double alpha, const heading *from, double shares[3
 
 /* The microfacet that reflects from a to b: its density, 0 where none does. */
 static double between(double alpha, const double a[3], const double b[3]) {
-    const double sum[3] = {a[0] + b[0], a[1] + b[1], a[2] + b[2]}, squared = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
+    const double sum[3] = {a[0] + b[0], a[1] + b[1], a[2] + b[2]},
+                 squared = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
     return sum[2] > 0 && squared > 1e-20 ? density(alpha, sum[2] * sum[2] / squared) : 0;
 }
 
@@ -190,35 +219,41 @@ static double visible(double alpha, const double w[3]) {
 }
 
 /*
- * The integral over the heights of three reflections from o by way of w1 and w2 to i, of which Λ is given, and whether w1 and w2 go up.
- * Light at the share u of the surface below it meets the next microfacet at u' with Λ u^Λ/u'^(1 + Λ) upwards, (1 + Λ) u'^Λ/u^(1 + Λ) down;
- * the factors Λ and 1 + Λ are left out.
+ * The integral over the heights of three reflections from o by way of w1 and w2 to i, of which Λ is
+ * given, and whether w1 and w2 go up. Light at the share u of the surface below it meets the next
+ * microfacet at u' with Λ u^Λ/u'^(1 + Λ) upwards, (1 + Λ) u'^Λ/u^(1 + Λ) down; the factors Λ and 1
+ * + Λ are left out.
  */
 static double heights(double o, double w1, bool up1, double w2, bool up2, double i) {
     const double all = 1 + o + i;
     if (up1) return 1 / ((1 + o + w1) * (up2 ? 1 + o + w2 : 1 + w2 + i) * all);
     if (!up2) return 1 / ((1 + i + w1) * (1 + i + w2) * all);
-    double x = o - w1, y = i - w2; /* down, then up: its limits as these vanish are met by a small step */
+    double x = o - w1,
+           y = i - w2; /* down, then up: its limits as these vanish are met by a small step */
     if (fabs(x) < 1e-4) w1 = o - (x = 1e-4);
     if (fabs(y) < 1e-4) w2 = i - (y = 1e-4);
     return (1 / (1 + w1 + w2) - 1 / (1 + w2 + o) - 1 / (1 + w1 + i) + 1 / all) / (x * y);
 }
 
 /*
- * Three reflections of white microfacets between directions with c the cosine between their azimuths, normed as add_twice's sums. Two of
- * the three microfacets are chosen among the visible ones, by an additive recurrence; the balance heuristic joins the three choices.
+ * Three reflections of white microfacets between directions with c the cosine between their
+ * azimuths, normed as add_twice's sums. Two of the three microfacets are chosen among the visible
+ * ones, by an additive recurrence; the balance heuristic joins the three choices.
  */
 static double thrice(double alpha, const heading *from, const heading *to, double c) {
     enum { CHOICES = 1024 };
-    static const double steps[4] = {0.85667488385450, 0.73389185662717, 0.62870672005510, 0.53859725722362}; /* g^-k, g^5 = g + 1 */
-    const double o[3] = {from->sine, 0, from->cosine}, i[3] = {to->sine * c, to->sine * sqrt(fmax(1 - c * c, 0)), to->cosine};
+    static const double steps[4] = {0.85667488385450, 0.73389185662717, 0.62870672005510,
+                                    0.53859725722362}; /* g^-k, g^5 = g + 1 */
+    const double o[3] = {from->sine, 0, from->cosine},
+                 i[3] = {to->sine * c, to->sine * sqrt(fmax(1 - c * c, 0)), to->cosine};
     const double all = 1 + from->lambda + to->lambda;
     double sum = 0;
     for (int choice = 0; choice < 3 * CHOICES; ++choice) {
         const int number = choice / 3 + 1;
         double u[4], w1[3], w2[3], m1[3], m2[3], cosine, h_z;
         for (int k = 0; k < 4; ++k) u[k] = fmod(0.5 + steps[k] * number, 1);
-        const double turn1[2] = {cos(2 * pi * u[1]), sin(2 * pi * u[1])}, turn2[2] = {cos(2 * pi * u[3]), sin(2 * pi * u[3])};
+        const double turn1[2] = {cos(2 * pi * u[1]), sin(2 * pi * u[1])},
+                     turn2[2] = {cos(2 * pi * u[3]), sin(2 * pi * u[3])};
         const int first = choice % 3; /* 0: one from each end; 1: both from o, 2: both from i */
         if (first < 2) {
             reflect(alpha, o, sqrt(u[0]), turn1, w1, &cosine, &h_z);
@@ -235,79 +270,99 @@ static double thrice(double alpha, const heading *from, const heading *to, doubl
             if (first == 1) m2[k] = -w2[k];
             if (first == 2) w1[k] = -m1[k];
         }
-        const double d1 = between(alpha, o, w1), d2 = between(alpha, m1, w2), d3 = between(alpha, m2, i);
+        const double d1 = between(alpha, o, w1), d2 = between(alpha, m1, w2),
+                     d3 = between(alpha, m2, i);
         if (!(d1 > 0 && d2 > 0 && d3 > 0)) continue;
         const double z1 = fmax(fabs(w1[2]), 1e-12), z2 = fmax(fabs(w2[2]), 1e-12);
-        const double value =
-            d1 * d2 * d3 / (16 * z1 * z2) * heights(from->lambda, lambda(alpha, z1), w1[2] > 0, lambda(alpha, z2), w2[2] > 0, to->lambda);
-        const double p1 = d1 / (4 * from->cosine * (1 + from->lambda)), p3 = d3 / (4 * to->cosine * (1 + to->lambda));
-        const double middle = d2 / 4, chances = p1 * p3 + p1 * middle / visible(alpha, m1) + p3 * middle / visible(alpha, w2);
+        const double value = d1 * d2 * d3 / (16 * z1 * z2) *
+                             heights(from->lambda, lambda(alpha, z1), w1[2] > 0, lambda(alpha, z2),
+                                     w2[2] > 0, to->lambda);
+        const double p1 = d1 / (4 * from->cosine * (1 + from->lambda)),
+                     p3 = d3 / (4 * to->cosine * (1 + to->lambda));
+        const double middle = d2 / 4, chances = p1 * p3 + p1 * middle / visible(alpha, m1) +
+                                                p3 * middle / visible(alpha, w2);
         if (chances > 0) sum += value / chances;
     }
     return all * sum / CHOICES;
 }
 
-/* For every third row and column and some angles: three reflections over two. In between, by lines. */
+/* For every third row and column and some angles: three reflections over two. In between, by lines.
+ */
 enum { COARSE = (COSINES + 1) / 3, TURNS = 3 };
 static const uint32_t turns[TURNS] = {0, 3, AZIMUTHS - 1};
 
-static void fill_ratios(const surface *work, const float *white, double ratios[COARSE][COARSE][TURNS]) {
+static void fill_ratios(const surface *work, const float *white,
+                        double ratios[COARSE][COARSE][TURNS]) {
     for (uint32_t row = 0; row < COARSE; ++row)
         for (uint32_t column = 0; column <= row; ++column)
             for (uint32_t turn = 0; turn < TURNS; ++turn) {
                 const uint32_t r = 3 * row + 1, c = 3 * column + 1;
                 const heading *a = &work->nodes[r], *b = &work->nodes[c];
-                const double half = half_at(turns[turn], a->cosine + b->cosine), once = once_at(work->alpha, a, b, half);
+                const double half = half_at(turns[turn], a->cosine + b->cosine),
+                             once = once_at(work->alpha, a, b, half);
                 const double more = thrice(work->alpha, a, b, 2 * half * half - 1) / once;
                 ratios[row][column][turn] = ratios[column][row][turn] =
                     more / fmax((double)white[(r * COSINES + c) * AZIMUTHS + turns[turn]], 1e-12);
             }
 }
 
-static double ratio_at(double ratios[COARSE][COARSE][TURNS], uint32_t row, uint32_t column, double entry) {
+static double ratio_at(double ratios[COARSE][COARSE][TURNS], uint32_t row, uint32_t column,
+                       double entry) {
     const double places[2] = {fmax((row - 1.0) / 3, 0), fmax((column - 1.0) / 3, 0)};
-    const uint32_t low[2] = {(uint32_t)fmin(places[0], COARSE - 2), (uint32_t)fmin(places[1], COARSE - 2)}, turn = entry >= turns[1];
+    const uint32_t low[2] = {(uint32_t)fmin(places[0], COARSE - 2),
+                             (uint32_t)fmin(places[1], COARSE - 2)},
+                   turn = entry >= turns[1];
     const double share = (entry - turns[turn]) / (turns[turn + 1] - turns[turn]);
     double sum = 0;
     for (uint32_t k = 0; k < 8; ++k) {
-        const double f = k & 1 ? places[0] - low[0] : 1 - (places[0] - low[0]), g = k & 2 ? places[1] - low[1] : 1 - (places[1] - low[1]);
-        sum += f * g * (k & 4 ? share : 1 - share) * ratios[low[0] + (k & 1)][low[1] + (k >> 1 & 1)][turn + (k >> 2)];
+        const double f = k & 1 ? places[0] - low[0] : 1 - (places[0] - low[0]),
+                     g = k & 2 ? places[1] - low[1] : 1 - (places[1] - low[1]);
+        sum += f * g * (k & 4 ? share : 1 - share) *
+               ratios[low[0] + (k & 1)][low[1] + (k >> 1 & 1)][turn + (k >> 2)];
     }
     return sum;
 }
 
 /*
- * Of what white microfacets do with light from the direction of a row: shares[b] by three reflections towards column b, as the device
- * interpolates. `white` holds two reflections, one word per entry. ratios == NULL: by what `white` holds.
+ * Of what white microfacets do with light from the direction of a row: shares[b] by three
+ * reflections towards column b, as the device interpolates. `white` holds two reflections, one word
+ * per entry. ratios == NULL: by what `white` holds.
  */
-static void follow(double alpha, const heading *from, const float *white, double ratios[COARSE][COARSE][TURNS], uint32_t row,
-                   double shares[COSINES]) {
+static void follow(double alpha, const heading *from, const float *white,
+                   double ratios[COARSE][COARSE][TURNS], uint32_t row, double shares[COSINES]) {
     const double o[3] = {from->sine, 0, from->cosine};
     memset(shares, 0, COSINES * sizeof *shares);
     for (int f = 0; f < RADII * ANGLES; ++f) {
         const int around = f / RADII;
-        const double left = (f % RADII + 0.5) / RADII, angle = pi * (around + 0.5) / ANGLES, turn[2] = {cos(angle), sin(angle)};
+        const double left = (f % RADII + 0.5) / RADII, angle = pi * (around + 0.5) / ANGLES,
+                     turn[2] = {cos(angle), sin(angle)};
         double w[3], c, h_z;
         reflect(alpha, o, left, turn, w, &c, &h_z);
         if (!(w[2] > 0)) continue;
-        const double z = fmin(w[2], 1), kept = 2 * left * (1 + from->lambda) / (1 + from->lambda + lambda(alpha, z));
-        const double across = hypot(w[0], w[1]), half = across > 0 ? sqrt(fmax(0.5 + 0.5 * w[0] / across, 0)) : 1;
+        const double z = fmin(w[2], 1),
+                     kept = 2 * left * (1 + from->lambda) / (1 + from->lambda + lambda(alpha, z));
+        const double across = hypot(w[0], w[1]),
+                     half = across > 0 ? sqrt(fmax(0.5 + 0.5 * w[0] / across, 0)) : 1;
         const double place = place_of(z), entry = entry_of(half, from->cosine + z);
-        const uint32_t column = (uint32_t)fmin(place, COSINES - 2), first = (uint32_t)fmin(entry, AZIMUTHS - 2);
+        const uint32_t column = (uint32_t)fmin(place, COSINES - 2),
+                       first = (uint32_t)fmin(entry, AZIMUTHS - 2);
         for (uint32_t k = 0; k < 2; ++k) {
             const float *at = white + (row * COSINES + column + k) * AZIMUTHS + first;
-            const double value =
-                (at[0] + (entry - first) * (double)(at[1] - at[0])) * (ratios ? ratio_at(ratios, row, column + k, entry) : 1);
-            shares[column + k] += kept / FACETS * value * (k ? place - column : 1 - (place - column));
+            const double value = (at[0] + (entry - first) * (double)(at[1] - at[0])) *
+                                 (ratios ? ratio_at(ratios, row, column + k, entry) : 1);
+            shares[column + k] +=
+                kept / FACETS * value * (k ? place - column : 1 - (place - column));
         }
     }
 }
 
 /*
- * What leaves after three and more reflections, over what leaves after three, is r(o) r(i), where r >= 1 is such that white microfacets
- * lose nothing at any angle. Returns the mean that one reflection leaves.
+ * What leaves after three and more reflections, over what leaves after three, is r(o) r(i), where r
+ * >= 1 is such that white microfacets lose nothing at any angle. Returns the mean that one
+ * reflection leaves.
  */
-static double find_rest(const surface *work, const float *white, double ratios[COARSE][COARSE][TURNS], double r[COSINES]) {
+static double find_rest(const surface *work, const float *white,
+                        double ratios[COARSE][COARSE][TURNS], double r[COSINES]) {
     enum { ROUNDS = 40 };
     double shares[COSINES][COSINES], left[COSINES], mean = 0, weights = 0;
     for (uint32_t row = 0; row < COSINES; ++row) {
@@ -318,7 +373,8 @@ static double find_rest(const surface *work, const float *white, double ratios[C
         left[row] = counted[2];
         r[row] = 1;
         const double weight =
-            work->nodes[row].cosine * (work->nodes[row < COSINES - 1 ? row + 1 : row].cosine - work->nodes[row > 0 ? row - 1 : row].cosine);
+            work->nodes[row].cosine * (work->nodes[row < COSINES - 1 ? row + 1 : row].cosine -
+                                       work->nodes[row > 0 ? row - 1 : row].cosine);
         mean += weight * (counted[1] + counted[2]);
         weights += weight;
     }
@@ -331,18 +387,21 @@ static double find_rest(const surface *work, const float *white, double ratios[C
     return mean / weights;
 }
 
-/* The words of all entries but for what more reflections add; `white` gets the second reflection of white microfacets. */
+/* The words of all entries but for what more reflections add; `white` gets the second reflection of
+ * white microfacets. */
 static void fill_twice(const surface *work, float *table, float *white) {
     for (uint32_t row = 0; row < COSINES; ++row)
         for (uint32_t column = 0; column <= row; ++column)
             for (uint32_t entry = 0; entry < AZIMUTHS; ++entry) {
                 const heading *a = &work->nodes[row], *b = &work->nodes[column];
-                const double half = half_at(entry, a->cosine + b->cosine), c = 2 * half * half - 1, s = sqrt(fmax(1 - c * c, 0));
+                const double half = half_at(entry, a->cosine + b->cosine), c = 2 * half * half - 1,
+                             s = sqrt(fmax(1 - c * c, 0));
                 const double once = once_at(work->alpha, a, b, half);
                 double sums[WORDS + 1] = {0};
                 add_twice(work, a, b, c, s, sums);
                 add_twice(work, b, a, c, s, sums);
-                float *const at[2] = {entry_at(table, row, column, entry), entry_at(table, column, row, entry)};
+                float *const at[2] = {entry_at(table, row, column, entry),
+                                      entry_at(table, column, row, entry)};
                 for (int side = 0; side < 2; ++side) {
                     for (int k = 0; k < WORDS; ++k) at[side][k] = (float)(sums[k] / once);
                     white[(at[side] - table) / WORDS] = (float)(sums[WORDS] / once);
@@ -350,7 +409,9 @@ static void fill_twice(const surface *work, float *table, float *white) {
             }
 }
 
-double mcv_more_reflections(double reflectance, double left) { return reflectance * (1 - left) / (1 - reflectance * left); }
+double mcv_more_reflections(double reflectance, double left) {
+    return reflectance * (1 - left) / (1 - reflectance * left);
+}
 
 bool mcv_multiple_reflection(double alpha, const double *n, const double *k, float *table) {
     surface *work = malloc(sizeof *work);
@@ -361,17 +422,22 @@ bool mcv_multiple_reflection(double alpha, const double *n, const double *k, flo
         work->channels = n ? 3 : 0;
         for (uint32_t c = 0; c < work->channels; ++c)
             for (uint32_t step = 0; step < STEPS + 2; ++step)
-                work->reflectance[c][step] = mcv_conductor_fresnel((float)n[c], (float)k[c], fminf((float)step / STEPS, 1));
-        for (uint32_t row = 0; row < COSINES; ++row) fill_node(alpha, cosine_at(row), &work->nodes[row]);
+                work->reflectance[c][step] =
+                    mcv_conductor_fresnel((float)n[c], (float)k[c], fminf((float)step / STEPS, 1));
+        for (uint32_t row = 0; row < COSINES; ++row)
+            fill_node(alpha, cosine_at(row), &work->nodes[row]);
         fill_twice(work, table, white);
         fill_ratios(work, white, ratios);
         const double left = find_rest(work, white, ratios, r);
-        for (uint32_t c = 0; c < work->channels; ++c) more[c] = mcv_more_reflections(mcv_conductor_mean(n[c], k[c]), left);
+        for (uint32_t c = 0; c < work->channels; ++c)
+            more[c] = mcv_more_reflections(mcv_conductor_mean(n[c], k[c]), left);
         for (uint32_t entry = 0; entry < COSINES * COSINES * AZIMUTHS; ++entry) {
             const uint32_t row = entry / AZIMUTHS / COSINES, column = entry / AZIMUTHS % COSINES;
-            const double rest = r[row] * r[column] * ratio_at(ratios, row, column, entry % AZIMUTHS);
+            const double rest =
+                r[row] * r[column] * ratio_at(ratios, row, column, entry % AZIMUTHS);
             float *at = table + (size_t)WORDS * entry;
-            for (uint32_t c = 0; c < work->channels; ++c) at[c] = (float)((double)at[c] * (1 + rest * more[c]));
+            for (uint32_t c = 0; c < work->channels; ++c)
+                at[c] = (float)((double)at[c] * (1 + rest * more[c]));
             at[WORDS - 1] = (float)((double)white[entry] * rest);
         }
     }
@@ -381,7 +447,9 @@ bool mcv_multiple_reflection(double alpha, const double *n, const double *k, flo
     return made;
 }
 
-/* --- interfaces ---------------------------------------------------------------------------------------------------- */
+/* --- interfaces
+ * ----------------------------------------------------------------------------------------------------
+ */
 
 /* An interface that light meets from index n1; eta = n1/n2. */
 typedef struct interface {
@@ -389,8 +457,10 @@ typedef struct interface {
 } interface;
 
 static double interface_reflectance(const interface *at, double c) {
-    const double squared = 1 - at->eta * at->eta * (1 - c * c), c2 = squared > 0 ? sqrt(squared) : 0;
-    const double s = (at->eta * c - c2) / (at->eta * c + c2), p = (c - at->eta * c2) / (c + at->eta * c2);
+    const double squared = 1 - at->eta * at->eta * (1 - c * c),
+                 c2 = squared > 0 ? sqrt(squared) : 0;
+    const double s = (at->eta * c - c2) / (at->eta * c + c2),
+                 p = (c - at->eta * c2) / (c + at->eta * c2);
     return c2 > 0 ? fmax(at->scale * 0.5 * (s * s + p * p) + at->offset, 0) : 1;
 }
 
@@ -405,13 +475,14 @@ static double unit(uint64_t *state) {
 enum { EVEN = (COSINES + 1) / 2, GOALS = EVEN * AZIMUTHS };
 
 /*
- * Light that walks on microfacets of an interface from the direction of a node until it leaves (Heitz and others 2016): adds what each
- * meeting but the first sends to each goal on its own side, as f cosθ. `below` is the share of the surface below the light. Where it has
- * passed the interface it walks on the surface turned about. Half the walks reflect first, half refract. Returns the share that leaves on
- * the other side after more than one meeting.
+ * Light that walks on microfacets of an interface from the direction of a node until it leaves
+ * (Heitz and others 2016): adds what each meeting but the first sends to each goal on its own side,
+ * as f cosθ. `below` is the share of the surface below the light. Where it has passed the interface
+ * it walks on the surface turned about. Half the walks reflect first, half refract. Returns the
+ * share that leaves on the other side after more than one meeting.
  */
-static double walk_interface(double alpha, const interface sides[2], const heading *from, double goals[GOALS][4], uint64_t *state,
-                             double sums[GOALS]) {
+static double walk_interface(double alpha, const interface sides[2], const heading *from,
+                             double goals[GOALS][4], uint64_t *state, double sums[GOALS]) {
     enum { WALKS = 12000, MEETINGS = 60 };
     double passed = 0;
     memset(sums, 0, GOALS * sizeof *sums);
@@ -438,20 +509,24 @@ static double walk_interface(double alpha, const interface sides[2], const headi
             for (int g = 0; meeting > 0 && g < GOALS; ++g) {
                 const double *to = goals[g], z = side ? -to[2] : to[2];
                 if (side == 0) {
-                    const double h[3] = {o[0] + to[0], o[1] + to[1], o[2] + z}, squared = h[0] * h[0] + h[1] * h[1] + h[2] * h[2];
+                    const double h[3] = {o[0] + to[0], o[1] + to[1], o[2] + z},
+                                 squared = h[0] * h[0] + h[1] * h[1] + h[2] * h[2];
                     if (!(h[2] > 0 && squared > 1e-20)) continue;
                     const double c = fmin(0.5 * sqrt(squared), 1);
-                    sums[g] +=
-                        weight * interface_reflectance(at, c) * density(alpha, h[2] * h[2] / squared) / (4 * seen) * pow(below, to[3]);
+                    sums[g] += weight * interface_reflectance(at, c) *
+                               density(alpha, h[2] * h[2] / squared) / (4 * seen) *
+                               pow(below, to[3]);
                     continue;
                 }
                 double h[3] = {at->eta * o[0] + to[0], at->eta * o[1] + to[1], at->eta * o[2] + z};
-                const double squared = h[0] * h[0] + h[1] * h[1] + h[2] * h[2], length = h[2] < 0 ? -sqrt(squared) : sqrt(squared);
+                const double squared = h[0] * h[0] + h[1] * h[1] + h[2] * h[2],
+                             length = h[2] < 0 ? -sqrt(squared) : sqrt(squared);
                 const double c = (h[0] * o[0] + h[1] * o[1] + h[2] * o[2]) / length,
                              behind = -(h[0] * to[0] + h[1] * to[1] + h[2] * z) / length;
                 if (!(c > 0 && behind > 0)) continue;
-                sums[g] += weight * (1 - interface_reflectance(at, fmin(c, 1))) * c * behind / squared *
-                           density(alpha, h[2] * h[2] / squared) / seen * pow(1 - below, to[3]);
+                sums[g] += weight * (1 - interface_reflectance(at, fmin(c, 1))) * c * behind /
+                           squared * density(alpha, h[2] * h[2] / squared) / seen *
+                           pow(1 - below, to[3]);
             }
             double w[3], c, h_z;
             const double angle = 2 * pi * unit(state), turn[2] = {cos(angle), sin(angle)};
@@ -478,10 +553,12 @@ static double walk_interface(double alpha, const interface sides[2], const headi
 }
 
 /*
- * What the ratios of one side, one per entry, leave to pass after more than one meeting, where `once` leaves after one. With `passed`, the
- * ratios are scaled first by r(o) r(i) such that this is what passes.
+ * What the ratios of one side, one per entry, leave to pass after more than one meeting, where
+ * `once` leaves after one. With `passed`, the ratios are scaled first by r(o) r(i) such that this
+ * is what passes.
  */
-static void complete(const surface *work, const double once[COSINES], const double *passed, float *ratios, double rest[COSINES]) {
+static void complete(const surface *work, const double once[COSINES], const double *passed,
+                     float *ratios, double rest[COSINES]) {
     enum { ROUNDS = 40 };
     double shares[COSINES][COSINES], r[COSINES];
     for (uint32_t row = 0; row < COSINES; ++row) {
@@ -493,23 +570,32 @@ static void complete(const surface *work, const double once[COSINES], const doub
             double sum = 0;
             for (uint32_t b = 0; b < COSINES; ++b) sum += shares[row][b] * r[b];
             rest[row] = fmax(1 - once[row] - r[row] * sum, 0);
-            if (passed && round < ROUNDS && sum > 0) r[row] = fmin(fmax(sqrt(r[row] * fmax(1 - once[row] - passed[row], 0) / sum), 0.5), 2);
+            if (passed && round < ROUNDS && sum > 0)
+                r[row] =
+                    fmin(fmax(sqrt(r[row] * fmax(1 - once[row] - passed[row], 0) / sum), 0.5), 2);
         }
     for (uint32_t entry = 0; entry < COSINES * COSINES * AZIMUTHS; ++entry)
         ratios[entry] *= (float)(r[entry / AZIMUTHS / COSINES] * r[entry / AZIMUTHS % COSINES]);
 }
 
 double mcv_multiple_at(const float *table, const double o[3], const double i[3]) {
-    const double z[2] = {fmin(o[2], 1), fmin(i[2], 1)}, across[2] = {hypot(o[0], o[1]), hypot(i[0], i[1])};
-    const double c = across[0] * across[1] > 0 ? (o[0] * i[0] + o[1] * i[1]) / (across[0] * across[1]) : -0.5; /* as on the device */
-    const double entry = entry_of(sqrt(fmax(0.5 + 0.5 * c, 0)), z[0] + z[1]), places[2] = {place_of(z[0]), place_of(z[1])};
-    const uint32_t row = (uint32_t)fmin(places[0], COSINES - 2), column = (uint32_t)fmin(places[1], COSINES - 2);
+    const double z[2] = {fmin(o[2], 1), fmin(i[2], 1)},
+                 across[2] = {hypot(o[0], o[1]), hypot(i[0], i[1])};
+    const double c = across[0] * across[1] > 0
+                         ? (o[0] * i[0] + o[1] * i[1]) / (across[0] * across[1])
+                         : -0.5; /* as on the device */
+    const double entry = entry_of(sqrt(fmax(0.5 + 0.5 * c, 0)), z[0] + z[1]),
+                 places[2] = {place_of(z[0]), place_of(z[1])};
+    const uint32_t row = (uint32_t)fmin(places[0], COSINES - 2),
+                   column = (uint32_t)fmin(places[1], COSINES - 2);
     const uint32_t first = (uint32_t)fmin(entry, AZIMUTHS - 2);
-    const double f = places[0] - row, g = places[1] - column, ends[3] = {1 - fmax(f, g), fabs(f - g), fmin(f, g)};
+    const double f = places[0] - row, g = places[1] - column,
+                 ends[3] = {1 - fmax(f, g), fabs(f - g), fmin(f, g)};
     const uint32_t corners[3] = {0, f > g ? COSINES : 1, COSINES + 1};
     double sum = 0;
     for (int k = 0; k < 3; ++k) {
-        const float *at = table + (size_t)WORDS * ((row * COSINES + column + corners[k]) * AZIMUTHS + first);
+        const float *at =
+            table + (size_t)WORDS * ((row * COSINES + column + corners[k]) * AZIMUTHS + first);
         sum += ends[k] * ((double)at[0] + (entry - first) * (double)(at[WORDS] - at[0]));
     }
     return sum;
@@ -525,40 +611,51 @@ static double mean_of(const double shares[COSINES]) {
     return sum;
 }
 
-/* The ratios of one side, by entry, and what leaves on the other side after more than one meeting, by node; half of both by lines. */
-static void fill_interface(const surface *work, const interface sides[2], uint64_t *state, float ratios[EVEN][EVEN][AZIMUTHS], float *plain,
+/* The ratios of one side, by entry, and what leaves on the other side after more than one meeting,
+ * by node; half of both by lines. */
+static void fill_interface(const surface *work, const interface sides[2], uint64_t *state,
+                           float ratios[EVEN][EVEN][AZIMUTHS], float *plain,
                            double passed[COSINES]) {
     for (uint32_t row = 0; row < EVEN; ++row) {
         const heading *from = &work->nodes[2 * row];
         double goals[GOALS][4], sums[GOALS];
         for (uint32_t g = 0; g < GOALS; ++g) {
             const heading *to = &work->nodes[2 * (g / AZIMUTHS)];
-            const double half = half_at(g % AZIMUTHS, from->cosine + to->cosine), c = 2 * half * half - 1;
-            const double goal[4] = {to->sine * c, to->sine * sqrt(fmax(1 - c * c, 0)), to->cosine, to->lambda};
+            const double half = half_at(g % AZIMUTHS, from->cosine + to->cosine),
+                         c = 2 * half * half - 1;
+            const double goal[4] = {to->sine * c, to->sine * sqrt(fmax(1 - c * c, 0)), to->cosine,
+                                    to->lambda};
             memcpy(goals[g], goal, sizeof goal);
         }
         passed[2 * row] = walk_interface(work->alpha, sides, from, goals, state, sums);
         for (uint32_t g = 0; g < GOALS; ++g) {
             const heading *to = &work->nodes[2 * (g / AZIMUTHS)];
-            const double once = once_at(work->alpha, from, to, half_at(g % AZIMUTHS, from->cosine + to->cosine));
-            ratios[row][g / AZIMUTHS][g % AZIMUTHS] = (float)(sums[g] * 4 * from->cosine * (1 + from->lambda + to->lambda) / once);
+            const double once =
+                once_at(work->alpha, from, to, half_at(g % AZIMUTHS, from->cosine + to->cosine));
+            ratios[row][g / AZIMUTHS][g % AZIMUTHS] =
+                (float)(sums[g] * 4 * from->cosine * (1 + from->lambda + to->lambda) / once);
         }
     }
     for (uint32_t column = 0; column < EVEN; ++column) { /* upright light sees no azimuth */
         float mean = 0;
-        for (uint32_t entry = 0; entry < AZIMUTHS; ++entry) mean += ratios[EVEN - 1][column][entry] / AZIMUTHS;
+        for (uint32_t entry = 0; entry < AZIMUTHS; ++entry)
+            mean += ratios[EVEN - 1][column][entry] / AZIMUTHS;
         for (uint32_t entry = 0; entry < AZIMUTHS; ++entry) ratios[EVEN - 1][column][entry] = mean;
     }
-    for (uint32_t row = 1; row < COSINES; row += 2) passed[row] = 0.5 * (passed[row - 1] + passed[row + 1]);
-    for (uint32_t entry = 0; entry < COSINES * COSINES * AZIMUTHS; ++entry) { /* the same both ways */
-        const uint32_t row = entry / AZIMUTHS / COSINES, column = entry / AZIMUTHS % COSINES, turn = entry % AZIMUTHS;
+    for (uint32_t row = 1; row < COSINES; row += 2)
+        passed[row] = 0.5 * (passed[row - 1] + passed[row + 1]);
+    for (uint32_t entry = 0; entry < COSINES * COSINES * AZIMUTHS;
+         ++entry) { /* the same both ways */
+        const uint32_t row = entry / AZIMUTHS / COSINES, column = entry / AZIMUTHS % COSINES,
+                       turn = entry % AZIMUTHS;
         const uint32_t low[2] = {row / 2, column / 2}, high[2] = {(row + 1) / 2, (column + 1) / 2};
-        plain[entry] = 0.25F * (ratios[low[0]][low[1]][turn] + ratios[low[1]][low[0]][turn] + ratios[high[0]][high[1]][turn] +
-                                ratios[high[1]][high[0]][turn]);
+        plain[entry] = 0.25F * (ratios[low[0]][low[1]][turn] + ratios[low[1]][low[0]][turn] +
+                                ratios[high[0]][high[1]][turn] + ratios[high[1]][high[0]][turn]);
     }
 }
 
-bool mcv_multiple_interface(double alpha, double n_outside, double n_inside, double coating, float *table) {
+bool mcv_multiple_interface(double alpha, double n_outside, double n_inside, double coating,
+                            float *table) {
     enum { ENTRIES = COSINES * COSINES * AZIMUTHS };
     surface *work = malloc(sizeof *work);
     float(*ratios)[EVEN][AZIMUTHS] = malloc(EVEN * sizeof *ratios);
@@ -577,17 +674,22 @@ bool mcv_multiple_interface(double alpha, double n_outside, double n_inside, dou
         for (uint32_t row = 0; row < COSINES; ++row) {
             fill_node(alpha, cosine_at(row), &work->nodes[row]);
             const double o[3] = {work->nodes[row].sine, 0, work->nodes[row].cosine};
-            for (int side = 0; side < 2; ++side) once[side][row] = mcv_albedo_left(both, o, eta[side], coating, NULL);
+            for (int side = 0; side < 2; ++side)
+                once[side][row] = mcv_albedo_left(both, o, eta[side], coating, NULL);
         }
-        for (int side = 0; side < 2; ++side) fill_interface(work, sides + side, &state, ratios, plain[side], passed[side]);
-        /* Walks in the thinner medium tell best what passes. n² times its mean is the same both ways. */
+        for (int side = 0; side < 2; ++side)
+            fill_interface(work, sides + side, &state, ratios, plain[side], passed[side]);
+        /* Walks in the thinner medium tell best what passes. n² times its mean is the same both
+         * ways. */
         const int thin = n_outside > n_inside;
         double rest[COSINES];
         complete(work, once[thin], NULL, plain[thin], rest);
-        const double scale = eta[thin] * eta[thin] * mean_of(rest) / fmax(mean_of(passed[!thin]), 1e-12);
+        const double scale =
+            eta[thin] * eta[thin] * mean_of(rest) / fmax(mean_of(passed[!thin]), 1e-12);
         for (uint32_t row = 0; row < COSINES; ++row) passed[!thin][row] *= scale;
         complete(work, once[!thin], passed[!thin], plain[!thin], rest);
-        for (uint32_t word = 0; word < WORDS * ENTRIES; ++word) table[word] = word % WORDS < 2 ? plain[word % WORDS][word / WORDS] : 0;
+        for (uint32_t word = 0; word < WORDS * ENTRIES; ++word)
+            table[word] = word % WORDS < 2 ? plain[word % WORDS][word / WORDS] : 0;
     }
     free(work);
     free(ratios);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What microfacets of a metal send on to each other before it leaves: the table of multiple scattering behind kernels/bsdf/microfacet.h, in double.
- * Smith's masking describes a surface on which light walks from microfacet to microfacet (Heitz, Hanika, d'Eon and Dachsbacher 2016).
+ * What microfacets of a metal send on to each other before it leaves: the table of multiple
+ * scattering behind kernels/bsdf/microfacet.h, in double. Smith's masking describes a surface on
+ * which light walks from microfacet to microfacet (Heitz, Hanika, d'Eon and Dachsbacher 2016).
  */
 #ifndef MCVISI_HOST_RENDER_MULTIPLE_H
 #define MCVISI_HOST_RENDER_MULTIPLE_H
@@ -13,24 +14,28 @@
 uint32_t mcv_multiple_words(void);
 
 /*
- * Fills a table for α, the same in all directions: for pairs of cosines and the angle between their azimuths, what leaves after two or more
- * reflections over what white microfacets send there by one. n, k: of a metal, for three channels; each entry holds these. NULL: for
- * Schlick's f + (1 - f) (1 - c)^5 it holds the factors of f², f and 1 of the second reflection, and what white microfacets add after it.
- * False: no memory.
+ * Fills a table for α, the same in all directions: for pairs of cosines and the angle between their
+ * azimuths, what leaves after two or more reflections over what white microfacets send there by
+ * one. n, k: of a metal, for three channels; each entry holds these. NULL: for Schlick's f + (1 -
+ * f) (1 - c)^5 it holds the factors of f², f and 1 of the second reflection, and what white
+ * microfacets add after it. False: no memory.
  */
 bool mcv_multiple_reflection(double alpha, const double *n, const double *k, float *table);
 
 /*
- * The same for an interface between two indices, of light that leaves on its own side: the first word outside, the second inside. By walks.
- * coating: its reflectance at normal incidence, 0: none. False: no memory.
+ * The same for an interface between two indices, of light that leaves on its own side: the first
+ * word outside, the second inside. By walks. coating: its reflectance at normal incidence, 0: none.
+ * False: no memory.
  */
-bool mcv_multiple_interface(double alpha, double n_outside, double n_inside, double coating, float *table);
+bool mcv_multiple_interface(double alpha, double n_outside, double n_inside, double coating,
+                            float *table);
 
 /* The word of such a table for two directions above the surface, as the device interpolates. */
 double mcv_multiple_at(const float *table, const double o[3], const double i[3]);
 
 /*
- * The factor of three and more reflections of a mean reflectance, beyond that of two: Σ over 3, 4 … of which the share `left` goes on.
+ * The factor of three and more reflections of a mean reflectance, beyond that of two: Σ over 3, 4 …
+ * of which the share `left` goes on.
  */
 double mcv_more_reflections(double reflectance, double left);
 

@@ -4,7 +4,9 @@
 
 #include "device/pack.h"
 
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 static void subtract(const double a[3], const double b[3], double way[3]) {
     for (int k = 0; k < 3; ++k) way[k] = a[k] - b[k];
@@ -22,7 +24,8 @@ static int square_corner(double corners[3][3]) {
     return square;
 }
 
-/* The rectangle of which a triangle is half: the way along each side, the shorter one first, at right angles. */
+/* The rectangle of which a triangle is half: the way along each side, the shorter one first, at
+ * right angles. */
 static void complete(double corners[3][3], double origin[3], double sides[2][3]) {
     const int square = square_corner(corners);
     memcpy(origin, corners[square], 3 * sizeof(double));
@@ -38,8 +41,10 @@ static void complete(double corners[3][3], double origin[3], double sides[2][3])
     for (int k = 0; k < 3; ++k) sides[1][k] -= slant * sides[0][k];
 }
 
-/* Which of the rectangle's corners a point is, in sides, but for a distance of `most`; false: none. */
-static bool find_corner(const double origin[3], double sides[2][3], const double point[3], double most, double place[2]) {
+/* Which of the rectangle's corners a point is, in sides, but for a distance of `most`; false: none.
+ */
+static bool find_corner(const double origin[3], double sides[2][3], const double point[3],
+                        double most, double place[2]) {
     double rest[3];
     subtract(point, origin, rest);
     for (int i = 0; i < 2; ++i) {
@@ -56,7 +61,8 @@ static void invert(double corners[3][2], float map[6]) {
     for (int i = 0; i < 2; ++i)
         for (int k = 0; k < 2; ++k) side[i][k] = corners[i + 1][k] - corners[0][k];
     const double area = side[0][0] * side[1][1] - side[1][0] * side[0][1];
-    const double rows[2][2] = {{side[1][1] / area, -side[1][0] / area}, {-side[0][1] / area, side[0][0] / area}};
+    const double rows[2][2] = {{side[1][1] / area, -side[1][0] / area},
+                               {-side[0][1] / area, side[0][0] / area}};
     for (int i = 0; i < 2; ++i) {
         map[3 * i] = (float)-(rows[i][0] * corners[0][0] + rows[i][1] * corners[0][1]);
         map[3 * i + 1] = (float)rows[i][0];
@@ -64,17 +70,21 @@ static void invert(double corners[3][2], float map[6]) {
     }
 }
 
-bool mcv_pack_rectangle(const mcv_scene *scene, const mcv_packed *packed, mcv_device_emitter *emitter) {
+bool mcv_pack_rectangle(const mcv_scene *scene, const mcv_packed *packed,
+                        mcv_device_emitter *emitter) {
     double corners[2][3][3], origin[3], sides[2][3];
     mcv_rectangle rectangle = {.padding = 0};
-    if (emitter->triangle_count != 2 || (emitter->facing[0] == 0 && emitter->facing[1] == 0 && emitter->facing[2] == 0)) return false;
+    if (emitter->triangle_count != 2 ||
+        (emitter->facing[0] == 0 && emitter->facing[1] == 0 && emitter->facing[2] == 0))
+        return false;
     for (uint32_t t = 0; t < 2; ++t) {
         mcv_scene_corners(scene, emitter->instance, t, corners[t]);
         for (int c = 0; c < 3; ++c) subtract(corners[t][c], packed->centre, corners[t][c]);
     }
     complete(corners[0], origin, sides);
     /* As far as float coordinates can be a rectangle's. */
-    const double most = 0x1p-20 * ((double)emitter->radius + sqrt(dot(packed->centre, packed->centre)));
+    const double most =
+        0x1p-20 * ((double)emitter->radius + sqrt(dot(packed->centre, packed->centre)));
     for (int t = 0; t < 2; ++t) {
         double places[3][2];
         unsigned found = 0;

@@ -7,7 +7,9 @@
 
 /* The first solid that has this cap. */
 static uint32_t surface_of(const mcv_solid *solids, uint32_t solid, uint32_t piece) {
-    return piece == MCV_PIECE_FIRST_CAP && solids[solid].cemented ? 4 * (solid - 1) + MCV_PIECE_SECOND_CAP : 4 * solid + piece;
+    return piece == MCV_PIECE_FIRST_CAP && solids[solid].cemented
+               ? 4 * (solid - 1) + MCV_PIECE_SECOND_CAP
+               : 4 * solid + piece;
 }
 
 static mcv_device_cap pack_cap(const mcv_cap *cap, double middle, double radius, uint32_t surface) {
@@ -47,7 +49,9 @@ static void enter_group(const mcv_scene *scene, uint32_t i, group *g) {
     if (i < g->end) return;
     g->first = i;
     for (; i < scene->solid_count; ++i) {
-        if (memcmp(&scene->solids[i].to_world, &scene->solids[g->first].to_world, sizeof(mcv_transform)) != 0) break;
+        if (memcmp(&scene->solids[i].to_world, &scene->solids[g->first].to_world,
+                   sizeof(mcv_transform)) != 0)
+            break;
         extend(scene->solids + i, lower, upper);
     }
     g->end = i;
@@ -89,7 +93,8 @@ void mcv_pack_solids(const mcv_scene *scene, mcv_packed *packed) {
             to->instance[k] = from->instances[k];
         }
         for (uint32_t k = 0; k < 2; ++k)
-            to->cap[k] = pack_cap(from->caps + k, g.middle, side_radius(from), surface_of(scene->solids, i, k));
+            to->cap[k] = pack_cap(from->caps + k, g.middle, side_radius(from),
+                                  surface_of(scene->solids, i, k));
     }
 }
 
@@ -107,8 +112,10 @@ void mcv_pack_precise_solids(const mcv_scene *scene, mcv_packed *packed) {
         }
         for (int k = 0; k < 2; ++k) {
             const mcv_cap *cap = from->caps + k;
-            to->cap[k] = (mcv_precise_cap){cap->z - g.middle, cap->curvature, cap->conic, 1 / (radius * radius), {0}};
-            for (uint32_t j = 0; j < MCV_ASPHERE_TERMS; ++j) to->cap[k].term[j] = cap->asphere[j] * pow(radius, 2 * j + 4);
+            to->cap[k] = (mcv_precise_cap){
+                cap->z - g.middle, cap->curvature, cap->conic, 1 / (radius * radius), {0}};
+            for (uint32_t j = 0; j < MCV_ASPHERE_TERMS; ++j)
+                to->cap[k].term[j] = cap->asphere[j] * pow(radius, 2 * j + 4);
         }
     }
 }

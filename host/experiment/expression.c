@@ -29,7 +29,8 @@ typedef struct reader {
 
 static double wrong(reader *r, const char *what) {
     if (r->result == MCV_OK) {
-        r->result = mcv_fail(r->error, MCV_USAGE, "\"%s\": %s at \"%.20s\"", r->text, what, *r->at ? r->at : "its end");
+        r->result = mcv_fail(r->error, MCV_USAGE, "\"%s\": %s at \"%.20s\"", r->text, what,
+                             *r->at ? r->at : "its end");
     }
     return NAN;
 }
@@ -50,8 +51,10 @@ static double read_either(reader *r);
 static double value_of(reader *r, const char *name) {
     for (size_t i = 0; i < r->count; ++i)
         if (strcmp(r->names[i].name, name) == 0)
-            return r->names[i].shift == 0 ? r->names[i].quantity.value
-                                          : r->names[i].quantity.value + r->names[i].shift * r->names[i].quantity.uncertainty;
+            return r->names[i].shift == 0
+                       ? r->names[i].quantity.value
+                       : r->names[i].quantity.value +
+                             r->names[i].shift * r->names[i].quantity.uncertainty;
     if (r->count == MCV_EXPRESSION_NAMES) return wrong(r, "too many names");
     known *new = r->names + r->count;
     *new = (known){.quantity = {NAN, 0}};
@@ -91,7 +94,8 @@ static double read_number(reader *r) {
     double value = plain;
     if (length >= sizeof text) return wrong(r, "this is no number");
     snprintf(text, sizeof text, "%.*s", (int)length, r->at);
-    if (length > digits && !mcv_parse_quantity(text, MCV_PARAM_choice, &value)) return wrong(r, "this is no number with a unit");
+    if (length > digits && !mcv_parse_quantity(text, MCV_PARAM_choice, &value))
+        return wrong(r, "this is no number with a unit");
     r->at += length;
     return value;
 }
@@ -103,7 +107,8 @@ static bool read_name(reader *r, char name[128]) {
         wrong(r, "a number or a name is missing");
         return false;
     }
-    while (isalnum((unsigned char)r->at[length]) || r->at[length] == '_' || r->at[length] == '.') ++length;
+    while (isalnum((unsigned char)r->at[length]) || r->at[length] == '_' || r->at[length] == '.')
+        ++length;
     if (length >= 128) {
         wrong(r, "the name is too long");
         return false;
@@ -131,7 +136,8 @@ static double read_primary(reader *r) {
         const double value = read_either(r);
         return take(r, ")") ? value : wrong(r, "a ) is missing");
     }
-    if (isdigit((unsigned char)*r->at) || (*r->at == '.' && isdigit((unsigned char)r->at[1]))) return read_number(r);
+    if (isdigit((unsigned char)*r->at) || (*r->at == '.' && isdigit((unsigned char)r->at[1])))
+        return read_number(r);
     if (!read_name(r, name)) return NAN;
     if (take(r, "(")) return strcmp(name, "u") == 0 ? read_uncertainty(r) : call(r, name);
     return strcmp(name, "pi") == 0 ? 3.141592653589793 : value_of(r, name);
@@ -211,7 +217,8 @@ static double read_all(reader *r) {
     return *r->at ? wrong(r, "this is not understood") : value;
 }
 
-mcv_result mcv_expression_evaluate(const char *text, mcv_lookup *lookup, void *user, mcv_quantity *value, mcv_error *error) {
+mcv_result mcv_expression_evaluate(const char *text, mcv_lookup *lookup, void *user,
+                                   mcv_quantity *value, mcv_error *error) {
     reader r = {.text = text, .lookup = lookup, .user = user, .error = error};
     *value = (mcv_quantity){read_all(&r), 0};
     MCV_TRY(r.result);

@@ -28,8 +28,8 @@ static void on_error(exr_const_context_t context, exr_result_t code, const char 
     }
 }
 
-static int64_t on_write(exr_const_context_t context, void *user, const void *bytes, uint64_t count, uint64_t offset,
-                        exr_stream_error_func_ptr_t report) {
+static int64_t on_write(exr_const_context_t context, void *user, const void *bytes, uint64_t count,
+                        uint64_t offset, exr_stream_error_func_ptr_t report) {
     stream *s = user;
     (void)context;
     (void)report;
@@ -37,8 +37,8 @@ static int64_t on_write(exr_const_context_t context, void *user, const void *byt
     return s->result == MCV_OK ? (int64_t)count : -1;
 }
 
-static int64_t on_read(exr_const_context_t context, void *user, void *bytes, uint64_t count, uint64_t offset,
-                       exr_stream_error_func_ptr_t report) {
+static int64_t on_read(exr_const_context_t context, void *user, void *bytes, uint64_t count,
+                       uint64_t offset, exr_stream_error_func_ptr_t report) {
     const stream *s = user;
     (void)context;
     (void)report;
@@ -56,7 +56,8 @@ static int64_t on_size(exr_const_context_t context, void *user) {
 /* Turns a failed call into the sentence for the user; what our own callback has written stands. */
 static mcv_result failed(stream *s, mcv_result code, exr_result_t result) {
     if (s->result != MCV_OK) return s->result;
-    return mcv_fail(s->error, code, "%s: %s: %s", s->path, s->output ? "OpenEXR cannot write it" : "damaged OpenEXR file",
+    return mcv_fail(s->error, code, "%s: %s: %s", s->path,
+                    s->output ? "OpenEXR cannot write it" : "damaged OpenEXR file",
                     s->message[0] ? s->message : exr_get_default_error_message(result));
 }
 
@@ -96,12 +97,14 @@ static exr_result_t put_attribute(exr_context_t context, const mcv_attribute *a)
     const bool single = is_float_attribute(a->name);
     const double *d = a->numbers;
     if (a->count == 1) {
-        return single ? exr_attr_set_float(context, 0, a->name, (float)d[0]) : exr_attr_set_double(context, 0, a->name, d[0]);
+        return single ? exr_attr_set_float(context, 0, a->name, (float)d[0])
+                      : exr_attr_set_double(context, 0, a->name, d[0]);
     }
     if (a->count == 2) {
         const exr_attr_v2f_t v2f = {{{(float)d[0], (float)d[1]}}};
         const exr_attr_v2d_t v2d = {{{d[0], d[1]}}};
-        return single ? exr_attr_set_v2f(context, 0, a->name, &v2f) : exr_attr_set_v2d(context, 0, a->name, &v2d);
+        return single ? exr_attr_set_v2f(context, 0, a->name, &v2f)
+                      : exr_attr_set_v2d(context, 0, a->name, &v2d);
     }
     if (a->count == 4) { /* there is no vector of double */
         const float numbers[4] = {(float)d[0], (float)d[1], (float)d[2], (float)d[3]};
@@ -113,7 +116,8 @@ static exr_result_t put_attribute(exr_context_t context, const mcv_attribute *a)
         m44f.m[i] = (float)d[i];
         m44d.m[i] = d[i];
     }
-    return single ? exr_attr_set_m44f(context, 0, a->name, &m44f) : exr_attr_set_m44d(context, 0, a->name, &m44d);
+    return single ? exr_attr_set_m44f(context, 0, a->name, &m44f)
+                  : exr_attr_set_m44d(context, 0, a->name, &m44d);
 }
 
 static const char *channel_name(const mcv_exr_part *part, uint32_t channel) {
@@ -125,10 +129,11 @@ static const char *channel_name(const mcv_exr_part *part, uint32_t channel) {
 static exr_result_t put_part(exr_context_t context, const mcv_exr_part *part) {
     int index;
     TRY_EXR(exr_add_part(context, part->name, EXR_STORAGE_SCANLINE, &index));
-    TRY_EXR(
-        exr_initialize_required_attr_simple(context, index, (int32_t)part->image.width, (int32_t)part->image.height, EXR_COMPRESSION_ZIP));
+    TRY_EXR(exr_initialize_required_attr_simple(context, index, (int32_t)part->image.width,
+                                                (int32_t)part->image.height, EXR_COMPRESSION_ZIP));
     for (uint32_t c = 0; c < part->image.channels; ++c) {
-        TRY_EXR(exr_add_channel(context, index, channel_name(part, c), EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1));
+        TRY_EXR(exr_add_channel(context, index, channel_name(part, c), EXR_PIXEL_FLOAT,
+                                EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1));
     }
     return EXR_ERR_SUCCESS;
 }
@@ -143,8 +148,10 @@ static float *find_plane(const mcv_exr_part *part, const char *name) {
     return NULL;
 }
 
-/* Points the library's channels at row `row` of the planes. The library sorts channels by name: they are found by it. */
-static bool attach_planes(exr_coding_channel_info_t *channels, int count, const mcv_exr_part *part, uint32_t row) {
+/* Points the library's channels at row `row` of the planes. The library sorts channels by name:
+ * they are found by it. */
+static bool attach_planes(exr_coding_channel_info_t *channels, int count, const mcv_exr_part *part,
+                          uint32_t row) {
     for (int i = 0; i < count; ++i) {
         float *plane = find_plane(part, channels[i].channel_name);
         if (!plane) return false;
@@ -161,12 +168,14 @@ static bool attach_planes(exr_coding_channel_info_t *channels, int count, const 
 typedef exr_result_t compressor(exr_encode_pipeline_t *pipeline);
 
 /*
- * Readers take a chunk for uncompressed when it is as long as that. OpenEXR 3.1 stores the compressed bytes even if they are exactly as
- * many, and so loses the chunk: then the plain ones belong there.
+ * Readers take a chunk for uncompressed when it is as long as that. OpenEXR 3.1 stores the
+ * compressed bytes even if they are exactly as many, and so loses the chunk: then the plain ones
+ * belong there.
  */
 static exr_result_t compress_chunk(exr_encode_pipeline_t *pipeline) {
     TRY_EXR((*(compressor *const *)pipeline->encoding_user_data)(pipeline));
-    if (pipeline->compressed_bytes == pipeline->packed_bytes && pipeline->compressed_buffer != pipeline->packed_buffer)
+    if (pipeline->compressed_bytes == pipeline->packed_bytes &&
+        pipeline->compressed_buffer != pipeline->packed_buffer)
         memcpy(pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->packed_bytes);
     return EXR_ERR_SUCCESS;
 }
@@ -177,14 +186,16 @@ static exr_result_t encode_part(exr_context_t context, int index, const mcv_exr_
     compressor *compress = NULL;
     int32_t lines = 0;
     TRY_EXR(exr_get_scanlines_per_chunk(context, index, &lines));
-    for (uint32_t row = 0; row < part->image.height && result == EXR_ERR_SUCCESS; row += (uint32_t)lines) {
+    for (uint32_t row = 0; row < part->image.height && result == EXR_ERR_SUCCESS;
+         row += (uint32_t)lines) {
         exr_chunk_info_t chunk;
         result = exr_write_scanline_chunk_info(context, index, (int)row, &chunk);
         if (result != EXR_ERR_SUCCESS) break;
-        result =
-            row == 0 ? exr_encoding_initialize(context, index, &chunk, &pipeline) : exr_encoding_update(context, index, &chunk, &pipeline);
+        result = row == 0 ? exr_encoding_initialize(context, index, &chunk, &pipeline)
+                          : exr_encoding_update(context, index, &chunk, &pipeline);
         if (result != EXR_ERR_SUCCESS) break;
-        if (!attach_planes(pipeline.channels, pipeline.channel_count, part, row)) result = EXR_ERR_INVALID_ARGUMENT;
+        if (!attach_planes(pipeline.channels, pipeline.channel_count, part, row))
+            result = EXR_ERR_INVALID_ARGUMENT;
         if (result == EXR_ERR_SUCCESS && row == 0) {
             result = exr_encoding_choose_default_routines(context, index, &pipeline);
             compress = pipeline.compress_fn;
@@ -197,8 +208,8 @@ static exr_result_t encode_part(exr_context_t context, int index, const mcv_exr_
     return result;
 }
 
-static exr_result_t encode(exr_context_t context, const mcv_exr_part *parts, uint32_t part_count, const mcv_attribute *attributes,
-                           uint32_t attribute_count) {
+static exr_result_t encode(exr_context_t context, const mcv_exr_part *parts, uint32_t part_count,
+                           const mcv_attribute *attributes, uint32_t attribute_count) {
     for (uint32_t p = 0; p < part_count; ++p) TRY_EXR(put_part(context, &parts[p]));
     for (uint32_t a = 0; a < attribute_count; ++a) TRY_EXR(put_attribute(context, &attributes[a]));
     TRY_EXR(exr_write_header(context));
@@ -206,45 +217,59 @@ static exr_result_t encode(exr_context_t context, const mcv_exr_part *parts, uin
     return EXR_ERR_SUCCESS;
 }
 
-static mcv_result check_arguments(const char *path, const mcv_exr_part *parts, uint32_t part_count, const mcv_attribute *attributes,
-                                  uint32_t attribute_count, mcv_error *error) {
+static mcv_result check_arguments(const char *path, const mcv_exr_part *parts, uint32_t part_count,
+                                  const mcv_attribute *attributes, uint32_t attribute_count,
+                                  mcv_error *error) {
     if (part_count < 1 || part_count > MCV_EXR_MAX_PARTS) {
-        return mcv_fail(error, MCV_FAILED, "%s: an OpenEXR file of %u parts; 1 to %d can be written", path, part_count, MCV_EXR_MAX_PARTS);
+        return mcv_fail(error, MCV_FAILED,
+                        "%s: an OpenEXR file of %u parts; 1 to %d can be written", path, part_count,
+                        MCV_EXR_MAX_PARTS);
     }
     for (uint32_t p = 0; p < part_count; ++p) {
         const mcv_image *image = &parts[p].image;
-        if (image->width > MCV_EXR_MAX_SIDE || image->height > MCV_EXR_MAX_SIDE || image->channels > MCV_EXR_MAX_CHANNELS) {
-            return mcv_fail(error, MCV_FAILED, "%s: part %s of %u x %u pixels, %u channels; at most %d x %d, %d can be written", path,
-                            parts[p].name, image->width, image->height, image->channels, MCV_EXR_MAX_SIDE, MCV_EXR_MAX_SIDE,
-                            MCV_EXR_MAX_CHANNELS);
+        if (image->width > MCV_EXR_MAX_SIDE || image->height > MCV_EXR_MAX_SIDE ||
+            image->channels > MCV_EXR_MAX_CHANNELS) {
+            return mcv_fail(
+                error, MCV_FAILED,
+                "%s: part %s of %u x %u pixels, %u channels; at most %d x %d, %d can be written",
+                path, parts[p].name, image->width, image->height, image->channels, MCV_EXR_MAX_SIDE,
+                MCV_EXR_MAX_SIDE, MCV_EXR_MAX_CHANNELS);
         }
         for (uint32_t q = 0; q < p; ++q) {
             if (strcmp(parts[p].name, parts[q].name) == 0) {
-                return mcv_fail(error, MCV_FAILED, "%s: two parts are named %s; each needs its own name", path, parts[p].name);
+                return mcv_fail(error, MCV_FAILED,
+                                "%s: two parts are named %s; each needs its own name", path,
+                                parts[p].name);
             }
         }
         if (!parts[p].channel_names && image->channels != 1 && image->channels != 3) {
-            return mcv_fail(error, MCV_FAILED, "%s: part %s has %u channels without names; only 1 and 3 have some by themselves", path,
-                            parts[p].name, image->channels);
+            return mcv_fail(
+                error, MCV_FAILED,
+                "%s: part %s has %u channels without names; only 1 and 3 have some by themselves",
+                path, parts[p].name, image->channels);
         }
     }
     for (uint32_t a = 0; a < attribute_count; ++a) {
         const mcv_attribute *attribute = &attributes[a];
         const size_t length = strlen(attribute->name);
         if (length == 0 || length >= MCV_EXR_ATTRIBUTE_NAME) {
-            return mcv_fail(error, MCV_FAILED, "%s: attribute `%s`: its name must have 1 to %d bytes", path, attribute->name,
-                            MCV_EXR_ATTRIBUTE_NAME - 1);
+            return mcv_fail(error, MCV_FAILED,
+                            "%s: attribute `%s`: its name must have 1 to %d bytes", path,
+                            attribute->name, MCV_EXR_ATTRIBUTE_NAME - 1);
         }
-        if (!attribute->text && attribute->count != 1 && attribute->count != 2 && attribute->count != 4 && attribute->count != 16) {
-            return mcv_fail(error, MCV_FAILED, "%s: attribute `%s` has %u numbers; 1, 2, 4 or 16 can be written", path, attribute->name,
-                            attribute->count);
+        if (!attribute->text && attribute->count != 1 && attribute->count != 2 &&
+            attribute->count != 4 && attribute->count != 16) {
+            return mcv_fail(error, MCV_FAILED,
+                            "%s: attribute `%s` has %u numbers; 1, 2, 4 or 16 can be written", path,
+                            attribute->name, attribute->count);
         }
     }
     return MCV_OK;
 }
 
-mcv_result mcv_exr_write(const char *path, const mcv_exr_part *parts, uint32_t part_count, const mcv_attribute *attributes,
-                         uint32_t attribute_count, mcv_error *error) {
+mcv_result mcv_exr_write(const char *path, const mcv_exr_part *parts, uint32_t part_count,
+                         const mcv_attribute *attributes, uint32_t attribute_count,
+                         mcv_error *error) {
     MCV_TRY(check_arguments(path, parts, part_count, attributes, attribute_count, error));
     mcv_output output;
     MCV_TRY(mcv_output_open(&output, path, error));
@@ -256,7 +281,8 @@ mcv_result mcv_exr_write(const char *path, const mcv_exr_part *parts, uint32_t p
     initializer.zip_level = 1; /* noise: level 4, the usual one, takes longer for hardly less */
     exr_context_t context = NULL;
     exr_result_t result = exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &initializer);
-    if (result == EXR_ERR_SUCCESS) result = encode(context, parts, part_count, attributes, attribute_count);
+    if (result == EXR_ERR_SUCCESS)
+        result = encode(context, parts, part_count, attributes, attribute_count);
     /* The table of chunks is written by exr_finish. */
     const exr_result_t finished = context ? exr_finish(&context) : EXR_ERR_SUCCESS;
     if (result == EXR_ERR_SUCCESS) result = finished;
@@ -268,13 +294,16 @@ mcv_result mcv_exr_write(const char *path, const mcv_exr_part *parts, uint32_t p
 }
 
 /* Makes the part's empty image; R, G, B come first where all three are there. */
-static mcv_result make_part(const mcv_exr_part_header *header, mcv_exr_part *part, mcv_error *error) {
+static mcv_result make_part(const mcv_exr_part_header *header, mcv_exr_part *part,
+                            mcv_error *error) {
     static const char *const rgb[] = {"R", "G", "B"};
-    MCV_TRY(mcv_image_new(&part->image, header->width, header->height, header->channel_count, error));
+    MCV_TRY(
+        mcv_image_new(&part->image, header->width, header->height, header->channel_count, error));
     part->name = strdup(header->name);
     part->channel_names = calloc(header->channel_count, sizeof *part->channel_names);
     if (!part->name || !part->channel_names)
-        return mcv_fail(error, MCV_FAILED, "no memory for the names of %u channels", header->channel_count);
+        return mcv_fail(error, MCV_FAILED, "no memory for the names of %u channels",
+                        header->channel_count);
 
     bool placed[MCV_EXR_MAX_CHANNELS] = {false};
     uint32_t order[MCV_EXR_MAX_CHANNELS] = {0}, count = 0;
@@ -290,12 +319,14 @@ static mcv_result make_part(const mcv_exr_part_header *header, mcv_exr_part *par
     }
     for (uint32_t i = 0; i < count; ++i) {
         part->channel_names[i] = strdup(header->channels[order[i]].name);
-        if (!part->channel_names[i]) return mcv_fail(error, MCV_FAILED, "no memory for the name of a channel");
+        if (!part->channel_names[i])
+            return mcv_fail(error, MCV_FAILED, "no memory for the name of a channel");
     }
     return MCV_OK;
 }
 
-static exr_result_t decode_part(exr_context_t context, int index, const mcv_exr_part_header *header, const mcv_exr_part *part) {
+static exr_result_t decode_part(exr_context_t context, int index, const mcv_exr_part_header *header,
+                                const mcv_exr_part *part) {
     exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
     exr_result_t result = EXR_ERR_SUCCESS;
     const uint32_t lines = mcv_exr_lines_per_chunk(header->compression);
@@ -303,11 +334,13 @@ static exr_result_t decode_part(exr_context_t context, int index, const mcv_exr_
         exr_chunk_info_t chunk;
         result = exr_read_scanline_chunk_info(context, index, header->y_min + (int)row, &chunk);
         if (result != EXR_ERR_SUCCESS) break;
-        result =
-            row == 0 ? exr_decoding_initialize(context, index, &chunk, &pipeline) : exr_decoding_update(context, index, &chunk, &pipeline);
+        result = row == 0 ? exr_decoding_initialize(context, index, &chunk, &pipeline)
+                          : exr_decoding_update(context, index, &chunk, &pipeline);
         if (result != EXR_ERR_SUCCESS) break;
-        if (!attach_planes(pipeline.channels, pipeline.channel_count, part, row)) result = EXR_ERR_INVALID_ARGUMENT;
-        if (result == EXR_ERR_SUCCESS && row == 0) result = exr_decoding_choose_default_routines(context, index, &pipeline);
+        if (!attach_planes(pipeline.channels, pipeline.channel_count, part, row))
+            result = EXR_ERR_INVALID_ARGUMENT;
+        if (result == EXR_ERR_SUCCESS && row == 0)
+            result = exr_decoding_choose_default_routines(context, index, &pipeline);
         if (result == EXR_ERR_SUCCESS) result = exr_decoding_run(context, index, &pipeline);
     }
     exr_decoding_destroy(context, &pipeline);
@@ -326,8 +359,10 @@ static mcv_result decode(stream *s, const mcv_exr_header *header, mcv_exr *exr) 
     exr_result_t result = exr_start_read(&context, s->path, &initializer);
     int count = 0;
     if (result == EXR_ERR_SUCCESS) result = exr_get_count(context, &count);
-    if (result == EXR_ERR_SUCCESS && (uint32_t)count != header->part_count) result = EXR_ERR_FILE_BAD_HEADER;
-    for (int p = 0; p < count && result == EXR_ERR_SUCCESS; ++p) result = decode_part(context, p, &header->parts[p], &exr->parts[p]);
+    if (result == EXR_ERR_SUCCESS && (uint32_t)count != header->part_count)
+        result = EXR_ERR_FILE_BAD_HEADER;
+    for (int p = 0; p < count && result == EXR_ERR_SUCCESS; ++p)
+        result = decode_part(context, p, &header->parts[p], &exr->parts[p]);
     if (context) exr_finish(&context);
     return result == EXR_ERR_SUCCESS ? MCV_OK : failed(s, MCV_BAD_INPUT, result);
 }
@@ -376,8 +411,8 @@ mcv_image *mcv_exr_image(const mcv_exr *exr, const char *name) {
     const mcv_image *image = &exr->parts[0].image;
     for (uint32_t i = 1; i < exr->part_count; ++i) {
         mcv_image *part = &exr->parts[i].image;
-        if (strcmp(exr->parts[i].name, name) == 0 && part->width == image->width && part->height == image->height &&
-            part->channels == image->channels)
+        if (strcmp(exr->parts[i].name, name) == 0 && part->width == image->width &&
+            part->height == image->height && part->channels == image->channels)
             return part;
     }
     return NULL;
@@ -388,7 +423,8 @@ mcv_image *mcv_exr_error(const mcv_exr *exr) { return mcv_exr_image(exr, "error"
 void mcv_exr_free(mcv_exr *exr) {
     for (uint32_t p = 0; p < exr->part_count; ++p) {
         mcv_exr_part *part = &exr->parts[p];
-        for (uint32_t c = 0; part->channel_names && c < part->image.channels; ++c) free((void *)part->channel_names[c]);
+        for (uint32_t c = 0; part->channel_names && c < part->image.channels; ++c)
+            free((void *)part->channel_names[c]);
         free(part->channel_names);
         free((void *)part->name);
         mcv_image_free(&part->image);

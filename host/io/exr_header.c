@@ -10,9 +10,17 @@ enum { COMPRESSION_NONE, COMPRESSION_RLE, COMPRESSION_ZIPS, COMPRESSION_ZIP };
 enum { PIXEL_UINT, PIXEL_HALF, PIXEL_FLOAT };
 
 /* Attributes that decide how pixels are read. */
-enum { SEEN_CHANNELS = 1, SEEN_COMPRESSION = 2, SEEN_WINDOW = 4, SEEN_TYPE = 8, SEEN_NAME = 16, SEEN_CHUNKS = 32 };
+enum {
+    SEEN_CHANNELS = 1,
+    SEEN_COMPRESSION = 2,
+    SEEN_WINDOW = 4,
+    SEEN_TYPE = 8,
+    SEEN_NAME = 16,
+    SEEN_CHUNKS = 32
+};
 
-/* A deflate stream grows at most 1032 times (two bits for 258 bytes), OpenEXR's run lengths 64 times (two bytes for 128). */
+/* A deflate stream grows at most 1032 times (two bits for 258 bytes), OpenEXR's run lengths 64
+ * times (two bytes for 128). */
 enum { MAX_EXPANSION = 1032 };
 
 enum { MAX_ATTRIBUTES = 1024 };
@@ -32,14 +40,19 @@ typedef struct raw_attribute {
 } raw_attribute;
 
 static mcv_result damaged(const reader *r, const char *what) {
-    return mcv_fail(r->error, MCV_BAD_INPUT, "%s: damaged OpenEXR file: %s (at byte %zu of %zu)", r->path, what, r->at, r->size);
+    return mcv_fail(r->error, MCV_BAD_INPUT, "%s: damaged OpenEXR file: %s (at byte %zu of %zu)",
+                    r->path, what, r->at, r->size);
 }
 
 static mcv_result refused(const reader *r, const char *what) {
-    return mcv_fail(r->error, MCV_BAD_INPUT, "%s: %s; save it as a scanline image, uncompressed, RLE, ZIPS or ZIP", r->path, what);
+    return mcv_fail(r->error, MCV_BAD_INPUT,
+                    "%s: %s; save it as a scanline image, uncompressed, RLE, ZIPS or ZIP", r->path,
+                    what);
 }
 
-static uint32_t u32(const uint8_t *b) { return b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24; }
+static uint32_t u32(const uint8_t *b) {
+    return b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
 
 static int32_t i32(const uint8_t *b) {
     const uint32_t bits = u32(b);
@@ -69,9 +82,12 @@ static const char *take_name(reader *r) {
     return name;
 }
 
-uint32_t mcv_exr_lines_per_chunk(uint32_t compression) { return compression == COMPRESSION_ZIP ? 16 : 1; }
+uint32_t mcv_exr_lines_per_chunk(uint32_t compression) {
+    return compression == COMPRESSION_ZIP ? 16 : 1;
+}
 
-static mcv_result read_channels(const reader *r, const raw_attribute *attribute, mcv_exr_part_header *part) {
+static mcv_result read_channels(const reader *r, const raw_attribute *attribute,
+                                mcv_exr_part_header *part) {
     reader list = *r;
     list.bytes = attribute->value;
     list.size = attribute->size;
@@ -84,9 +100,11 @@ static mcv_result read_channels(const reader *r, const raw_attribute *attribute,
         if (!b) return damaged(r, "the channel list is cut off");
         if (part->channel_count == MCV_EXR_MAX_CHANNELS) return refused(r, "more than 64 channels");
         if (i32(b) < PIXEL_UINT || i32(b) > PIXEL_FLOAT) return damaged(r, "unknown pixel type");
-        if (i32(b + 8) != 1 || i32(b + 12) != 1) return refused(r, "subsampled channels are not read");
+        if (i32(b + 8) != 1 || i32(b + 12) != 1)
+            return refused(r, "subsampled channels are not read");
         for (uint32_t i = 0; i < part->channel_count; ++i) {
-            if (strcmp(part->channels[i].name, name) == 0) return damaged(r, "two channels of one name");
+            if (strcmp(part->channels[i].name, name) == 0)
+                return damaged(r, "two channels of one name");
         }
         mcv_exr_channel *channel = &part->channels[part->channel_count++];
         snprintf(channel->name, sizeof channel->name, "%s", name);
@@ -97,29 +115,36 @@ static mcv_result read_channels(const reader *r, const raw_attribute *attribute,
     return MCV_OK;
 }
 
-static mcv_result read_window(const reader *r, const raw_attribute *attribute, mcv_exr_part_header *part) {
+static mcv_result read_window(const reader *r, const raw_attribute *attribute,
+                              mcv_exr_part_header *part) {
     int64_t box[4];
     for (int i = 0; i < 4; ++i) {
         box[i] = i32(attribute->value + (size_t)4 * i);
-        if (box[i] < -(1 << 30) || box[i] > 1 << 30) return damaged(r, "the data window lies beyond ±2^30");
+        if (box[i] < -(1 << 30) || box[i] > 1 << 30)
+            return damaged(r, "the data window lies beyond ±2^30");
     }
     const int64_t width = box[2] - box[0] + 1, height = box[3] - box[1] + 1;
     if (width < 1 || height < 1) return damaged(r, "the data window is empty");
-    if (width > MCV_EXR_MAX_SIDE || height > MCV_EXR_MAX_SIDE) return damaged(r, "the data window is larger than 32768 pixels");
+    if (width > MCV_EXR_MAX_SIDE || height > MCV_EXR_MAX_SIDE)
+        return damaged(r, "the data window is larger than 32768 pixels");
     part->width = (uint32_t)width;
     part->height = (uint32_t)height;
     part->y_min = (int32_t)box[1];
     return MCV_OK;
 }
 
-static bool is(const raw_attribute *attribute, const char *name) { return strcmp(attribute->name, name) == 0; }
+static bool is(const raw_attribute *attribute, const char *name) {
+    return strcmp(attribute->name, name) == 0;
+}
 
 static bool has_type(const raw_attribute *attribute, const char *type, uint32_t size) {
     return strcmp(attribute->type, type) == 0 && attribute->size == size;
 }
 
-/* Takes an attribute on which the pixels depend; others are passed over. Sets the bit of what was seen. */
-static mcv_result read_essential(const reader *r, const raw_attribute *a, mcv_exr_part_header *part, uint32_t *seen) {
+/* Takes an attribute on which the pixels depend; others are passed over. Sets the bit of what was
+ * seen. */
+static mcv_result read_essential(const reader *r, const raw_attribute *a, mcv_exr_part_header *part,
+                                 uint32_t *seen) {
     if (is(a, "channels")) {
         if (strcmp(a->type, "chlist") != 0) return damaged(r, "`channels` is no channel list");
         *seen |= SEEN_CHANNELS;
@@ -136,10 +161,12 @@ static mcv_result read_essential(const reader *r, const raw_attribute *a, mcv_ex
         part->compression = a->value[0];
         *seen |= SEEN_COMPRESSION;
     } else if (is(a, "type")) {
-        if (!has_type(a, "string", 13) || memcmp(a->value, "scanlineimage", 13) != 0) return refused(r, "a tiled or deep part");
+        if (!has_type(a, "string", 13) || memcmp(a->value, "scanlineimage", 13) != 0)
+            return refused(r, "a tiled or deep part");
         *seen |= SEEN_TYPE;
     } else if (is(a, "name")) {
-        if (strcmp(a->type, "string") != 0 || a->size >= MCV_EXR_NAME) return damaged(r, "`name` is no short text");
+        if (strcmp(a->type, "string") != 0 || a->size >= MCV_EXR_NAME)
+            return damaged(r, "`name` is no short text");
         memcpy(part->name, a->value, a->size);
         *seen |= SEEN_NAME;
     } else if (is(a, "chunkCount")) {
@@ -162,24 +189,32 @@ static double number_at(const uint8_t *value, char scalar) {
     return scalar == 'd' ? number64 : scalar == 'f' ? (double)number32 : (double)i32(value);
 }
 
-/* What OpenEXR itself writes into each part. It is no news to the caller, and must not be written again. */
+/* What OpenEXR itself writes into each part. It is no news to the caller, and must not be written
+ * again. */
 static bool is_structure(const raw_attribute *a) {
-    static const char *const names[] = {
-        "name", "type", "chunkCount", "version", "pixelAspectRatio", "screenWindowWidth", "screenWindowCenter"};
+    static const char *const names[] = {"name",
+                                        "type",
+                                        "chunkCount",
+                                        "version",
+                                        "pixelAspectRatio",
+                                        "screenWindowWidth",
+                                        "screenWindowCenter"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         if (is(a, names[i])) return true;
     }
     return false;
 }
 
-/* Keeps an attribute of part 0 for the caller, where its type is one that mcv_attribute can hold. */
+/* Keeps an attribute of part 0 for the caller, where its type is one that mcv_attribute can hold.
+ */
 static mcv_result keep_attribute(const reader *r, const raw_attribute *a, mcv_exr_header *header) {
     static const struct {
         const char *type;
         uint32_t count;
         char scalar;
-    } kinds[] = {{"int", 1, 'i'}, {"float", 1, 'f'},       {"double", 1, 'd'}, {"v2i", 2, 'i'},  {"v2f", 2, 'f'},
-                 {"v2d", 2, 'd'}, {"floatvector", 4, 'f'}, {"m44f", 16, 'f'},  {"m44d", 16, 'd'}};
+    } kinds[] = {{"int", 1, 'i'},         {"float", 1, 'f'}, {"double", 1, 'd'},
+                 {"v2i", 2, 'i'},         {"v2f", 2, 'f'},   {"v2d", 2, 'd'},
+                 {"floatvector", 4, 'f'}, {"m44f", 16, 'f'}, {"m44d", 16, 'd'}};
     mcv_attribute kept = {0};
     if (strcmp(a->type, "string") == 0) {
         kept.text = strndup((const char *)a->value, a->size);
@@ -188,13 +223,15 @@ static mcv_result keep_attribute(const reader *r, const raw_attribute *a, mcv_ex
             const uint32_t scalar_size = kinds[k].scalar == 'd' ? 8 : 4;
             if (!has_type(a, kinds[k].type, kinds[k].count * scalar_size)) continue;
             kept.count = kinds[k].count;
-            for (uint32_t i = 0; i < kept.count; ++i) kept.numbers[i] = number_at(a->value + (size_t)i * scalar_size, kinds[k].scalar);
+            for (uint32_t i = 0; i < kept.count; ++i)
+                kept.numbers[i] = number_at(a->value + (size_t)i * scalar_size, kinds[k].scalar);
         }
         if (kept.count == 0) return MCV_OK;
     }
     kept.name = strdup(a->name);
     header->attributes[header->attribute_count++] = kept;
-    if (!kept.name || (kept.count == 0 && !kept.text)) return mcv_fail(r->error, MCV_FAILED, "%s: no memory for its header", r->path);
+    if (!kept.name || (kept.count == 0 && !kept.text))
+        return mcv_fail(r->error, MCV_FAILED, "%s: no memory for its header", r->path);
     return MCV_OK;
 }
 
@@ -224,14 +261,18 @@ static mcv_result read_part(reader *r, mcv_exr_header *header) {
         MCV_TRY(read_essential(r, &a, part, &seen));
         if (first && !is_structure(&a)) MCV_TRY(keep_attribute(r, &a, header));
     }
-    const uint32_t needed = SEEN_CHANNELS | SEEN_COMPRESSION | SEEN_WINDOW | (r->multi_part ? SEEN_TYPE | SEEN_NAME | SEEN_CHUNKS : 0);
+    const uint32_t needed = SEEN_CHANNELS | SEEN_COMPRESSION | SEEN_WINDOW |
+                            (r->multi_part ? SEEN_TYPE | SEEN_NAME | SEEN_CHUNKS : 0);
     if ((seen & needed) != needed) {
-        return damaged(r, r->multi_part ? "a part lacks channels, compression, dataWindow, name, type or chunkCount"
-                                        : "channels, compression or dataWindow is missing");
+        return damaged(
+            r, r->multi_part
+                   ? "a part lacks channels, compression, dataWindow, name, type or chunkCount"
+                   : "channels, compression or dataWindow is missing");
     }
     const uint32_t lines = mcv_exr_lines_per_chunk(part->compression);
     const uint32_t chunks = (part->height + lines - 1) / lines;
-    if ((seen & SEEN_CHUNKS) && part->chunk_count != chunks) return damaged(r, "`chunkCount` does not fit the data window");
+    if ((seen & SEEN_CHUNKS) && part->chunk_count != chunks)
+        return damaged(r, "`chunkCount` does not fit the data window");
     part->chunk_count = chunks;
     ++header->part_count;
     return MCV_OK;
@@ -240,12 +281,14 @@ static mcv_result read_part(reader *r, mcv_exr_header *header) {
 static mcv_result read_parts(reader *r, mcv_exr_header *header) {
     const uint8_t *start = take(r, 8);
     if (!start || u32(start) != 20000630u) {
-        return mcv_fail(r->error, MCV_BAD_INPUT, "%s: not an OpenEXR file: its first bytes are not 76 2f 31 01", r->path);
+        return mcv_fail(r->error, MCV_BAD_INPUT,
+                        "%s: not an OpenEXR file: its first bytes are not 76 2f 31 01", r->path);
     }
     const uint32_t version = u32(start + 4);
     if ((version & 0xffu) != 2) return damaged(r, "its version is not 2");
     if (version & (FLAG_TILED | FLAG_DEEP)) return refused(r, "a tiled or deep image");
-    if (version & ~(0xffu | FLAG_LONG_NAMES | FLAG_MULTI_PART)) return damaged(r, "unknown flags beside the version");
+    if (version & ~(0xffu | FLAG_LONG_NAMES | FLAG_MULTI_PART))
+        return damaged(r, "unknown flags beside the version");
     r->multi_part = (version & FLAG_MULTI_PART) != 0;
     r->long_names = (version & FLAG_LONG_NAMES) != 0;
 
@@ -262,20 +305,24 @@ static mcv_result read_parts(reader *r, mcv_exr_header *header) {
     return MCV_OK;
 }
 
-static mcv_result check_chunk(reader *r, const mcv_exr_part_header *part, uint32_t part_index, uint32_t chunk, uint64_t offset,
-                              uint64_t line_bytes) {
+static mcv_result check_chunk(reader *r, const mcv_exr_part_header *part, uint32_t part_index,
+                              uint32_t chunk, uint64_t offset, uint64_t line_bytes) {
     const size_t head = r->multi_part ? 12 : 8;
-    if (offset < r->at || offset > r->size || r->size - offset < head) return damaged(r, "a chunk is missing or lies outside the file");
+    if (offset < r->at || offset > r->size || r->size - offset < head)
+        return damaged(r, "a chunk is missing or lies outside the file");
     const uint8_t *b = r->bytes + offset;
     if (r->multi_part && u32(b) != part_index) return damaged(r, "a chunk belongs to another part");
     b += head - 8;
     const uint32_t lines = mcv_exr_lines_per_chunk(part->compression);
     const uint32_t first = chunk * lines;
-    if (i32(b) != part->y_min + (int32_t)first) return damaged(r, "a chunk holds other lines than its place says");
-    const uint64_t unpacked = line_bytes * (part->height - first < lines ? part->height - first : lines);
+    if (i32(b) != part->y_min + (int32_t)first)
+        return damaged(r, "a chunk holds other lines than its place says");
+    const uint64_t unpacked =
+        line_bytes * (part->height - first < lines ? part->height - first : lines);
     const uint64_t packed = u32(b + 4);
     if (packed > r->size - offset - head) return damaged(r, "a chunk is longer than the file");
-    if (packed > unpacked || packed * MAX_EXPANSION < unpacked || (part->compression == COMPRESSION_NONE && packed != unpacked)) {
+    if (packed > unpacked || packed * MAX_EXPANSION < unpacked ||
+        (part->compression == COMPRESSION_NONE && packed != unpacked)) {
         return damaged(r, "a chunk's size does not fit the pixels it holds");
     }
     return MCV_OK;
@@ -291,7 +338,8 @@ static mcv_result check_chunks(reader *r, const mcv_exr_header *header) {
     for (uint32_t p = 0; p < header->part_count; ++p) {
         const mcv_exr_part_header *part = &header->parts[p];
         uint64_t line_bytes = 0;
-        for (uint32_t c = 0; c < part->channel_count; ++c) line_bytes += (uint64_t)part->channels[c].bytes * part->width;
+        for (uint32_t c = 0; c < part->channel_count; ++c)
+            line_bytes += (uint64_t)part->channels[c].bytes * part->width;
         for (uint32_t i = 0; i < part->chunk_count; ++i) {
             MCV_TRY(check_chunk(r, part, p, i, u64(tables[p] + (size_t)i * 8), line_bytes));
         }
@@ -299,7 +347,8 @@ static mcv_result check_chunks(reader *r, const mcv_exr_header *header) {
     return MCV_OK;
 }
 
-mcv_result mcv_exr_header_read(const char *path, const uint8_t *bytes, size_t size, mcv_exr_header *header, mcv_error *error) {
+mcv_result mcv_exr_header_read(const char *path, const uint8_t *bytes, size_t size,
+                               mcv_exr_header *header, mcv_error *error) {
     reader r = {.path = path, .bytes = bytes, .size = size, .error = error};
     *header = (mcv_exr_header){.parts = calloc(MCV_EXR_MAX_PARTS, sizeof *header->parts),
                                .attributes = calloc(MAX_ATTRIBUTES, sizeof *header->attributes)};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Our own reading of an OpenEXR header and its chunk tables (the OpenEXR File Layout document), so that only files whose
- * every size and offset holds reach the library.
+ * Our own reading of an OpenEXR header and its chunk tables (the OpenEXR File Layout document), so
+ * that only files whose every size and offset holds reach the library.
  */
 #ifndef MCVISI_HOST_OUTPUT_EXR_HEADER_H
 #define MCVISI_HOST_OUTPUT_EXR_HEADER_H
@@ -34,10 +34,12 @@ typedef struct mcv_exr_header {
 uint32_t mcv_exr_lines_per_chunk(uint32_t compression);
 
 /*
- * Fills the header from a whole file in memory, or says what is wrong (MCV_BAD_INPUT, naming path). After success every chunk lies
- * in the file, in its place, and can hold the pixels that the header promises.
+ * Fills the header from a whole file in memory, or says what is wrong (MCV_BAD_INPUT, naming path).
+ * After success every chunk lies in the file, in its place, and can hold the pixels that the header
+ * promises.
  */
-mcv_result mcv_exr_header_read(const char *path, const uint8_t *bytes, size_t size, mcv_exr_header *header, mcv_error *error);
+mcv_result mcv_exr_header_read(const char *path, const uint8_t *bytes, size_t size,
+                               mcv_exr_header *header, mcv_error *error);
 void mcv_exr_header_free(mcv_exr_header *header);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* An experiment as one HTML file that needs nothing else: each metric over each parameter with error bars (inline SVG), and all rows. */
+/* An experiment as one HTML file that needs nothing else: each metric over each parameter with
+ * error bars (inline SVG), and all rows. */
 #ifndef MCVISI_HOST_OUTPUT_PLOTS_H
 #define MCVISI_HOST_OUTPUT_PLOTS_H
 
@@ -10,7 +11,8 @@ typedef struct mcv_plots_axis {
     bool logarithmic;
 } mcv_plots_axis;
 
-/* Nothing is owned. A row holds the parameters, then value and standard uncertainty of each metric; NaN: there is none. */
+/* Nothing is owned. A row holds the parameters, then value and standard uncertainty of each metric;
+ * NaN: there is none. */
 typedef struct mcv_plots {
     const char *title, *text; /* text: a paragraph below the title */
     const mcv_plots_axis *parameters;

@@ -29,15 +29,21 @@ bool mcv_values_named(const char *path) { return find_format(path); }
 mcv_result mcv_values_write(const char *path, const mcv_image *image, int bits, mcv_error *error) {
     const format *f = find_format(path);
     if (!f) return mcv_fail(error, MCV_USAGE, "%s: its name must end in " MCV_VALUES_ENDINGS, path);
-    if (bits != 8 && bits != 16) return mcv_fail(error, MCV_USAGE, "%s: grey values are written with 8 or 16 bits, not %d", path, bits);
+    if (bits != 8 && bits != 16)
+        return mcv_fail(error, MCV_USAGE, "%s: grey values are written with 8 or 16 bits, not %d",
+                        path, bits);
     if (image->channels != 1 && image->channels != 3)
-        return mcv_fail(error, MCV_FAILED, "%s: an image of %u channels cannot be written so; 1 or 3 can", path, image->channels);
+        return mcv_fail(error, MCV_FAILED,
+                        "%s: an image of %u channels cannot be written so; 1 or 3 can", path,
+                        image->channels);
     return f->write(path, image, bits, error);
 }
 
 mcv_result mcv_values_read(const char *path, mcv_image *image, mcv_error *error) {
     const format *f = find_format(path);
-    if (!f) return mcv_fail(error, MCV_USAGE, "%s: its name must end in .exr, " MCV_VALUES_ENDINGS, path);
+    if (!f)
+        return mcv_fail(error, MCV_USAGE, "%s: its name must end in .exr, " MCV_VALUES_ENDINGS,
+                        path);
     return f->read(path, image, error);
 }
 
@@ -58,13 +64,15 @@ void *mcv_values_pack(const mcv_image *image, int bits) {
     return values;
 }
 
-mcv_result mcv_values_unpack(const void *values, int bits, uint32_t width, uint32_t height, uint32_t stride, uint32_t channels,
-                             mcv_image *image, mcv_error *error) {
+mcv_result mcv_values_unpack(const void *values, int bits, uint32_t width, uint32_t height,
+                             uint32_t stride, uint32_t channels, mcv_image *image,
+                             mcv_error *error) {
     MCV_TRY(mcv_image_new(image, width, height, channels, error));
     const size_t plane = (size_t)width * height;
     for (size_t i = 0; i < plane; ++i)
         for (uint32_t c = 0; c < channels; ++c)
-            image->pixels[c * plane + i] =
-                bits == 8 ? (float)((const uint8_t *)values)[i * stride + c] : (float)((const uint16_t *)values)[i * stride + c];
+            image->pixels[c * plane + i] = bits == 8
+                                               ? (float)((const uint8_t *)values)[i * stride + c]
+                                               : (float)((const uint16_t *)values)[i * stride + c];
     return MCV_OK;
 }

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * n_d and V_d of makers' glasses that lens files name and the renderer's own catalogue (glasses.c) lacks, worked out from the dispersion
- * formulas of the makers' catalogues as refractiveindex.info's database holds them (2026, public domain, CC0). Of
- * glasses of one name Schott's counts; BAF2, a flint and a crystal, is left out.
+ * n_d and V_d of makers' glasses that lens files name and the renderer's own catalogue (glasses.c)
+ * lacks, worked out from the dispersion formulas of the makers' catalogues as
+ * refractiveindex.info's database holds them (2026, public domain, CC0). Of glasses of one name
+ * Schott's counts; BAF2, a flint and a crystal, is left out.
  */
 #include "lens/glass_codes.h"
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* First-order optics of a lens prescription: paraxial rays (y, u) traced from surface to surface, n' u' = n u - y c (n' - n). */
+/* First-order optics of a lens prescription: paraxial rays (y, u) traced from surface to surface,
+ * n' u' = n u - y c (n' - n). */
 #include "lens/lens.h"
 
 #include <math.h>
@@ -46,23 +47,31 @@ static ray axial_ray(const mcv_lens *l) {
     return isfinite(distance) ? trace(l, distance, 1) : trace(l, 1, 0);
 }
 
-static int stop_of(const mcv_lens *l) { return l->stop > 0 && l->stop < l->count - 1 ? l->stop : 1; }
+static int stop_of(const mcv_lens *l) {
+    return l->stop > 0 && l->stop < l->count - 1 ? l->stop : 1;
+}
 
 /* Through the middle of the stop. */
 static ray chief_ray(const mcv_lens *l, const ray *axial) {
     const ray oblique = isfinite(object_distance(l)) ? trace(l, 1, 0) : trace(l, 0, 1);
     const int stop = stop_of(l);
-    return axial->height[stop] != 0 ? add(&oblique, -oblique.height[stop] / axial->height[stop], axial) : oblique;
+    return axial->height[stop] != 0
+               ? add(&oblique, -oblique.height[stop] / axial->height[stop], axial)
+               : oblique;
 }
 
-/* Height of a ray in the entrance pupil, whose centre the chief ray meets; of telecentric lenses that is at infinity. */
+/* Height of a ray in the entrance pupil, whose centre the chief ray meets; of telecentric lenses
+ * that is at infinity. */
 static double pupil_height(const ray *r, const ray *chief) {
     if (r->object_slope == 0) return r->height[1];
-    return chief->object_slope != 0 ? r->height[1] - r->object_slope * chief->height[1] / chief->object_slope : INFINITY;
+    return chief->object_slope != 0
+               ? r->height[1] - r->object_slope * chief->height[1] / chief->object_slope
+               : INFINITY;
 }
 
 bool mcv_lens_bounds_glass(const mcv_lens *l, int surface) {
-    return *l->surfaces[surface].glass.name || (surface > 0 && *l->surfaces[surface - 1].glass.name);
+    return *l->surfaces[surface].glass.name ||
+           (surface > 0 && *l->surfaces[surface - 1].glass.name);
 }
 
 static int last_of_glass(const mcv_lens *l) {
@@ -72,8 +81,11 @@ static int last_of_glass(const mcv_lens *l) {
     return last;
 }
 
-/* Where a ray meets the axis, behind the last surface that bounds glass; the air behind it changes no slope. */
-static double crossing(const ray *r, int last) { return r->slope != 0 ? -r->height[last] / r->slope : INFINITY; }
+/* Where a ray meets the axis, behind the last surface that bounds glass; the air behind it changes
+ * no slope. */
+static double crossing(const ray *r, int last) {
+    return r->slope != 0 ? -r->height[last] / r->slope : INFINITY;
+}
 
 void mcv_lens_solve_image(mcv_lens *l) {
     const int last = l->count - 2;
@@ -107,7 +119,8 @@ static double marginal_scale(const mcv_lens *l, const ray *axial) {
             break;
         }
         for (int i = 1; i < l->count - 1; ++i)
-            if (l->surfaces[i].semi_diameter > 0) scale = fmin(scale, l->surfaces[i].semi_diameter / fabs(axial->height[i]));
+            if (l->surfaces[i].semi_diameter > 0)
+                scale = fmin(scale, l->surfaces[i].semi_diameter / fabs(axial->height[i]));
         break;
     }
     return isfinite(scale) && scale > 0 ? scale : 0;
@@ -139,7 +152,8 @@ bool mcv_lens_is_possible(const mcv_lens *l) {
     const double scale = marginal_scale(l, &axial);
     for (int i = 1; i < l->count - 1; ++i) {
         const mcv_lens_surface *s = l->surfaces + i;
-        const double height = fmax(s->semi_diameter, scale * fabs(axial.height[i])), c = s->curvature;
+        const double height = fmax(s->semi_diameter, scale * fabs(axial.height[i])),
+                     c = s->curvature;
         if ((1 + s->conic) * c * c * height * height >= 1) return false;
     }
     return true;
@@ -147,7 +161,9 @@ bool mcv_lens_is_possible(const mcv_lens *l) {
 
 /* The edge of the body between a surface and the next: the larger of its two semi-diameters. */
 static double edge_of(const mcv_lens *l, int surface) {
-    return *l->surfaces[surface].glass.name ? fmax(l->surfaces[surface].semi_diameter, l->surfaces[surface + 1].semi_diameter) : INFINITY;
+    return *l->surfaces[surface].glass.name
+               ? fmax(l->surfaces[surface].semi_diameter, l->surfaces[surface + 1].semi_diameter)
+               : INFINITY;
 }
 
 /* What the axial ray is to be multiplied by to touch the stop or the narrowest body. */
@@ -172,7 +188,8 @@ mcv_lens_first_order mcv_lens_trace(const mcv_lens *l, bool as_written) {
                               .back_focus = crossing(&parallel, last),
                               .object_distance = object_distance(l),
                               .image_distance = crossing(&axial, last),
-                              .stated_image_distance = isfinite(stated) && stated != 0 ? stated : NAN,
+                              .stated_image_distance =
+                                  isfinite(stated) && stated != 0 ? stated : NAN,
                               .working_f_number = 1 / (2 * scale * fabs(axial.slope))};
     if (!isfinite(f.focal_length)) f.focal_length = f.back_focus = NAN;
     if (!isfinite(f.image_distance)) f.image_distance = NAN;
@@ -181,13 +198,17 @@ mcv_lens_first_order mcv_lens_trace(const mcv_lens *l, bool as_written) {
     return f;
 }
 
-/* What the file gives on the other faces of a surface's bodies, which end at one edge; 0 if nothing. */
+/* What the file gives on the other faces of a surface's bodies, which end at one edge; 0 if
+ * nothing. */
 static double given_beside(const mcv_lens *l, const bool *given, int i) {
-    const double before = *l->surfaces[i - 1].glass.name && given[i - 1] ? l->surfaces[i - 1].semi_diameter : 0;
-    return fmax(before, *l->surfaces[i].glass.name && given[i + 1] ? l->surfaces[i + 1].semi_diameter : 0);
+    const double before =
+        *l->surfaces[i - 1].glass.name && given[i - 1] ? l->surfaces[i - 1].semi_diameter : 0;
+    return fmax(before,
+                *l->surfaces[i].glass.name && given[i + 1] ? l->surfaces[i + 1].semi_diameter : 0);
 }
 
-mcv_result mcv_lens_find_semi_diameters(mcv_lens *l, int first, int end, const bool *given, mcv_error *error) {
+mcv_result mcv_lens_find_semi_diameters(mcv_lens *l, int first, int end, const bool *given,
+                                        mcv_error *error) {
     const ray axial = axial_ray(l), chief = chief_ray(l, &axial);
     const double marginal = marginal_scale(l, &axial), field = field_scale(l, &axial, &chief);
     for (int i = first; i < end; ++i) {
@@ -195,17 +216,23 @@ mcv_result mcv_lens_find_semi_diameters(mcv_lens *l, int first, int end, const b
         const bool on_glass = mcv_lens_bounds_glass(l, i);
         if (on_glass && !given[i]) s->semi_diameter = given_beside(l, given, i);
         if (s->semi_diameter > 0 || (i != l->stop && !on_glass)) continue;
-        if (marginal == 0 && l->aperture_is == MCV_LENS_OBJECT_SLOPE && l->aperture > 0 && axial.object_slope == 0)
+        if (marginal == 0 && l->aperture_is == MCV_LENS_OBJECT_SLOPE && l->aperture > 0 &&
+            axial.object_slope == 0)
             return mcv_lens_fail(l, s->line, i, error,
-                                 "has no semi-diameter, and the object is at infinity, where the object-side aperture (OBNA, NAO) says "
-                                 "nothing: give the object's distance (DISZ, SO) or another aperture (ENPD, EPD, FNO)");
+                                 "has no semi-diameter, and the object is at infinity, where the "
+                                 "object-side aperture (OBNA, NAO) says "
+                                 "nothing: give the object's distance (DISZ, SO) or another "
+                                 "aperture (ENPD, EPD, FNO)");
         if (marginal == 0)
             return mcv_lens_fail(l, s->line, i, error,
-                                 "has no semi-diameter (DIAM, CIR), and no aperture (ENPD, EPD, FNO, NAO …) tells how wide the bundle is");
+                                 "has no semi-diameter (DIAM, CIR), and no aperture (ENPD, EPD, "
+                                 "FNO, NAO …) tells how wide the bundle is");
         const double height = marginal * fabs(axial.height[i]);
-        s->semi_diameter = i == l->stop && !on_glass ? height : 1.05 * (height + field * fabs(chief.height[i]));
+        s->semi_diameter =
+            i == l->stop && !on_glass ? height : 1.05 * (height + field * fabs(chief.height[i]));
         if (!(s->semi_diameter > 0 && isfinite(s->semi_diameter)))
-            return mcv_lens_fail(l, s->line, i, error, "the bundle has no width there, and no semi-diameter is given");
+            return mcv_lens_fail(l, s->line, i, error,
+                                 "the bundle has no width there, and no semi-diameter is given");
     }
     return MCV_OK;
 }

@@ -31,15 +31,21 @@ static size_t write_utf8(char *out, unsigned code) {
 
 /* Length of the UTF-8 character that begins here, 0 if none does. */
 static size_t utf8_length(const uint8_t *bytes, size_t size) {
-    const size_t length = bytes[0] < 0x80 ? 1 : bytes[0] >= 0xc2 && bytes[0] < 0xe0 ? 2 : bytes[0] >= 0xe0 && bytes[0] < 0xf0 ? 3 : 0;
+    const size_t length = bytes[0] < 0x80                       ? 1
+                          : bytes[0] >= 0xc2 && bytes[0] < 0xe0 ? 2
+                          : bytes[0] >= 0xe0 && bytes[0] < 0xf0 ? 3
+                                                                : 0;
     if (length == 0 || length > size) return 0;
     for (size_t i = 1; i < length; ++i)
         if ((bytes[i] & 0xc0) != 0x80) return 0;
-    if (length == 3 && ((bytes[0] == 0xe0 && bytes[1] < 0xa0) || (bytes[0] == 0xed && bytes[1] >= 0xa0))) return 0;
+    if (length == 3 &&
+        ((bytes[0] == 0xe0 && bytes[1] < 0xa0) || (bytes[0] == 0xed && bytes[1] >= 0xa0)))
+        return 0;
     return length;
 }
 
-/* Which byte of a pair is the low one: 0 or 1; -1 for single bytes. `skip`: the bytes of the mark. */
+/* Which byte of a pair is the low one: 0 or 1; -1 for single bytes. `skip`: the bytes of the mark.
+ */
 static int find_pairs(const uint8_t *bytes, size_t size, size_t *skip) {
     *skip = 2;
     if (size >= 2 && bytes[0] == 0xff && bytes[1] == 0xfe) return 0;
@@ -61,7 +67,9 @@ mcv_result mcv_lens_text_load(const char *path, char **text, mcv_error *error) {
     }
     for (size_t i = skip; i < size;) {
         if (low >= 0) {
-            const unsigned code = i + 1 < size ? bytes[i + (size_t)low] | (unsigned)bytes[i + 1 - (size_t)low] << 8 : '?';
+            const unsigned code =
+                i + 1 < size ? bytes[i + (size_t)low] | (unsigned)bytes[i + 1 - (size_t)low] << 8
+                             : '?';
             n += write_utf8(out + n, code == 0 || (code >= 0xd800 && code < 0xe000) ? '?' : code);
             i += 2;
             continue;
@@ -85,7 +93,8 @@ int mcv_lens_split(char *statement, char *words[MCV_LENS_WORDS]) {
         const char quote = (char)(*statement == '\'' || *statement == '"' ? *statement : 0);
         if (quote) ++statement;
         words[n++] = statement;
-        while (*statement && (quote ? *statement != quote : !isspace((unsigned char)*statement))) ++statement;
+        while (*statement && (quote ? *statement != quote : !isspace((unsigned char)*statement)))
+            ++statement;
         if (!*statement) break;
         *statement++ = '\0';
     }
@@ -119,7 +128,8 @@ mcv_result mcv_lens_number(const mcv_lens *l, const char *word, double *value, m
     return mcv_lens_fail(l, l->line, l->count - 1, error, "\"%s\" is too large a number", word);
 }
 
-mcv_result mcv_lens_fail(const mcv_lens *l, int line, int surface, mcv_error *error, const char *format, ...) {
+mcv_result mcv_lens_fail(const mcv_lens *l, int line, int surface, mcv_error *error,
+                         const char *format, ...) {
     char what[400], place[64] = "";
     int n = 0;
     va_list arguments;
@@ -141,7 +151,8 @@ void mcv_lens_warn(mcv_lens *l, const char *format, ...) {
 }
 
 mcv_result mcv_lens_add_surface(mcv_lens *l, mcv_error *error) {
-    if (l->count == MCV_LENS_SURFACES) return mcv_lens_fail(l, l->line, -1, error, "more than %d surfaces", MCV_LENS_SURFACES);
+    if (l->count == MCV_LENS_SURFACES)
+        return mcv_lens_fail(l, l->line, -1, error, "more than %d surfaces", MCV_LENS_SURFACES);
     l->surfaces[l->count++] = (mcv_lens_surface){.line = l->line};
     return MCV_OK;
 }

@@ -33,17 +33,20 @@ typedef struct mcv_accessor {
     mcv_span sparse_indices, sparse_values;
 } mcv_accessor;
 
-/* Reads the member `key` of `object` as the index of an accessor. *given is false where it is absent. */
-mcv_result mcv_accessor_get(const json_t *root, const json_t *object, const char *key, bool *given, mcv_accessor *accessor,
-                            const mcv_json_path *place, mcv_error *error);
+/* Reads the member `key` of `object` as the index of an accessor. *given is false where it is
+ * absent. */
+mcv_result mcv_accessor_get(const json_t *root, const json_t *object, const char *key, bool *given,
+                            mcv_accessor *accessor, const mcv_json_path *place, mcv_error *error);
 
-/* Checks accessors[i] against its bufferViews: types, alignment, bounds without overflow. bufferViews must be checked before. */
-mcv_result mcv_accessor_check(const json_t *root, const json_t *object, mcv_accessor *accessor, const mcv_json_path *place, mcv_error *error);
+/* Checks accessors[i] against its bufferViews: types, alignment, bounds without overflow.
+ * bufferViews must be checked before. */
+mcv_result mcv_accessor_check(const json_t *root, const json_t *object, mcv_accessor *accessor,
+                              const mcv_json_path *place, mcv_error *error);
 
 /* All elements as floats (normalized integers scaled as glTF says) or as integers; malloc'ed. */
-mcv_result mcv_accessor_floats(const mcv_gltf *gltf, const mcv_accessor *accessor, float **values, const mcv_json_path *place,
-                               mcv_error *error);
-mcv_result mcv_accessor_indices(const mcv_gltf *gltf, const mcv_accessor *accessor, uint32_t **values, const mcv_json_path *place,
-                                mcv_error *error);
+mcv_result mcv_accessor_floats(const mcv_gltf *gltf, const mcv_accessor *accessor, float **values,
+                               const mcv_json_path *place, mcv_error *error);
+mcv_result mcv_accessor_indices(const mcv_gltf *gltf, const mcv_accessor *accessor,
+                                uint32_t **values, const mcv_json_path *place, mcv_error *error);
 
 #endif

@@ -11,26 +11,37 @@ struct mcv_asset_cache {
     size_t count, read;
 };
 
-/* --- stamps ----------------------------------------------------------------------------------------------------- */
+/* --- stamps
+ * -----------------------------------------------------------------------------------------------------
+ */
 
 static bool read_stamp(const char *path, mcv_stamp *stamp) {
     struct stat s;
     if (stat(path, &s) != 0) return false;
-    *stamp = (mcv_stamp){.device = s.st_dev, .inode = s.st_ino, .size = (uint64_t)s.st_size, .modified = s.st_mtim, .changed = s.st_ctim};
+    *stamp = (mcv_stamp){.device = s.st_dev,
+                         .inode = s.st_ino,
+                         .size = (uint64_t)s.st_size,
+                         .modified = s.st_mtim,
+                         .changed = s.st_ctim};
     return true;
 }
 
-static bool same_time(const struct timespec *a, const struct timespec *b) { return a->tv_sec == b->tv_sec && a->tv_nsec == b->tv_nsec; }
+static bool same_time(const struct timespec *a, const struct timespec *b) {
+    return a->tv_sec == b->tv_sec && a->tv_nsec == b->tv_nsec;
+}
 
 static bool is_unchanged(const mcv_stamp *stamp) {
     mcv_stamp now;
-    return read_stamp(stamp->path, &now) && now.device == stamp->device && now.inode == stamp->inode && now.size == stamp->size &&
+    return read_stamp(stamp->path, &now) && now.device == stamp->device &&
+           now.inode == stamp->inode && now.size == stamp->size &&
            same_time(&now.modified, &stamp->modified) && same_time(&now.changed, &stamp->changed);
 }
 
-mcv_result mcv_stamp_add(mcv_loader *loader, const char *path, const mcv_json_path *place, mcv_error *error) {
+mcv_result mcv_stamp_add(mcv_loader *loader, const char *path, const mcv_json_path *place,
+                         mcv_error *error) {
     mcv_stamp stamp;
-    if (!read_stamp(path, &stamp)) return mcv_fail_at(place, error, "\"%s\" cannot be opened: %s", path, strerror(errno));
+    if (!read_stamp(path, &stamp))
+        return mcv_fail_at(place, error, "\"%s\" cannot be opened: %s", path, strerror(errno));
     stamp.path = strdup(path);
     mcv_stamp *stamps = realloc(loader->stamps, (loader->stamp_count + 1) * sizeof *stamps);
     if (stamps) loader->stamps = stamps;
@@ -47,7 +58,9 @@ void mcv_stamps_free(mcv_stamp *stamps, size_t count) {
     free(stamps);
 }
 
-/* --- assets ----------------------------------------------------------------------------------------------------- */
+/* --- assets
+ * -----------------------------------------------------------------------------------------------------
+ */
 
 mcv_asset_cache *mcv_kept_assets_new(void) { return calloc(1, sizeof(mcv_asset_cache)); }
 
@@ -72,7 +85,8 @@ void mcv_kept_forget_changed(mcv_asset_cache *kept) {
     for (size_t i = 0; i < kept->count; ++i) {
         const mcv_kept_asset *a = kept->assets + i;
         bool unchanged = true;
-        for (size_t k = 0; k < a->stamp_count; ++k) unchanged = unchanged && is_unchanged(a->stamps + k);
+        for (size_t k = 0; k < a->stamp_count; ++k)
+            unchanged = unchanged && is_unchanged(a->stamps + k);
         if (unchanged)
             kept->assets[left++] = *a;
         else
@@ -87,7 +101,8 @@ const mcv_kept_asset *mcv_kept_find(const mcv_asset_cache *kept, const char *pat
     return NULL;
 }
 
-mcv_result mcv_kept_add(mcv_loader *asset, const double size[3], const mcv_json_path *place, mcv_error *error) {
+mcv_result mcv_kept_add(mcv_loader *asset, const double size[3], const mcv_json_path *place,
+                        mcv_error *error) {
     mcv_asset_cache *kept = asset->kept;
     if (!kept) return MCV_OK;
     mcv_kept_asset *assets = realloc(kept->assets, (kept->count + 1) * sizeof *assets);
@@ -97,7 +112,8 @@ mcv_result mcv_kept_add(mcv_loader *asset, const double size[3], const mcv_json_
     if (size) {
         a.solid = mcv_scene_new(asset->file.key);
         if (!a.solid) return mcv_fail_memory(place, error);
-        const mcv_result result = mcv_scene_add_mesh(a.solid, asset->scene->meshes + asset->solid, error);
+        const mcv_result result =
+            mcv_scene_add_mesh(a.solid, asset->scene->meshes + asset->solid, error);
         if (result != MCV_OK) mcv_scene_free(a.solid);
         MCV_TRY(result);
         memcpy(a.size, size, sizeof a.size);

@@ -41,7 +41,8 @@ bool read_file(std::vector<unsigned char> *out, std::string *, const std::string
     return true;
 }
 
-/* Size of a PNG, or of a JPEG by its frame header; zero for anything else. Asked before anything is allocated for pixels. */
+/* Size of a PNG, or of a JPEG by its frame header; zero for anything else. Asked before anything is
+ * allocated for pixels. */
 void image_size(const unsigned char *p, size_t size, size_t *width, size_t *height) {
     static const unsigned char png[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
     *width = *height = 0;
@@ -54,7 +55,8 @@ void image_size(const unsigned char *p, size_t size, size_t *width, size_t *heig
             const unsigned marker = p[i + 1];
             if (marker == 0xff) {
                 ++i; /* a fill byte */
-            } else if (marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc) {
+            } else if (marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 &&
+                       marker != 0xcc) {
                 *height = p[i + 5] << 8 | p[i + 6];
                 *width = p[i + 7] << 8 | p[i + 8];
                 return;
@@ -65,8 +67,8 @@ void image_size(const unsigned char *p, size_t size, size_t *width, size_t *heig
     }
 }
 
-bool load_image(tinygltf::Image *image, const int index, std::string *err, std::string *warn, int, int, const unsigned char *bytes,
-                int size, void *user) {
+bool load_image(tinygltf::Image *image, const int index, std::string *err, std::string *warn, int,
+                int, const unsigned char *bytes, int size, void *user) {
     auto *state = static_cast<reading *>(user);
     const size_t limit = size_t{1} << 27; /* tinygltf counts the bytes of 16-bit RGBA in an int */
     size_t width, height;
@@ -81,7 +83,9 @@ bool load_image(tinygltf::Image *image, const int index, std::string *err, std::
     else if ((image->bits != 8 && image->bits != 16) || image->component != 4)
         wrong = "has an unknown pixel format";
     if (!wrong) return true;
-    if (state->result == MCV_OK) state->result = mcv_fail_at(state->place, state->error, "%s %s", image->name.c_str(), wrong);
+    if (state->result == MCV_OK)
+        state->result =
+            mcv_fail_at(state->place, state->error, "%s %s", image->name.c_str(), wrong);
     return false;
 }
 
@@ -103,19 +107,22 @@ mcv_result load(mcv_gltf *gltf, const char *json, size_t length, reading *state)
     std::string err, warn;
     loader.SetFsCallbacks(callbacks);
     loader.SetImageLoader(load_image, state);
-    const bool loaded =
-        loader.LoadASCIIFromString(&gltf->model, &err, &warn, json, static_cast<unsigned>(length), "", tinygltf::NO_REQUIRE);
+    const bool loaded = loader.LoadASCIIFromString(
+        &gltf->model, &err, &warn, json, static_cast<unsigned>(length), "", tinygltf::NO_REQUIRE);
     if (state->result != MCV_OK) return state->result;
     if (!loaded) {
         for (char &c : err)
             if (c == '\n') c = ' ';
-        return mcv_fail_at(state->place, state->error, "its buffers or images cannot be read: %.512s", err.c_str());
+        return mcv_fail_at(state->place, state->error,
+                           "its buffers or images cannot be read: %.512s", err.c_str());
     }
-    for (auto &buffer : gltf->model.buffers) std::string().swap(buffer.uri); /* a data URI is as long as the data */
+    for (auto &buffer : gltf->model.buffers)
+        std::string().swap(buffer.uri); /* a data URI is as long as the data */
     for (auto &image : gltf->model.images) {
         if (image.bits == 16) narrow(&image);
         if (image.width <= 0 || image.height <= 0 ||
-            image.image.size() != 4 * static_cast<size_t>(image.width) * static_cast<size_t>(image.height))
+            image.image.size() !=
+                4 * static_cast<size_t>(image.width) * static_cast<size_t>(image.height))
             return mcv_fail_at(state->place, state->error, "%s has no pixels", image.name.c_str());
     }
     return MCV_OK;
@@ -123,10 +130,12 @@ mcv_result load(mcv_gltf *gltf, const char *json, size_t length, reading *state)
 
 } // namespace
 
-mcv_result mcv_gltf_open(const char *json, size_t length, mcv_gltf_read *read, void *user, mcv_gltf **gltf, const mcv_json_path *place,
-                         mcv_error *error) {
+mcv_result mcv_gltf_open(const char *json, size_t length, mcv_gltf_read *read, void *user,
+                         mcv_gltf **gltf, const mcv_json_path *place, mcv_error *error) {
     *gltf = nullptr;
-    if (length > INT32_MAX) return mcv_fail_at(place, error, "its data URIs exceed 2 GiB: put the data into a .bin or .glb file");
+    if (length > INT32_MAX)
+        return mcv_fail_at(place, error,
+                           "its data URIs exceed 2 GiB: put the data into a .bin or .glb file");
     try {
         reading state = {read, user, place, error, MCV_OK};
         *gltf = new mcv_gltf;
@@ -142,7 +151,8 @@ mcv_result mcv_gltf_open(const char *json, size_t length, mcv_gltf_read *read, v
     } catch (const std::exception &exception) {
         mcv_gltf_close(*gltf);
         *gltf = nullptr;
-        return mcv_fail_at(place, error, "its buffers or images cannot be read: %s", exception.what());
+        return mcv_fail_at(place, error, "its buffers or images cannot be read: %s",
+                           exception.what());
     }
 }
 
@@ -153,7 +163,8 @@ mcv_bytes mcv_gltf_buffer(const mcv_gltf *gltf, size_t index) {
     return {const_cast<uint8_t *>(data.data()), data.size()};
 }
 
-const uint8_t *mcv_gltf_image(const mcv_gltf *gltf, size_t index, uint32_t *width, uint32_t *height) {
+const uint8_t *mcv_gltf_image(const mcv_gltf *gltf, size_t index, uint32_t *width,
+                              uint32_t *height) {
     const tinygltf::Image &image = gltf->model.images[index];
     *width = static_cast<uint32_t>(image.width);
     *height = static_cast<uint32_t>(image.height);

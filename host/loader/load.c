@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A glTF document to a scene: read, split, parse, override, validate, open buffers, then walk the nodes. */
+/* A glTF document to a scene: read, split, parse, override, validate, open buffers, then walk the
+ * nodes. */
 #include "loader/load.h"
 
 #include "core/basics.h"
@@ -35,21 +36,25 @@ static bool is_known(const char *name) {
     return false;
 }
 
-static mcv_result check_extensions(const json_t *root, const mcv_json_path *file, mcv_error *error) {
+static mcv_result check_extensions(const json_t *root, const mcv_json_path *file,
+                                   mcv_error *error) {
     const size_t known = sizeof known_extensions / sizeof known_extensions[0];
     const json_t *required = json_object_get(root, "extensionsRequired");
     for (size_t i = 0; i < json_array_size(required); ++i) {
         const char *name = json_string_value(json_array_get(required, i));
         if (is_known(name)) continue;
-        const mcv_json_path place = mcv_json_path_key(file, "extensionsRequired"), here = mcv_place_index(&place, i);
+        const mcv_json_path place = mcv_json_path_key(file, "extensionsRequired"),
+                            here = mcv_place_index(&place, i);
         const char *nearest = mcv_nearest_word(name, known_extensions, known);
-        return mcv_fail_at(&here, error, "%s is required, but this program does not read it%s%s", name,
-                           nearest ? "; it reads " : ": export without it", nearest ? nearest : "");
+        return mcv_fail_at(&here, error, "%s is required, but this program does not read it%s%s",
+                           name, nearest ? "; it reads " : ": export without it",
+                           nearest ? nearest : "");
     }
     return MCV_OK;
 }
 
-/* --- one line about what was ignored ---------------------------------------------------------------------------- */
+/* --- one line about what was ignored
+ * ---------------------------------------------------------------------------- */
 
 /* Objects with extras other than a note, below `value`. jansson bounds the depth of a document. */
 static size_t count_extras(const json_t *value) {
@@ -80,11 +85,14 @@ static mcv_result warn_ignored(mcv_loader *loader, mcv_error *error) {
         const char *name = json_string_value(json_array_get(used, i));
         if (!is_known(name)) fprintf(stream, "%s%s", unknown++ ? ", " : "extensions ", name);
     }
-    if (json_array_size(json_object_get(loader->root, "animations"))) fprintf(stream, "%sanimations", unknown++ ? ", " : "");
-    if (json_array_size(json_object_get(loader->root, "skins"))) fprintf(stream, "%sskins", unknown++ ? ", " : "");
+    if (json_array_size(json_object_get(loader->root, "animations")))
+        fprintf(stream, "%sanimations", unknown++ ? ", " : "");
+    if (json_array_size(json_object_get(loader->root, "skins")))
+        fprintf(stream, "%sskins", unknown++ ? ", " : "");
     if (extras) fprintf(stream, "%sextras of %zu objects", unknown++ ? ", " : "", extras);
     fclose(stream);
-    const mcv_result result = unknown && text ? mcv_scene_warn(loader->scene, error, "ignored: %s", text) : MCV_OK;
+    const mcv_result result =
+        unknown && text ? mcv_scene_warn(loader->scene, error, "ignored: %s", text) : MCV_OK;
     free(text);
     return result;
 }
@@ -92,10 +100,14 @@ static mcv_result warn_ignored(mcv_loader *loader, mcv_error *error) {
 static mcv_result warn_unused(mcv_loader *loader, mcv_error *error) {
     for (size_t i = 0; i < loader->sensor_count; ++i)
         if (!loader->sensor_uses[i])
-            MCV_TRY(mcv_scene_warn(loader->scene, error, "sensors/%zu \"%s\" is on no node of the scene", i, loader->sensors[i].name));
+            MCV_TRY(mcv_scene_warn(loader->scene, error,
+                                   "sensors/%zu \"%s\" is on no node of the scene", i,
+                                   loader->sensors[i].name));
     for (size_t i = 0; i < loader->emitter_count; ++i)
         if (!loader->emitter_uses[i])
-            MCV_TRY(mcv_scene_warn(loader->scene, error, "emitters/%zu \"%s\" is on no node of the scene", i, loader->emitters[i].name));
+            MCV_TRY(mcv_scene_warn(loader->scene, error,
+                                   "emitters/%zu \"%s\" is on no node of the scene", i,
+                                   loader->emitters[i].name));
     return MCV_OK;
 }
 
@@ -106,57 +118,73 @@ static mcv_result warn_of_needles(mcv_scene *scene, mcv_error *error) {
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
         const double half_angle = mcv_emitter_half_angle(&scene->emitters[i]);
         if (half_angle < least_cone)
-            MCV_TRY(mcv_scene_warn(scene, error,
-                                   "emitter \"%s\": a half-angle of %.3g rad is less than directions are known to (%g rad), a sensor that "
-                                   "looks into it may see black: let it be wider, or make it a collimatedBeam",
-                                   scene->emitters[i].name, half_angle, least_cone));
+            MCV_TRY(mcv_scene_warn(
+                scene, error,
+                "emitter \"%s\": a half-angle of %.3g rad is less than directions are known to (%g "
+                "rad), a sensor that "
+                "looks into it may see black: let it be wider, or make it a collimatedBeam",
+                scene->emitters[i].name, half_angle, least_cone));
     }
     return MCV_OK;
 }
 
-/* --- nodes ------------------------------------------------------------------------------------------------------ */
+/* --- nodes
+ * ------------------------------------------------------------------------------------------------------
+ */
 
 static mcv_result load_nodes(mcv_loader *loader, const mcv_transform *document, mcv_error *error);
 
 /* The document of an asset below the node that places it. */
-static mcv_result place_asset(mcv_loader *asset, const char *name, const mcv_transform *to_world, mcv_error *error) {
+static mcv_result place_asset(mcv_loader *asset, const char *name, const mcv_transform *to_world,
+                              mcv_error *error) {
     mcv_transform scaled = *to_world;
     for (int i = 0; i < 9; ++i) scaled.m[i] *= asset->unit;
     if (asset->solid != MCV_NONE) {
-        const mcv_instance instance = {
-            .name = (char *)name, .mesh = asset->solid, .material = asset->asset_material, .emitter = MCV_NONE, .to_world = scaled};
+        const mcv_instance instance = {.name = (char *)name,
+                                       .mesh = asset->solid,
+                                       .material = asset->asset_material,
+                                       .emitter = MCV_NONE,
+                                       .to_world = scaled};
         return mcv_scene_add_instance(asset->scene, &instance, error);
     }
     return load_nodes(asset, &scaled, error);
 }
 
-/* `document`: the frame of the document's root in the world; `material`: what is put on the node, or MCV_NONE for its own. */
-static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transform *document, const mcv_transform *parent,
-                            uint32_t material, mcv_error *error) {
-    const json_t *nodes = json_object_get(loader->root, "nodes"), *node = json_array_get(nodes, index);
-    const mcv_json_path place = mcv_json_path_key(&loader->file, "nodes"), here = mcv_json_path_element(&place, mcv_json_name(node), index);
+/* `document`: the frame of the document's root in the world; `material`: what is put on the node,
+ * or MCV_NONE for its own. */
+static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transform *document,
+                            const mcv_transform *parent, uint32_t material, mcv_error *error) {
+    const json_t *nodes = json_object_get(loader->root, "nodes"),
+                 *node = json_array_get(nodes, index);
+    const mcv_json_path place = mcv_json_path_key(&loader->file, "nodes"),
+                        here = mcv_json_path_element(&place, mcv_json_name(node), index);
     mcv_transform local;
     bool posed;
     MCV_TRY(mcv_load_pose(loader, node, 0, &posed, &local, &here, error));
     if (!posed) MCV_TRY(mcv_load_local(node, &local, &here, error));
     const mcv_transform to_world = mcv_transform_compose(posed ? document : parent, &local);
-    MCV_TRY(mcv_scene_add_frame(loader->scene, mcv_json_name(node), loader->is_asset, &to_world, error));
+    MCV_TRY(mcv_scene_add_frame(loader->scene, mcv_json_name(node), loader->is_asset, &to_world,
+                                error));
     const uint32_t first = loader->scene->instance_count;
     uint32_t mesh;
-    if (loader->node_materials && loader->node_materials[index] != MCV_NONE) material = loader->node_materials[index];
-    MCV_TRY(mcv_json_index(node, "mesh", json_array_size(json_object_get(loader->root, "meshes")), "meshes", &mesh, &here, error));
+    if (loader->node_materials && loader->node_materials[index] != MCV_NONE)
+        material = loader->node_materials[index];
+    MCV_TRY(mcv_json_index(node, "mesh", json_array_size(json_object_get(loader->root, "meshes")),
+                           "meshes", &mesh, &here, error));
     if (mesh != MCV_NONE) {
         MCV_TRY(mcv_load_mesh(loader, mesh, error));
         const mcv_loaded_mesh *loaded = loader->meshes + mesh;
         for (uint32_t i = 0; i < loaded->count; ++i) {
             const mcv_instance instance = {.name = (char *)mcv_json_name(node),
                                            .mesh = loaded->first + i,
-                                           .material = material == MCV_NONE ? loaded->materials[i] : material,
+                                           .material = material == MCV_NONE ? loaded->materials[i]
+                                                                            : material,
                                            .to_world = to_world};
             MCV_TRY(mcv_scene_add_instance(loader->scene, &instance, error));
         }
     }
-    MCV_TRY(mcv_load_emitter(loader, node, &to_world, first, loader->scene->instance_count, &here, error));
+    MCV_TRY(mcv_load_emitter(loader, node, &to_world, first, loader->scene->instance_count, &here,
+                             error));
     MCV_TRY(mcv_load_body(loader, node, &to_world, &here, error));
     MCV_TRY(mcv_load_light_path(loader, node, &to_world, &here, error));
     MCV_TRY(mcv_load_sensors(loader, node, &to_world, &here, error));
@@ -165,19 +193,25 @@ static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transf
     if (asset) MCV_TRY(place_asset(asset, mcv_json_name(node), &to_world, error));
     const json_t *children = json_object_get(node, "children");
     for (size_t i = 0; i < json_array_size(children); ++i)
-        MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(children, i)), document, &to_world, material, error));
+        MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(children, i)),
+                          document, &to_world, material, error));
     return MCV_OK;
 }
 
 static mcv_result load_nodes(mcv_loader *loader, const mcv_transform *document, mcv_error *error) {
-    const json_t *scenes = json_object_get(loader->root, "scenes"), *scene = json_object_get(loader->root, "scene");
-    const json_t *nodes = json_object_get(json_array_get(scenes, (size_t)json_number_value(scene)), "nodes");
+    const json_t *scenes = json_object_get(loader->root, "scenes"),
+                 *scene = json_object_get(loader->root, "scene");
+    const json_t *nodes =
+        json_object_get(json_array_get(scenes, (size_t)json_number_value(scene)), "nodes");
     for (size_t i = 0; i < json_array_size(nodes); ++i)
-        MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(nodes, i)), document, document, MCV_NONE, error));
+        MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(nodes, i)), document,
+                          document, MCV_NONE, error));
     return MCV_OK;
 }
 
-/* --- document --------------------------------------------------------------------------------------------------- */
+/* --- document
+ * ---------------------------------------------------------------------------------------------------
+ */
 
 /* Each word is mixed by multiplication and shift, the size before all. */
 void mcv_load_count(mcv_loader *loader, const void *data, size_t size) {
@@ -192,22 +226,26 @@ void mcv_load_count(mcv_loader *loader, const void *data, size_t size) {
     loader->fingerprint = hash;
 }
 
-mcv_result mcv_load_file(mcv_loader *loader, const char *path, mcv_bytes *bytes, const mcv_json_path *place, mcv_error *error) {
+mcv_result mcv_load_file(mcv_loader *loader, const char *path, mcv_bytes *bytes,
+                         const mcv_json_path *place, mcv_error *error) {
     if (loader->is_asset && loader->kept) MCV_TRY(mcv_stamp_add(loader, path, place, error));
     MCV_TRY(mcv_file_read(path, bytes, place, error));
     mcv_load_count(loader, bytes->data, bytes->size);
     return MCV_OK;
 }
 
-/* What tinygltf asks for: "buffers/3" or "images/5", by the names that describe_data() has given. */
+/* What tinygltf asks for: "buffers/3" or "images/5", by the names that describe_data() has given.
+ */
 static mcv_result read_external(void *user, const char *name, mcv_bytes *bytes, mcv_error *error) {
     mcv_loader *loader = user;
     const char *slash = strchr(name, '/');
     const bool is_buffer = slash && strncmp(name, "buffers/", 8) == 0;
     const size_t index = slash ? strtoul(slash + 1, NULL, 10) : 0;
     const mcv_json_path of = mcv_json_path_key(&loader->file, is_buffer ? "buffers" : "images");
-    const mcv_json_path element = mcv_place_index(&of, index), place = mcv_json_path_key(&element, "uri");
-    const json_t *object = json_array_get(json_object_get(loader->root, is_buffer ? "buffers" : "images"), index);
+    const mcv_json_path element = mcv_place_index(&of, index),
+                        place = mcv_json_path_key(&element, "uri");
+    const json_t *object =
+        json_array_get(json_object_get(loader->root, is_buffer ? "buffers" : "images"), index);
     const char *uri = json_string_value(json_object_get(object, "uri"));
     const size_t length = (size_t)json_number_value(json_object_get(object, "byteLength"));
     if (is_buffer && !uri && !mcv_buffer_is_chunk(loader->root, object, loader->binary)) {
@@ -230,15 +268,19 @@ static mcv_result read_external(void *user, const char *name, mcv_bytes *bytes, 
     if (!is_buffer) return MCV_OK;
     if (bytes->size < length) {
         free(bytes->data);
-        return mcv_fail_at(&place, error, "\"%s\" has %zu bytes, but byteLength says %zu", uri, bytes->size, length);
+        return mcv_fail_at(&place, error, "\"%s\" has %zu bytes, but byteLength says %zu", uri,
+                           bytes->size, length);
     }
     bytes->size = length; /* tinygltf takes no more and no less */
     return MCV_OK;
 }
 
-/* A data: URI stays; anything else is asked for by read_external. A longer data: URI raises byteLength, for the same reason. */
-static json_t *describe_data(const mcv_loader *loader, const json_t *object, const char *of, size_t index) {
-    static const char *const types[] = {"application/octet-stream", "application/gltf-buffer", "text/plain", NULL};
+/* A data: URI stays; anything else is asked for by read_external. A longer data: URI raises
+ * byteLength, for the same reason. */
+static json_t *describe_data(const mcv_loader *loader, const json_t *object, const char *of,
+                             size_t index) {
+    static const char *const types[] = {"application/octet-stream", "application/gltf-buffer",
+                                        "text/plain", NULL};
     const char *uri = json_string_value(json_object_get(object, "uri"));
     json_t *copy = json_object();
     mcv_error ignored;
@@ -251,28 +293,36 @@ static json_t *describe_data(const mcv_loader *loader, const json_t *object, con
         return copy;
     }
     if (json_object_get(object, "byteLength"))
-        json_object_set_new(copy, "byteLength", json_integer((json_int_t)json_number_value(json_object_get(object, "byteLength"))));
-    if (strcmp(of, "buffers") == 0 && !uri && !mcv_buffer_is_chunk(loader->root, object, loader->binary))
+        json_object_set_new(
+            copy, "byteLength",
+            json_integer((json_int_t)json_number_value(json_object_get(object, "byteLength"))));
+    if (strcmp(of, "buffers") == 0 && !uri &&
+        !mcv_buffer_is_chunk(loader->root, object, loader->binary))
         json_object_set_new(copy, "byteLength", json_integer(1)); /* see read_external */
     if (!uri || strncmp(uri, "data:", 5) != 0) {
         json_object_set_new(copy, "uri", json_sprintf("%s/%zu", of, index));
         return copy;
     }
     json_object_set(copy, "uri", json_object_get(object, "uri"));
-    if (strcmp(of, "buffers") == 0 && mcv_data_uri_length(uri, types, &length, &place, &ignored) == MCV_OK)
+    if (strcmp(of, "buffers") == 0 &&
+        mcv_data_uri_length(uri, types, &length, &place, &ignored) == MCV_OK)
         json_object_set_new(copy, "byteLength", json_integer((json_int_t)length));
     return copy;
 }
 
 /* The part of the document that tinygltf sees. */
 static json_t *describe_document(const mcv_loader *loader, uint32_t image_count) {
-    const json_t *buffers = json_object_get(loader->root, "buffers"), *images = json_object_get(loader->root, "images");
+    const json_t *buffers = json_object_get(loader->root, "buffers"),
+                 *images = json_object_get(loader->root, "images");
     json_t *data = json_array(), *pictures = json_array(), *document = json_object();
     for (size_t i = 0; i < json_array_size(buffers); ++i)
-        json_array_append_new(data, describe_data(loader, json_array_get(buffers, i), "buffers", i));
+        json_array_append_new(data,
+                              describe_data(loader, json_array_get(buffers, i), "buffers", i));
     for (uint32_t slot = 0; slot < image_count; ++slot)
         for (size_t i = 0; i < json_array_size(images); ++i)
-            if (loader->images[i] == slot) json_array_append_new(pictures, describe_data(loader, json_array_get(images, i), "images", i));
+            if (loader->images[i] == slot)
+                json_array_append_new(
+                    pictures, describe_data(loader, json_array_get(images, i), "images", i));
     json_object_set_new(document, "buffers", data);
     json_object_set_new(document, "images", pictures);
     if (json_object_get(loader->root, "bufferViews"))
@@ -288,7 +338,8 @@ static mcv_result open_data(mcv_loader *loader, mcv_error *error) {
     char *text = json_dumps(document, JSON_COMPACT);
     json_decref(document);
     if (!text) return mcv_fail_memory(&loader->file, error);
-    const mcv_result result = mcv_gltf_open(text, strlen(text), read_external, loader, &loader->gltf, &loader->file, error);
+    const mcv_result result = mcv_gltf_open(text, strlen(text), read_external, loader,
+                                            &loader->gltf, &loader->file, error);
     free(text);
     free(loader->bytes.data);
     loader->bytes = loader->binary = (mcv_bytes){NULL, 0};
@@ -296,8 +347,9 @@ static mcv_result open_data(mcv_loader *loader, mcv_error *error) {
 }
 
 /*
- * CAD exporters write U+0000 into texts, where those of C end. It becomes the replacement character U+FFFD, so that what is not read does
- * not matter and what is read shows it. Some fill up a GLB's JSON with zeros in place of blanks.
+ * CAD exporters write U+0000 into texts, where those of C end. It becomes the replacement character
+ * U+FFFD, so that what is not read does not matter and what is read shows it. Some fill up a GLB's
+ * JSON with zeros in place of blanks.
  */
 static void replace_nul(mcv_bytes *json) {
     while (json->size > 0 && json->data[json->size - 1] == 0) --json->size;
@@ -316,7 +368,8 @@ static mcv_result parse(mcv_loader *loader, mcv_overrides overrides, mcv_error *
     replace_nul(&json);
     loader->root = json_loadb((const char *)json.data, json.size, JSON_REJECT_DUPLICATES, &wrong);
     if (!loader->root)
-        return mcv_fail_at(&loader->file, error, "line %d column %d is no JSON: %s", wrong.line, wrong.column, mcv_json_wrong(&wrong));
+        return mcv_fail_at(&loader->file, error, "line %d column %d is no JSON: %s", wrong.line,
+                           wrong.column, mcv_json_wrong(&wrong));
     if (!loader->binary.data) { /* all of a .gltf is in the tree now */
         free(loader->bytes.data);
         loader->bytes = (mcv_bytes){NULL, 0};
@@ -338,7 +391,8 @@ mcv_result mcv_load_open(mcv_loader *loader, mcv_overrides overrides, mcv_error 
     loader->materials = malloc((materials + 1) * sizeof *loader->materials);
     loader->emission = calloc(materials + 1, sizeof *loader->emission);
     loader->meshes = calloc(meshes + 1, sizeof *loader->meshes);
-    if (!loader->images || !loader->textures || !loader->data_textures || !loader->materials || !loader->emission || !loader->meshes)
+    if (!loader->images || !loader->textures || !loader->data_textures || !loader->materials ||
+        !loader->emission || !loader->meshes)
         return mcv_fail_memory(&loader->file, error);
     for (size_t i = 0; i < textures; ++i) loader->textures[i] = loader->data_textures[i] = MCV_NONE;
     for (size_t i = 0; i < materials; ++i) loader->materials[i] = MCV_NONE;
@@ -360,7 +414,8 @@ void mcv_load_finish(mcv_loader *loader) {
     }
     free(loader->assets);
     free(loader->asset_paths);
-    for (size_t i = 0; loader->meshes && i < json_array_size(json_object_get(loader->root, "meshes")); ++i)
+    for (size_t i = 0;
+         loader->meshes && i < json_array_size(json_object_get(loader->root, "meshes")); ++i)
         free(loader->meshes[i].materials);
     free(loader->meshes);
     free(loader->materials);
@@ -385,21 +440,30 @@ void mcv_load_finish(mcv_loader *loader) {
 /* MCVISI_spectrum: {"wavelengths": a length, or one for each of red, green and blue}. */
 static mcv_result load_spectrum(mcv_loader *loader, mcv_error *error) {
     const json_t *object = mcv_json_extension(loader->root, "MCVISI_spectrum");
-    const mcv_json_path extensions = mcv_json_path_key(&loader->file, "extensions"), place = mcv_json_path_key(&extensions, "MCVISI_spectrum");
+    const mcv_json_path extensions = mcv_json_path_key(&loader->file, "extensions"),
+                        place = mcv_json_path_key(&extensions, "MCVISI_spectrum");
     static const char *const keys[] = {"wavelengths", "extras", NULL};
     if (!object) return MCV_OK;
-    if (!json_is_object(object)) return mcv_fail_at(&place, error, "must be an object {\"wavelengths\": ...}");
+    if (!json_is_object(object))
+        return mcv_fail_at(&place, error, "must be an object {\"wavelengths\": ...}");
     MCV_TRY(mcv_params_parse((mcv_param_table){0}, object, keys, NULL, &place, error));
     const json_t *given = json_object_get(object, "wavelengths");
     const mcv_json_path here = mcv_json_path_key(&place, "wavelengths");
     for (size_t i = 0; i < 3; ++i) {
-        const json_t *one = json_is_array(given) ? json_array_get(given, json_array_size(given) == 1 ? 0 : i) : given;
+        const json_t *one = json_is_array(given)
+                                ? json_array_get(given, json_array_size(given) == 1 ? 0 : i)
+                                : given;
         double *length = &loader->scene->wavelengths[i];
         const bool is_length =
-            json_is_number(one) || (json_is_string(one) && mcv_parse_quantity(json_string_value(one), MCV_PARAM_length, length));
+            json_is_number(one) ||
+            (json_is_string(one) &&
+             mcv_parse_quantity(json_string_value(one), MCV_PARAM_length, length));
         if (json_is_number(one)) *length = json_number_value(one);
-        if ((json_is_array(given) && json_array_size(given) != 1 && json_array_size(given) != 3) || !is_length)
-            return mcv_fail_at(&here, error, "must be a length as in \"587.6nm\", or three, for red, green and blue");
+        if ((json_is_array(given) && json_array_size(given) != 1 && json_array_size(given) != 3) ||
+            !is_length)
+            return mcv_fail_at(
+                &here, error,
+                "must be a length as in \"587.6nm\", or three, for red, green and blue");
         if (!(*length >= MCV_LEAST_WAVELENGTH && *length <= MCV_LARGEST_WAVELENGTH))
             return mcv_fail_at(&here, error, "%g m must be from 100 nm to 100 um", *length);
     }
@@ -410,32 +474,44 @@ const char *mcv_conversion(const char *path) {
     static const char *const exact[] = {".step", ".stp", ".iges", ".igs"};
     for (size_t i = 0; i < sizeof exact / sizeof exact[0]; ++i)
         if (mcv_ends_in(path, exact[i]))
-            return "convert its surfaces to triangles, with a chord tolerance of less than a tenth of a pixel: in FreeCAD by "
-                   "Mesh > Create Mesh from Shape, or in Python by cadquery.exporters.export(cadquery.importers.importStep(\"part.step\"), "
+            return "convert its surfaces to triangles, with a chord tolerance of less than a tenth "
+                   "of a pixel: in FreeCAD by "
+                   "Mesh > Create Mesh from Shape, or in Python by "
+                   "cadquery.exporters.export(cadquery.importers.importStep(\"part.step\"), "
                    "\"part.stl\", tolerance=0.005)";
     return "convert other formats, for example by Blender";
 }
 
 /* Files that are parts, and formats that are not read, by their names. */
 static mcv_result check_format(const char *path, const mcv_json_path *place, mcv_error *error) {
-    static const char *const others[] = {".step", ".stp", ".iges", ".igs", ".obj", ".ply", ".3mf", ".fbx", ".blend", ".dae"};
+    static const char *const others[] = {".step", ".stp", ".iges", ".igs",   ".obj",
+                                         ".ply",  ".3mf", ".fbx",  ".blend", ".dae"};
     if (mcv_ends_in(path, ".stl"))
         return mcv_fail_at(place, error,
-                           "is a part without camera and light: `mcvisi new telecentric %s --unit mm` writes a scene around it (or new "
+                           "is a part without camera and light: `mcvisi new telecentric %s --unit "
+                           "mm` writes a scene around it (or new "
                            "entocentric, new lightfield)",
                            path);
     for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i)
-        if (mcv_ends_in(path, others[i])) return mcv_fail_at(place, error, "must be a .gltf or .glb file: %s", mcv_conversion(path));
+        if (mcv_ends_in(path, others[i]))
+            return mcv_fail_at(place, error, "must be a .gltf or .glb file: %s",
+                               mcv_conversion(path));
     return MCV_OK;
 }
 
-mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene **scene, mcv_error *error) {
+mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene **scene,
+                          mcv_error *error) {
     return mcv_scene_load_again(path, overrides, NULL, scene, error);
 }
 
-mcv_result mcv_scene_load_again(const char *path, mcv_overrides overrides, mcv_asset_cache *kept, mcv_scene **scene, mcv_error *error) {
-    mcv_loader loader = {
-        .file = mcv_place_file(path), .solid = MCV_NONE, .asset_material = MCV_NONE, .plain = MCV_NONE, .absorber = MCV_NONE, .kept = kept};
+mcv_result mcv_scene_load_again(const char *path, mcv_overrides overrides, mcv_asset_cache *kept,
+                                mcv_scene **scene, mcv_error *error) {
+    mcv_loader loader = {.file = mcv_place_file(path),
+                         .solid = MCV_NONE,
+                         .asset_material = MCV_NONE,
+                         .plain = MCV_NONE,
+                         .absorber = MCV_NONE,
+                         .kept = kept};
     if (kept) mcv_kept_forget_changed(kept);
     *scene = loader.scene = mcv_scene_new(path);
     if (!loader.scene) return mcv_fail_memory(&loader.file, error);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* MCVISI_assets: other files that nodes place (mcvisi/asset.h). An STL file without a material of the scene's is plain. */
+/* MCVISI_assets: other files that nodes place (mcvisi/asset.h). An STL file without a material of
+ * the scene's is plain. */
 #include "loader/load.h"
 
 #include "core/basics.h"
@@ -18,7 +19,8 @@ mcv_param_table mcv_asset_table(void) {
     return (mcv_param_table){rows, sizeof rows / sizeof rows[0], sizeof(element_params)};
 }
 
-static mcv_result read_unit(const json_t *object, double *unit, const mcv_json_path *place, mcv_error *error) {
+static mcv_result read_unit(const json_t *object, double *unit, const mcv_json_path *place,
+                            mcv_error *error) {
     const char *name = "m";
     char one[32];
     const mcv_json_path here = mcv_json_path_key(place, "unit");
@@ -28,11 +30,13 @@ static mcv_result read_unit(const json_t *object, double *unit, const mcv_json_p
     return mcv_fail_at(&here, error, "\"%s\" must be one of nm, um, mm, cm, m, inch", name);
 }
 
-static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *object, const char *uri, double crease_angle,
-                           const mcv_json_path *place, mcv_error *error) {
+static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *object,
+                           const char *uri, double crease_angle, const mcv_json_path *place,
+                           mcv_error *error) {
     const mcv_kept_asset *kept = mcv_kept_find(loader->kept, asset->file.key);
     double size[3] = {0};
-    const mcv_json_path here = mcv_json_path_key(place, "unit"), there = mcv_json_path_key(place, "uri");
+    const mcv_json_path here = mcv_json_path_key(place, "unit"),
+                        there = mcv_json_path_key(place, "uri");
     const char *slash = strrchr(uri, '/');
     if (kept) {
         memcpy(size, kept->size, sizeof size);
@@ -41,8 +45,8 @@ static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *
         MCV_TRY(mcv_scene_add_mesh(asset->scene, kept->solid->meshes, error));
     } else {
         MCV_TRY(mcv_load_file(asset, asset->file.key, &asset->bytes, &there, error));
-        const mcv_result result =
-            mcv_load_stl(asset->scene, asset->bytes, slash ? slash + 1 : uri, &asset->solid, size, &asset->file, error);
+        const mcv_result result = mcv_load_stl(asset->scene, asset->bytes, slash ? slash + 1 : uri,
+                                               &asset->solid, size, &asset->file, error);
         free(asset->bytes.data);
         asset->bytes = (mcv_bytes){NULL, 0};
         MCV_TRY(result);
@@ -50,11 +54,16 @@ static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *
     }
     if (!json_object_get(object, "unit"))
         return mcv_fail_at(&here, error,
-                           "is missing, and \"%s\" does not tell it: the part is %.4g x %.4g x %.4g of it, most are in \"mm\"", uri,
-                           size[0], size[1], size[2]);
-    if (!isnan(crease_angle)) MCV_TRY(mcv_mesh_make_normals(asset->scene->meshes + asset->solid, crease_angle, place, error));
-    MCV_TRY(mcv_load_find_material(loader, object, "material", &asset->asset_material, place, error));
-    return asset->asset_material == MCV_NONE ? mcv_load_plain(loader, &asset->asset_material, error) : MCV_OK;
+                           "is missing, and \"%s\" does not tell it: the part is %.4g x %.4g x "
+                           "%.4g of it, most are in \"mm\"",
+                           uri, size[0], size[1], size[2]);
+    if (!isnan(crease_angle))
+        MCV_TRY(
+            mcv_mesh_make_normals(asset->scene->meshes + asset->solid, crease_angle, place, error));
+    MCV_TRY(
+        mcv_load_find_material(loader, object, "material", &asset->asset_material, place, error));
+    return asset->asset_material == MCV_NONE ? mcv_load_plain(loader, &asset->asset_material, error)
+                                             : MCV_OK;
 }
 
 static mcv_result open_gltf(mcv_loader *asset, const mcv_json_path *place, mcv_error *error) {
@@ -71,13 +80,17 @@ static mcv_result open_gltf(mcv_loader *asset, const mcv_json_path *place, mcv_e
     return mcv_kept_add(asset, NULL, place, error);
 }
 
-static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t index, const mcv_json_path *place, mcv_error *error) {
-    static const char *const others[] = {"name", "uri", "unit", "material", "materials", "nodeMaterials", "extras", "extensions", NULL};
+static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t index,
+                             const mcv_json_path *place, mcv_error *error) {
+    static const char *const others[] = {"name",     "uri",        "unit",
+                                         "material", "materials",  "nodeMaterials",
+                                         "extras",   "extensions", NULL};
     static const char *const of_gltf[] = {"materials", "nodeMaterials"};
     const char *uri = NULL;
     asset_params params;
     mcv_loader *asset = loader->assets + index;
-    const mcv_json_path here = mcv_json_path_key(place, "uri"), crease = mcv_json_path_key(place, "creaseAngle");
+    const mcv_json_path here = mcv_json_path_key(place, "uri"),
+                        crease = mcv_json_path_key(place, "creaseAngle");
     mcv_params_set_defaults(mcv_asset_table(), &params);
     MCV_TRY(mcv_params_parse(mcv_asset_table(), object, others, &params, place, error));
     MCV_TRY(mcv_params_check(mcv_asset_table(), &params, place, error));
@@ -85,16 +98,23 @@ static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t in
     if (!uri) return mcv_fail_at(&here, error, "is missing: a .gltf, .glb or .stl file");
     const bool stl = mcv_ends_in(uri, ".stl");
     if (!stl && !mcv_ends_in(uri, ".gltf") && !mcv_ends_in(uri, ".glb"))
-        return mcv_fail_at(&here, error, "\"%s\" must be a .gltf, .glb or .stl file: %s", uri, mcv_conversion(uri));
+        return mcv_fail_at(&here, error, "\"%s\" must be a .gltf, .glb or .stl file: %s", uri,
+                           mcv_conversion(uri));
     if (!stl && !isnan(params.creaseAngle))
-        return mcv_fail_at(&crease, error, "is for .stl files: \"%s\" has normals of its own, or is meant to be flat", uri);
+        return mcv_fail_at(
+            &crease, error,
+            "is for .stl files: \"%s\" has normals of its own, or is meant to be flat", uri);
     for (size_t i = 0; stl && i < 2; ++i) {
         const mcv_json_path of = mcv_json_path_key(place, of_gltf[i]);
         if (json_object_get(object, of_gltf[i]))
-            return mcv_fail_at(&of, error, "is for .gltf and .glb files: \"%s\" has neither names nor materials, give it a \"material\"",
+            return mcv_fail_at(&of, error,
+                               "is for .gltf and .glb files: \"%s\" has neither names nor "
+                               "materials, give it a \"material\"",
                                uri);
     }
-    if (loader->is_asset) return mcv_fail_at(place, error, "an asset may not place assets itself: place them from the scene");
+    if (loader->is_asset)
+        return mcv_fail_at(place, error,
+                           "an asset may not place assets itself: place them from the scene");
     MCV_TRY(mcv_file_resolve(loader->file.key, uri, loader->asset_paths + index, &here, error));
     *asset = (mcv_loader){.scene = loader->scene,
                           .file = mcv_place_file(loader->asset_paths[index]),
@@ -108,7 +128,8 @@ static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t in
                           .plain = MCV_NONE,
                           .absorber = MCV_NONE};
     MCV_TRY(read_unit(object, &asset->unit, place, error));
-    MCV_TRY(stl ? open_stl(loader, asset, object, uri, params.creaseAngle, place, error) : open_gltf(asset, &here, error));
+    MCV_TRY(stl ? open_stl(loader, asset, object, uri, params.creaseAngle, place, error)
+                : open_gltf(asset, &here, error));
     mcv_load_count(loader, &asset->fingerprint, sizeof asset->fingerprint);
     return MCV_OK;
 }
@@ -129,9 +150,11 @@ mcv_result mcv_load_assets(mcv_loader *loader, mcv_error *error) {
     return MCV_OK;
 }
 
-mcv_result mcv_load_asset_of(const mcv_loader *loader, const json_t *node, mcv_loader **asset, const mcv_json_path *place, mcv_error *error) {
+mcv_result mcv_load_asset_of(const mcv_loader *loader, const json_t *node, mcv_loader **asset,
+                             const mcv_json_path *place, mcv_error *error) {
     uint32_t index;
-    MCV_TRY(mcv_load_reference(node, "MCVISI_assets", "asset", loader->asset_count, "assets", &index, place, error));
+    MCV_TRY(mcv_load_reference(node, "MCVISI_assets", "asset", loader->asset_count, "assets",
+                               &index, place, error));
     *asset = index == MCV_NONE ? NULL : loader->assets + index;
     return MCV_OK;
 }

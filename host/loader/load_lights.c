@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* KHR_lights_punctual: its lights become the emitter types point, spot and directional, from candela and lux to watts. */
+/* KHR_lights_punctual: its lights become the emitter types point, spot and directional, from
+ * candela and lux to watts. */
 #include "loader/load.h"
 
 #include "scene/emitters.h"
@@ -14,7 +15,8 @@ static const double lumens_per_watt = 683;
 /* Exporters halve a float32, of which that for 180 degrees is more than pi. */
 static const double widest = (float)M_PI_2;
 
-static mcv_result light_type(const json_t *object, uint32_t *type, const mcv_json_path *place, mcv_error *error) {
+static mcv_result light_type(const json_t *object, uint32_t *type, const mcv_json_path *place,
+                             mcv_error *error) {
     static const uint32_t types[] = {MCV_EMITTER_POINT, MCV_EMITTER_SPOT, MCV_EMITTER_DIRECTIONAL};
     static const char *const names[] = {"point", "spot", "directional"};
     const mcv_json_path here = mcv_json_path_key(place, "type");
@@ -26,32 +28,38 @@ static mcv_result light_type(const json_t *object, uint32_t *type, const mcv_jso
         *type = types[i];
         return MCV_OK;
     }
-    return mcv_fail_at(&here, error, "unknown type \"%.32s\": known are point, spot, directional", name);
+    return mcv_fail_at(&here, error, "unknown type \"%.32s\": known are point, spot, directional",
+                       name);
 }
 
-static mcv_result read_spot(const json_t *light, mcv_spot_params *spot, const mcv_json_path *place, mcv_error *error) {
+static mcv_result read_spot(const json_t *light, mcv_spot_params *spot, const mcv_json_path *place,
+                            mcv_error *error) {
     const mcv_json_path here = mcv_json_path_key(place, "spot");
     json_t *object;
     MCV_TRY(mcv_json_object(light, "spot", &object, place, error));
     if (!object) return mcv_fail_at(&here, error, "is missing: a spot light has its cone there");
-    MCV_TRY(mcv_json_number(object, "innerConeAngle", 0, widest, &spot->innerConeAngle, &here, error));
-    MCV_TRY(mcv_json_number(object, "outerConeAngle", DBL_MIN, widest, &spot->outerConeAngle, &here, error));
+    MCV_TRY(
+        mcv_json_number(object, "innerConeAngle", 0, widest, &spot->innerConeAngle, &here, error));
+    MCV_TRY(mcv_json_number(object, "outerConeAngle", DBL_MIN, widest, &spot->outerConeAngle, &here,
+                            error));
     spot->innerConeAngle = fmin(spot->innerConeAngle, M_PI / 2);
     spot->outerConeAngle = fmin(spot->outerConeAngle, M_PI / 2);
     return MCV_OK;
 }
 
-static mcv_result define_light(const mcv_scene *scene, const json_t *object, mcv_emitter *emitter, const mcv_json_path *place,
-                               mcv_error *error) {
+static mcv_result define_light(const mcv_scene *scene, const json_t *object, mcv_emitter *emitter,
+                               const mcv_json_path *place, mcv_error *error) {
     double colour[3] = {1, 1, 1}, intensity = 1, range = (double)NAN;
     MCV_TRY(light_type(object, &emitter->type, place, error));
     mcv_params_set_defaults(mcv_emitter_table(emitter->type), &emitter->as);
     MCV_TRY(mcv_json_numbers(object, "color", 3, 0, DBL_MAX, colour, place, error));
     MCV_TRY(mcv_json_number(object, "intensity", 0, DBL_MAX, &intensity, place, error));
     MCV_TRY(mcv_json_number(object, "range", DBL_MIN, DBL_MAX, &range, place, error));
-    if (emitter->type == MCV_EMITTER_SPOT) MCV_TRY(read_spot(object, &emitter->as.spot, place, error));
+    if (emitter->type == MCV_EMITTER_SPOT)
+        MCV_TRY(read_spot(object, &emitter->as.spot, place, error));
     const char *unit, *key = mcv_emitter_brightness(emitter, &unit);
-    double *brightness = mcv_emitter_parameter(emitter, key), *own_range = mcv_emitter_parameter(emitter, "range");
+    double *brightness = mcv_emitter_parameter(emitter, key),
+           *own_range = mcv_emitter_parameter(emitter, "range");
     for (int i = 0; i < 3; ++i) brightness[i] = colour[i] * intensity / lumens_per_watt;
     if (own_range) *own_range = range;
     emitter->name = (char *)mcv_json_name(object);
@@ -61,7 +69,8 @@ static mcv_result define_light(const mcv_scene *scene, const json_t *object, mcv
 }
 
 mcv_result mcv_load_lights(mcv_loader *loader, mcv_error *error) {
-    const mcv_json_path extensions = mcv_json_path_key(&loader->file, "extensions"), here = mcv_json_path_key(&extensions, "KHR_lights_punctual");
+    const mcv_json_path extensions = mcv_json_path_key(&loader->file, "extensions"),
+                        here = mcv_json_path_key(&extensions, "KHR_lights_punctual");
     const mcv_json_path lights = mcv_json_path_key(&here, "lights");
     json_t *array;
     const json_t *object = mcv_json_extension(loader->root, "KHR_lights_punctual");
@@ -79,8 +88,11 @@ mcv_result mcv_load_lights(mcv_loader *loader, mcv_error *error) {
     return MCV_OK;
 }
 
-mcv_result mcv_load_light_path(mcv_loader *loader, const json_t *node, const mcv_transform *to_world, const mcv_json_path *place, mcv_error *error) {
-    const mcv_json_path extensions = mcv_json_path_key(place, "extensions"), here = mcv_json_path_key(&extensions, "KHR_lights_punctual");
+mcv_result mcv_load_light_path(mcv_loader *loader, const json_t *node,
+                               const mcv_transform *to_world, const mcv_json_path *place,
+                               mcv_error *error) {
+    const mcv_json_path extensions = mcv_json_path_key(place, "extensions"),
+                        here = mcv_json_path_key(&extensions, "KHR_lights_punctual");
     const json_t *object = mcv_json_extension(node, "KHR_lights_punctual");
     uint32_t index;
     if (loader->is_asset || !object) return MCV_OK;
@@ -88,6 +100,7 @@ mcv_result mcv_load_light_path(mcv_loader *loader, const json_t *node, const mcv
     if (index == MCV_NONE) return mcv_fail_at(&here, error, "must have the index \"light\"");
     mcv_emitter light = loader->lights[index];
     if (!light.name || !*light.name) light.name = (char *)mcv_json_name(node);
-    if (!mcv_transform_rigid(to_world, &light.to_world)) return mcv_fail_at(place, error, "its scale must not be 0");
+    if (!mcv_transform_rigid(to_world, &light.to_world))
+        return mcv_fail_at(place, error, "its scale must not be 0");
     return mcv_scene_add_emitter(loader->scene, &light, error);
 }

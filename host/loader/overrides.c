@@ -7,9 +7,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Members of core glTF objects that --set may add, with the value they have while absent (JSON, or NULL). */
+/* Members of core glTF objects that --set may add, with the value they have while absent (JSON, or
+ * NULL). */
 static const struct {
-    const char *collection, *parent; /* parent: the part of the element that holds it, "" for the element itself */
+    const char *collection,
+        *parent; /* parent: the part of the element that holds it, "" for the element itself */
     const char *key, *absent;
 } members[] = {
     {"nodes", "", "translation", "[0,0,0]"},
@@ -53,7 +55,8 @@ typedef struct setting {
     mcv_error *error;
 } setting;
 
-__attribute__((format(printf, 2, 3))) static mcv_result fail(const setting *set, const char *format, ...) {
+__attribute__((format(printf, 2, 3))) static mcv_result fail(const setting *set, const char *format,
+                                                             ...) {
     char text[1024];
     va_list arguments;
     va_start(arguments, format);
@@ -90,7 +93,9 @@ static char *cut(char **rest) {
 /* "25mm" to 0.025, for numbers of core glTF; anything else stays. */
 static json_t *in_si(json_t *value) {
     double number;
-    if (json_is_string(value) && mcv_parse_quantity(json_string_value(value), MCV_PARAM_choice, &number)) return json_real(number);
+    if (json_is_string(value) &&
+        mcv_parse_quantity(json_string_value(value), MCV_PARAM_choice, &number))
+        return json_real(number);
     if (!json_is_array(value)) return json_incref(value);
     json_t *copy = json_array(), *element;
     size_t i;
@@ -128,7 +133,8 @@ static mcv_result fail_unknown(const setting *set, const json_t *object, const c
         if (strcmp(members[i].collection, set->collection) == 0) words[n++] = members[i].key;
     const char *nearest = mcv_nearest_word(segment, words, n);
     if (nearest) return fail(set, "there is no \"%s\"; did you mean \"%s\"?", segment, nearest);
-    for (size_t i = 0; i < n; ++i) snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "", words[i]);
+    for (size_t i = 0; i < n; ++i)
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "", words[i]);
     return fail(set, "there is no \"%s\"; there are %s", segment, *list ? list : "no members");
 }
 
@@ -140,8 +146,10 @@ static mcv_result set_below(const setting *set, json_t *parent, char *rest) {
         if (json_is_array(parent)) {
             const size_t index = array_index(parent, segment);
             if (index == SIZE_MAX)
-                return fail(set, "\"%s\" is no element of an array of %zu: use x y z w, r g b a or an index from 0", segment,
-                            json_array_size(parent));
+                return fail(set,
+                            "\"%s\" is no element of an array of %zu: use x y z w, r g b a or an "
+                            "index from 0",
+                            segment, json_array_size(parent));
             child = json_array_get(parent, index);
             if (!*rest) {
                 json_array_set_new(parent, index, new_value(set, child));
@@ -169,7 +177,8 @@ static mcv_result set_member(setting *set, json_t *element, char *rest) {
     snprintf(key, sizeof key, "%.*s", (int)length, rest);
     if (!*rest) return fail(set, "name a member of it, as in sensors/cam/focalLength");
     if (!json_is_object(element)) return fail(set, "the element is no object");
-    if (json_is_object(own) && strcmp(set->collection, "materials") == 0 && !json_object_get(element, key)) {
+    if (json_is_object(own) && strcmp(set->collection, "materials") == 0 &&
+        !json_object_get(element, key)) {
         set->own = true;
         return set_below(set, own, rest);
     }
@@ -178,17 +187,22 @@ static mcv_result set_member(setting *set, json_t *element, char *rest) {
         const size_t parent_length = strlen(members[i].parent);
         char *member = rest;
         /* Both the short path and the one that is written out. */
-        if (parent_length && strncmp(rest, members[i].parent, parent_length) == 0 && rest[parent_length] == '/')
+        if (parent_length && strncmp(rest, members[i].parent, parent_length) == 0 &&
+            rest[parent_length] == '/')
             member = rest + parent_length + 1;
         const size_t n = strlen(members[i].key);
-        if (strncmp(member, members[i].key, n) != 0 || (member[n] != '\0' && member[n] != '/')) continue;
+        if (strncmp(member, members[i].key, n) != 0 || (member[n] != '\0' && member[n] != '/'))
+            continue;
         json_t *parent = make_path(element, members[i].parent);
         if (!parent) return fail(set, "%s is no object", members[i].parent);
         if (!json_object_get(parent, members[i].key))
-            json_object_set_new(parent, members[i].key, members[i].absent ? json_loads(members[i].absent, 0, NULL) : json_null());
+            json_object_set_new(parent, members[i].key,
+                                members[i].absent ? json_loads(members[i].absent, 0, NULL)
+                                                  : json_null());
         return set_below(set, parent, member);
     }
-    for (size_t i = 0; i < 2 && strcmp(set->collection, "assets") == 0; ++i) { /* names may hold slashes: the rest is one of them */
+    for (size_t i = 0; i < 2 && strcmp(set->collection, "assets") == 0;
+         ++i) { /* names may hold slashes: the rest is one of them */
         static const char *const maps[] = {"materials", "nodeMaterials"};
         const size_t n = strlen(maps[i]);
         if (strncmp(rest, maps[i], n) != 0 || rest[n] != '/' || !rest[n + 1]) continue;
@@ -201,8 +215,10 @@ static mcv_result set_member(setting *set, json_t *element, char *rest) {
     return set_below(set, element, rest);
 }
 
-/* The element whose name begins the rest of the path (names may contain slashes: the longest counts), or its index. */
-static mcv_result find_element(const setting *set, const json_t *array, char **rest, json_t **element) {
+/* The element whose name begins the rest of the path (names may contain slashes: the longest
+ * counts), or its index. */
+static mcv_result find_element(const setting *set, const json_t *array, char **rest,
+                               json_t **element) {
     const char *names[64];
     char list[512] = "";
     size_t longest = 0, matches = 0, known = 0, found = 0, i;
@@ -211,54 +227,70 @@ static mcv_result find_element(const setting *set, const json_t *array, char **r
         const char *name = mcv_json_name(candidate);
         const size_t length = strlen(name);
         if (length && known < 64) names[known++] = name;
-        if (length == 0 || length < longest || strncmp(*rest, name, length) != 0 || ((*rest)[length] && (*rest)[length] != '/')) continue;
+        if (length == 0 || length < longest || strncmp(*rest, name, length) != 0 ||
+            ((*rest)[length] && (*rest)[length] != '/'))
+            continue;
         if (length > longest) {
             matches = 0;
             list[0] = '\0';
         }
         longest = length;
         found = i;
-        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s/%zu", matches++ ? ", " : "", set->collection, i);
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s/%zu", matches++ ? ", " : "",
+                 set->collection, i);
     }
-    if (matches > 1) return fail(set, "the name \"%.*s\" is ambiguous: use one of %s", (int)longest, *rest, list);
+    if (matches > 1)
+        return fail(set, "the name \"%.*s\" is ambiguous: use one of %s", (int)longest, *rest,
+                    list);
     if (matches == 1) {
         *element = json_array_get(array, found);
         *rest += longest + ((*rest)[longest] == '/');
         return MCV_OK;
     }
     const char *segment = cut(rest);
-    const size_t index = *segment && strspn(segment, "0123456789") == strlen(segment) ? strtoul(segment, NULL, 10) : SIZE_MAX;
+    const size_t index = *segment && strspn(segment, "0123456789") == strlen(segment)
+                             ? strtoul(segment, NULL, 10)
+                             : SIZE_MAX;
     *element = json_array_get(array, index);
     if (*element) return MCV_OK;
     const char *nearest = mcv_nearest_word(segment, names, known);
-    if (nearest) return fail(set, "there is no \"%s\" in %s; did you mean \"%s\"?", segment, set->collection, nearest);
-    for (i = 0; i < known; ++i) snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "", names[i]);
-    return fail(set, "there is no \"%s\" in %s: they are %s%s0 to %zu", segment, set->collection, list, known ? ", or " : "",
-                json_array_size(array) - 1);
+    if (nearest)
+        return fail(set, "there is no \"%s\" in %s; did you mean \"%s\"?", segment, set->collection,
+                    nearest);
+    for (i = 0; i < known; ++i)
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "", names[i]);
+    return fail(set, "there is no \"%s\" in %s: they are %s%s0 to %zu", segment, set->collection,
+                list, known ? ", or " : "", json_array_size(array) - 1);
 }
 
 static mcv_result follow(setting *set, json_t *root) {
-    static const char *const collections[] = {"sensors", "emitters", "assets", "materials", "nodes",   "cameras",
-                                              "meshes",  "textures", "images", "lights",    "surfaces"};
+    static const char *const collections[] = {"sensors", "emitters", "assets",  "materials",
+                                              "nodes",   "cameras",  "meshes",  "textures",
+                                              "images",  "lights",   "surfaces"};
     char *rest = set->path;
     set->collection = cut(&rest);
     char extension[64];
     if (strcmp(set->collection, "spectrum") == 0) { /* no array: one object, which --set may add */
         json_t *spectrum = make_path(root, "extensions/MCVISI_spectrum");
         set->own = true;
-        return spectrum && *rest ? set_below(set, spectrum, rest) : fail(set, "name a member of it, as in spectrum/wavelengths");
+        return spectrum && *rest ? set_below(set, spectrum, rest)
+                                 : fail(set, "name a member of it, as in spectrum/wavelengths");
     }
     const bool lights = strcmp(set->collection, "lights") == 0;
     snprintf(extension, sizeof extension, "MCVISI_%.32s", set->collection);
     if (lights) strcpy(extension, "KHR_lights_punctual");
-    set->own = strcmp(set->collection, "sensors") == 0 || strcmp(set->collection, "emitters") == 0 ||
-               strcmp(set->collection, "assets") == 0 || strcmp(set->collection, "surfaces") == 0;
-    json_t *array = json_object_get(set->own || lights ? mcv_json_extension(root, extension) : root, set->collection);
+    set->own = strcmp(set->collection, "sensors") == 0 ||
+               strcmp(set->collection, "emitters") == 0 || strcmp(set->collection, "assets") == 0 ||
+               strcmp(set->collection, "surfaces") == 0;
+    json_t *array = json_object_get(set->own || lights ? mcv_json_extension(root, extension) : root,
+                                    set->collection);
     if (!json_is_array(array) || json_array_size(array) == 0) {
         const size_t n = sizeof collections / sizeof collections[0];
         const char *nearest = mcv_nearest_word(set->collection, collections, n);
-        if (!nearest) return fail(set, "a path begins with sensors, emitters, materials, nodes or cameras");
-        if (strcmp(nearest, set->collection) != 0) return fail(set, "there is no \"%s\"; did you mean \"%s\"?", set->collection, nearest);
+        if (!nearest)
+            return fail(set, "a path begins with sensors, emitters, materials, nodes or cameras");
+        if (strcmp(nearest, set->collection) != 0)
+            return fail(set, "there is no \"%s\"; did you mean \"%s\"?", set->collection, nearest);
         return fail(set, "the file has no %s", set->collection);
     }
     json_t *element = NULL;
@@ -266,11 +298,17 @@ static mcv_result follow(setting *set, json_t *root) {
     return set_member(set, element, rest);
 }
 
-mcv_result mcv_overrides_apply(mcv_overrides overrides, json_t *root, const mcv_json_path *file, mcv_error *error) {
+mcv_result mcv_overrides_apply(mcv_overrides overrides, json_t *root, const mcv_json_path *file,
+                               mcv_error *error) {
     for (size_t i = 0; i < overrides.count; ++i) {
         const char *item = overrides.items[i], *equals = strchr(item, '=');
-        if (!equals || equals == item) return mcv_fail(error, MCV_USAGE, "--set %s: must be PATH=VALUE, as in sensors/cam/fNumber=8", item);
-        setting set = {.item = item, .path = strndup(item, (size_t)(equals - item)), .file = file, .error = error};
+        if (!equals || equals == item)
+            return mcv_fail(error, MCV_USAGE,
+                            "--set %s: must be PATH=VALUE, as in sensors/cam/fNumber=8", item);
+        setting set = {.item = item,
+                       .path = strndup(item, (size_t)(equals - item)),
+                       .file = file,
+                       .error = error};
         set.value = json_loads(equals + 1, JSON_DECODE_ANY, NULL);
         if (!set.value) set.value = json_string(equals + 1);
         const mcv_result result = !set.path    ? mcv_fail_memory(file, error)

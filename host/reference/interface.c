@@ -2,7 +2,8 @@
 #include "reference/interface.h"
 
 ref_interaction ref_make_interaction(const ref_surface *surface, ref_vec direction) {
-    ref_interaction interaction = {.direction = direction, .front = ref_dot(direction, surface->geometric) < 0};
+    ref_interaction interaction = {.direction = direction,
+                                   .front = ref_dot(direction, surface->geometric) < 0};
     interaction.face = ref_scale(interaction.front ? 1 : -1, surface->geometric);
     interaction.normal = ref_scale(interaction.front ? 1 : -1, surface->normal);
     if (ref_dot(direction, interaction.normal) >= 0) interaction.normal = interaction.face;
@@ -10,7 +11,8 @@ ref_interaction ref_make_interaction(const ref_surface *surface, ref_vec directi
 }
 
 void ref_fresnel(double from, double to, double cosine, double *perpendicular, double *parallel) {
-    const double sine = from / to * sqrt((1 - cosine) * (1 + cosine)); /* of the angle of refraction */
+    const double sine =
+        from / to * sqrt((1 - cosine) * (1 + cosine)); /* of the angle of refraction */
     *perpendicular = *parallel = 1;
     if (sine >= 1) return;
     const double other = sqrt((1 - sine) * (1 + sine));
@@ -38,12 +40,16 @@ static ref_vec reflect_at(ref_vec normal, ref_vec direction) {
 
 ref_vec ref_reflect(const ref_interaction *interaction) {
     const ref_vec reflected = reflect_at(interaction->normal, interaction->direction);
-    return ref_dot(reflected, interaction->face) > 0 ? reflected : reflect_at(interaction->face, interaction->direction);
+    return ref_dot(reflected, interaction->face) > 0
+               ? reflected
+               : reflect_at(interaction->face, interaction->direction);
 }
 
-/* Snell's law for the part along the surface, which keeps its digits near normal incidence. Straight on under total reflection. */
+/* Snell's law for the part along the surface, which keeps its digits near normal incidence.
+ * Straight on under total reflection. */
 static ref_vec refract_at(ref_vec normal, ref_vec direction, double ratio) {
-    const ref_vec along = ref_scale(ratio, ref_sub(direction, ref_scale(ref_dot(direction, normal), normal)));
+    const ref_vec along =
+        ref_scale(ratio, ref_sub(direction, ref_scale(ref_dot(direction, normal), normal)));
     const double squared = ref_dot(along, along);
     return squared < 1 ? ref_unit(ref_sub(along, ref_scale(sqrt(1 - squared), normal))) : direction;
 }
@@ -51,5 +57,7 @@ static ref_vec refract_at(ref_vec normal, ref_vec direction, double ratio) {
 ref_vec ref_refract(const ref_interaction *interaction, double from, double to) {
     if (from == to) return interaction->direction;
     const ref_vec refracted = refract_at(interaction->normal, interaction->direction, from / to);
-    return ref_dot(refracted, interaction->face) < 0 ? refracted : refract_at(interaction->face, interaction->direction, from / to);
+    return ref_dot(refracted, interaction->face) < 0
+               ? refracted
+               : refract_at(interaction->face, interaction->direction, from / to);
 }

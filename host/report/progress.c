@@ -13,7 +13,8 @@
 mcv_progress_line mcv_progress_stderr(const char *label, const volatile sig_atomic_t *stop) {
     const char *kind = getenv("TERM");
     return (mcv_progress_line){.stream = stderr,
-                               .terminal = isatty(STDERR_FILENO) && !(kind && strcmp(kind, "dumb") == 0),
+                               .terminal =
+                                   isatty(STDERR_FILENO) && !(kind && strcmp(kind, "dumb") == 0),
                                .label = label,
                                .stop = stop,
                                .reported = -1};
@@ -23,7 +24,8 @@ mcv_progress_line mcv_progress_stderr(const char *label, const volatile sig_atom
 static void format_duration(char *text, size_t size, double seconds) {
     const double whole = ceil(seconds);
     if (whole >= 3600) {
-        snprintf(text, size, "%.0f h %02.0f min", floor(whole / 3600), floor(fmod(whole, 3600) / 60));
+        snprintf(text, size, "%.0f h %02.0f min", floor(whole / 3600),
+                 floor(fmod(whole, 3600) / 60));
     } else if (whole >= 60) {
         snprintf(text, size, "%.0f min %02.0f s", floor(whole / 60), fmod(whole, 60));
     } else {
@@ -41,7 +43,8 @@ bool mcv_progress_report(void *user, double fraction, double seconds, double err
     }
     const double since = seconds - (line->reported < 0 ? 0 : line->reported);
     /* Plain lines: none in the first 10 s, so that short renders are silent in logs. */
-    if (since < (line->terminal ? (line->reported < 0 ? 0 : TERMINAL_INTERVAL) : PLAIN_INTERVAL)) return go_on;
+    if (since < (line->terminal ? (line->reported < 0 ? 0 : TERMINAL_INTERVAL) : PLAIN_INTERVAL))
+        return go_on;
     line->reported = seconds;
 
     char spent[32], left[40] = "", reached[40] = "", text[256];
@@ -49,14 +52,17 @@ bool mcv_progress_report(void *user, double fraction, double seconds, double err
     format_duration(spent, sizeof spent, seconds);
     if (fraction > line->first[0] && fraction <= 1) {
         char duration[32];
-        format_duration(duration, sizeof duration, (seconds - line->first[1]) * (1 - fraction) / (fraction - line->first[0]));
+        format_duration(duration, sizeof duration,
+                        (seconds - line->first[1]) * (1 - fraction) / (fraction - line->first[0]));
         snprintf(left, sizeof left, ", %s left", duration);
     }
-    if (isfinite(error) && error > 0) snprintf(reached, sizeof reached, ", error %.2g %%", 100 * error);
+    if (isfinite(error) && error > 0)
+        snprintf(reached, sizeof reached, ", error %.2g %%", 100 * error);
     if (isnan(fraction))
         width = snprintf(text, sizeof text, "%s: compiling kernels", line->label);
     else
-        width = snprintf(text, sizeof text, "%s: %3.0f %%%s, %s%s", line->label, 100 * fmin(fraction, 1), reached, spent, left);
+        width = snprintf(text, sizeof text, "%s: %3.0f %%%s, %s%s", line->label,
+                         100 * fmin(fraction, 1), reached, spent, left);
     if (width >= (int)sizeof text) width = (int)sizeof text - 1;
     if (line->terminal) {
         fprintf(line->stream, "\r%-*s", line->width, text);

@@ -2,8 +2,8 @@
 /*
  * How a path goes on from a surface: the materials.
  *
- * Interpolated normals bend light, the triangle's face decides on which side it goes on: where both disagree (at a silhouette) the face's
- * normal is used.
+ * Interpolated normals bend light, the triangle's face decides on which side it goes on: where both
+ * disagree (at a silhouette) the face's normal is used.
  */
 #ifndef MCVISI_KERNELS_SCATTER_H
 #define MCVISI_KERNELS_SCATTER_H
@@ -28,19 +28,21 @@ typedef struct mcv_interaction {
     mcv_vec3 face, normal; /* unit, on the ray's side: direction·face < 0, direction·normal < 0 */
     uint inside;           /* 1: the ray comes from behind the front side */
 #if MCV_WITH_CONTACT
-    uint exited, entered;                  /* media of other bodies whose surfaces are in the same place */
+    uint exited, entered; /* media of other bodies whose surfaces are in the same place */
     mcv_vec3 beyond_point, beyond_error; /* of the last of these surfaces */
-    uint touched;                        /* if this is a triangle: an exact one of them, or MCV_NONE */
+    uint touched; /* if this is a triangle: an exact one of them, or MCV_NONE */
     mcv_vec3 touched_face;
 #endif
 #if MCV_TILE && MCV_WITH_DIFFUSE
-    int bounces; /* 1: worked out beforehand for many paths is where it goes on if the surface is diffuse */
+    int bounces; /* 1: worked out beforehand for many paths is where it goes on if the surface is
+                    diffuse */
     mcv_vec3 bounce;
     float bounce_density;
 #endif
 #if MCV_TILE && MCV_WITH_GLOSS
-    struct mcv_gloss_interaction *gloss; /* where to keep what is worked out of a glossy surface, or NULL */
-    uint *gloss_known;               /* 1: it is there */
+    struct mcv_gloss_interaction
+        *gloss;        /* where to keep what is worked out of a glossy surface, or NULL */
+    uint *gloss_known; /* 1: it is there */
 #endif
 } mcv_interaction;
 
@@ -51,7 +53,8 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_meet_at(mcv_surface surface, mcv_vec3 dire
     interaction.inside = mcv_dot(direction, interaction.surface.face) > 0.0f;
     interaction.face = mcv_scale(interaction.surface.face, interaction.inside ? -1.0f : 1.0f);
     interaction.normal = mcv_scale(interaction.surface.normal, interaction.inside ? -1.0f : 1.0f);
-    interaction.normal = mcv_choose(mcv_dot(direction, interaction.normal) < 0.0f, interaction.normal, interaction.face);
+    interaction.normal = mcv_choose(mcv_dot(direction, interaction.normal) < 0.0f,
+                                    interaction.normal, interaction.face);
 #if MCV_TILE && MCV_WITH_DIFFUSE
     interaction.bounces = 0;
 #endif
@@ -62,9 +65,11 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_meet_at(mcv_surface surface, mcv_vec3 dire
 }
 
 /* The surface that a ray from the origin has met. */
-MCV_LOOP_FUNCTION mcv_surface mcv_hit_surface(mcv_world world, mcv_vec3 origin, mcv_vec3 direction, mcv_hit hit) {
+MCV_LOOP_FUNCTION mcv_surface mcv_hit_surface(mcv_world world, mcv_vec3 origin, mcv_vec3 direction,
+                                              mcv_hit hit) {
 #if MCV_WITH_SURFACES
-    if (hit.triangle >= MCV_EXACT) return mcv_exact_surface_at(world, hit.triangle, hit.u, origin, direction, hit.t);
+    if (hit.triangle >= MCV_EXACT)
+        return mcv_exact_surface_at(world, hit.triangle, hit.u, origin, direction, hit.t);
 #else
     (void)origin, (void)direction;
 #endif
@@ -72,17 +77,21 @@ MCV_LOOP_FUNCTION mcv_surface mcv_hit_surface(mcv_world world, mcv_vec3 origin, 
 }
 
 #if MCV_WITH_CONTACT
-MCV_FUNCTION mcv_vec3 mcv_larger(mcv_vec3 a, mcv_vec3 b) { return mcv_vec(fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)); }
+MCV_FUNCTION mcv_vec3 mcv_larger(mcv_vec3 a, mcv_vec3 b) {
+    return mcv_vec(fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z));
+}
 
 #if MCV_WITH_SURFACES
-/* Where a ray meets an exact surface, and where it would meet a mesh's in the same place: both round, and the corners have been rounded. */
+/* Where a ray meets an exact surface, and where it would meet a mesh's in the same place: both
+ * round, and the corners have been rounded. */
 MCV_FUNCTION float mcv_exact_rounding(mcv_vec3 at, float size) {
     return MCV_GAMMA(16) * (mcv_abs(at.x) + mcv_abs(at.y) + mcv_abs(at.z) + size);
 }
 
 /*
- * Exact surfaces of dielectrics in the same place as the one met, but those of its own lens: what is no farther away than places are
- * rounded. The next ray starts twice as far off, or knows that it starts on that surface.
+ * Exact surfaces of dielectrics in the same place as the one met, but those of its own lens: what
+ * is no farther away than places are rounded. The next ray starts twice as far off, or knows that
+ * it starts on that surface.
  */
 static void mcv_find_exact_contacts(mcv_world world, uint own, mcv_interaction *interaction) {
     const uint met = interaction->surface.triangle;
@@ -96,7 +105,8 @@ static void mcv_find_exact_contacts(mcv_world world, uint own, mcv_interaction *
         uint piece = MCV_PIECE_COUNT;
         mcv_vec3 face = p;
         if (solid->group == group || solid->side == MCV_SIDE_OPEN) continue;
-        for (uint k = solid->side == MCV_SIDE_SPHERE ? MCV_PIECE_SIDE : 0u; k < MCV_PIECE_COUNT; ++k) {
+        for (uint k = solid->side == MCV_SIDE_SPHERE ? MCV_PIECE_SIDE : 0u; k < MCV_PIECE_COUNT;
+             ++k) {
             float outside;
             const mcv_vec3 normal = mcv_piece_gradient(solid, k, p, &outside);
             if (!(outside <= reach)) {
@@ -125,10 +135,12 @@ static void mcv_find_exact_contacts(mcv_world world, uint own, mcv_interaction *
 #endif
 
 /*
- * Surfaces of dielectric bodies in the same place as the one that the ray has met: so close behind that the next ray's origin, which is
- * moved off the surface by its error, might lie beyond them, too. From each found the next is looked for.
+ * Surfaces of dielectric bodies in the same place as the one that the ray has met: so close behind
+ * that the next ray's origin, which is moved off the surface by its error, might lie beyond them,
+ * too. From each found the next is looked for.
  */
-static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit, mcv_interaction *interaction) {
+static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit,
+                              mcv_interaction *interaction) {
     interaction->exited = interaction->entered = 0u;
     interaction->touched = MCV_NONE;
     const uint own = world.instances[interaction->surface.instance].medium;
@@ -141,14 +153,17 @@ static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit, mcv
     uint crossed = 1u << (own - 1u) | interaction->exited | interaction->entered;
     mcv_vec3 e = interaction->surface.error;
 #if MCV_WITH_SURFACES
-    const float rounding = hit.triangle >= MCV_EXACT ? mcv_exact_rounding(interaction->surface.point, 0.0f) : 0.0f;
+    const float rounding =
+        hit.triangle >= MCV_EXACT ? mcv_exact_rounding(interaction->surface.point, 0.0f) : 0.0f;
     e = mcv_larger(e, mcv_vec(rounding, rounding, rounding));
 #endif
     for (int i = 0; i < (int)MCV_MAX_MEDIA; ++i) {
         const mcv_vec3 f = interaction->face;
         const float reach = mcv_abs(f.x) * e.x + mcv_abs(f.y) * e.y + mcv_abs(f.z) * e.z;
-        const float band = 2.0f * reach / -mcv_dot(interaction->direction, f) + 2.0f * MCV_GAMMA(16) * hit.t;
-        hit = mcv_next_hit_ray(world.nodes, world.leaves, origin, interaction->direction, hit, hit.t + band);
+        const float band =
+            2.0f * reach / -mcv_dot(interaction->direction, f) + 2.0f * MCV_GAMMA(16) * hit.t;
+        hit = mcv_next_hit_ray(world.nodes, world.leaves, origin, interaction->direction, hit,
+                               hit.t + band);
         if (hit.triangle == MCV_NONE) return;
         const mcv_surface next = mcv_surface_at(world, hit.triangle, hit.u, hit.v);
         const uint medium = world.instances[next.instance].medium;
@@ -167,7 +182,8 @@ static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit, mcv
         crossed ^= bit;
         e = mcv_larger(e, next.error);
 #if MCV_WITH_SURFACES
-        interaction->surface.error = mcv_larger(interaction->surface.error, mcv_scale(e, rounding > 0.0f ? 2.0f : 0.0f));
+        interaction->surface.error =
+            mcv_larger(interaction->surface.error, mcv_scale(e, rounding > 0.0f ? 2.0f : 0.0f));
 #else
         e = next.error;
 #endif
@@ -177,8 +193,10 @@ static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit, mcv
 }
 #endif
 
-MCV_FUNCTION mcv_interaction mcv_meet(mcv_world world, mcv_vec3 origin, mcv_vec3 direction, mcv_hit hit) {
-    mcv_interaction interaction = mcv_meet_at(mcv_hit_surface(world, origin, direction, hit), direction);
+MCV_FUNCTION mcv_interaction mcv_meet(mcv_world world, mcv_vec3 origin, mcv_vec3 direction,
+                                      mcv_hit hit) {
+    mcv_interaction interaction =
+        mcv_meet_at(mcv_hit_surface(world, origin, direction, hit), direction);
 #if MCV_WITH_CONTACT
     mcv_find_contacts(world, origin, hit, &interaction);
 #endif
@@ -189,14 +207,18 @@ MCV_FUNCTION mcv_interaction mcv_meet(mcv_world world, mcv_vec3 origin, mcv_vec3
 MCV_FUNCTION mcv_vec3 mcv_onward_origin(mcv_interaction interaction, mcv_vec3 direction) {
 #if MCV_WITH_CONTACT
     if (mcv_dot(direction, interaction.face) < 0.0f)
-        return mcv_offset_origin(interaction.beyond_point, interaction.beyond_error, interaction.face, direction);
+        return mcv_offset_origin(interaction.beyond_point, interaction.beyond_error,
+                                 interaction.face, direction);
 #endif
-    return mcv_offset_origin(interaction.surface.point, interaction.surface.error, interaction.face, direction);
+    return mcv_offset_origin(interaction.surface.point, interaction.surface.error, interaction.face,
+                             direction);
 }
 
 #if MCV_WITH_SURFACES
-/* What a ray remembers of the exact surface that it starts on (mcv_mark_origin_surface), or MCV_NONE. */
-MCV_LOOP_FUNCTION uint mcv_origin_surface_of(mcv_world world, mcv_interaction interaction, mcv_vec3 direction) {
+/* What a ray remembers of the exact surface that it starts on (mcv_mark_origin_surface), or
+ * MCV_NONE. */
+MCV_LOOP_FUNCTION uint mcv_origin_surface_of(mcv_world world, mcv_interaction interaction,
+                                             mcv_vec3 direction) {
     mcv_surface surface = interaction.surface;
 #if MCV_WITH_CONTACT
     if (interaction.touched != MCV_NONE) {
@@ -213,15 +235,17 @@ typedef struct mcv_scattering {
     mcv_vec3 direction;
     mcv_color factor; /* of the throughput; all 0: the path ends */
     float density;    /* [1/sr], 0 for smooth surfaces */
-    float chance;     /* with which a surface of glass, a sheet or a beam splitter chose this way on of its two */
-    float remainder;       /* rough glass: what is left of the number that chose it */
+    float chance; /* with which a surface of glass, a sheet or a beam splitter chose this way on of
+                     its two */
+    float remainder; /* rough glass: what is left of the number that chose it */
     uint media;
     uint event; /* MCV_EVENT_… */
 } mcv_scattering;
 
 #if MCV_WITH_DIELECTRIC || MCV_WITH_SHEET
 /* a or b, word by word as in mcv_choose. */
-MCV_LOOP_FUNCTION mcv_scattering mcv_choose_scattering(int condition, mcv_scattering a, mcv_scattering b) {
+MCV_LOOP_FUNCTION mcv_scattering mcv_choose_scattering(int condition, mcv_scattering a,
+                                                       mcv_scattering b) {
     mcv_scattering chosen;
     chosen.direction = mcv_choose(condition, a.direction, b.direction);
     MCV_EACH_CHANNEL(i) chosen.factor.c[i] = condition ? a.factor.c[i] : b.factor.c[i];
@@ -233,7 +257,8 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_choose_scattering(int condition, mcv_scatte
 }
 
 /* One of a smooth surface's two ways on; *other is the other one. */
-MCV_LOOP_FUNCTION mcv_scattering mcv_choose_way(mcv_scattering reflected, mcv_scattering passed, int reflects, mcv_scattering *other) {
+MCV_LOOP_FUNCTION mcv_scattering mcv_choose_way(mcv_scattering reflected, mcv_scattering passed,
+                                                int reflects, mcv_scattering *other) {
     *other = mcv_choose_scattering(reflects, passed, reflected);
     return mcv_choose_scattering(reflects, reflected, passed);
 }
@@ -242,12 +267,14 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_choose_way(mcv_scattering reflected, mcv_sc
 #if MCV_WITH_DIELECTRIC || MCV_WITH_SHEET || MCV_WITH_MIRROR || MCV_WITH_GLOSS
 MCV_LOOP_FUNCTION mcv_vec3 mcv_reflected(mcv_interaction interaction) {
     const mcv_vec3 d = mcv_reflect(interaction.direction, interaction.normal);
-    return mcv_choose(mcv_dot(d, interaction.face) > 0.0f, d, mcv_reflect(interaction.direction, interaction.face));
+    return mcv_choose(mcv_dot(d, interaction.face) > 0.0f, d,
+                      mcv_reflect(interaction.direction, interaction.face));
 }
 #endif
 
 #if MCV_WITH_DIELECTRIC
-/* The sets of media on the ray's side of a body's surface, where the path's is mended, and beyond it. */
+/* The sets of media on the ray's side of a body's surface, where the path's is mended, and beyond
+ * it. */
 typedef struct mcv_crossing {
     uint before, after;
     mcv_device_interface between;
@@ -256,10 +283,12 @@ typedef struct mcv_crossing {
 #endif
 } mcv_crossing;
 
-MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world, const mcv_interaction *interaction, uint media) {
+MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world,
+                                                 const mcv_interaction *interaction, uint media) {
     mcv_crossing crossing;
     const uint bit = 1u << (world.instances[interaction->surface.instance].medium - 1u);
-    uint exited = interaction->inside ? bit : 0u, entered = interaction->inside ? 0u : bit; /* media of the bodies that the surface bounds */
+    uint exited = interaction->inside ? bit : 0u,
+         entered = interaction->inside ? 0u : bit; /* media of the bodies that the surface bounds */
 #if MCV_WITH_CONTACT
     exited |= interaction->exited;
     entered |= interaction->entered;
@@ -267,15 +296,20 @@ MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world, const mcv_inte
 #if MCV_WITH_SURFACES
     /* The body in contact, on the other side. */
     if (interaction->surface.triangle >= MCV_EXACT && interaction->surface.u > 0.0f) {
-        const uint other = 1u << (world.instances[world.solids[(uint)interaction->surface.u - 1u].instance[0]].medium - 1u);
+        const uint other =
+            1u << (world.instances[world.solids[(uint)interaction->surface.u - 1u].instance[0]]
+                       .medium -
+                   1u);
         exited |= interaction->inside ? 0u : other;
         entered |= interaction->inside ? other : 0u;
     }
 #endif
     crossing.before = (media | exited) & ~entered;
     crossing.after = crossing.before ^ (exited | entered);
-    const uint at = mcv_filling_medium(crossing.before) * (MCV_MAX_MEDIA + 1u) + mcv_filling_medium(crossing.after);
-    __global const mcv_device_interface *between = world.interfaces + at; /* word by word: a loop is not vectorised over structures */
+    const uint at = mcv_filling_medium(crossing.before) * (MCV_MAX_MEDIA + 1u) +
+                    mcv_filling_medium(crossing.after);
+    __global const mcv_device_interface *between =
+        world.interfaces + at; /* word by word: a loop is not vectorised over structures */
     crossing.between.eta = between->eta;
     crossing.between.delta = between->delta;
     crossing.between.scale = between->scale;
@@ -287,19 +321,23 @@ MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world, const mcv_inte
 }
 
 /* Where light goes that passes a surface behind which it has the cosine c2 > 0 to its normal. */
-MCV_LOOP_FUNCTION mcv_vec3 mcv_refracted(mcv_device_interface between, mcv_interaction interaction, float cosine, float c2) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_refracted(mcv_device_interface between, mcv_interaction interaction,
+                                         float cosine, float c2) {
     const mcv_vec3 d = mcv_refract(between, interaction.direction, interaction.normal, cosine, c2);
     const float f1 = -mcv_dot(interaction.direction, interaction.face);
     const float f2 = mcv_refracted_cosine(between, f1);
     const mcv_vec3 flat = mcv_refract(between, interaction.direction, interaction.face, f1, f2);
-    return mcv_choose(mcv_dot(d, interaction.face) < 0.0f, d, mcv_choose(f2 > 0.0f, flat, interaction.direction));
+    return mcv_choose(mcv_dot(d, interaction.face) < 0.0f, d,
+                      mcv_choose(f2 > 0.0f, flat, interaction.direction));
 }
 
 /*
- * xi in [0, 1) chooses reflection with probability R; 1 always refracts where that is possible. Equal indices pass all, total reflection
- * nothing: the other way has no chance then.
+ * xi in [0, 1) chooses reflection with probability R; 1 always refracts where that is possible.
+ * Equal indices pass all, total reflection nothing: the other way has no chance then.
  */
-MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_dielectric(mcv_world world, mcv_interaction interaction, uint media, float xi, uint *unmatched,
+MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_dielectric(mcv_world world,
+                                                        mcv_interaction interaction, uint media,
+                                                        float xi, uint *unmatched,
                                                         mcv_scattering *other) {
     mcv_scattering reflected, refracted;
     const mcv_crossing crossing = mcv_cross_surface(world, &interaction, media);
@@ -318,14 +356,16 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_dielectric(mcv_world world, mcv_int
     reflected.event = MCV_EVENT_REFLECT;
     refracted.chance = 1.0f - reflectance;
     refracted.media = crossing.after;
-    refracted.direction = mcv_choose(bends, mcv_refracted(between, interaction, cosine, c2), interaction.direction);
+    refracted.direction =
+        mcv_choose(bends, mcv_refracted(between, interaction, cosine, c2), interaction.direction);
     refracted.event = bends ? MCV_EVENT_REFRACT : MCV_EVENT_PASS;
     return mcv_choose_way(reflected, refracted, total | (xi < reflectance), other);
 }
 #endif
 
 #if MCV_WITH_SHEET
-static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interaction, mcv_device_material material, mcv_color transmittance,
+static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interaction,
+                                        mcv_device_material material, mcv_color transmittance,
                                         uint media, float xi, mcv_scattering *other) {
     mcv_scattering reflected, passed;
     mcv_device_interface into;
@@ -334,7 +374,8 @@ static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interac
 #if MCV_WITH_DIELECTRIC
     /* The table holds it in vacuum. */
     if (media != 0) {
-        const float squared = material.eta * material.eta / world.media[mcv_filling_medium(media)].inverse_index_squared;
+        const float squared = material.eta * material.eta /
+                              world.media[mcv_filling_medium(media)].inverse_index_squared;
         into.eta = mcv_sqrt(squared);
         into.delta = 1.0f - squared;
     }
@@ -360,7 +401,8 @@ static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interac
 #endif
 
 #if MCV_WITH_SHEET
-static mcv_scattering mcv_scatter_beam_splitter(mcv_interaction interaction, mcv_device_material material, uint media, float xi,
+static mcv_scattering mcv_scatter_beam_splitter(mcv_interaction interaction,
+                                                mcv_device_material material, uint media, float xi,
                                                 mcv_scattering *other) {
     mcv_scattering reflected, passed;
     reflected.chance = material.chance;
@@ -380,7 +422,9 @@ static mcv_scattering mcv_scatter_beam_splitter(mcv_interaction interaction, mcv
 #endif
 
 #if MCV_WITH_DIFFUSE
-MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_diffuse(mcv_interaction interaction, mcv_color reflectance, uint media, mcv_pair pair) {
+MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_diffuse(mcv_interaction interaction,
+                                                     mcv_color reflectance, uint media,
+                                                     mcv_pair pair) {
     mcv_scattering scattering;
 #if MCV_TILE
     if (interaction.bounces) {
@@ -388,7 +432,8 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_diffuse(mcv_interaction interaction
         scattering.density = interaction.bounce_density;
     } else
 #endif
-        scattering.direction = mcv_diffuse_sample(interaction.normal, pair.x, pair.y, &scattering.density);
+        scattering.direction =
+            mcv_diffuse_sample(interaction.normal, pair.x, pair.y, &scattering.density);
     scattering.chance = 1.0f;
     const int reflects = mcv_dot(scattering.direction, interaction.face) > 0.0f;
     MCV_EACH_CHANNEL(i) scattering.factor.c[i] = reflects ? reflectance.c[i] : 0.0f;
@@ -399,7 +444,8 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_diffuse(mcv_interaction interaction
 
 #if MCV_WITH_TRANSLUCENT
 /* The side is chosen by the two shares; what lies beyond is seen from behind. */
-static mcv_scattering mcv_scatter_translucent(mcv_world world, mcv_interaction interaction, uint material, uint media, mcv_pair pair,
+static mcv_scattering mcv_scatter_translucent(mcv_world world, mcv_interaction interaction,
+                                              uint material, uint media, mcv_pair pair,
                                               float choice) {
     const float chance = world.materials[material].chance;
     const int through = choice >= chance;
@@ -410,10 +456,11 @@ static mcv_scattering mcv_scatter_translucent(mcv_world world, mcv_interaction i
         interaction.bounces = 0; /* that has been worked out for the other side */
 #endif
     }
-    const mcv_color share =
-        through ? mcv_material_passed(world, interaction.surface, material) : mcv_material_value(world, interaction.surface, material);
+    const mcv_color share = through ? mcv_material_passed(world, interaction.surface, material)
+                                    : mcv_material_value(world, interaction.surface, material);
     const float own = through ? 1.0f - chance : chance;
-    mcv_scattering scattering = mcv_scatter_diffuse(interaction, mcv_dim(share, 1.0f / own), media, pair);
+    mcv_scattering scattering =
+        mcv_scatter_diffuse(interaction, mcv_dim(share, 1.0f / own), media, pair);
     scattering.density *= own;
     return scattering;
 }
@@ -440,19 +487,23 @@ static int mcv_is_rough(mcv_world world, const mcv_interaction *interaction, uin
     const uint type = world.materials[instance.material].type;
     if (!world.materials[instance.material].scattering_sides) return 0;
 #if MCV_WITH_DIELECTRIC
-    if (type == MCV_MATERIAL_DIELECTRIC) return mcv_cross_surface(world, interaction, media).albedos != MCV_NONE;
+    if (type == MCV_MATERIAL_DIELECTRIC)
+        return mcv_cross_surface(world, interaction, media).albedos != MCV_NONE;
 #else
     (void)media;
 #endif
     return type == MCV_MATERIAL_METALLIC_ROUGHNESS || type == MCV_MATERIAL_CONDUCTOR;
 }
 
-/* The surface's values are those of its table, `from`, but the roughness, the metallic share and the colour where textures give them. */
-MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction_of(mcv_world world, const mcv_interaction *interaction, const mcv_device_gloss *from, uint type,
-                                                      mcv_color base, float scale, float metallic, uint media) {
+/* The surface's values are those of its table, `from`, but the roughness, the metallic share and
+ * the colour where textures give them. */
+MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction_of(
+    mcv_world world, const mcv_interaction *interaction, const mcv_device_gloss *from, uint type,
+    mcv_color base, float scale, float metallic, uint media) {
     mcv_gloss_interaction m;
     const float roughness = from->roughness * scale;
-    const float alpha = roughness * roughness > MCV_LEAST_ALPHA ? roughness * roughness : MCV_LEAST_ALPHA;
+    const float alpha =
+        roughness * roughness > MCV_LEAST_ALPHA ? roughness * roughness : MCV_LEAST_ALPHA;
     m.near_media = m.far_media = media;
     m.gloss.type = type;
     m.gloss.base = base;
@@ -472,7 +523,8 @@ MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction_of(mcv_world 
         m.gloss.between = crossing.between;
         m.gloss.table = crossing.albedos;
     } else {
-        m.gloss.between.eta = mcv_sqrt(world.media[mcv_filling_medium(media)].inverse_index_squared);
+        m.gloss.between.eta =
+            mcv_sqrt(world.media[mcv_filling_medium(media)].inverse_index_squared);
     }
 #endif
 
@@ -489,7 +541,9 @@ MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction_of(mcv_world 
     return m;
 }
 
-static mcv_gloss_interaction mcv_make_gloss_interaction(mcv_world world, const mcv_interaction *interaction, uint material, uint media) {
+static mcv_gloss_interaction mcv_make_gloss_interaction(mcv_world world,
+                                                        const mcv_interaction *interaction,
+                                                        uint material, uint media) {
     const mcv_device_gloss from = world.gloss[material];
     float scale = 1.0f, metallic = 1.0f;
 #if MCV_WITH_TEXTURE
@@ -500,13 +554,16 @@ static mcv_gloss_interaction mcv_make_gloss_interaction(mcv_world world, const m
         metallic = mcv_texture_value(world, from.texture, s, t, 2);
     }
 #endif
-    return mcv_make_gloss_interaction_of(world, interaction, &from, world.materials[material].type, mcv_material_value(world, interaction->surface, material),
-                             scale, metallic, media);
+    return mcv_make_gloss_interaction_of(world, interaction, &from, world.materials[material].type,
+                                         mcv_material_value(world, interaction->surface, material),
+                                         scale, metallic, media);
 }
 
 /* The same, worked out once for a path's surface, or in the given room. */
-MCV_FUNCTION const mcv_gloss_interaction *mcv_known_gloss(mcv_world world, const mcv_interaction *interaction, uint material, uint media,
-                                                      mcv_gloss_interaction *room) {
+MCV_FUNCTION const mcv_gloss_interaction *mcv_known_gloss(mcv_world world,
+                                                          const mcv_interaction *interaction,
+                                                          uint material, uint media,
+                                                          mcv_gloss_interaction *room) {
 #if MCV_TILE
     if (interaction->gloss) {
         if (*interaction->gloss_known) return interaction->gloss;
@@ -518,9 +575,13 @@ MCV_FUNCTION const mcv_gloss_interaction *mcv_known_gloss(mcv_world world, const
     return room;
 }
 
-/* The direction is unit. Where the interpolated normal and the face disagree on its side nothing comes. */
-MCV_LOOP_FUNCTION mcv_response mcv_respond_gloss_of(mcv_world world, const mcv_interaction *interaction, const mcv_device_gloss *from,
-                                                    const mcv_gloss_interaction *m, mcv_vec3 direction) {
+/* The direction is unit. Where the interpolated normal and the face disagree on its side nothing
+ * comes. */
+MCV_LOOP_FUNCTION mcv_response mcv_respond_gloss_of(mcv_world world,
+                                                    const mcv_interaction *interaction,
+                                                    const mcv_device_gloss *from,
+                                                    const mcv_gloss_interaction *m,
+                                                    mcv_vec3 direction) {
     const mcv_vec3 i = mcv_gloss_local(m, direction);
     const int far = i.z < 0.0f;
     const float side = mcv_dot(direction, interaction->face);
@@ -532,24 +593,31 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_gloss_of(mcv_world world, const mcv_i
     return response;
 }
 
-static __attribute__((noinline)) mcv_response mcv_respond_gloss(mcv_world world, const mcv_interaction *interaction, uint material,
-                                                                const mcv_gloss_interaction *m, mcv_vec3 direction) {
+static __attribute__((noinline)) mcv_response
+mcv_respond_gloss(mcv_world world, const mcv_interaction *interaction, uint material,
+                  const mcv_gloss_interaction *m, mcv_vec3 direction) {
     const mcv_device_gloss from = world.gloss[material];
     return mcv_respond_gloss_of(world, interaction, &from, m, direction);
 }
 
-MCV_LOOP_FUNCTION mcv_vec3 mcv_choose_gloss_of(const mcv_device_gloss *from, const mcv_gloss_interaction *m, mcv_pair pair, float choice) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_choose_gloss_of(const mcv_device_gloss *from,
+                                               const mcv_gloss_interaction *m, mcv_pair pair,
+                                               float choice) {
     const mcv_vec3 i = mcv_gloss_sample(from, &m->gloss, &m->lobes, m->o, pair.x, pair.y, choice);
     return mcv_normalize(mcv_along(mcv_along(mcv_scale(m->z, i.z), i.y, m->y), i.x, m->x));
 }
 
 /* A way on in a direction that has been chosen. */
-MCV_LOOP_FUNCTION mcv_scattering mcv_turn_by_gloss(mcv_world world, const mcv_interaction *interaction, const mcv_device_gloss *from,
-                                                   const mcv_gloss_interaction *m, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION mcv_scattering mcv_turn_by_gloss(mcv_world world,
+                                                   const mcv_interaction *interaction,
+                                                   const mcv_device_gloss *from,
+                                                   const mcv_gloss_interaction *m,
+                                                   mcv_vec3 direction) {
     mcv_scattering scattering;
     const mcv_response response = mcv_respond_gloss_of(world, interaction, from, m, direction);
     const float scale = 1.0f / response.density;
-    MCV_EACH_CHANNEL(c) scattering.factor.c[c] = response.density > 0.0f ? response.value.c[c] * scale : 0.0f;
+    MCV_EACH_CHANNEL(c)
+    scattering.factor.c[c] = response.density > 0.0f ? response.value.c[c] * scale : 0.0f;
     scattering.direction = direction;
     scattering.density = response.density;
     scattering.chance = 1.0f;
@@ -559,32 +627,44 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_turn_by_gloss(mcv_world world, const mcv_in
     return scattering;
 }
 
-/* The microfacet of rough glass that has turned light one way turns it the other way, too: *other, whose chance is 0 where it does not. */
-MCV_LOOP_FUNCTION mcv_scattering mcv_split_by_gloss(mcv_world world, const mcv_interaction *interaction, const mcv_device_gloss *from,
-                                                   const mcv_gloss_interaction *m, mcv_pair pair, float choice, mcv_scattering *other) {
-    mcv_scattering on = mcv_turn_by_gloss(world, interaction, from, m, mcv_choose_gloss_of(from, m, pair, choice));
+/* The microfacet of rough glass that has turned light one way turns it the other way, too: *other,
+ * whose chance is 0 where it does not. */
+MCV_LOOP_FUNCTION mcv_scattering mcv_split_by_gloss(mcv_world world,
+                                                    const mcv_interaction *interaction,
+                                                    const mcv_device_gloss *from,
+                                                    const mcv_gloss_interaction *m, mcv_pair pair,
+                                                    float choice, mcv_scattering *other) {
+    mcv_scattering on =
+        mcv_turn_by_gloss(world, interaction, from, m, mcv_choose_gloss_of(from, m, pair, choice));
     const mcv_vec3 h = mcv_ggx_sample(m->gloss.alpha, m->o, pair.x, pair.y);
-    const float specular = m->lobes.specular, share = mcv_gloss_fresnel(from, &m->gloss, mcv_dot(m->o, h)).c[0];
+    const float specular = m->lobes.specular,
+                share = mcv_gloss_fresnel(from, &m->gloss, mcv_dot(m->o, h)).c[0];
     const int turns = choice < specular, reflects = choice < specular * share;
     on.chance = turns ? (reflects ? share : 1.0f - share) : 1.0f;
     on.remainder = choice / specular;
-    *other = mcv_turn_by_gloss(world, interaction, from, m,
-                               mcv_choose_gloss_of(from, m, pair, reflects ? specular * (1.0f - MCV_UNIT_ROUNDOFF) : 0.0f));
+    *other = mcv_turn_by_gloss(
+        world, interaction, from, m,
+        mcv_choose_gloss_of(from, m, pair,
+                            reflects ? specular * (1.0f - MCV_UNIT_ROUNDOFF) : 0.0f));
     other->chance = 1.0f - on.chance;
     return on;
 }
 
-static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_interaction interaction, uint material, uint media, mcv_pair pair, float choice,
-                                        int parts, mcv_scattering *other) {
+static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_interaction interaction, uint material,
+                                        uint media, mcv_pair pair, float choice, int parts,
+                                        mcv_scattering *other) {
     mcv_gloss_interaction room;
     const mcv_device_gloss from = world.gloss[material];
     const mcv_gloss_interaction *m = mcv_known_gloss(world, &interaction, material, media, &room);
-    if (parts && m->gloss.type == MCV_MATERIAL_DIELECTRIC) return mcv_split_by_gloss(world, &interaction, &from, m, pair, choice, other);
-    return mcv_turn_by_gloss(world, &interaction, &from, m, mcv_choose_gloss_of(&from, m, pair, choice));
+    if (parts && m->gloss.type == MCV_MATERIAL_DIELECTRIC)
+        return mcv_split_by_gloss(world, &interaction, &from, m, pair, choice, other);
+    return mcv_turn_by_gloss(world, &interaction, &from, m,
+                             mcv_choose_gloss_of(&from, m, pair, choice));
 }
 
 /* A smooth metal. */
-static mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_interaction interaction, uint material, uint media) {
+static mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_interaction interaction,
+                                            uint material, uint media) {
     mcv_scattering scattering;
     __global const mcv_device_gloss *from = world.gloss + material;
     float scale = 1.0f;
@@ -593,7 +673,8 @@ static mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_interaction int
 #endif
     const float cosine = -mcv_dot(interaction.direction, interaction.normal);
     MCV_EACH_CHANNEL(i)
-    scattering.factor.c[i] = mcv_conductor_fresnel(from->n[i] * scale, from->k[i] * scale, cosine < 1.0f ? cosine : 1.0f);
+    scattering.factor.c[i] = mcv_conductor_fresnel(from->n[i] * scale, from->k[i] * scale,
+                                                   cosine < 1.0f ? cosine : 1.0f);
     scattering.direction = mcv_reflected(interaction);
     scattering.density = 0.0f;
     scattering.chance = 1.0f;
@@ -604,10 +685,13 @@ static mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_interaction int
 #endif
 
 #if MCV_WITH_RETROREFLECTOR
-/* The direction is unit. Where the interpolated normal and the face disagree on its side nothing comes. */
-static mcv_response mcv_respond_retroreflector(mcv_world world, mcv_interaction interaction, uint material, uint media, mcv_vec3 direction) {
+/* The direction is unit. Where the interpolated normal and the face disagree on its side nothing
+ * comes. */
+static mcv_response mcv_respond_retroreflector(mcv_world world, mcv_interaction interaction,
+                                               uint material, uint media, mcv_vec3 direction) {
     mcv_response response =
-        mcv_retroreflector_respond(world.materials + material, interaction.normal, mcv_scale(interaction.direction, -1.0f), direction);
+        mcv_retroreflector_respond(world.materials + material, interaction.normal,
+                                   mcv_scale(interaction.direction, -1.0f), direction);
     if (!(mcv_dot(direction, interaction.face) > 0.0f)) {
         response.value = mcv_grey(0.0f);
         response.density = 0.0f;
@@ -616,7 +700,8 @@ static mcv_response mcv_respond_retroreflector(mcv_world world, mcv_interaction 
     return response;
 }
 
-static mcv_scattering mcv_scatter_retroreflector(mcv_world world, mcv_interaction interaction, uint material, uint media, mcv_pair pair,
+static mcv_scattering mcv_scatter_retroreflector(mcv_world world, mcv_interaction interaction,
+                                                 uint material, uint media, mcv_pair pair,
                                                  float choice) {
     mcv_scattering scattering;
     __global const mcv_device_material *from = world.materials + material;
@@ -634,9 +719,12 @@ static mcv_scattering mcv_scatter_retroreflector(mcv_world world, mcv_interactio
         scattering.event = MCV_EVENT_REFLECT;
         return scattering;
     }
-    scattering.direction = mcv_retroreflector_choose(from, interaction.normal, o, pair.x, pair.y, returns);
-    const mcv_response response = mcv_respond_retroreflector(world, interaction, material, media, scattering.direction);
-    scattering.factor = response.density > 0.0f ? mcv_dim(response.value, 1.0f / response.density) : mcv_grey(0.0f);
+    scattering.direction =
+        mcv_retroreflector_choose(from, interaction.normal, o, pair.x, pair.y, returns);
+    const mcv_response response =
+        mcv_respond_retroreflector(world, interaction, material, media, scattering.direction);
+    scattering.factor =
+        response.density > 0.0f ? mcv_dim(response.value, 1.0f / response.density) : mcv_grey(0.0f);
     scattering.density = response.density;
     return scattering;
 }
@@ -644,7 +732,9 @@ static mcv_scattering mcv_scatter_retroreflector(mcv_world world, mcv_interactio
 
 #if MCV_WITH_DIFFUSE
 /* The direction is unit. */
-MCV_LOOP_FUNCTION mcv_response mcv_respond_diffuse(const mcv_interaction *interaction, mcv_color reflectance, uint media, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION mcv_response mcv_respond_diffuse(const mcv_interaction *interaction,
+                                                   mcv_color reflectance, uint media,
+                                                   mcv_vec3 direction) {
     mcv_response response;
     const float cosine = mcv_dot(direction, interaction->normal);
     const int comes = (cosine > 0.0f) & (mcv_dot(direction, interaction->face) > 0.0f);
@@ -657,7 +747,8 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_diffuse(const mcv_interaction *intera
 
 #if MCV_WITH_NEXT_EVENT
 /* The direction is unit and leads away from the surface; what cannot come from there is 0. */
-MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interaction, uint media, mcv_vec3 direction) {
+MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interaction, uint media,
+                                      mcv_vec3 direction) {
     mcv_response response;
     const mcv_device_instance instance = world.instances[interaction.surface.instance];
     response.value = mcv_grey(0.0f);
@@ -669,12 +760,16 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interacti
         const float cosine = mcv_dot(direction, interaction.normal);
         if (cosine < 0.0f && mcv_dot(direction, interaction.face) < 0.0f) {
             response.density = mcv_diffuse_density(-cosine);
-            response.value = mcv_dim(mcv_material_passed(world, interaction.surface, instance.material), response.density);
+            response.value =
+                mcv_dim(mcv_material_passed(world, interaction.surface, instance.material),
+                        response.density);
             response.density *= 1.0f - world.materials[instance.material].chance;
             return response;
         }
 #endif
-        response = mcv_respond_diffuse(&interaction, mcv_material_value(world, interaction.surface, instance.material), media, direction);
+        response = mcv_respond_diffuse(
+            &interaction, mcv_material_value(world, interaction.surface, instance.material), media,
+            direction);
 #if MCV_WITH_TRANSLUCENT
         response.density *= world.materials[instance.material].chance;
 #endif
@@ -683,7 +778,8 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interacti
 #if MCV_WITH_GLOSS
     if (mcv_is_rough(world, &interaction, media)) {
         mcv_gloss_interaction room;
-        const mcv_gloss_interaction *m = mcv_known_gloss(world, &interaction, instance.material, media, &room);
+        const mcv_gloss_interaction *m =
+            mcv_known_gloss(world, &interaction, instance.material, media, &room);
         return mcv_respond_gloss(world, &interaction, instance.material, m, direction);
     }
 #endif
@@ -711,10 +807,12 @@ MCV_LOOP_FUNCTION int mcv_is_sheet(mcv_world world, mcv_interaction interaction)
 }
 #endif
 
-/* Chooses how the path goes on from the surface it met. *other: how it would have by the other way on of a smooth surface that has two, and
- * if the path may part there, of rough glass; elsewhere its chance is 0. */
-MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interaction, uint media, mcv_pair pair, float choice, int parts,
-                                        uint *unmatched, mcv_scattering *other) {
+/* Chooses how the path goes on from the surface it met. *other: how it would have by the other way
+ * on of a smooth surface that has two, and if the path may part there, of rough glass; elsewhere
+ * its chance is 0. */
+MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interaction, uint media,
+                                        mcv_pair pair, float choice, int parts, uint *unmatched,
+                                        mcv_scattering *other) {
     mcv_scattering scattering;
     const mcv_device_instance instance = world.instances[interaction.surface.instance];
     const mcv_device_material material = world.materials[instance.material];
@@ -729,39 +827,48 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
 #if MCV_WITH_GLOSS
     if (mcv_is_rough(world, &interaction, media)) {
 #if MCV_WITH_DIELECTRIC
-        if (instance.medium != 0 && mcv_cross_surface(world, &interaction, media).before != media) *unmatched += 1u;
+        if (instance.medium != 0 && mcv_cross_surface(world, &interaction, media).before != media)
+            *unmatched += 1u;
 #endif
-        return mcv_scatter_gloss(world, interaction, instance.material, media, pair, choice, parts, other);
+        return mcv_scatter_gloss(world, interaction, instance.material, media, pair, choice, parts,
+                                 other);
     }
-    if (material.type == MCV_MATERIAL_CONDUCTOR) return mcv_scatter_conductor(world, interaction, instance.material, media);
+    if (material.type == MCV_MATERIAL_CONDUCTOR)
+        return mcv_scatter_conductor(world, interaction, instance.material, media);
 #else
     (void)choice, (void)parts;
 #endif
 #if MCV_WITH_DIELECTRIC
-    if (material.type == MCV_MATERIAL_DIELECTRIC) return mcv_scatter_dielectric(world, interaction, media, pair.x, unmatched, other);
+    if (material.type == MCV_MATERIAL_DIELECTRIC)
+        return mcv_scatter_dielectric(world, interaction, media, pair.x, unmatched, other);
 #else
     (void)unmatched;
 #endif
 #if MCV_WITH_RETROREFLECTOR
     if (material.type == MCV_MATERIAL_RETROREFLECTOR)
-        return mcv_scatter_retroreflector(world, interaction, instance.material, media, pair, choice);
+        return mcv_scatter_retroreflector(world, interaction, instance.material, media, pair,
+                                          choice);
 #endif
 #if MCV_WITH_DIFFUSE
     if (material.type == MCV_MATERIAL_DIFFUSE) {
 #if MCV_WITH_TRANSLUCENT
         return mcv_scatter_translucent(world, interaction, instance.material, media, pair, choice);
 #endif
-        return mcv_scatter_diffuse(interaction, mcv_material_value(world, interaction.surface, instance.material), media, pair);
+        return mcv_scatter_diffuse(
+            interaction, mcv_material_value(world, interaction.surface, instance.material), media,
+            pair);
     }
 #endif
 #if MCV_WITH_SHEET
     if (material.type == MCV_MATERIAL_SHEET) {
-        return mcv_scatter_sheet(world, interaction, material, mcv_material_value(world, interaction.surface, instance.material), media, pair.x,
-                                 other);
+        return mcv_scatter_sheet(world, interaction, material,
+                                 mcv_material_value(world, interaction.surface, instance.material),
+                                 media, pair.x, other);
     }
 #endif
 #if MCV_WITH_SHEET
-    if (material.type == MCV_MATERIAL_BEAM_SPLITTER) return mcv_scatter_beam_splitter(interaction, material, media, pair.x, other);
+    if (material.type == MCV_MATERIAL_BEAM_SPLITTER)
+        return mcv_scatter_beam_splitter(interaction, material, media, pair.x, other);
 #endif
 #if MCV_WITH_MIRROR
     if (material.type == MCV_MATERIAL_MIRROR) {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Glossy surfaces: microfacets that reflect (and, of dielectrics, refract), what light they pass on to each other, and what lies below
- * them. Everything is a mixture of a specular lobe and of cosine lobes on both sides, evaluated and sampled by the same lines.
- * Directions are unit vectors in the frame of the surface; o, with o_z > 0, points to where the path comes from.
+ * Glossy surfaces: microfacets that reflect (and, of dielectrics, refract), what light they pass on
+ * to each other, and what lies below them. Everything is a mixture of a specular lobe and of cosine
+ * lobes on both sides, evaluated and sampled by the same lines. Directions are unit vectors in the
+ * frame of the surface; o, with o_z > 0, points to where the path comes from.
  */
 #ifndef MCVISI_KERNELS_GLOSS_H
 #define MCVISI_KERNELS_GLOSS_H
@@ -14,12 +15,14 @@
 typedef struct mcv_gloss {
     uint type; /* MCV_MATERIAL_… */
     mcv_alpha alpha;
-    mcv_color base; /* metallic-roughness: base colour; conductor: what multiple reflection leaves */
+    mcv_color
+        base; /* metallic-roughness: base colour; conductor: what multiple reflection leaves */
     float metallic;
     float layer;                  /* place among the table's roughnesses */
     uint table;                   /* in the albedos */
     uint inside;                  /* dielectric: 1: the ray is in the body */
-    mcv_device_interface between; /* dielectric: from the ray's side to the other; conductor: eta is 1/n of the medium before it */
+    mcv_device_interface between; /* dielectric: from the ray's side to the other; conductor: eta is
+                                     1/n of the medium before it */
 } mcv_gloss;
 
 typedef struct mcv_albedo {
@@ -44,7 +47,8 @@ MCV_LOOP_FUNCTION mcv_albedo mcv_albedo_row(__global const float *rows, uint azi
     for (uint k = 0; k < 4; ++k) {
         if (k > 1 && azimuths == 1) break;
         const float weight = (k & 1 ? f : 1.0f - f) * (k & 2 ? g : 1.0f - g);
-        __global const float *entry = rows + 2 * ((row + (k >> 1)) * MCV_ALBEDO_COSINES + column + (k & 1));
+        __global const float *entry =
+            rows + 2 * ((row + (k >> 1)) * MCV_ALBEDO_COSINES + column + (k & 1));
         albedo.a = mcv_fma(weight, entry[0], albedo.a);
         albedo.b = mcv_fma(weight, entry[1], albedo.b);
     }
@@ -52,12 +56,13 @@ MCV_LOOP_FUNCTION mcv_albedo mcv_albedo_row(__global const float *rows, uint azi
 }
 
 /* The table's entries for a direction, or with `mean` their means over the hemisphere. */
-MCV_LOOP_FUNCTION mcv_albedo mcv_albedo_at(const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *albedos, mcv_vec3 w,
-                                           int mean) {
+MCV_LOOP_FUNCTION mcv_albedo mcv_albedo_at(const mcv_device_gloss *m, const mcv_gloss *gloss,
+                                           __global const float *albedos, mcv_vec3 w, int mean) {
     const uint size = 2 + 2 * m->azimuths * MCV_ALBEDO_COSINES;
     const uint layer = m->roughnesses > 1 ? min((uint)gloss->layer, m->roughnesses - 2) : 0;
     const float f = gloss->layer - (float)layer;
-    __global const float *at = albedos + (gloss->table == MCV_NONE ? 0u : gloss->table) + layer * size;
+    __global const float *at =
+        albedos + (gloss->table == MCV_NONE ? 0u : gloss->table) + layer * size;
     mcv_albedo low, high;
     low.a = at[0];
     low.b = at[1];
@@ -79,12 +84,14 @@ MCV_LOOP_FUNCTION float mcv_multiple_row(float z) {
 }
 
 /*
- * What leaves towards i after two and more meetings with microfacets, over what white ones send there by one; both directions lie above.
- * The table of an interface lies behind its albedos.
+ * What leaves towards i after two and more meetings with microfacets, over what white ones send
+ * there by one; both directions lie above. The table of an interface lies behind its albedos.
  */
-MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *tables,
-                                               mcv_color more, mcv_vec3 o, mcv_vec3 i) {
-    const uint size = MCV_MULTIPLE_WORDS * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_AZIMUTHS;
+MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const mcv_gloss *gloss,
+                                               __global const float *tables, mcv_color more,
+                                               mcv_vec3 o, mcv_vec3 i) {
+    const uint size =
+        MCV_MULTIPLE_WORDS * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_AZIMUTHS;
     const float x = mcv_multiple_row(o.z);
     const float y = mcv_multiple_row(i.z);
     const float o_sine = mcv_sqrt(mcv_fma(o.x, o.x, o.y * o.y));
@@ -96,59 +103,78 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
     const float length = mcv_sqrt(mcv_fma(across, across, up * up)); /* |cos φ/2|, to a rounding */
     const float half_turn = length < 1.0f ? length : 1.0f;
     const float sum = o.z + i.z + MCV_MULTIPLE_LEAST;
-    const float z = half_turn * (1.0f + sum) / (half_turn + sum) * (float)(MCV_MULTIPLE_AZIMUTHS - 1);
+    const float z =
+        half_turn * (1.0f + sum) / (half_turn + sum) * (float)(MCV_MULTIPLE_AZIMUTHS - 1);
     const uint row = min((uint)x, (uint)(MCV_MULTIPLE_COSINES - 2));
     const uint column = min((uint)y, (uint)(MCV_MULTIPLE_COSINES - 2));
     const uint entry = min((uint)z, (uint)(MCV_MULTIPLE_AZIMUTHS - 2));
     const float f = x - (float)row;
     const float g = y - (float)column;
     const float h = z - (float)entry;
-    const float layer = gloss->layer * ((float)(MCV_MULTIPLE_ROUGHNESSES - 1) / (float)(MCV_ALBEDO_ROUGHNESSES - 1));
-    const uint low = m->roughnesses > 1 ? min((uint)layer, (uint)(MCV_MULTIPLE_ROUGHNESSES - 2)) : 0;
+    const float layer = gloss->layer * ((float)(MCV_MULTIPLE_ROUGHNESSES - 1) /
+                                        (float)(MCV_ALBEDO_ROUGHNESSES - 1));
+    const uint low =
+        m->roughnesses > 1 ? min((uint)layer, (uint)(MCV_MULTIPLE_ROUGHNESSES - 2)) : 0;
     const float part = m->roughnesses > 1 ? layer - (float)low : 0.0f;
-    /* In rows and columns by the triangles that the diagonal divides a cell into: light that comes and leaves at like angles is special. */
+    /* In rows and columns by the triangles that the diagonal divides a cell into: light that comes
+     * and leaves at like angles is special. */
     const float both = f < g ? f : g;
     const float either = f < g ? g : f;
     const int dielectric = gloss->type == MCV_MATERIAL_DIELECTRIC;
     const uint others = gloss->type == MCV_MATERIAL_CONDUCTOR ? MCV_CHANNELS : MCV_MULTIPLE_WORDS;
     const uint count = dielectric ? 1 : others;
-    const uint table = dielectric ? gloss->table + 2 + 2 * MCV_ALBEDO_COSINES + gloss->inside : m->multiple;
+    const uint table =
+        dielectric ? gloss->table + 2 + 2 * MCV_ALBEDO_COSINES + gloss->inside : m->multiple;
     float words[MCV_MULTIPLE_WORDS] = {0.0f, 0.0f, 0.0f, 0.0f};
     const float ends[3] = {1.0f - either, either - both, both};
-    const uint edge = f > g ? MCV_MULTIPLE_COSINES : 1u; /* from the near corner to the one beyond an edge, in entries of azimuths */
+    const uint edge =
+        f > g ? MCV_MULTIPLE_COSINES
+              : 1u; /* from the near corner to the one beyond an edge, in entries of azimuths */
     const uint corners[3] = {0u, edge, MCV_MULTIPLE_COSINES + 1u};
     for (uint level = 0; level < (m->roughnesses > 1 ? 2u : 1u); ++level) {
         const float share = level ? part : 1.0f - part;
-        __global const float *from = tables + table + (low + level) * size +
-                                     MCV_MULTIPLE_WORDS * ((row * MCV_MULTIPLE_COSINES + column) * MCV_MULTIPLE_AZIMUTHS + entry);
+        __global const float *from =
+            tables + table + (low + level) * size +
+            MCV_MULTIPLE_WORDS *
+                ((row * MCV_MULTIPLE_COSINES + column) * MCV_MULTIPLE_AZIMUTHS + entry);
 #pragma unroll
         for (uint corner = 0; corner < 3; ++corner) {
-            __global const float *near = from + MCV_MULTIPLE_WORDS * MCV_MULTIPLE_AZIMUTHS * corners[corner];
+            __global const float *near =
+                from + MCV_MULTIPLE_WORDS * MCV_MULTIPLE_AZIMUTHS * corners[corner];
 #pragma unroll
             for (uint word = 0; word < MCV_MULTIPLE_WORDS; ++word)
                 if (word < count)
-                    words[word] =
-                        mcv_fma(share * ends[corner], mcv_fma(h, near[word + MCV_MULTIPLE_WORDS] - near[word], near[word]), words[word]);
+                    words[word] = mcv_fma(
+                        share * ends[corner],
+                        mcv_fma(h, near[word + MCV_MULTIPLE_WORDS] - near[word], near[word]),
+                        words[word]);
         }
     }
     mcv_color multiple;
     MCV_EACH_CHANNEL(c) {
         const float b = gloss->base.c[c];
-        const float schlick = gloss->metallic * mcv_fma(more.c[c], words[3], mcv_fma(b, mcv_fma(b, words[0], words[1]), words[2]));
-        multiple.c[c] = dielectric ? words[0] : gloss->type == MCV_MATERIAL_CONDUCTOR ? words[c] : schlick;
+        const float schlick =
+            gloss->metallic *
+            mcv_fma(more.c[c], words[3], mcv_fma(b, mcv_fma(b, words[0], words[1]), words[2]));
+        multiple.c[c] = dielectric                              ? words[0]
+                        : gloss->type == MCV_MATERIAL_CONDUCTOR ? words[c]
+                                                                : schlick;
     }
     return multiple;
 }
 
-/* Is there a table of multiple scattering? Metal and glass without a direction have one, which is known beforehand of plain surfaces. */
+/* Is there a table of multiple scattering? Metal and glass without a direction have one, which is
+ * known beforehand of plain surfaces. */
 MCV_LOOP_FUNCTION int mcv_has_multiple(const mcv_device_gloss *m, const mcv_gloss *gloss) {
-    return gloss->type == MCV_MATERIAL_METALLIC_ROUGHNESS ? m->multiple != MCV_NONE : m->azimuths == 1;
+    return gloss->type == MCV_MATERIAL_METALLIC_ROUGHNESS ? m->multiple != MCV_NONE
+                                                          : m->azimuths == 1;
 }
 
 /* The lobes of a surface seen from o. */
 typedef struct mcv_lobes {
-    float lambda;                /* Λ(o) */
-    mcv_color more;              /* metallic-roughness: three and more reflections, as a share of those of white microfacets */
+    float lambda;   /* Λ(o) */
+    mcv_color more; /* metallic-roughness: three and more reflections, as a share of those of white
+                       microfacets */
     mcv_color passing;           /* factor of what passes a thin wall */
     mcv_color near_a, near_b;    /* cosine lobes on the ray's side: near_a a(i) + near_b b(i) … */
     mcv_color far_a, far_b;      /* … and on the other */
@@ -156,8 +182,10 @@ typedef struct mcv_lobes {
     float far_chance;
 } mcv_lobes;
 
-/* What a(i) and b(i) are: of a metallic-roughness surface what the layer passes, and what its microfacets send on to each other. */
-MCV_LOOP_FUNCTION mcv_albedo mcv_gloss_weights(const mcv_device_gloss *m, const mcv_gloss *gloss, mcv_albedo albedo) {
+/* What a(i) and b(i) are: of a metallic-roughness surface what the layer passes, and what its
+ * microfacets send on to each other. */
+MCV_LOOP_FUNCTION mcv_albedo mcv_gloss_weights(const mcv_device_gloss *m, const mcv_gloss *gloss,
+                                               mcv_albedo albedo) {
     mcv_albedo weights;
     weights.a = 1.0f - mcv_fma(m->f0, 1.0f - albedo.a - albedo.b, albedo.b);
     weights.b = albedo.a;
@@ -165,7 +193,8 @@ MCV_LOOP_FUNCTION mcv_albedo mcv_gloss_weights(const mcv_device_gloss *m, const 
     return weights;
 }
 
-MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *albedos, mcv_vec3 o) {
+MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv_gloss *gloss,
+                                            __global const float *albedos, mcv_vec3 o) {
     mcv_lobes lobes;
     const mcv_albedo at = mcv_albedo_at(m, gloss, albedos, o, 0);
     const mcv_albedo mean = mcv_albedo_at(m, gloss, albedos, o, 1);
@@ -176,8 +205,9 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
 #if MCV_WITH_DIELECTRIC
     if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
         /*
-         * a: what is missing outside the body, b: inside. Light in the medium s leaves into t with the share n_t² M_t/X, by X = Σ n² M.
-         * Where the table above has what comes back, X is the larger of both: they are equal but for rounding and the walks' noise.
+         * a: what is missing outside the body, b: inside. Light in the medium s leaves into t with
+         * the share n_t² M_t/X, by X = Σ n² M. Where the table above has what comes back, X is the
+         * larger of both: they are equal but for rounding and the walks' noise.
          */
         const float missing = gloss->inside ? at.b : at.a;
         const float near_mean = gloss->inside ? mean.b : mean.a;
@@ -188,9 +218,11 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
         const float sum = apart ? larger : near + far_mean;
         const float share = near > 0.0f ? missing / sum : 0.0f;
         const float back = near > 0.0f ? (sum - far_mean) / near_mean : 0.0f;
-        /* What the table sends back is chosen by the near lobe, too: more of it in the denser medium. */
+        /* What the table sends back is chosen by the near lobe, too: more of it in the denser
+         * medium. */
         const float square = gloss->between.eta * gloss->between.eta;
-        const float returns = apart ? (1.0f - missing) * (square < 1.0f ? square : 1.0f) : (sum - far_mean) / sum;
+        const float returns =
+            apart ? (1.0f - missing) * (square < 1.0f ? square : 1.0f) : (sum - far_mean) / sum;
         lobes.near_chance = near > 0.0f ? missing * returns : 0.0f;
         lobes.far_chance = near > 0.0f ? (apart ? missing : missing - lobes.near_chance) : 0.0f;
         lobes.specular = 1.0f - lobes.near_chance - lobes.far_chance;
@@ -218,8 +250,10 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
         const float again = f * f * (1.0f - mean.a) / mcv_fma(-f, mean.a, 1.0f);
         lobes.more.c[i] = f * again;
         lobes.passing.c[i] = gloss->base.c[i] * m->transmission * (1.0f - gloss->metallic);
-        lobes.near_a.c[i] = gloss->base.c[i] * below * (1.0f - m->transmission) * (1.0f - m->diffuse_transmission);
-        lobes.far_a.c[i] = gloss->base.c[i] * below * (1.0f - m->transmission) * m->diffuse_transmission;
+        lobes.near_a.c[i] =
+            gloss->base.c[i] * below * (1.0f - m->transmission) * (1.0f - m->diffuse_transmission);
+        lobes.far_a.c[i] =
+            gloss->base.c[i] * below * (1.0f - m->transmission) * m->diffuse_transmission;
         lobes.near_b.c[i] = m->multiple == MCV_NONE ? gloss->metallic * again * missing : 0.0f;
         lobes.far_b.c[i] = lobes.passing.c[i] * missing;
     }
@@ -228,8 +262,10 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
     const float reflected = mcv_fma(f0, 1.0f - at.a - at.b, at.b);
     const float passed = brightest * m->transmission * (1.0f - gloss->metallic);
     const float specular = mcv_fma(passed, weights.a - at.a, reflected);
-    const float spread = brightest * weights.a * (1.0f - gloss->metallic) * (1.0f - m->transmission);
-    const float near = mcv_fma(spread, 1.0f - m->diffuse_transmission, gloss->metallic * brightest * at.a);
+    const float spread =
+        brightest * weights.a * (1.0f - gloss->metallic) * (1.0f - m->transmission);
+    const float near =
+        mcv_fma(spread, 1.0f - m->diffuse_transmission, gloss->metallic * brightest * at.a);
     const float far = mcv_fma(spread, m->diffuse_transmission, passed * at.a);
     const float sum = specular + near + far;
     lobes.specular = specular / sum;
@@ -239,15 +275,19 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
 }
 
 /* What a microfacet reflects at a cosine of incidence. */
-MCV_LOOP_FUNCTION mcv_color mcv_gloss_fresnel(const mcv_device_gloss *m, const mcv_gloss *gloss, float cosine) {
+MCV_LOOP_FUNCTION mcv_color mcv_gloss_fresnel(const mcv_device_gloss *m, const mcv_gloss *gloss,
+                                              float cosine) {
     mcv_color reflected;
     const float c = cosine < 1.0f ? cosine : 1.0f;
 #if MCV_WITH_DIELECTRIC
     if (gloss->type == MCV_MATERIAL_DIELECTRIC)
-        return mcv_grey(mcv_interface_reflectance(gloss->between, c, mcv_refracted_cosine(gloss->between, c)));
+        return mcv_grey(
+            mcv_interface_reflectance(gloss->between, c, mcv_refracted_cosine(gloss->between, c)));
 #endif
     if (gloss->type == MCV_MATERIAL_CONDUCTOR) {
-        MCV_EACH_CHANNEL(i) reflected.c[i] = mcv_conductor_fresnel(m->n[i] * gloss->between.eta, m->k[i] * gloss->between.eta, c);
+        MCV_EACH_CHANNEL(i)
+        reflected.c[i] =
+            mcv_conductor_fresnel(m->n[i] * gloss->between.eta, m->k[i] * gloss->between.eta, c);
         return reflected;
     }
     const float rise = mcv_schlick(c);
@@ -258,8 +298,10 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_fresnel(const mcv_device_gloss *m, const m
     return reflected;
 }
 
-/* With which a microfacet is chosen to reflect rather than to pass; `passed` gets what it passes, per channel. */
-MCV_LOOP_FUNCTION float mcv_gloss_reflects(const mcv_device_gloss *m, const mcv_gloss *gloss, const mcv_lobes *lobes, float cosine,
+/* With which a microfacet is chosen to reflect rather than to pass; `passed` gets what it passes,
+ * per channel. */
+MCV_LOOP_FUNCTION float mcv_gloss_reflects(const mcv_device_gloss *m, const mcv_gloss *gloss,
+                                           const mcv_lobes *lobes, float cosine,
                                            mcv_color reflected, mcv_color *passed) {
     if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
         *passed = mcv_grey(1.0f - reflected.c[0]);
@@ -272,20 +314,24 @@ MCV_LOOP_FUNCTION float mcv_gloss_reflects(const mcv_device_gloss *m, const mcv_
     return far > 0.0f ? near / (near + far) : 1.0f;
 }
 
-MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *albedos,
+MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, const mcv_gloss *gloss,
+                                                 __global const float *albedos,
                                                  const mcv_lobes *lobes, mcv_vec3 o, mcv_vec3 i) {
     mcv_response response;
-    const int far = i.z < 0.0f, refracts = far & (gloss->type == MCV_MATERIAL_DIELECTRIC), sees = i.z != 0.0f;
+    const int far = i.z < 0.0f, refracts = far & (gloss->type == MCV_MATERIAL_DIELECTRIC),
+              sees = i.z != 0.0f;
     response.media = 0;
 
     /* The microfacet normal that sends i to o, and d²h/d²i. */
     const mcv_vec3 mirrored = mcv_vec(i.x, i.y, mcv_abs(i.z));
-    mcv_vec3 h = mcv_normalize(mcv_choose(refracts, mcv_along(i, gloss->between.eta, o), mcv_add(o, mirrored)));
+    mcv_vec3 h = mcv_normalize(
+        mcv_choose(refracts, mcv_along(i, gloss->between.eta, o), mcv_add(o, mirrored)));
     h = mcv_scale(h, (refracts & (h.z < 0.0f)) ? -1.0f : 1.0f);
     const float cosine = mcv_dot(o, h);
     const float behind = -mcv_dot(i, h);
     const float sum = mcv_fma(gloss->between.eta, cosine, -behind);
-    const float jacobian = refracts ? (behind > 0.0f ? behind / (sum * sum) : 0.0f) : 0.25f / cosine;
+    const float jacobian =
+        refracts ? (behind > 0.0f ? behind / (sum * sum) : 0.0f) : 0.25f / cosine;
     const int meets = sees & (cosine > 0.0f) & (jacobian > 0.0f) & (jacobian < INFINITY);
     mcv_color passed;
     mcv_color reflected = mcv_gloss_fresnel(m, gloss, cosine);
@@ -301,34 +347,45 @@ MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, cons
 #if MCV_WITH_DIELECTRIC
     if (refracts) seen = facets * mcv_opposite_masking(lobes->lambda, lambda);
 #endif
-    MCV_EACH_CHANNEL(k) response.value.c[k] = meets ? (far ? passed.c[k] : reflected.c[k]) * seen : 0.0f;
-    response.density = meets ? lobes->specular * (far ? 1.0f - chance : chance) * facets / (1.0f + lobes->lambda) : 0.0f;
+    MCV_EACH_CHANNEL(k)
+    response.value.c[k] = meets ? (far ? passed.c[k] : reflected.c[k]) * seen : 0.0f;
+    response.density =
+        meets ? lobes->specular * (far ? 1.0f - chance : chance) * facets / (1.0f + lobes->lambda)
+              : 0.0f;
 
     mcv_albedo weights = {0.0f, 0.0f};
-    if (gloss->type != MCV_MATERIAL_CONDUCTOR || !multiplied) /* such a metal has no cosine lobe, but in its choices */
+    if (gloss->type != MCV_MATERIAL_CONDUCTOR ||
+        !multiplied) /* such a metal has no cosine lobe, but in its choices */
         weights = mcv_gloss_weights(m, gloss, mcv_albedo_at(m, gloss, albedos, i, 0));
     const float diffuse = mirrored.z * (1.0f / MCV_PI);
     MCV_EACH_CHANNEL(k) {
         const float a = far ? lobes->far_a.c[k] : lobes->near_a.c[k];
         const float b = far ? lobes->far_b.c[k] : lobes->near_b.c[k];
-        const float value = mcv_fma(diffuse, mcv_fma(a, weights.a, b * weights.b), response.value.c[k]);
+        const float value =
+            mcv_fma(diffuse, mcv_fma(a, weights.a, b * weights.b), response.value.c[k]);
         response.value.c[k] = sees ? value : 0.0f;
     }
-    const float density = mcv_fma(far ? lobes->far_chance : lobes->near_chance, diffuse, response.density);
+    const float density =
+        mcv_fma(far ? lobes->far_chance : lobes->near_chance, diffuse, response.density);
     response.density = sees ? density : 0.0f;
     return response;
 }
 
-/* A direction with the density that mcv_gloss_respond gives; the zero vector where the path ends. */
-MCV_LOOP_FUNCTION mcv_vec3 mcv_gloss_sample(const mcv_device_gloss *m, const mcv_gloss *gloss, const mcv_lobes *lobes, mcv_vec3 o, float xi,
-                                            float eta, float choice) {
+/* A direction with the density that mcv_gloss_respond gives; the zero vector where the path ends.
+ */
+MCV_LOOP_FUNCTION mcv_vec3 mcv_gloss_sample(const mcv_device_gloss *m, const mcv_gloss *gloss,
+                                            const mcv_lobes *lobes, mcv_vec3 o, float xi, float eta,
+                                            float choice) {
     const mcv_vec3 spread = mcv_sample_cosine(xi, eta);
-    const int diffuse = choice >= lobes->specular, near = choice - lobes->specular < lobes->near_chance;
+    const int diffuse = choice >= lobes->specular,
+              near = choice - lobes->specular < lobes->near_chance;
     const mcv_vec3 h = mcv_ggx_sample(gloss->alpha, o, xi, eta);
     const float cosine = mcv_dot(o, h);
     mcv_color passed;
-    const float share = mcv_gloss_reflects(m, gloss, lobes, cosine, mcv_gloss_fresnel(m, gloss, cosine), &passed);
-    const int passes = gloss->type == MCV_MATERIAL_DIELECTRIC || mcv_brightest(lobes->passing) > 0.0f;
+    const float share =
+        mcv_gloss_reflects(m, gloss, lobes, cosine, mcv_gloss_fresnel(m, gloss, cosine), &passed);
+    const int passes =
+        gloss->type == MCV_MATERIAL_DIELECTRIC || mcv_brightest(lobes->passing) > 0.0f;
     const int reflects = choice < lobes->specular * (passes ? share : 1.0f);
     mcv_vec3 i = mcv_normalize(mcv_along(mcv_scale(o, -1.0f), 2.0f * cosine, h));
     int goes_on = i.z > 0.0f;

@@ -13,8 +13,11 @@ MCV_FUNCTION mcv_world mcv_disperse(mcv_world world, mcv_slot slot) {
     mcv_color throughput;
     MCV_LOAD_COLOR(slot, throughput, throughput);
     if (triangle != MCV_NONE &&
-        world.materials[world.instances[mcv_instance_of(world, triangle)].material].type == MCV_MATERIAL_DIELECTRIC) {
-        const float xi = mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0), MCV_PAIR_CHANNEL).x;
+        world.materials[world.instances[mcv_instance_of(world, triangle)].material].type ==
+            MCV_MATERIAL_DIELECTRIC) {
+        const float xi =
+            mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0), MCV_PAIR_CHANNEL)
+                .x;
         float chance;
         const uint channel = mcv_choose_channel(throughput, xi, &chance);
         throughput = mcv_keep_channel(throughput, channel, chance);
@@ -45,13 +48,15 @@ MCV_LOOP_FUNCTION void mcv_put_surface(mcv_slot slot, mcv_surface surface) {
 /* Works out the surface of a triangle; where nothing was met, of some other one. */
 MCV_LOOP_FUNCTION void mcv_find_triangle(mcv_world world, mcv_slot slot) {
     const uint met = MCV_WORD(slot, hit, 3);
-    mcv_put_surface(slot, mcv_surface_at(world, met == MCV_NONE ? 0u : met, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2)));
+    mcv_put_surface(slot, mcv_surface_at(world, met == MCV_NONE ? 0u : met, MCV_LOAD(slot, hit, 1),
+                                         MCV_LOAD(slot, hit, 2)));
 }
 
 #if MCV_WITH_SURFACES
 MCV_LOOP_FUNCTION void mcv_find_exact(mcv_world world, mcv_slot slot, uint met, int quadric) {
-    mcv_put_surface(slot, mcv_exact_surface_on(world, met, MCV_LOAD(slot, hit, 1), MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction),
-                                               MCV_LOAD(slot, hit, 0), quadric));
+    mcv_put_surface(
+        slot, mcv_exact_surface_on(world, met, MCV_LOAD(slot, hit, 1), MCV_LOAD_3(slot, origin),
+                                   MCV_LOAD_3(slot, direction), MCV_LOAD(slot, hit, 0), quadric));
 }
 #endif
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Images on surfaces: 8-bit sRGB, decoded through a table (the first 256 words of the texels), or linear floats; bilinear or nearest. */
+/* Images on surfaces: 8-bit sRGB, decoded through a table (the first 256 words of the texels), or
+ * linear floats; bilinear or nearest. */
 #ifndef MCVISI_KERNELS_TEXTURE_H
 #define MCVISI_KERNELS_TEXTURE_H
 
@@ -18,10 +19,12 @@ MCV_FUNCTION uint mcv_wrap(int i, uint size, uint mode) {
 }
 
 MCV_FUNCTION mcv_color mcv_texel(mcv_world world, mcv_device_texture texture, int x, int y) {
-    const uint texel = mcv_wrap(y, texture.height, texture.wrap_t) * texture.width + mcv_wrap(x, texture.width, texture.wrap_s);
+    const uint texel = mcv_wrap(y, texture.height, texture.wrap_t) * texture.width +
+                       mcv_wrap(x, texture.width, texture.wrap_s);
     mcv_color color;
     if (texture.linear) {
-        MCV_EACH_CHANNEL(i) color.c[i] = as_float(world.texels[texture.first + 3u * texel + (uint)i]);
+        MCV_EACH_CHANNEL(i)
+        color.c[i] = as_float(world.texels[texture.first + 3u * texel + (uint)i]);
         return color;
     }
     const uint rgba = world.texels[texture.first + texel];
@@ -29,13 +32,15 @@ MCV_FUNCTION mcv_color mcv_texel(mcv_world world, mcv_device_texture texture, in
     return color;
 }
 
-/* The texel at a place, or the upper left one of the four around it and how far it is from that one. */
+/* The texel at a place, or the upper left one of the four around it and how far it is from that
+ * one. */
 typedef struct mcv_texture_place {
     int i, j;
     float a, b;
 } mcv_texture_place;
 
-/* (0, 0) is the upper left corner of the image, as glTF has it. Coordinates beyond 2^16 periods have lost their digits. */
+/* (0, 0) is the upper left corner of the image, as glTF has it. Coordinates beyond 2^16 periods
+ * have lost their digits. */
 MCV_FUNCTION mcv_texture_place mcv_find_texel(mcv_device_texture texture, float s, float t) {
     mcv_texture_place place;
     const float x = clamp(s, -65536.0f, 65536.0f) * (float)texture.width;

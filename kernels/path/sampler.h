@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The random numbers of a path: pairs in [0, 1)², each named for its use, depending on (seed, pixel, replicate, sample, pair)
- * alone. Sobol' (default): dimensions 0 and 1 with the sample index shuffled and the values scrambled per pair by hashed
- * Owen scrambling (Burley, Practical Hash-based Owen Scrambling, JCGT 2020; hash constants by Vegdahl 2021), so that the
- * samples [0, 2^m) of a pixel's replicate are a (0, m, 2)-net in every pair. MCV_SAMPLER_RANDOM: independent numbers.
+ * The random numbers of a path: pairs in [0, 1)², each named for its use, depending on (seed,
+ * pixel, replicate, sample, pair) alone. Sobol' (default): dimensions 0 and 1 with the sample index
+ * shuffled and the values scrambled per pair by hashed Owen scrambling (Burley, Practical
+ * Hash-based Owen Scrambling, JCGT 2020; hash constants by Vegdahl 2021), so that the samples [0,
+ * 2^m) of a pixel's replicate are a (0, m, 2)-net in every pair. MCV_SAMPLER_RANDOM: independent
+ * numbers.
  */
 #ifndef MCVISI_KERNELS_SAMPLER_H
 #define MCVISI_KERNELS_SAMPLER_H
@@ -14,7 +16,8 @@
 enum { MCV_PAIR_PIXEL, MCV_PAIR_APERTURE, MCV_PAIR_SURFACES };
 enum { MCV_PAIR_SCATTER, MCV_PAIR_EMITTER, MCV_PAIR_CHOICE, MCV_PAIR_STRIDE };
 #define MCV_PAIR_CHANNEL 0xffffffffu /* drawn once */
-#define MCV_SURFACE_PAIR(depth, pair) ((uint)MCV_PAIR_SURFACES + (depth) * (uint)MCV_PAIR_STRIDE + (uint)(pair))
+#define MCV_SURFACE_PAIR(depth, pair) \
+    ((uint)MCV_PAIR_SURFACES + (depth) * (uint)MCV_PAIR_STRIDE + (uint)(pair))
 
 typedef struct mcv_pair {
     float x, y;
@@ -39,7 +42,8 @@ MCV_FUNCTION uint mcv_reverse_bits(uint x) {
     return (x << 16) | (x >> 16);
 }
 
-/* Permutes numbers whose bits are reversed so that each bit depends on the lower ones only (Laine and Karras). */
+/* Permutes numbers whose bits are reversed so that each bit depends on the lower ones only (Laine
+ * and Karras). */
 MCV_FUNCTION uint mcv_permute_reversed(uint x, uint seed) {
     x ^= x * 0x3d20adeau;
     x += seed;
@@ -49,7 +53,8 @@ MCV_FUNCTION uint mcv_permute_reversed(uint x, uint seed) {
     return x;
 }
 
-/* The second Sobol' coordinate of index i with its bits reversed: row j is the sum of the bits k of i with C(k, j) odd. */
+/* The second Sobol' coordinate of index i with its bits reversed: row j is the sum of the bits k of
+ * i with C(k, j) odd. */
 MCV_FUNCTION uint mcv_sobol_reversed(uint i) {
     i ^= (i & 0xaaaaaaaau) >> 1;
     i ^= (i & 0xccccccccu) >> 2;
@@ -59,7 +64,9 @@ MCV_FUNCTION uint mcv_sobol_reversed(uint i) {
     return i;
 }
 
-MCV_FUNCTION float mcv_unit_interval(uint bits) { return (float)(bits >> 8) * 5.9604644775390625e-8f; }
+MCV_FUNCTION float mcv_unit_interval(uint bits) {
+    return (float)(bits >> 8) * 5.9604644775390625e-8f;
+}
 
 /* `stream` identifies pixel, replicate and the user's seed; `sample` counts within them. */
 MCV_LOOP_FUNCTION mcv_pair mcv_sample_pair(uint stream, uint sample, uint pair) {
@@ -71,8 +78,10 @@ MCV_LOOP_FUNCTION mcv_pair mcv_sample_pair(uint stream, uint sample, uint pair) 
     result.y = mcv_unit_interval(mcv_hash(bits ^ 0x02e5be93u));
 #else
     const uint index = mcv_reverse_bits(mcv_permute_reversed(mcv_reverse_bits(sample), seed));
-    result.x = mcv_unit_interval(mcv_reverse_bits(mcv_permute_reversed(index, mcv_hash(seed ^ 0x68bc21ebu))));
-    result.y = mcv_unit_interval(mcv_reverse_bits(mcv_permute_reversed(mcv_sobol_reversed(index), mcv_hash(seed ^ 0x02e5be93u))));
+    result.x = mcv_unit_interval(
+        mcv_reverse_bits(mcv_permute_reversed(index, mcv_hash(seed ^ 0x68bc21ebu))));
+    result.y = mcv_unit_interval(mcv_reverse_bits(
+        mcv_permute_reversed(mcv_sobol_reversed(index), mcv_hash(seed ^ 0x02e5be93u))));
 #endif
     return result;
 }

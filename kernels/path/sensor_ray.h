@@ -16,7 +16,8 @@ typedef struct mcv_ray {
 /* The directions x, y, z of the optical frame, rows of world coordinates last. */
 MCV_FUNCTION mcv_vec3 mcv_to_world(__constant const mcv_frame *frame, mcv_vec3 v) {
     __constant const float *m = frame->to_world;
-    return mcv_vec(mcv_fma(m[0], v.x, mcv_fma(m[1], v.y, m[2] * v.z)), mcv_fma(m[3], v.x, mcv_fma(m[4], v.y, m[5] * v.z)),
+    return mcv_vec(mcv_fma(m[0], v.x, mcv_fma(m[1], v.y, m[2] * v.z)),
+                   mcv_fma(m[3], v.x, mcv_fma(m[4], v.y, m[5] * v.z)),
                    mcv_fma(m[6], v.x, mcv_fma(m[7], v.y, m[8] * v.z)));
 }
 
@@ -24,7 +25,8 @@ MCV_FUNCTION mcv_vec3 mcv_to_world(__constant const mcv_frame *frame, mcv_vec3 v
 /* The other way round: the matrix is orthogonal. */
 MCV_FUNCTION mcv_vec3 mcv_to_optical(__constant const mcv_frame *frame, mcv_vec3 v) {
     __constant const float *m = frame->to_world;
-    return mcv_vec(mcv_fma(m[0], v.x, mcv_fma(m[3], v.y, m[6] * v.z)), mcv_fma(m[1], v.x, mcv_fma(m[4], v.y, m[7] * v.z)),
+    return mcv_vec(mcv_fma(m[0], v.x, mcv_fma(m[3], v.y, m[6] * v.z)),
+                   mcv_fma(m[1], v.x, mcv_fma(m[4], v.y, m[7] * v.z)),
                    mcv_fma(m[2], v.x, mcv_fma(m[5], v.y, m[8] * v.z)));
 }
 
@@ -34,7 +36,8 @@ MCV_FUNCTION mcv_vec3 mcv_point_to_optical(__constant const mcv_frame *frame, mc
 }
 #endif
 
-MCV_LOOP_FUNCTION mcv_ray mcv_place_sensor_ray(__constant const mcv_frame *frame, mcv_sensor_ray sensor_ray) {
+MCV_LOOP_FUNCTION mcv_ray mcv_place_sensor_ray(__constant const mcv_frame *frame,
+                                               mcv_sensor_ray sensor_ray) {
     __constant const float *m = frame->to_world;
     mcv_ray ray;
     ray.origin = mcv_add(mcv_to_world(frame, sensor_ray.origin), mcv_vec(m[9], m[10], m[11]));
@@ -49,18 +52,22 @@ MCV_LOOP_FUNCTION mcv_dvec mcv_frame_row(__constant const mcv_frame *frame, int 
     return mcv_whole(mcv_vec(m[0], m[1], m[2]), mcv_vec(low[0], low[1], low[2]));
 }
 
-MCV_LOOP_FUNCTION mcv_precise_ray mcv_place_sensor_ray_precisely(__constant const mcv_frame *frame, mcv_sensor_ray sensor_ray) {
-    const mcv_dvec x = mcv_frame_row(frame, 0), y = mcv_frame_row(frame, 1), z = mcv_frame_row(frame, 2);
+MCV_LOOP_FUNCTION mcv_precise_ray mcv_place_sensor_ray_precisely(__constant const mcv_frame *frame,
+                                                                 mcv_sensor_ray sensor_ray) {
+    const mcv_dvec x = mcv_frame_row(frame, 0), y = mcv_frame_row(frame, 1),
+                   z = mcv_frame_row(frame, 2);
     const mcv_dvec o = mcv_widen(sensor_ray.origin), d = mcv_widen(sensor_ray.direction);
     mcv_precise_ray ray;
-    ray.origin = mcv_add_d(mcv_frame_row(frame, 3), mcv_dvec_of(mcv_dot_d(x, o), mcv_dot_d(y, o), mcv_dot_d(z, o)));
+    ray.origin = mcv_add_d(mcv_frame_row(frame, 3),
+                           mcv_dvec_of(mcv_dot_d(x, o), mcv_dot_d(y, o), mcv_dot_d(z, o)));
     ray.direction = mcv_normalize_d(mcv_dvec_of(mcv_dot_d(x, d), mcv_dot_d(y, d), mcv_dot_d(z, d)));
     return ray;
 }
 #endif
 
 #if MCV_WITH_AIM
-/* What each pixel sees through: the disk of the lens or stop, or of a light field camera its own square of the lens. */
+/* What each pixel sees through: the disk of the lens or stop, or of a light field camera its own
+ * square of the lens. */
 #if MCV_SENSOR_light_field
 #define MCV_PUPIL_AREA 4.0f
 #define MCV_PUPIL_REACH 1.41421356f
@@ -78,11 +85,13 @@ MCV_LOOP_FUNCTION int mcv_in_pupil(float p_x, float p_y) {
 }
 
 /*
- * A ray of sight of a pixel: half of the samples take the whole pupil, half the ellipse of the pixel's aim; weighed by the balance
- * heuristic, density of the pupil over that of the mixture.
+ * A ray of sight of a pixel: half of the samples take the whole pupil, half the ellipse of the
+ * pixel's aim; weighed by the balance heuristic, density of the pupil over that of the mixture.
  */
-MCV_LOOP_FUNCTION mcv_sensor_ray mcv_guided_sensor_ray(mcv_world world, mcv_film_sample film, mcv_pair pair) {
-    __global const mcv_device_pupil_guide *aim = world.pupil_guides + (size_t)film.row * world.frame->width + film.column;
+MCV_LOOP_FUNCTION mcv_sensor_ray mcv_guided_sensor_ray(mcv_world world, mcv_film_sample film,
+                                                       mcv_pair pair) {
+    __global const mcv_device_pupil_guide *aim =
+        world.pupil_guides + (size_t)film.row * world.frame->width + film.column;
     mcv_sensor_ray sensor_ray;
     float cosine, sine;
     if (!(aim->advantage > 0.0f)) return mcv_sensor_sample(world.sensor, film, pair.x, pair.y);
@@ -113,13 +122,17 @@ MCV_LOOP_FUNCTION mcv_sensor_ray mcv_guided_sensor_ray(mcv_world world, mcv_film
         /* |spread⁻¹ (p - centre)| */
         const float d_x = p_x - centre_x;
         const float d_y = p_y - centre_y;
-        const float e_x = mcv_difference_of_products(aim->spread[3], d_x, aim->spread[1], d_y) * aim->advantage;
-        const float e_y = mcv_difference_of_products(aim->spread[0], d_y, aim->spread[2], d_x) * aim->advantage;
+        const float e_x =
+            mcv_difference_of_products(aim->spread[3], d_x, aim->spread[1], d_y) * aim->advantage;
+        const float e_y =
+            mcv_difference_of_products(aim->spread[0], d_y, aim->spread[2], d_x) * aim->advantage;
         inside = mcv_fma(e_x, e_x, e_y * e_y) <= 1.0f ? 1.0f : 0.0f;
     }
     sensor_ray = mcv_sensor_through(world.sensor, film, p_x, p_y);
     const float advantage = aim->advantage * (MCV_PUPIL_AREA / MCV_PI);
-    sensor_ray.weight = !pupil_guides || mcv_in_pupil(p_x, p_y) ? sensor_ray.weight * 2.0f / mcv_fma(inside, advantage, 1.0f) : 0.0f;
+    sensor_ray.weight = !pupil_guides || mcv_in_pupil(p_x, p_y)
+                            ? sensor_ray.weight * 2.0f / mcv_fma(inside, advantage, 1.0f)
+                            : 0.0f;
     return sensor_ray;
 }
 #endif

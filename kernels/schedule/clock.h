@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where the time of a fused kernel goes, for bench/stages.c: built with MCV_CLOCK it writes the processor's ticks in each stage, modulo
- * 2^32; otherwise nothing of this is there. Needs a compiler that knows such a counter, as PoCL's does.
+ * Where the time of a fused kernel goes, for bench/stages.c: built with MCV_CLOCK it writes the
+ * processor's ticks in each stage, modulo 2^32; otherwise nothing of this is there. Needs a
+ * compiler that knows such a counter, as PoCL's does.
  */
 #ifndef MCVISI_KERNELS_CLOCK_H
 #define MCVISI_KERNELS_CLOCK_H

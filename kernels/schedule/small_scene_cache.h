@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Scenes of few triangles: floors, walls and lamps beside exact bodies. What is known of each triangle is worked out once for many paths
- * and then looked up in registers; reading it from memory, path by path, takes longer than all else about a place on a triangle.
+ * Scenes of few triangles: floors, walls and lamps beside exact bodies. What is known of each
+ * triangle is worked out once for many paths and then looked up in registers; reading it from
+ * memory, path by path, takes longer than all else about a place on a triangle.
  */
 #ifndef MCVISI_KERNELS_FEW_TRIANGLES_H
 #define MCVISI_KERNELS_FEW_TRIANGLES_H
@@ -38,8 +39,9 @@ static __attribute__((noinline)) void mcv_fill_facets(mcv_world world, mcv_facet
     MCV_VECTORIZE
     for (uint i = 0; i < MCV_CACHED; ++i) {
         const mcv_facet facet = mcv_facet_of(world, i < count ? i : 0u);
-        const float f[MCV_FACET_WORDS - 1] = {facet.a.x, facet.a.y, facet.a.z,    facet.b.x,    facet.b.y,    facet.b.z, facet.c.x,
-                                              facet.c.y, facet.c.z, facet.face.x, facet.face.y, facet.face.z, facet.area};
+        const float f[MCV_FACET_WORDS - 1] = {
+            facet.a.x, facet.a.y, facet.a.z,    facet.b.x,    facet.b.y,    facet.b.z, facet.c.x,
+            facet.c.y, facet.c.z, facet.face.x, facet.face.y, facet.face.z, facet.area};
 #pragma unroll
         for (uint k = 0; k < MCV_FACET_WORDS - 1; ++k) table->words[k][i] = as_uint(f[k]);
         table->words[MCV_FACET_WORDS - 1][i] = facet.corners.w;
@@ -47,20 +49,23 @@ static __attribute__((noinline)) void mcv_fill_facets(mcv_world world, mcv_facet
 }
 
 /* mcv_find_triangle for the paths in the slots first … last - 1, which have met triangles. */
-static __attribute__((noinline)) void mcv_find_cached_triangles(uint *paths, const mcv_facet_table *table, uint first, uint last) {
+static __attribute__((noinline)) void
+mcv_find_cached_triangles(uint *paths, const mcv_facet_table *table, uint first, uint last) {
     uint known[MCV_FACET_WORDS * MCV_REGISTER_LOOKUP];
     mcv_slot slot;
     slot.base = paths;
     for (uint begin = first; begin < last; begin += MCV_REGISTER_LOOKUP) {
         const uint count = min(last - begin, (uint)MCV_REGISTER_LOOKUP);
         const uint *met = paths + (MCV_PATH_hit + 3) * MCV_ROW + begin;
-        for (uint k = 0; k < MCV_FACET_WORDS; ++k) mcv_register_lookup(table->words[k], met, count, known + k * MCV_REGISTER_LOOKUP);
+        for (uint k = 0; k < MCV_FACET_WORDS; ++k)
+            mcv_register_lookup(table->words[k], met, count, known + k * MCV_REGISTER_LOOKUP);
         MCV_VECTORIZE_MASKED
         for (uint i = 0; i < count; ++i) {
             slot.index = begin + i;
             mcv_facet facet = mcv_facet_in(known, MCV_REGISTER_LOOKUP, i);
             facet.triangle = met[i];
-            mcv_put_surface(slot, mcv_surface_on(facet, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2)));
+            mcv_put_surface(slot,
+                            mcv_surface_on(facet, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2)));
         }
     }
 }

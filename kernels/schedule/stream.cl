@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The stream schedule, for GPUs: one launch per stage and depth over the paths of a pass that live. Queues hold the slots of the paths
- * that a stage has work for; their lengths stay on the device, and what the host launches beyond them ends at once. A work-group appends
- * its paths together and in their order, so that neighbours in a queue are near to each other in memory. Which order the groups come in
- * does not matter: a path writes its own slot alone.
+ * The stream schedule, for GPUs: one launch per stage and depth over the paths of a pass that live.
+ * Queues hold the slots of the paths that a stage has work for; their lengths stay on the device,
+ * and what the host launches beyond them ends at once. A work-group appends its paths together and
+ * in their order, so that neighbours in a queue are near to each other in memory. Which order the
+ * groups come in does not matter: a path writes its own slot alone.
  *
- * Queue 0 and 1: active paths of even and odd depths; queue 2: shadow rays. lengths[d]: active paths at depth d; after the
- * frame's depth + 1 of them, shadow rays at each depth.
+ * Queue 0 and 1: active paths of even and odd depths; queue 2: shadow rays. lengths[d]: active
+ * paths at depth d; after the frame's depth + 1 of them, shadow rays at each depth.
  */
 #include "world.h"
 #if MCV_WITH_AIM
@@ -27,8 +28,8 @@
 #define MCV_STREAM_GROUP 64
 #define MCV_STAGE_KERNEL(stage) \
     __kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void stage( \
-        MCV_WORLD_PARAMETERS __global uint *paths, __global float *sums, __global uint *counters, __global uint *queues, \
-        __global uint *lengths, uint capacity, uint depth)
+        MCV_WORLD_PARAMETERS __global uint *paths, __global float *sums, __global uint *counters, \
+        __global uint *queues, __global uint *lengths, uint capacity, uint depth)
 #define MCV_ACTIVE(d) (queues + (size_t)((d)&1u) * capacity)
 #define MCV_SHADOWS (queues + (size_t)2 * capacity)
 #define MCV_SHADOW_LENGTH(d) lengths[world.frame->depth + 1u + (d)]
@@ -42,10 +43,11 @@ MCV_FUNCTION mcv_slot mcv_stream_slot(__global uint *paths, uint capacity, uint 
 }
 
 /*
- * Appends the paths of the work-group's items that go on to a queue: one addition to its length for all of them. To be called by all items
- * or by none; room: two words that they share.
+ * Appends the paths of the work-group's items that go on to a queue: one addition to its length for
+ * all of them. To be called by all items or by none; room: two words that they share.
  */
-MCV_FUNCTION void mcv_append(__global uint *queue, __global uint *length, uint path, int goes_on, __local uint *room) {
+MCV_FUNCTION void mcv_append(__global uint *queue, __global uint *length, uint path, int goes_on,
+                             __local uint *room) {
     uint place = 0;
     if (get_local_id(0) == 0) room[0] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -58,10 +60,12 @@ MCV_FUNCTION void mcv_append(__global uint *queue, __global uint *length, uint p
 
 #if MCV_WITH_AIM
 /* One work-item per pixel. */
-__kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void guide_pupil(MCV_WORLD_PARAMETERS __global mcv_device_pupil_guide *out) {
+__kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void
+guide_pupil(MCV_WORLD_PARAMETERS __global mcv_device_pupil_guide *out) {
     MCV_MAKE_WORLD(world)
     const uint pixel = get_global_id(0);
-    if (pixel < world.frame->width * world.frame->height) mcv_guide_pupil(world, pixel, out + pixel);
+    if (pixel < world.frame->width * world.frame->height)
+        mcv_guide_pupil(world, pixel, out + pixel);
 }
 #endif
 
@@ -71,10 +75,13 @@ MCV_STAGE_KERNEL(generate_rays) {
     const uint path = get_global_id(0);
     int begun = 0;
     (void)sums, (void)counters, (void)depth;
-    if (path < world.frame->path_count) begun = mcv_generate_ray(world, mcv_stream_slot(paths, capacity, path), mcv_identify(world, path));
+    if (path < world.frame->path_count)
+        begun = mcv_generate_ray(world, mcv_stream_slot(paths, capacity, path),
+                                 mcv_identify(world, path));
 #if MCV_WITH_SPLIT
     for (uint k = 1; k < MCV_BRANCHES && path < world.frame->path_count; ++k) {
-        const mcv_slot branch = mcv_stream_slot(paths, capacity, path + k * world.frame->path_count);
+        const mcv_slot branch =
+            mcv_stream_slot(paths, capacity, path + k * world.frame->path_count);
         MCV_STORE(branch, weight, 0, 0.0f);
         MCV_EACH_CHANNEL(i) MCV_STORE(branch, radiance, i, 0.0f);
     }
@@ -86,7 +93,8 @@ MCV_STAGE_KERNEL(intersect_closest) {
     MCV_MAKE_WORLD(world)
     const uint i = get_global_id(0);
     (void)sums, (void)counters;
-    if (i < lengths[depth]) mcv_intersect_closest(world, mcv_stream_slot(paths, capacity, MCV_ACTIVE(depth)[i]));
+    if (i < lengths[depth])
+        mcv_intersect_closest(world, mcv_stream_slot(paths, capacity, MCV_ACTIVE(depth)[i]));
 }
 
 #if MCV_WITH_NEXT_EVENT
@@ -108,7 +116,8 @@ MCV_STAGE_KERNEL(intersect_shadow) {
     MCV_MAKE_WORLD(world)
     const uint i = get_global_id(0);
     (void)sums, (void)counters;
-    if (i < MCV_SHADOW_LENGTH(depth)) mcv_intersect_shadow(world, mcv_stream_slot(paths, capacity, MCV_SHADOWS[i]));
+    if (i < MCV_SHADOW_LENGTH(depth))
+        mcv_intersect_shadow(world, mcv_stream_slot(paths, capacity, MCV_SHADOWS[i]));
 }
 #endif
 
@@ -133,12 +142,15 @@ MCV_STAGE_KERNEL(shade_surfaces) {
         /* What the depth limit cuts. */
         if (fate && depth + 1u == world.frame->depth)
             atomic_add(&counters[MCV_COUNTER_lost],
-                       (fate & MCV_CONTINUES ? mcv_lost_energy(slot) : 0u) + (fate & MCV_SPLITS ? mcv_lost_energy(beside) : 0u));
+                       (fate & MCV_CONTINUES ? mcv_lost_energy(slot) : 0u) +
+                           (fate & MCV_SPLITS ? mcv_lost_energy(beside) : 0u));
         if (unmatched > 0) atomic_add(&counters[MCV_COUNTER_unmatched], unmatched);
     }
-    mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], path, (fate & MCV_CONTINUES) != 0, room);
+    mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], path, (fate & MCV_CONTINUES) != 0,
+               room);
 #if MCV_WITH_SPLIT
-    mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], beside.index, (fate & MCV_SPLITS) != 0, room);
+    mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], beside.index, (fate & MCV_SPLITS) != 0,
+               room);
 #endif
 }
 
@@ -155,7 +167,8 @@ MCV_STAGE_KERNEL(accumulate_film) {
         for (uint k = 0; k < block; ++k) {
             values[k] = lows[k] = 0.0f;
             for (uint b = 0; b < MCV_BRANCHES; ++b) {
-                const mcv_slot slot = mcv_stream_slot(paths, capacity, i * block + k + b * world.frame->path_count);
+                const mcv_slot slot =
+                    mcv_stream_slot(paths, capacity, i * block + k + b * world.frame->path_count);
                 values[k] += mcv_path_value(world, slot, channel, &nonfinite);
             }
         }
@@ -168,8 +181,8 @@ MCV_STAGE_KERNEL(accumulate_film) {
 
 #if MCV_WITH_LIGHT_TRACING
 /* One work-item per path. */
-__kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void trace_emitter_paths(MCV_WORLD_PARAMETERS __global uint *splats,
-                                                                                                __global uint *counters) {
+__kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void
+trace_emitter_paths(MCV_WORLD_PARAMETERS __global uint *splats, __global uint *counters) {
     MCV_MAKE_WORLD(world)
     const uint path = get_global_id(0);
     uint counts[MCV_COUNTER_COUNT] = {0};

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Follows given rays through smooth surfaces, always refracted where that is possible, and writes every vertex: what
- * `mcvisi trace` and the tests look at. One work-item per ray; `stride` vertices each.
+ * Follows given rays through smooth surfaces, always refracted where that is possible, and writes
+ * every vertex: what `mcvisi trace` and the tests look at. One work-item per ray; `stride` vertices
+ * each.
  */
 #include "light/environment.h"
 #include "stage/intersect_closest.h"
@@ -17,8 +18,10 @@ MCV_FUNCTION void mcv_write_vector(__global float *to, mcv_vec3 v) {
     to[2] = v.z;
 }
 
-/* Writes at most `stride` vertices; returns how many. The slot holds the ray for the stage that intersects. */
-static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, uint stride, __global mcv_device_vertex *vertices) {
+/* Writes at most `stride` vertices; returns how many. The slot holds the ray for the stage that
+ * intersects. */
+static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, uint stride,
+                           __global mcv_device_vertex *vertices) {
     const mcv_pair always_refract = {1.0f, 0.0f};
     mcv_vec3 origin = mcv_vec(ray.origin[0], ray.origin[1], ray.origin[2]);
     mcv_vec3 point = origin;
@@ -62,7 +65,8 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         mcv_write_vector(vertex->position_rest, point_rest);
         mcv_write_vector(vertex->normal_rest, normal_rest);
         mcv_write_vector(vertex->direction_low, direction_low);
-        if (on.event == MCV_EVENT_END || on.event == MCV_EVENT_MISS || count + 1 == stride) return count + 1;
+        if (on.event == MCV_EVENT_END || on.event == MCV_EVENT_MISS || count + 1 == stride)
+            return count + 1;
 
         /* Find the next surface. */
         const mcv_vec3 direction = on.direction;
@@ -80,7 +84,8 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         distance = MCV_LOAD(slot, hit, 0);
         transmittance = MCV_LOAD(slot, throughput, 0);
 #if MCV_WITH_MIXED
-        const mcv_precise_ray precise = mcv_precise_ray_of(origin, origin_low, direction, direction_low);
+        const mcv_precise_ray precise =
+            mcv_precise_ray_of(origin, origin_low, direction, direction_low);
 #endif
         distance_rest = 0.0f;
         normal_rest = direction_low = nothing;
@@ -100,7 +105,8 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
 #if MCV_WITH_EMISSION
         const uint emitter = world.instances[interaction.surface.instance].emitter;
         if (emitter != MCV_NONE) {
-            const mcv_color emitted = mcv_emitted(world, interaction.surface, emitter, mcv_scale(interaction.direction, -1.0f));
+            const mcv_color emitted = mcv_emitted(world, interaction.surface, emitter,
+                                                  mcv_scale(interaction.direction, -1.0f));
             radiance = mcv_basic_radiance(world, emitted, on.media).c[0];
         }
 #endif
@@ -111,8 +117,10 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         normal = interaction.normal;
         point_rest = nothing;
 #if MCV_WITH_MIXED
-        const mcv_precise_interaction met = mcv_intersect_precisely(world, &interaction, precise, origin_low, distance);
-        const mcv_onward onward = mcv_go_on_precisely(world, &interaction, &met, precise.direction, before, &on);
+        const mcv_precise_interaction met =
+            mcv_intersect_precisely(world, &interaction, precise, origin_low, distance);
+        const mcv_onward onward =
+            mcv_go_on_precisely(world, &interaction, &met, precise.direction, before, &on);
         if (met.found) {
             point_rest = mcv_rest(met.point, point);
             normal_rest = mcv_rest(met.normal, normal);
@@ -134,15 +142,16 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
     }
 }
 
-__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void trace_paths(MCV_WORLD_PARAMETERS __global uint *paths, uint stride,
-                                                                         __global const mcv_device_ray *rays,
-                                                                         __global mcv_device_vertex *vertices,
-                                                                         __global uint *vertex_counts) {
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void
+trace_paths(MCV_WORLD_PARAMETERS __global uint *paths, uint stride,
+            __global const mcv_device_ray *rays, __global mcv_device_vertex *vertices,
+            __global uint *vertex_counts) {
     MCV_MAKE_WORLD(world)
     const uint ray = get_global_id(0);
     mcv_slot slot;
     slot.base = paths;
     slot.capacity = get_global_size(0);
     slot.index = ray;
-    vertex_counts[ray] = mcv_trace_path(world, slot, rays[ray], stride, vertices + (size_t)ray * stride);
+    vertex_counts[ray] =
+        mcv_trace_path(world, slot, rays[ray], stride, vertices + (size_t)ray * stride);
 }

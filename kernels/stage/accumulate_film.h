@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stage: sums the paths of a block (consecutive samples of one pixel and replicate, a power of two of at most MCV_BLOCK) over
- * a binary tree, as unevaluated pairs of floats: 48 bits without double precision. The value of a path is the sum of its branches'. reads
- * radiance, weight -> writes sums
+ * Stage: sums the paths of a block (consecutive samples of one pixel and replicate, a power of two
+ * of at most MCV_BLOCK) over a binary tree, as unevaluated pairs of floats: 48 bits without double
+ * precision. The value of a path is the sum of its branches'. reads radiance, weight -> writes sums
  */
 #include "path/camera_path.h"
 #include "world.h"
@@ -22,10 +22,12 @@ MCV_FUNCTION mcv_float_pair mcv_add_pairs(mcv_float_pair a, mcv_float_pair b) {
     return sum;
 }
 
-/* The path's value on the film, 0 (and counted) where it is not finite, or too large to be added. */
+/* The path's value on the film, 0 (and counted) where it is not finite, or too large to be added.
+ */
 MCV_FUNCTION float mcv_path_value(mcv_world world, mcv_slot slot, uint channel, uint *nonfinite) {
     const float weight = MCV_LOAD(slot, weight, 0);
-    const float value = MCV_LOAD(slot, radiance, channel) * weight * world.frame->sensor_index_squared[channel];
+    const float value =
+        MCV_LOAD(slot, radiance, channel) * weight * world.frame->sensor_index_squared[channel];
     if (mcv_abs(value) <= MCV_LARGEST_VALUE) return value;
     *nonfinite += 1u;
     return 0.0f;
@@ -42,10 +44,12 @@ static __attribute__((noinline)) void mcv_clear_values(float *values, uint branc
 }
 
 /*
- * Writes the sums of count / block blocks of a channel's values, MCV_SLICE of each branch: high and low word each. Level by level through
- * all trees at once, from one array to the other, so that a level is a long loop.
+ * Writes the sums of count / block blocks of a channel's values, MCV_SLICE of each branch: high and
+ * low word each. Level by level through all trees at once, from one array to the other, so that a
+ * level is a long loop.
  */
-static __attribute__((noinline)) void mcv_accumulate_blocks(const float *values, uint branches, uint count, uint block,
+static __attribute__((noinline)) void mcv_accumulate_blocks(const float *values, uint branches,
+                                                            uint count, uint block,
                                                             __global float *sums) {
     float highs[2][MCV_SLICE];
     float lows[2][MCV_SLICE];

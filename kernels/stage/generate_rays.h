@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage: begins a path at the sensor. writes ray, weight, throughput 1, radiance 0, media, stream, sample */
+/* Stage: begins a path at the sensor. writes ray, weight, throughput 1, radiance 0, media, stream,
+ * sample */
 #include "path/identity.h"
 #include "path/camera_path.h"
 #include "path/sensor_ray.h"
@@ -30,7 +31,8 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
     /* A sensor within glass may look into that glass before it meets any. */
     if (world.frame->initial_media != 0u) {
         float chance;
-        const uint kept = mcv_choose_channel(mcv_grey(1.0f), mcv_sample_pair(id.stream, id.sample, MCV_PAIR_CHANNEL).x, &chance);
+        const uint kept = mcv_choose_channel(
+            mcv_grey(1.0f), mcv_sample_pair(id.stream, id.sample, MCV_PAIR_CHANNEL).x, &chance);
         const mcv_color throughput = mcv_keep_channel(mcv_grey(1.0f), kept, chance);
         MCV_STORE_COLOR(slot, throughput, throughput);
     }

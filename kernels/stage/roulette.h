@@ -12,8 +12,9 @@ typedef struct mcv_roulette {
 } mcv_roulette;
 
 /*
- * A path that carries less than `enough` survives with the probability carried / enough, and then carries `enough`. One that carries
- * nothing ends in any case. plays: 0 spares the path; xi in [0, 1) decides.
+ * A path that carries less than `enough` survives with the probability carried / enough, and then
+ * carries `enough`. One that carries nothing ends in any case. plays: 0 spares the path; xi in [0,
+ * 1) decides.
  */
 MCV_LOOP_FUNCTION mcv_roulette mcv_play_roulette(int plays, float carried, float enough, float xi) {
     mcv_roulette roulette;
@@ -26,7 +27,8 @@ MCV_LOOP_FUNCTION mcv_roulette mcv_play_roulette(int plays, float carried, float
 
 /* What a path carries that has survived. */
 MCV_LOOP_FUNCTION mcv_color mcv_after_roulette(mcv_roulette roulette, mcv_color carried) {
-    MCV_EACH_CHANNEL(i) carried.c[i] = roulette.threatened ? carried.c[i] * roulette.gain : carried.c[i];
+    MCV_EACH_CHANNEL(i)
+    carried.c[i] = roulette.threatened ? carried.c[i] * roulette.gain : carried.c[i];
     return carried;
 }
 

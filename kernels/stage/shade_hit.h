@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stage: what a surface does to a path. Adds what it emits, then chooses how the path goes on. Each path is continued or ended
- * exactly once. reads ray, hit -> writes radiance, and ray, throughput, media, density | ends
+ * Stage: what a surface does to a path. Adds what it emits, then chooses how the path goes on. Each
+ * path is continued or ended exactly once. reads ray, hit -> writes radiance, and ray, throughput,
+ * media, density | ends
  */
 #include "light/environment.h"
 #include "path/identity.h"
@@ -17,17 +18,24 @@
 #endif
 
 /*
- * How much oftener than by its chance the less likely way on is followed. Nothing much comes by it where all light is narrow; wide light
- * may come from anywhere.
+ * How much oftener than by its chance the less likely way on is followed. Nothing much comes by it
+ * where all light is narrow; wide light may come from anywhere.
  */
-#define MCV_SPLIT_EFFORT (MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE || MCV_WITH_AREA || MCV_WITH_LIGHT_FIELD ? 8.0f : 1.0f)
+#define MCV_SPLIT_EFFORT \
+    (MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE || MCV_WITH_AREA || MCV_WITH_LIGHT_FIELD \
+         ? 8.0f \
+         : 1.0f)
 
 #if MCV_WITH_LIGHT_TRACING
 /* What light paths leave of what the emitter sends along this path. */
-MCV_FUNCTION float mcv_camera_share(mcv_world world, mcv_slot slot, mcv_interaction interaction, uint emitter) {
+MCV_FUNCTION float mcv_camera_share(mcv_world world, mcv_slot slot, mcv_interaction interaction,
+                                    uint emitter) {
 #if MCV_WITH_EMISSION
-    if (MCV_WORD(slot, path_class, 0) != MCV_PATH_CLASS_CARRIED || !(world.emitters[emitter].light_flux > 0.0f)) return 1.0f;
-    const float etendue = mcv_light_etendue(world, interaction.surface, emitter, mcv_scale(interaction.direction, -1.0f));
+    if (MCV_WORD(slot, path_class, 0) != MCV_PATH_CLASS_CARRIED ||
+        !(world.emitters[emitter].light_flux > 0.0f))
+        return 1.0f;
+    const float etendue = mcv_light_etendue(world, interaction.surface, emitter,
+                                            mcv_scale(interaction.direction, -1.0f));
     if (etendue > 0.0f) return 1.0f - mcv_light_share(world, etendue, MCV_LOAD(slot, footprint, 0));
 #else
     (void)world, (void)slot, (void)interaction, (void)emitter;
@@ -35,32 +43,50 @@ MCV_FUNCTION float mcv_camera_share(mcv_world world, mcv_slot slot, mcv_interact
     return 1.0f;
 }
 
-/* The path goes on from a point of a surface that spreads light, widely, sharply or neither, or just lets it pass. */
-MCV_LOOP_FUNCTION void mcv_update_path_class_at(mcv_world world, mcv_slot slot, mcv_vec3 point, int scatters, int connectable, int near_specular, int passes) {
+/* The path goes on from a point of a surface that spreads light, widely, sharply or neither, or
+ * just lets it pass. */
+MCV_LOOP_FUNCTION void mcv_update_path_class_at(mcv_world world, mcv_slot slot, mcv_vec3 point,
+                                                int scatters, int connectable, int near_specular,
+                                                int passes) {
     const uint before = MCV_WORD(slot, path_class, 0);
-    const int straight = before == MCV_PATH_CLASS_STRAIGHT, carries = (before == MCV_PATH_CLASS_DIFFUSE) | (before == MCV_PATH_CLASS_CARRIED);
-    const float footprint = mcv_sensor_footprint(world.sensor, mcv_point_to_optical(world.frame, point).z);
-    const uint spread = connectable ? MCV_PATH_CLASS_DIFFUSE : straight ? MCV_PATH_CLASS_OTHER : MCV_PATH_CLASS_GLOSSY;
-    const uint smooth = carries ? MCV_PATH_CLASS_CARRIED : (straight & !passes) ? MCV_PATH_CLASS_OTHER : before;
+    const int straight = before == MCV_PATH_CLASS_STRAIGHT,
+              carries = (before == MCV_PATH_CLASS_DIFFUSE) | (before == MCV_PATH_CLASS_CARRIED);
+    const float footprint =
+        mcv_sensor_footprint(world.sensor, mcv_point_to_optical(world.frame, point).z);
+    const uint spread = connectable ? MCV_PATH_CLASS_DIFFUSE
+                        : straight  ? MCV_PATH_CLASS_OTHER
+                                    : MCV_PATH_CLASS_GLOSSY;
+    const uint smooth = carries                ? MCV_PATH_CLASS_CARRIED
+                        : (straight & !passes) ? MCV_PATH_CLASS_OTHER
+                                               : before;
     MCV_STORE(slot, footprint, 0, straight ? footprint : MCV_LOAD(slot, footprint, 0));
-    MCV_WORD(slot, path_class, 0) = before == MCV_PATH_CLASS_OTHER ? before : (scatters & !(carries & near_specular)) ? spread : smooth;
+    MCV_WORD(slot, path_class, 0) = before == MCV_PATH_CLASS_OTHER            ? before
+                                    : (scatters & !(carries & near_specular)) ? spread
+                                                                              : smooth;
 }
 
-MCV_LOOP_FUNCTION void mcv_update_path_class(mcv_world world, mcv_slot slot, const mcv_interaction *interaction, mcv_shading shading, mcv_scattering on) {
-    const int passes = shading.kind == MCV_SHADING_ANY && on.event == MCV_EVENT_PASS && mcv_is_sheet(world, *interaction);
-    mcv_update_path_class_at(world, slot, interaction->surface.point, on.density > 0.0f, mcv_is_connectable(world, *interaction), mcv_is_near_specular(world, *interaction),
-                       passes);
+MCV_LOOP_FUNCTION void mcv_update_path_class(mcv_world world, mcv_slot slot,
+                                             const mcv_interaction *interaction,
+                                             mcv_shading shading, mcv_scattering on) {
+    const int passes = shading.kind == MCV_SHADING_ANY && on.event == MCV_EVENT_PASS &&
+                       mcv_is_sheet(world, *interaction);
+    mcv_update_path_class_at(world, slot, interaction->surface.point, on.density > 0.0f,
+                             mcv_is_connectable(world, *interaction),
+                             mcv_is_near_specular(world, *interaction), passes);
 }
 #endif
 
 /*
- * The density of a ray's choice, as it is to be weighed against that of next-event estimation which takes emitters by power alone: it has
- * taken this one so much more often.
+ * The density of a ray's choice, as it is to be weighed against that of next-event estimation which
+ * takes emitters by power alone: it has taken this one so much more often.
  */
-MCV_LOOP_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint emitter, float density) {
+MCV_LOOP_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint emitter,
+                                            float density) {
 #if MCV_WITH_NEXT_EVENT && MCV_WITH_REACH
-    const mcv_light_selection selection = {MCV_LOAD(slot, selection, 0), MCV_LOAD(slot, selection, 1)};
-    const float against = density / mcv_selection_ratio(world.emitters + emitter, MCV_LOAD_3(slot, origin), selection);
+    const mcv_light_selection selection = {MCV_LOAD(slot, selection, 0),
+                                           MCV_LOAD(slot, selection, 1)};
+    const float against = density / mcv_selection_ratio(world.emitters + emitter,
+                                                        MCV_LOAD_3(slot, origin), selection);
     density = density > 0.0f ? against : density;
 #else
     (void)world, (void)slot, (void)emitter;
@@ -73,12 +99,14 @@ MCV_LOOP_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint
 typedef struct mcv_emitter_hit {
     mcv_color radiance; /* that the surface sends along the path */
     uint emitter;
-    float other; /* the density with which next-event estimation would have chosen this direction [1/sr] */
+    float other; /* the density with which next-event estimation would have chosen this direction
+                    [1/sr] */
     float share; /* what light paths leave of it */
 } mcv_emitter_hit;
 
 /* Adds what the path has met, weighed against next-event estimation by the power heuristic. */
-MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot, const mcv_emitter_hit *met) {
+MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot,
+                                        const mcv_emitter_hit *met) {
     mcv_color throughput, radiance;
     MCV_LOAD_COLOR(slot, throughput, throughput);
     MCV_LOAD_COLOR(slot, radiance, radiance);
@@ -87,7 +115,8 @@ MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot, const mc
     float own = mcv_density_against(world, slot, met->emitter, mcv_path_density(slot));
 #if MCV_WITH_LIGHT_TRACING
     /* Sharp surfaces have not looked for it (mcv_choose_emitter). */
-    const int carried = (MCV_WORD(slot, path_class, 0) == MCV_PATH_CLASS_CARRIED) & (world.emitters[met->emitter].light_flux > 0.0f);
+    const int carried = (MCV_WORD(slot, path_class, 0) == MCV_PATH_CLASS_CARRIED) &
+                        (world.emitters[met->emitter].light_flux > 0.0f);
     own = carried ? 0.0f : own;
 #endif
     const float weight = mcv_power_heuristic(own, met->other);
@@ -102,14 +131,18 @@ MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot, const mc
 
 #if MCV_WITH_MIXED
 /* Where the path goes on, and with it how: *on gets the direction. */
-static void mcv_leave_precisely(mcv_world world, mcv_slot slot, const mcv_interaction *interaction, uint media, mcv_scattering *on) {
+static void mcv_leave_precisely(mcv_world world, mcv_slot slot, const mcv_interaction *interaction,
+                                uint media, mcv_scattering *on) {
     const mcv_vec3 low = MCV_LOAD_3(slot, origin_low);
     const mcv_precise_ray ray =
-        mcv_precise_ray_of(MCV_LOAD_3(slot, origin), low, MCV_LOAD_3(slot, direction), MCV_LOAD_3(slot, direction_low));
+        mcv_precise_ray_of(MCV_LOAD_3(slot, origin), low, MCV_LOAD_3(slot, direction),
+                           MCV_LOAD_3(slot, direction_low));
     mcv_precise_interaction met;
     met.found = 0;
-    if (on->event != MCV_EVENT_END) met = mcv_intersect_precisely(world, interaction, ray, low, MCV_LOAD(slot, hit, 0));
-    const mcv_onward onward = mcv_go_on_precisely(world, interaction, &met, ray.direction, media, on);
+    if (on->event != MCV_EVENT_END)
+        met = mcv_intersect_precisely(world, interaction, ray, low, MCV_LOAD(slot, hit, 0));
+    const mcv_onward onward =
+        mcv_go_on_precisely(world, interaction, &met, ray.direction, media, on);
     const mcv_vec3 origin = mcv_onward_origin(*interaction, on->direction);
     MCV_STORE_3(slot, origin, origin);
     MCV_STORE_3(slot, origin_low, mcv_onward_low(&onward, onward.ray.origin, origin));
@@ -131,7 +164,8 @@ MCV_LOOP_FUNCTION void mcv_shade_miss(mcv_world world, mcv_slot slot) {
 #if MCV_WITH_ENVIRONMENT_IMAGE
     density = mcv_density_against(world, slot, world.frame->environment_emitter, density);
 #endif
-    const mcv_color met = mcv_environment_seen(world, MCV_LOAD_3(slot, direction), mcv_path_media(slot), density);
+    const mcv_color met =
+        mcv_environment_seen(world, MCV_LOAD_3(slot, direction), mcv_path_media(slot), density);
     MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], met.c[i], radiance.c[i]);
     MCV_STORE_COLOR(slot, radiance, radiance);
 #else
@@ -140,11 +174,13 @@ MCV_LOOP_FUNCTION void mcv_shade_miss(mcv_world world, mcv_slot slot) {
 }
 
 /*
- * The path continues from the surface. skipped: 1 leaves it as it is; known to the compiler where that cannot be. Where origins are worked
- * out for many paths at once, after all else, the old one stays.
+ * The path continues from the surface. skipped: 1 leaves it as it is; known to the compiler where
+ * that cannot be. Where origins are worked out for many paths at once, after all else, the old one
+ * stays.
  */
-MCV_LOOP_FUNCTION void mcv_continue_path(mcv_world world, mcv_slot slot, const mcv_interaction *interaction, mcv_shading shading, mcv_scattering on,
-                                         mcv_color throughput, int skipped) {
+MCV_LOOP_FUNCTION void mcv_continue_path(mcv_world world, mcv_slot slot,
+                                         const mcv_interaction *interaction, mcv_shading shading,
+                                         mcv_scattering on, mcv_color throughput, int skipped) {
 #if MCV_WITH_MIXED
     mcv_leave_precisely(world, slot, interaction, mcv_path_media(slot), &on);
 #elif !MCV_LEAVES_TOGETHER
@@ -153,10 +189,13 @@ MCV_LOOP_FUNCTION void mcv_continue_path(mcv_world world, mcv_slot slot, const m
     const mcv_vec3 direction = mcv_choose(skipped, interaction->direction, on.direction);
     MCV_STORE_3(slot, direction, direction);
 #if MCV_WITH_SURFACES
-    const uint origin_surface = shading.exact ? mcv_origin_surface_of(world, *interaction, on.direction) : MCV_NONE;
-    MCV_WORD(slot, origin_surface, 0) = skipped ? MCV_WORD(slot, origin_surface, 0) : origin_surface;
+    const uint origin_surface =
+        shading.exact ? mcv_origin_surface_of(world, *interaction, on.direction) : MCV_NONE;
+    MCV_WORD(slot, origin_surface, 0) =
+        skipped ? MCV_WORD(slot, origin_surface, 0) : origin_surface;
 #endif
-    MCV_EACH_CHANNEL(i) MCV_STORE(slot, throughput, i, skipped ? MCV_LOAD(slot, throughput, i) : throughput.c[i]);
+    MCV_EACH_CHANNEL(i)
+    MCV_STORE(slot, throughput, i, skipped ? MCV_LOAD(slot, throughput, i) : throughput.c[i]);
 #if MCV_WITH_DIELECTRIC
     MCV_WORD(slot, media, 0) = skipped ? MCV_WORD(slot, media, 0) : on.media;
 #endif
@@ -172,7 +211,8 @@ MCV_LOOP_FUNCTION void mcv_continue_path(mcv_world world, mcv_slot slot, const m
 }
 
 #if MCV_WITH_NEXT_EVENT && MCV_WITH_REACH
-/* After what this surface emits, which the chances of the surface before are for, and before a branch takes them over. */
+/* After what this surface emits, which the chances of the surface before are for, and before a
+ * branch takes them over. */
 MCV_LOOP_FUNCTION void mcv_keep_selection(mcv_slot slot) {
     MCV_WORD(slot, selection, 0) = MCV_WORD(slot, selection_here, 0);
     MCV_WORD(slot, selection, 1) = MCV_WORD(slot, selection_here, 1);
@@ -197,14 +237,17 @@ typedef struct mcv_split {
 } mcv_split;
 
 /*
- * The path takes the likelier one of two ways on instead of that which chance has chosen, and a branch the other one, each weighed by its
- * own chance: R + T. The branch has to survive roulette. Where an environment shines from all sides both ways bring about the same: the
- * path then stands in for what roulette ends, so that both carry as much as before. xi: the number that has chosen, or what is left of it,
- * which has no other use any more.
+ * The path takes the likelier one of two ways on instead of that which chance has chosen, and a
+ * branch the other one, each weighed by its own chance: R + T. The branch has to survive roulette.
+ * Where an environment shines from all sides both ways bring about the same: the path then stands
+ * in for what roulette ends, so that both carry as much as before. xi: the number that has chosen,
+ * or what is left of it, which has no other use any more.
  */
-MCV_LOOP_FUNCTION mcv_split mcv_split_path(mcv_slot slot, float xi, mcv_color throughput, mcv_scattering on, mcv_scattering other) {
+MCV_LOOP_FUNCTION mcv_split mcv_split_path(mcv_slot slot, float xi, mcv_color throughput,
+                                           mcv_scattering on, mcv_scattering other) {
     mcv_split split;
-    const int swaps = (other.chance > on.chance) | ((other.chance == on.chance) & (other.event == MCV_EVENT_REFLECT));
+    const int swaps = (other.chance > on.chance) |
+                      ((other.chance == on.chance) & (other.event == MCV_EVENT_REFLECT));
     const mcv_scattering likelier = mcv_choose_scattering(swaps, other, on);
     split.other = mcv_choose_scattering(swaps, on, other);
     const float effort = MCV_SPLIT_EFFORT * mcv_average(throughput);
@@ -213,8 +256,10 @@ MCV_LOOP_FUNCTION mcv_split mcv_split_path(mcv_slot slot, float xi, mcv_color th
     float weight = likelier.chance;
     split.splits = (other.chance > 0.0f) & mcv_may_split(slot);
 #if MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE
-    /* What roulette would soon play for is left to chance: light from all sides keeps being found without noise. */
-    const float branches = split.other.chance / lives, goes_on = lives < 1.0f ? 1.0f - branches : likelier.chance;
+    /* What roulette would soon play for is left to chance: light from all sides keeps being found
+     * without noise. */
+    const float branches = split.other.chance / lives,
+                goes_on = lives < 1.0f ? 1.0f - branches : likelier.chance;
     const float least = mcv_brightest(throughput) * (goes_on < branches ? goes_on : branches);
     split.splits &= !(least < MCV_ROULETTE_WEIGHT * (1.0f - 8.0f * MCV_UNIT_ROUNDOFF));
     weight = lives < 1.0f ? xi < lives ? goes_on : 1.0f : weight;
@@ -236,7 +281,8 @@ MCV_LOOP_FUNCTION void mcv_keep_split(mcv_slot slot, mcv_split split) {
 }
 #endif
 
-/* A path's branch begins in the slot beside, with random numbers of its own, as a copy of what the path is before it goes on. */
+/* A path's branch begins in the slot beside, with random numbers of its own, as a copy of what the
+ * path is before it goes on. */
 MCV_LOOP_FUNCTION void mcv_name_branch(mcv_slot slot, mcv_slot beside) {
     const uint number = MCV_WORD(slot, branch, 0);
     MCV_WORD(beside, branch, 0) = MCV_BRANCHES + number;
@@ -244,7 +290,8 @@ MCV_LOOP_FUNCTION void mcv_name_branch(mcv_slot slot, mcv_slot beside) {
     MCV_EACH_CHANNEL(i) MCV_STORE(beside, radiance, i, 0.0f);
 }
 
-static void mcv_start_branch(mcv_world world, mcv_slot slot, mcv_slot beside, const mcv_interaction *interaction, mcv_split split) {
+static void mcv_start_branch(mcv_world world, mcv_slot slot, mcv_slot beside,
+                             const mcv_interaction *interaction, mcv_split split) {
     for (uint word = 0; word < MCV_PATH_hit; ++word) {
         const uint row = word * MCV_CAPACITY(slot);
         beside.base[row + beside.index] = slot.base[row + slot.index];
@@ -268,23 +315,30 @@ typedef struct mcv_shaded {
 #if MCV_WITH_SPLIT
     mcv_split split; /* where it splits */
 #endif
-    uint fate; /* MCV_CONTINUES | MCV_SPLITS, or MCV_UNSHADED: the class does not hold this surface, mcv_shade_surface does */
+    uint fate; /* MCV_CONTINUES | MCV_SPLITS, or MCV_UNSHADED: the class does not hold this surface,
+                  mcv_shade_surface does */
 } mcv_shaded;
 
-/* Chooses how a path continues from the surface that it has met: scattering, splitting, Russian roulette. */
-MCV_LOOP_FUNCTION mcv_shaded mcv_shade_hit(mcv_world world, mcv_slot slot, const mcv_interaction *interaction, mcv_shading shading, uint depth,
-                                           uint *unmatched) {
+/* Chooses how a path continues from the surface that it has met: scattering, splitting, Russian
+ * roulette. */
+MCV_LOOP_FUNCTION mcv_shaded mcv_shade_hit(mcv_world world, mcv_slot slot,
+                                           const mcv_interaction *interaction, mcv_shading shading,
+                                           uint depth, uint *unmatched) {
     mcv_shaded shaded;
     mcv_scattering other;
     int unshaded = 0;
-    const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_SCATTER), choice = mcv_draw_choice(slot, depth);
+    const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_SCATTER),
+                   choice = mcv_draw_choice(slot, depth);
     MCV_LOAD_COLOR(slot, throughput, shaded.throughput);
     shaded.fate = 0u;
-    shaded.on = mcv_scatter_as(world, slot, interaction, shading, pair, choice.x, mcv_may_split(slot), unmatched, &other, &unshaded);
+    shaded.on = mcv_scatter_as(world, slot, interaction, shading, pair, choice.x,
+                               mcv_may_split(slot), unmatched, &other, &unshaded);
 #if MCV_WITH_SPLIT
     shaded.split.branches = 0;
     if (shading.kind == MCV_SHADING_ANY ? other.chance > 0.0f : shading.splits) {
-        shaded.split = mcv_split_path(slot, shaded.on.event == MCV_EVENT_END ? shaded.on.remainder : pair.x, shaded.throughput, shaded.on, other);
+        shaded.split =
+            mcv_split_path(slot, shaded.on.event == MCV_EVENT_END ? shaded.on.remainder : pair.x,
+                           shaded.throughput, shaded.on, other);
         shaded.on = shaded.split.on;
         MCV_WORD(slot, branch, 0) += (uint)shaded.split.splits;
         shaded.fate = shaded.split.branches ? MCV_SPLITS : 0u;
@@ -292,7 +346,8 @@ MCV_LOOP_FUNCTION mcv_shaded mcv_shade_hit(mcv_world world, mcv_slot slot, const
 #endif
     shaded.throughput = mcv_tint(shaded.throughput, shaded.on.factor);
     const mcv_roulette roulette =
-        mcv_play_roulette(depth >= MCV_ROULETTE_DEPTH, mcv_brightest(shaded.throughput), MCV_ROULETTE_WEIGHT, choice.y);
+        mcv_play_roulette(depth >= MCV_ROULETTE_DEPTH, mcv_brightest(shaded.throughput),
+                          MCV_ROULETTE_WEIGHT, choice.y);
     shaded.throughput = mcv_after_roulette(roulette, shaded.throughput);
     shaded.fate |= roulette.survives ? MCV_CONTINUES : 0u;
     shaded.fate = unshaded ? MCV_UNSHADED : shaded.fate;
@@ -305,14 +360,17 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_slot slot, mcv_interactio
     const uint emitter = world.instances[interaction.surface.instance].emitter;
     if (emitter == MCV_NONE) return;
     mcv_emitter_hit met;
-    met.radiance = mcv_emitted(world, interaction.surface, emitter, mcv_scale(interaction.direction, -1.0f));
+    met.radiance =
+        mcv_emitted(world, interaction.surface, emitter, mcv_scale(interaction.direction, -1.0f));
     met.emitter = emitter;
     met.other = 0.0f;
     met.share = 1.0f;
 #if MCV_WITH_NEXT_EVENT
     const float distance = MCV_LOAD(slot, hit, 0);
-    const mcv_vec3 receiver = mcv_along(interaction.surface.point, -distance, interaction.direction);
-    met.other = mcv_emitter_density(world, receiver, interaction.surface, emitter, interaction.direction, distance);
+    const mcv_vec3 receiver =
+        mcv_along(interaction.surface.point, -distance, interaction.direction);
+    met.other = mcv_emitter_density(world, receiver, interaction.surface, emitter,
+                                    interaction.direction, distance);
 #endif
 #if MCV_WITH_LIGHT_TRACING
     met.share = mcv_camera_share(world, slot, interaction, emitter);
@@ -321,8 +379,10 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_slot slot, mcv_interactio
 }
 #endif
 
-/* MCV_CONTINUES: the path, which has met a surface, does; MCV_SPLITS: so does a branch, in the slot beside. */
-static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, uint depth, uint *unmatched) {
+/* MCV_CONTINUES: the path, which has met a surface, does; MCV_SPLITS: so does a branch, in the slot
+ * beside. */
+static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, uint depth,
+                              uint *unmatched) {
 #if MCV_WITH_DISPERSION
     world = mcv_disperse(world, slot);
 #endif
@@ -333,13 +393,16 @@ static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, u
 #if MCV_WITH_REACH && MCV_WITH_NEXT_EVENT
     mcv_keep_selection(slot);
 #endif
-    const mcv_shaded shaded = mcv_shade_hit(world, slot, &interaction, mcv_any_shading(), depth, unmatched);
+    const mcv_shaded shaded =
+        mcv_shade_hit(world, slot, &interaction, mcv_any_shading(), depth, unmatched);
 #if MCV_WITH_SPLIT
     if (shaded.fate & MCV_SPLITS) mcv_start_branch(world, slot, beside, &interaction, shaded.split);
 #else
     (void)beside;
 #endif
-    if (shaded.fate & MCV_CONTINUES) mcv_continue_path(world, slot, &interaction, mcv_any_shading(), shaded.on, shaded.throughput, 0);
+    if (shaded.fate & MCV_CONTINUES)
+        mcv_continue_path(world, slot, &interaction, mcv_any_shading(), shaded.on,
+                          shaded.throughput, 0);
     return shaded.fate;
 }
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stage: adds what a light path brings to a pixel, in 64-bit fixed point of two words each: integers have the same sum in any order.
- * A word that wraps round tells so by its old value, so that the carry is known without reading the other. Values are rounded at random, up
- * with the probability of what is cut off: on the average nothing is lost, however small they are.
+ * Stage: adds what a light path brings to a pixel, in 64-bit fixed point of two words each:
+ * integers have the same sum in any order. A word that wraps round tells so by its old value, so
+ * that the carry is known without reading the other. Values are rounded at random, up with the
+ * probability of what is cut off: on the average nothing is lost, however small they are.
  */
 #include "path/sensor_ray.h"
 
@@ -21,11 +22,13 @@ MCV_FUNCTION int mcv_add_splat(__global uint *splats, size_t cell, float units, 
     return above + high >= above;
 }
 
-static void mcv_splat(mcv_world world, __global uint *splats, uint replicate, mcv_film_point place, mcv_color value, float xi,
-                      uint counts[MCV_COUNTER_COUNT]) {
+static void mcv_splat(mcv_world world, __global uint *splats, uint replicate, mcv_film_point place,
+                      mcv_color value, float xi, uint counts[MCV_COUNTER_COUNT]) {
     const uint width = world.frame->width;
     const uint height = world.frame->height;
-    if (!(place.column >= 0.0f && place.column < (float)width && place.row >= 0.0f && place.row < (float)height)) return;
+    if (!(place.column >= 0.0f && place.column < (float)width && place.row >= 0.0f &&
+          place.row < (float)height))
+        return;
     const size_t pixel = (size_t)(uint)place.row * width + (uint)place.column;
     for (uint channel = 0; channel < MCV_CHANNELS; ++channel) {
         const size_t cell = ((size_t)replicate * MCV_CHANNELS + channel) * width * height + pixel;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Next-event estimation from receivers anywhere in a scene, and what rays from there meet, one work-item per case: how
- * tests/kernels/test_emitter_sampling.c sees the functions that the stages call.
+ * Next-event estimation from receivers anywhere in a scene, and what rays from there meet, one
+ * work-item per case: how tests/kernels/test_emitter_sampling.c sees the functions that the stages
+ * call.
  */
 #undef MCV_WITH_DIFFUSE
 #define MCV_WITH_DIFFUSE 1 /* the receivers */
@@ -10,10 +11,12 @@
 
 #include "stage/sample_emitters.h"
 
-/* What a ray from a receiver meets of an emitter: cosine to its face, radiance (first channel) and the density of next-event estimation
- * there. */
-static void mcv_shade_emitter_hit(mcv_world world, mcv_vec3 receiver, mcv_vec3 direction, uint emitter, __global float *met) {
-    const mcv_hit hit = mcv_intersect_closest_ray(world.nodes, world.leaves, receiver, direction, INFINITY);
+/* What a ray from a receiver meets of an emitter: cosine to its face, radiance (first channel) and
+ * the density of next-event estimation there. */
+static void mcv_shade_emitter_hit(mcv_world world, mcv_vec3 receiver, mcv_vec3 direction,
+                                  uint emitter, __global float *met) {
+    const mcv_hit hit =
+        mcv_intersect_closest_ray(world.nodes, world.leaves, receiver, direction, INFINITY);
     met[0] = 1.0f;
     met[1] = 0.0f;
     met[2] = 0.0f;
@@ -26,7 +29,9 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_vec3 receiver, mcv_vec3 d
     }
 #endif
 #if MCV_WITH_EMISSION
-    if (hit.triangle == MCV_NONE || world.instances[mcv_instance_of(world, hit.triangle)].emitter != emitter) return;
+    if (hit.triangle == MCV_NONE ||
+        world.instances[mcv_instance_of(world, hit.triangle)].emitter != emitter)
+        return;
     const mcv_surface there = mcv_surface_at(world, hit.triangle, hit.u, hit.v);
     met[0] = mcv_abs(mcv_dot(direction, there.face));
     met[1] = mcv_emitted(world, there, emitter, mcv_scale(direction, -1.0f)).c[0];
@@ -34,8 +39,10 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_vec3 receiver, mcv_vec3 d
 #endif
 }
 
-/* cases: receiver, its normal, ξ, η; results: unit direction, light, density, and what mcv_shade_emitter_hit says along it. */
-__kernel void sample_towards(MCV_WORLD_PARAMETERS uint emitter, __global const float *cases, __global float *results) {
+/* cases: receiver, its normal, ξ, η; results: unit direction, light, density, and what
+ * mcv_shade_emitter_hit says along it. */
+__kernel void sample_towards(MCV_WORLD_PARAMETERS uint emitter, __global const float *cases,
+                             __global float *results) {
     MCV_MAKE_WORLD(world)
     const uint i = get_global_id(0);
     __global const float *in = cases + 8 * i;
@@ -57,10 +64,13 @@ __kernel void sample_towards(MCV_WORLD_PARAMETERS uint emitter, __global const f
     mcv_shade_emitter_hit(world, at.point, direction, emitter, out + 5);
 }
 
-/* cases: receiver, unit direction, two words of no account; results as above, the first five of no account. */
-__kernel void meet_emitter(MCV_WORLD_PARAMETERS uint emitter, __global const float *cases, __global float *results) {
+/* cases: receiver, unit direction, two words of no account; results as above, the first five of no
+ * account. */
+__kernel void meet_emitter(MCV_WORLD_PARAMETERS uint emitter, __global const float *cases,
+                           __global float *results) {
     MCV_MAKE_WORLD(world)
     const uint i = get_global_id(0);
     __global const float *in = cases + 8 * i;
-    mcv_shade_emitter_hit(world, mcv_vec(in[0], in[1], in[2]), mcv_vec(in[3], in[4], in[5]), emitter, results + 8 * i + 5);
+    mcv_shade_emitter_hit(world, mcv_vec(in[0], in[1], in[2]), mcv_vec(in[3], in[4], in[5]),
+                          emitter, results + 8 * i + 5);
 }

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rays in a row against a scene: intersect_closest and intersect_any through the hierarchy, intersect_all by testing
- * every leaf (what the tests compare with). A work-group is one work-item, which handles a slice of the rays: on a CPU
- * it runs on one core with its stack in the first cache.
+ * Rays in a row against a scene: intersect_closest and intersect_any through the hierarchy,
+ * intersect_all by testing every leaf (what the tests compare with). A work-group is one work-item,
+ * which handles a slice of the rays: on a CPU it runs on one core with its stack in the first
+ * cache.
  */
 #include "traverse/policy.h"
 
@@ -12,38 +13,41 @@ typedef struct mcv_batch_ray {
     float direction[3], unused;
 } mcv_batch_ray;
 
-__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_closest(__global const mcv_node *nodes,
-                                                                               __global const mcv_leaf *leaves,
-                                                                               __global const mcv_batch_ray *rays, __global mcv_hit *hits,
-                                                                               uint count, uint slice) {
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void
+intersect_closest(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                  __global const mcv_batch_ray *rays, __global mcv_hit *hits, uint count,
+                  uint slice) {
     const uint first = (uint)get_group_id(0) * slice;
     const uint last = min(first + slice, count);
     for (uint i = first; i < last; ++i) {
         const mcv_vec3 origin = mcv_vec(rays[i].origin[0], rays[i].origin[1], rays[i].origin[2]);
-        const mcv_vec3 direction = mcv_vec(rays[i].direction[0], rays[i].direction[1], rays[i].direction[2]);
+        const mcv_vec3 direction =
+            mcv_vec(rays[i].direction[0], rays[i].direction[1], rays[i].direction[2]);
         hits[i] = mcv_intersect_closest_ray(nodes, leaves, origin, direction, rays[i].t_max);
     }
 }
 
-__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_any(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                                                           __global const mcv_batch_ray *rays, __global int *found,
-                                                                           uint count, uint slice) {
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void
+intersect_any(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+              __global const mcv_batch_ray *rays, __global int *found, uint count, uint slice) {
     const uint first = (uint)get_group_id(0) * slice;
     const uint last = min(first + slice, count);
     for (uint i = first; i < last; ++i) {
         const mcv_vec3 origin = mcv_vec(rays[i].origin[0], rays[i].origin[1], rays[i].origin[2]);
-        const mcv_vec3 direction = mcv_vec(rays[i].direction[0], rays[i].direction[1], rays[i].direction[2]);
+        const mcv_vec3 direction =
+            mcv_vec(rays[i].direction[0], rays[i].direction[1], rays[i].direction[2]);
         found[i] = mcv_intersect_any_ray(nodes, leaves, origin, direction, rays[i].t_max);
     }
 }
 
 #define MCV_BATCH_LIST 256
 
-/* Many rays by one of the functions for lists of them, MCV_BATCH_LIST at a time; `result` is what is kept of a hit. */
+/* Many rays by one of the functions for lists of them, MCV_BATCH_LIST at a time; `result` is what
+ * is kept of a hit. */
 #define MCV_BATCH_KERNEL(name, many, output, result) \
-    __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void name(__global const mcv_node *nodes, __global const mcv_leaf *leaves, \
-                                                                      __global const mcv_batch_ray *rays, __global output *out, \
-                                                                      uint count, uint slice) { \
+    __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void name( \
+        __global const mcv_node *nodes, __global const mcv_leaf *leaves, \
+        __global const mcv_batch_ray *rays, __global output *out, uint count, uint slice) { \
         const uint first = (uint)get_group_id(0) * slice; \
         const uint last = min(first + slice, count); \
         const uint step = sizeof(mcv_batch_ray) / sizeof(float); \
@@ -55,7 +59,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_any(__glo
             const uint listed = min(last - begin, (uint)MCV_BATCH_LIST); \
             const mcv_rows origins = {(__global const uint *)rays[begin].origin, step, 1}; \
             const mcv_rows directions = {(__global const uint *)rays[begin].direction, step, 1}; \
-            for (uint i = 0; i < listed; ++i) mcv_put_hit(hits, i, mcv_miss(rays[begin + i].t_max)); \
+            for (uint i = 0; i < listed; ++i) \
+                mcv_put_hit(hits, i, mcv_miss(rays[begin + i].t_max)); \
             many(nodes, leaves, origins, directions, indices, listed, hits); \
             for (uint i = 0; i < listed; ++i) out[begin + i] = mcv_hit_of(hits, i) result; \
         } \
@@ -70,28 +75,32 @@ MCV_BATCH_KERNEL(intersect_any_bundles, mcv_intersect_any_packets, int, .triangl
 MCV_BATCH_KERNEL(closest_many, MCV_TRACE_CLOSEST, mcv_hit, )
 MCV_BATCH_KERNEL(any_many, MCV_TRACE_ANY, int, .triangle != MCV_NONE)
 
-__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void intersect_all(__global const mcv_leaf *leaves,
-                                                                           __global const mcv_batch_ray *rays, __global mcv_hit *hits,
-                                                                           uint count, uint slice, uint leaf_count) {
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void
+intersect_all(__global const mcv_leaf *leaves, __global const mcv_batch_ray *rays,
+              __global mcv_hit *hits, uint count, uint slice, uint leaf_count) {
     const uint first = (uint)get_group_id(0) * slice;
     const uint last = min(first + slice, count);
     for (uint i = first; i < last; ++i) {
         mcv_hit hit = mcv_miss(rays[i].t_max);
-        const mcv_ray_frame ray = mcv_ray_setup(mcv_vec(rays[i].origin[0], rays[i].origin[1], rays[i].origin[2]),
-                                                mcv_vec(rays[i].direction[0], rays[i].direction[1], rays[i].direction[2]), 0.0f);
-        for (uint leaf = 0; leaf < leaf_count; ++leaf) mcv_intersect_leaf(leaves + leaf, &ray.shear, &hit);
+        const mcv_ray_frame ray = mcv_ray_setup(
+            mcv_vec(rays[i].origin[0], rays[i].origin[1], rays[i].origin[2]),
+            mcv_vec(rays[i].direction[0], rays[i].direction[1], rays[i].direction[2]), 0.0f);
+        for (uint leaf = 0; leaf < leaf_count; ++leaf)
+            mcv_intersect_leaf(leaves + leaf, &ray.shear, &hit);
         hits[i] = hit;
     }
 }
 
 /* How many leaves a ray hits: crossings, if every triangle has a leaf of its own. */
-__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void count_hits(__global const mcv_leaf *leaves, __global const mcv_batch_ray *rays,
-                                                                        __global int *counts, uint count, uint slice, uint leaf_count) {
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void
+count_hits(__global const mcv_leaf *leaves, __global const mcv_batch_ray *rays,
+           __global int *counts, uint count, uint slice, uint leaf_count) {
     const uint first = (uint)get_group_id(0) * slice;
     const uint last = min(first + slice, count);
     for (uint i = first; i < last; ++i) {
-        const mcv_ray_frame ray = mcv_ray_setup(mcv_vec(rays[i].origin[0], rays[i].origin[1], rays[i].origin[2]),
-                                                mcv_vec(rays[i].direction[0], rays[i].direction[1], rays[i].direction[2]), 0.0f);
+        const mcv_ray_frame ray = mcv_ray_setup(
+            mcv_vec(rays[i].origin[0], rays[i].origin[1], rays[i].origin[2]),
+            mcv_vec(rays[i].direction[0], rays[i].direction[1], rays[i].direction[2]), 0.0f);
         int crossings = 0;
         for (uint leaf = 0; leaf < leaf_count; ++leaf) {
             mcv_hit hit = mcv_miss(rays[i].t_max);

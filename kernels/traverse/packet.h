@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Many rays through the hierarchy together (J. A. Tsakok, Faster Incoherent Rays: Multi-BVH Ray Stream Tracing, HPG 2009): a node or a
- * leaf is met once, with a list of all rays that come to it. Rays from places close to each other come to much the same ones, whichever
- * way they go then. They share the branches that no processor foresees, which is where a ray alone spends its time, and a leaf is tested
- * with many of them side by side.
+ * Many rays through the hierarchy together (J. A. Tsakok, Faster Incoherent Rays: Multi-BVH Ray
+ * Stream Tracing, HPG 2009): a node or a leaf is met once, with a list of all rays that come to it.
+ * Rays from places close to each other come to much the same ones, whichever way they go then. They
+ * share the branches that no processor foresees, which is where a ray alone spends its time, and a
+ * leaf is tested with many of them side by side.
  *
- * They find what they find alone, to the last bit: a triangle is tested by the same arithmetic, and boxes only leave out what cannot be
- * hit (kernels/traverse/bvh8.h; any superset of the leaves in any order gives the same hit).
+ * They find what they find alone, to the last bit: a triangle is tested by the same arithmetic, and
+ * boxes only leave out what cannot be hit (kernels/traverse/bvh8.h; any superset of the leaves in
+ * any order gives the same hit).
  */
 #ifndef MCVISI_BUNDLE_H
 #define MCVISI_BUNDLE_H
@@ -35,7 +37,8 @@ typedef uint16 mcv_uints;
 #define mcv_intersect_lanes mcv_intersect_sheared16
 #define mcv_as_floats as_float16
 #define mcv_as_uints as_uint16
-MCV_INTERSECT_SHEARED(mcv_intersect_sheared16, mcv_edge_function16, mcv_edge_rises16, float16, int16, mcv_mask16)
+MCV_INTERSECT_SHEARED(mcv_intersect_sheared16, mcv_edge_function16, mcv_edge_rises16, float16,
+                      int16, mcv_mask16)
 #else
 #define MCV_LANES 8
 typedef float8 mcv_floats;
@@ -60,7 +63,8 @@ static inline mcv_hits mcv_hits_in(uint *rows, uint step) {
 }
 
 static inline mcv_hit mcv_hit_of(mcv_hits hits, uint i) {
-    const mcv_hit hit = {as_float(hits.t[i]), as_float(hits.u[i]), as_float(hits.v[i]), hits.triangle[i]};
+    const mcv_hit hit = {as_float(hits.t[i]), as_float(hits.u[i]), as_float(hits.v[i]),
+                         hits.triangle[i]};
     return hit;
 }
 
@@ -96,8 +100,8 @@ typedef struct mcv_slabs {
         } else { \
             uint mcv_taken[MCV_LANES]; \
             /* Unrolled, or the compiler makes a loop of gathers, which are slower. */ \
-            _Pragma("unroll") for (uint mcv_lane = 0; mcv_lane < MCV_LANES; ++mcv_lane) mcv_taken[mcv_lane] = \
-                (row)[(numbers)[mcv_lane] * (step)]; \
+            _Pragma("unroll") for (uint mcv_lane = 0; mcv_lane < MCV_LANES; ++mcv_lane) \
+                mcv_taken[mcv_lane] = (row)[(numbers)[mcv_lane] * (step)]; \
             (lanes) = mcv_load_lanes(mcv_taken); \
         } \
     } while (0)
@@ -110,24 +114,35 @@ static inline int mcv_are_neighbours(const uint *numbers) {
 }
 
 /* mcv_ray_setup of the rays of these numbers; neighbours: they follow each other in rows. */
-static inline __attribute__((always_inline)) void mcv_lanes_setup(mcv_rows origins, mcv_rows directions, const uint *numbers,
-                                                                  int neighbours, float extent, mcv_slabs *slabs, mcv_lanes *rays) {
+static inline __attribute__((always_inline)) void
+mcv_lanes_setup(mcv_rows origins, mcv_rows directions, const uint *numbers, int neighbours,
+                float extent, mcv_slabs *slabs, mcv_lanes *rays) {
     mcv_uints rows[6];
 #pragma unroll
     for (uint k = 0; k < 3; ++k) {
-        MCV_TAKE_LANES(origins.base + k * origins.component, origins.step, numbers, neighbours, rows[k]);
-        MCV_TAKE_LANES(directions.base + k * directions.component, directions.step, numbers, neighbours, rows[3 + k]);
+        MCV_TAKE_LANES(origins.base + k * origins.component, origins.step, numbers, neighbours,
+                       rows[k]);
+        MCV_TAKE_LANES(directions.base + k * directions.component, directions.step, numbers,
+                       neighbours, rows[3 + k]);
     }
-    const mcv_floats ox = mcv_as_floats(rows[0]), oy = mcv_as_floats(rows[1]), oz = mcv_as_floats(rows[2]);
-    const mcv_floats x = mcv_as_floats(rows[3]), y = mcv_as_floats(rows[4]), z = mcv_as_floats(rows[5]);
+    const mcv_floats ox = mcv_as_floats(rows[0]), oy = mcv_as_floats(rows[1]),
+                     oz = mcv_as_floats(rows[2]);
+    const mcv_floats x = mcv_as_floats(rows[3]), y = mcv_as_floats(rows[4]),
+                     z = mcv_as_floats(rows[5]);
     const mcv_floats dx = fabs(x), dy = fabs(y), dz = fabs(z);
     const mcv_floats reach = max(fabs(ox), max(fabs(oy), fabs(oz))) + extent;
     const mcv_floats margin = 32.0f * MCV_UNIT_ROUNDOFF * reach;
     const mcv_floats least = max(dx, max(dy, dz)) * 0x1p-64f;
 #pragma unroll
     for (int axis = 0; axis < 3; ++axis) {
-        const mcv_floats origin = axis == 0 ? ox : axis == 1 ? oy : oz, direction = axis == 0 ? x : axis == 1 ? y : z;
-        const mcv_floats inverse = 1.0f / (fabs(direction) < least ? copysign(least, direction) : direction);
+        const mcv_floats origin = axis == 0   ? ox
+                                  : axis == 1 ? oy
+                                              : oz,
+                         direction = axis == 0   ? x
+                                     : axis == 1 ? y
+                                                 : z;
+        const mcv_floats inverse =
+            1.0f / (fabs(direction) < least ? copysign(least, direction) : direction);
         const mcv_floats spread = margin * fabs(inverse);
         slabs->inverse[axis] = inverse;
         slabs->near_offset[axis] = -origin * inverse - spread;
@@ -148,10 +163,11 @@ static inline __attribute__((always_inline)) void mcv_lanes_setup(mcv_rows origi
 #define MCV_CORNERS_OF(leaf, lane) ((__global const float *)(leaf)->vertex + (lane))
 
 /*
- * One triangle against all rays, as mcv_intersect_leaf does it with all of a leaf and one ray; of a ray that has hit t is -1 where
- * any hit will do. Returns those that have hit, one bit each.
+ * One triangle against all rays, as mcv_intersect_leaf does it with all of a leaf and one ray; of a
+ * ray that has hit t is -1 where any hit will do. Returns those that have hit, one bit each.
  */
-static inline __attribute__((always_inline)) uint mcv_lanes_hit(__global const float *corners, uint number, int any, mcv_lanes *rays) {
+static inline __attribute__((always_inline)) uint
+mcv_lanes_hit(__global const float *corners, uint number, int any, mcv_lanes *rays) {
     const mcv_uints triangle = (mcv_uints)(number);
     mcv_floats x[3], y[3], z[3], t, b, c, det;
     mcv_ints met;
@@ -163,14 +179,17 @@ static inline __attribute__((always_inline)) uint mcv_lanes_hit(__global const f
         x[corner] = fma(-rays->shear_x, z[corner], MCV_LANES_OF(rays, p, r, q) - rays->origin_x);
         y[corner] = fma(-rays->shear_y, z[corner], MCV_LANES_OF(rays, q, p, r) - rays->origin_y);
     }
-    if (!mcv_intersect_lanes(x, y, z, rays->shear_x, rays->shear_y, rays->scale_z, rays->t, &met, &t, &b, &c, &det)) return 0;
+    if (!mcv_intersect_lanes(x, y, z, rays->shear_x, rays->shear_y, rays->scale_z, rays->t, &met,
+                             &t, &b, &c, &det))
+        return 0;
     if (any) {
         met &= t < rays->t;
         rays->triangle = met ? triangle : rays->triangle;
         rays->t = met ? (mcv_floats)(-1.0f) : rays->t;
         return mcv_mask_lanes(met);
     }
-    met &= (t < rays->t) | ((t == rays->t) & (rays->triangle != MCV_NONE) & (triangle < rays->triangle));
+    met &= (t < rays->t) |
+           ((t == rays->t) & (rays->triangle != MCV_NONE) & (triangle < rays->triangle));
     rays->t = met ? t : rays->t;
     rays->b = met ? b : rays->b;
     rays->c = met ? c : rays->c;
@@ -179,7 +198,8 @@ static inline __attribute__((always_inline)) uint mcv_lanes_hit(__global const f
     return mcv_mask_lanes(met);
 }
 
-/* ---- few triangles ---------------------------------------------------------------------------------------------- */
+/* ---- few triangles
+ * ---------------------------------------------------------------------------------------------- */
 
 /* Whether the root is all there is: then there is nothing to list. */
 static inline int mcv_is_flat(__global const mcv_node *root) {
@@ -188,9 +208,9 @@ static inline int mcv_is_flat(__global const mcv_node *root) {
     return bits != 0u;
 }
 
-static inline __attribute__((always_inline)) void mcv_take_flat(__global const mcv_node *root, __global const mcv_leaf *leaves,
-                                                                mcv_rows origins, mcv_rows directions, const uint *numbers, uint count,
-                                                                int any, mcv_hits hits) {
+static inline __attribute__((always_inline)) void
+mcv_take_flat(__global const mcv_node *root, __global const mcv_leaf *leaves, mcv_rows origins,
+              mcv_rows directions, const uint *numbers, uint count, int any, mcv_hits hits) {
     __global const float *corners[MCV_BVH_WIDTH * MCV_LEAF_TRIANGLES];
     uint triangles[MCV_BVH_WIDTH * MCV_LEAF_TRIANGLES];
     uint triangle_count = 0;
@@ -221,7 +241,8 @@ static inline __attribute__((always_inline)) void mcv_take_flat(__global const m
         rays.triangle = start;
         rays.b = rays.c = rays.det = (mcv_floats)(1.0f);
         uint changed = 0;
-        for (uint i = 0; i < triangle_count; ++i) changed |= mcv_lanes_hit(corners[i], triangles[i], any, &rays);
+        for (uint i = 0; i < triangle_count; ++i)
+            changed |= mcv_lanes_hit(corners[i], triangles[i], any, &rays);
         if (!changed) continue;
         const mcv_uints u = mcv_as_uints(rays.b / rays.det), v = mcv_as_uints(rays.c / rays.det);
         if (neighbours) {
@@ -249,7 +270,8 @@ static inline __attribute__((always_inline)) void mcv_take_flat(__global const m
     }
 }
 
-/* ---- many triangles --------------------------------------------------------------------------------------------- */
+/* ---- many triangles
+ * --------------------------------------------------------------------------------------------- */
 
 /* Rays side by side: slabs as in mcv_ray_frame, the rest as in mcv_shear. */
 typedef struct mcv_packet {
@@ -259,8 +281,9 @@ typedef struct mcv_packet {
     float t[MCV_PACKET_ROW]; /* nothing behind it is looked for; negative: the ray is done */
 } mcv_packet;
 
-static inline __attribute__((always_inline)) void mcv_packet_setup(mcv_rows origins, mcv_rows directions, const uint *numbers, uint count,
-                                                                   float extent, const mcv_hit *hits, mcv_packet *b) {
+static inline __attribute__((always_inline)) void
+mcv_packet_setup(mcv_rows origins, mcv_rows directions, const uint *numbers, uint count,
+                 float extent, const mcv_hit *hits, mcv_packet *b) {
     for (uint first = 0; first < count; first += MCV_LANES) {
         uint own[MCV_LANES]; /* the last one in place of those that are not there */
         mcv_slabs slabs;
@@ -279,7 +302,10 @@ static inline __attribute__((always_inline)) void mcv_packet_setup(mcv_rows orig
         mcv_store_lanes(rays.shear_x, b->shear[0] + first);
         mcv_store_lanes(rays.shear_y, b->shear[1] + first);
         mcv_store_lanes(rays.scale_z, b->scale + first);
-        mcv_store_lanes(rays.main_z ? (mcv_uints)(2u) : rays.main_y ? (mcv_uints)(1u) : (mcv_uints)(0u), b->main_axis + first);
+        mcv_store_lanes(rays.main_z   ? (mcv_uints)(2u)
+                        : rays.main_y ? (mcv_uints)(1u)
+                                      : (mcv_uints)(0u),
+                        b->main_axis + first);
     }
     for (uint i = 0; i < count; ++i) b->t[i] = hits[i].t;
 }
@@ -307,7 +333,8 @@ static inline mcv_ray_frame mcv_packet_ray(const mcv_packet *b, uint i) {
 }
 
 /* mcv_intersect_boxes of a ray of a bundle. */
-static inline uint mcv_packet_boxes(__global const mcv_node *node, const mcv_packet *b, uint i, float8 *entry) {
+static inline uint mcv_packet_boxes(__global const mcv_node *node, const mcv_packet *b, uint i,
+                                    float8 *entry) {
     float8 near = (float8)(0.0f), far = (float8)(b->t[i]);
 #pragma unroll
     for (int axis = 0; axis < 3; ++axis) {
@@ -323,11 +350,13 @@ static inline uint mcv_packet_boxes(__global const mcv_node *node, const mcv_pac
 }
 
 /* A leaf against the rays of a list. */
-static inline __attribute__((noinline)) void mcv_packet_leaf(__global const mcv_leaf *leaf, mcv_packet *b, const uchar *list, uint count,
-                                                             int any, mcv_hit *hits) {
+static inline __attribute__((noinline)) void mcv_packet_leaf(__global const mcv_leaf *leaf,
+                                                             mcv_packet *b, const uchar *list,
+                                                             uint count, int any, mcv_hit *hits) {
     for (uint first = 0; first < count; first += MCV_LANES) {
         uint i[MCV_LANES], main_axis[MCV_LANES], triangles[MCV_LANES];
-        float o[3][MCV_LANES], shear[2][MCV_LANES], scale[MCV_LANES], t[MCV_LANES], u[MCV_LANES], v[MCV_LANES];
+        float o[3][MCV_LANES], shear[2][MCV_LANES], scale[MCV_LANES], t[MCV_LANES], u[MCV_LANES],
+            v[MCV_LANES];
         mcv_lanes rays;
         uint changed = 0;
 #pragma unroll
@@ -380,13 +409,16 @@ typedef struct mcv_straggler {
 
 /* A ray's hit if it is closer than the one that it has. */
 static inline void mcv_packet_take(mcv_packet *b, uint i, int any, mcv_hit hit, mcv_hit *hits) {
-    if (hit.triangle == MCV_NONE || !(hit.t < hits[i].t || (hit.t == hits[i].t && hit.triangle < hits[i].triangle))) return;
+    if (hit.triangle == MCV_NONE ||
+        !(hit.t < hits[i].t || (hit.t == hits[i].t && hit.triangle < hits[i].triangle)))
+        return;
     hits[i] = hit;
     b->t[i] = any ? -1.0f : hit.t;
 }
 
-static inline __attribute__((noinline)) void mcv_trace_straggler(__global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_packet *b,
-                                                          mcv_straggler straggler, int any, mcv_hit *hits) {
+static inline __attribute__((noinline)) void
+mcv_trace_straggler(__global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_packet *b,
+                    mcv_straggler straggler, int any, mcv_hit *hits) {
     const mcv_ray_frame ray = mcv_packet_ray(b, straggler.ray);
     mcv_hit hit = hits[straggler.ray];
     ulong waiting[MCV_BVH_STACK];
@@ -404,11 +436,13 @@ typedef struct mcv_traversal {
 } mcv_traversal;
 
 /*
- * Several rays take turns, a step each: while one waits for memory the others compute. A ray that goes on from two places at once does
- * not know of there what it has hit here until it has arrived.
+ * Several rays take turns, a step each: while one waits for memory the others compute. A ray that
+ * goes on from two places at once does not know of there what it has hit here until it has arrived.
  */
-static inline __attribute__((always_inline)) void mcv_trace_interleaved(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                                                 mcv_packet *b, const mcv_straggler *straggler, uint count, int any, mcv_hit *hits) {
+static inline __attribute__((always_inline)) void
+mcv_trace_interleaved(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                      mcv_packet *b, const mcv_straggler *straggler, uint count, int any,
+                      mcv_hit *hits) {
     mcv_traversal traversals[MCV_INTERLEAVED];
     uint order[MCV_INTERLEAVED]; /* the traversals that are under way first */
     uint next = 0, busy = 0;
@@ -416,7 +450,8 @@ static inline __attribute__((always_inline)) void mcv_trace_interleaved(__global
     for (;;) {
         for (uint i = 0; i < busy;) {
             mcv_traversal *t = traversals + order[i];
-            if (mcv_traverse_step(nodes, leaves, &t->ray, any, &t->hit, &t->current, &t->count, t->waiting)) {
+            if (mcv_traverse_step(nodes, leaves, &t->ray, any, &t->hit, &t->current, &t->count,
+                                  t->waiting)) {
                 mcv_prefetch_child(nodes, leaves, t->current);
                 ++i;
                 continue;
@@ -441,9 +476,11 @@ static inline __attribute__((always_inline)) void mcv_trace_interleaved(__global
     }
 }
 
-/* The rays of a list that the bit of a child chooses and that are not done; returns how many. Lists end with seven that are not chosen. */
-static inline __attribute__((always_inline)) uint mcv_packet_choose(const mcv_packet *b, const uchar *from, const uchar *masks, uint count,
-                                                                    uint child, int any, uchar *list) {
+/* The rays of a list that the bit of a child chooses and that are not done; returns how many. Lists
+ * end with seven that are not chosen. */
+static inline __attribute__((always_inline)) uint
+mcv_packet_choose(const mcv_packet *b, const uchar *from, const uchar *masks, uint count,
+                  uint child, int any, uchar *list) {
     uint chosen = 0;
     for (uint first = 0; first < count; first += 8) {
 #pragma unroll
@@ -463,14 +500,16 @@ typedef struct mcv_packet_child {
 } mcv_packet_child;
 
 /*
- * The hits of at most MCV_PACKET rays, all of finite origin. Each level of nodes has the list of the rays that have come to its node, and
- * for each ray the children whose boxes it meets: a child's own list is made when its turn has come. The nearest is first, as the ray
- * sees it that enters it first; closest hits are looked for by the rays of each octant of directions by themselves, for which that is much
- * the same order.
+ * The hits of at most MCV_PACKET rays, all of finite origin. Each level of nodes has the list of
+ * the rays that have come to its node, and for each ray the children whose boxes it meets: a
+ * child's own list is made when its turn has come. The nearest is first, as the ray sees it that
+ * enters it first; closest hits are looked for by the rays of each octant of directions by
+ * themselves, for which that is much the same order.
  */
-static inline __attribute__((always_inline)) void mcv_trace_packet(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                                                  mcv_rows origins, mcv_rows directions, const uint *numbers, uint count,
-                                                                  int any, int turns, mcv_hits all) {
+static inline __attribute__((always_inline)) void
+mcv_trace_packet(__global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_rows origins,
+                 mcv_rows directions, const uint *numbers, uint count, int any, int turns,
+                 mcv_hits all) {
     mcv_packet b;
     mcv_hit hits[MCV_PACKET];
     uchar lists[MCV_BVH_LEVELS + 2][MCV_PACKET + 8], masks[MCV_BVH_LEVELS + 1][MCV_PACKET + 8];
@@ -483,7 +522,8 @@ static inline __attribute__((always_inline)) void mcv_trace_packet(__global cons
     for (uint i = 0; i < count; ++i) {
         uint octant = 0;
 #pragma unroll
-        for (int axis = 0; axis < 3 && !any; ++axis) octant = octant << 1 | as_uint(b.inverse[axis][i]) >> 31;
+        for (int axis = 0; axis < 3 && !any; ++axis)
+            octant = octant << 1 | as_uint(b.inverse[axis][i]) >> 31;
         lists[0][i] = (uchar)i;
         masks[0][i] = (uchar)(1u << octant);
         roots |= 1u << octant;
@@ -501,7 +541,8 @@ static inline __attribute__((always_inline)) void mcv_trace_packet(__global cons
         const mcv_packet_child next = waiting[--depth];
         const uint level = next.level + 1;
         uchar *list = lists[level];
-        const uint listed = mcv_packet_choose(&b, lists[next.level], masks[next.level], counts[next.level], next.lane, any, list);
+        const uint listed = mcv_packet_choose(&b, lists[next.level], masks[next.level],
+                                              counts[next.level], next.lane, any, list);
         if (listed <= MCV_PACKET_FEW) {
             for (uint k = 0; k < listed; ++k) {
                 const mcv_straggler alone = {list[k], next.child};
@@ -535,34 +576,40 @@ static inline __attribute__((always_inline)) void mcv_trace_packet(__global cons
             const uint lane = mcv_pop_bit(&met);
             mcv_prefetch_child(nodes, leaves, node->child[lane]);
             uint place = depth++;
-            for (; place > bottom && begin[waiting[place - 1].lane] < begin[lane]; --place) waiting[place] = waiting[place - 1];
+            for (; place > bottom && begin[waiting[place - 1].lane] < begin[lane]; --place)
+                waiting[place] = waiting[place - 1];
             waiting[place] = (mcv_packet_child){node->child[lane], level, lane};
         }
     }
     for (uint i = 0; i < count; ++i) mcv_put_hit(all, numbers[i], hits[i]);
 }
 
-/* ---- any number of rays ----------------------------------------------------------------------------------------- */
+/* ---- any number of rays
+ * ----------------------------------------------------------------------------------------- */
 
 /*
- * The hits of the rays numbers[0 … count - 1]: the closest or, where any hit will do, one of them, of which only the triangle is known. On
- * entry they are misses (mcv_miss) or what else the rays have met, which stays where nothing closer is hit.
+ * The hits of the rays numbers[0 … count - 1]: the closest or, where any hit will do, one of them,
+ * of which only the triangle is known. On entry they are misses (mcv_miss) or what else the rays
+ * have met, which stays where nothing closer is hit.
  */
-static inline __attribute__((always_inline)) void mcv_trace_packets(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                                                   mcv_rows origins, mcv_rows directions, const uint *numbers, uint count,
-                                                                   int any, int turns, mcv_hits hits) {
+static inline __attribute__((always_inline)) void
+mcv_trace_packets(__global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_rows origins,
+                  mcv_rows directions, const uint *numbers, uint count, int any, int turns,
+                  mcv_hits hits) {
     if (mcv_is_flat(nodes)) {
         mcv_take_flat(nodes, leaves, origins, directions, numbers, count, any, hits);
         return;
     }
     for (uint first = 0; first < count; first += MCV_PACKET)
-        mcv_trace_packet(nodes, leaves, origins, directions, numbers + first, min(count - first, (uint)MCV_PACKET), any, turns, hits);
+        mcv_trace_packet(nodes, leaves, origins, directions, numbers + first,
+                         min(count - first, (uint)MCV_PACKET), any, turns, hits);
 }
 
 /* A function for each way: the rays that are left alone go at once, or in turns. */
 #define MCV_TRACE_POLICY(name, any, turns) \
-    static inline __attribute__((noinline)) void name(__global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_rows origins, \
-                                                      mcv_rows directions, const uint *numbers, uint count, mcv_hits hits) { \
+    static inline __attribute__((noinline)) void name( \
+        __global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_rows origins, \
+        mcv_rows directions, const uint *numbers, uint count, mcv_hits hits) { \
         mcv_trace_packets(nodes, leaves, origins, directions, numbers, count, any, turns, hits); \
     }
 MCV_TRACE_POLICY(mcv_intersect_closest_packets, 0, 0)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Which way the rays go through the hierarchy in the tile schedule, chosen once for the renderer and for what measures it:
- * in bundles, where those that are left alone take turns if the scene is large.
+ * Which way the rays go through the hierarchy in the tile schedule, chosen once for the renderer
+ * and for what measures it: in bundles, where those that are left alone take turns if the scene is
+ * large.
  */
 #ifndef MCVISI_WAYS_H
 #define MCVISI_WAYS_H

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Regions: which pixels belong to one, figures against their definitions, and stated uncertainties against many pictures. Seeds are fixed.
+/* Regions: which pixels belong to one, figures against their definitions, and stated uncertainties
+ * against many pictures. Seeds are fixed.
  */
 #include "test.h"
 
@@ -51,16 +52,19 @@ static void test_what_belongs(void **state) {
     (void)state;
     assert_string_equal(region.name, "spot");
     assert_int_equal(region.count, 20);
-    assert_true(region.inside[20 * WIDTH + 10] && region.inside[23 * WIDTH + 14] && !region.inside[24 * WIDTH + 14]);
+    assert_true(region.inside[20 * WIDTH + 10] && region.inside[23 * WIDTH + 14] &&
+                !region.inside[24 * WIDTH + 14]);
     mcv_roi_free(&region);
     /* Where the centre is inside: 0.6 … 2.4 holds that of pixel 1 alone. */
     region = parse(&r, "0.6,0.6,1.8,1.8");
     assert_string_equal(region.name, "7");
     assert_int_equal(region.count, 1);
     mcv_roi_free(&region);
-    /* A right triangle of 40 x 40 pixels: centres below the diagonal, 39·40/2, and those on it, which belong to one side. */
+    /* A right triangle of 40 x 40 pixels: centres below the diagonal, 39·40/2, and those on it,
+     * which belong to one side. */
     region = parse(&r, "0,0,40,40,0,40");
-    if (region.count < 780 || region.count > 820) fail_msg("%llu pixels in the triangle", (unsigned long long)region.count);
+    if (region.count < 780 || region.count > 820)
+        fail_msg("%llu pixels in the triangle", (unsigned long long)region.count);
     mcv_roi_free(&region);
     /* A mask, and NaN that belong to no region. */
     for (size_t i = 0; i < PLANE; ++i) r.values.pixels[i] = (float)(i % 3 == 0);
@@ -106,7 +110,8 @@ static void test_bad_regions(void **state) {
     release(&r);
 }
 
-/* --- uncertainties ---------------------------------------------------------------------------------------------- */
+/* --- uncertainties
+ * ---------------------------------------------------------------------------------------------- */
 
 /* test_region_slow.c makes as many as are asked for. */
 #ifndef REPLICATES
@@ -114,25 +119,31 @@ static void test_bad_regions(void **state) {
 #endif
 
 /*
- * By how much a share of 95 % may be off: 2 % are asked of 1000 pictures, where its standard deviation is 0.7 %. Of fewer ones, three
- * standard deviations.
+ * By how much a share of 95 % may be off: 2 % are asked of 1000 pictures, where its standard
+ * deviation is 0.7 %. Of fewer ones, three standard deviations.
  */
-static const double margin = REPLICATES < 1000 ? 3 * 0.2179 / 14.14 : 0.02; /* √(0.95 · 0.05)/√200 */
+static const double margin =
+    REPLICATES < 1000 ? 3 * 0.2179 / 14.14 : 0.02; /* √(0.95 · 0.05)/√200 */
 
 enum { FIGURES = 9 };
-static const char *const names[FIGURES] = {"mean",       "deviation", "rms contrast", "snr", "uniformity",
-                                           "difference", "Weber",     "Michelson",    "CNR"};
+static const char *const names[FIGURES] = {"mean",  "deviation",  "rms contrast",
+                                           "snr",   "uniformity", "difference",
+                                           "Weber", "Michelson",  "CNR"};
 
-static void collect(const mcv_readings *r, const mcv_roi *region, const mcv_roi *background, mcv_quantity found[FIGURES]) {
+static void collect(const mcv_readings *r, const mcv_roi *region, const mcv_roi *background,
+                    mcv_quantity found[FIGURES]) {
     const mcv_roi_figures f = mcv_roi_measure(r, region);
     const mcv_contrast_figures c = mcv_roi_contrast(r, region, background);
-    const mcv_quantity all[FIGURES] = {f.mean,  f.deviation, f.rms_contrast,     f.snr, f.uniformity, c.difference,
-                                       c.weber, c.michelson, c.contrast_to_noise};
+    const mcv_quantity all[FIGURES] = {f.mean,  f.deviation,  f.rms_contrast,
+                                       f.snr,   f.uniformity, c.difference,
+                                       c.weber, c.michelson,  c.contrast_to_noise};
     memcpy(found, all, sizeof all);
 }
 
-/* The root of a population's variance plus the mean variance of its noise: what the sample deviation estimates. */
-static double true_deviation(const mcv_readings *clean, const mcv_roi *region, double mean, double *signal) {
+/* The root of a population's variance plus the mean variance of its noise: what the sample
+ * deviation estimates. */
+static double true_deviation(const mcv_readings *clean, const mcv_roi *region, double mean,
+                             double *signal) {
     double squares = 0, noise = 0;
     for (size_t i = 0; i < PLANE; ++i) {
         if (!region->inside[i]) continue;
@@ -145,23 +156,29 @@ static double true_deviation(const mcv_readings *clean, const mcv_roi *region, d
 
 typedef struct scenery {
     const char *name, *region, *background;
-    double shading, texture; /* of the field; the texture is finer than the cells of its uniformity */
-    bool known;              /* the pixels' uncertainties; else they are estimated */
-    double camera, render;   /* standard deviations: of what a camera adds, 0: shot-like; of the render's error at a value of 100 */
-    double f_number;         /* of a lens that blurs the render's error before the camera reads it, 0: none */
+    double shading,
+        texture;           /* of the field; the texture is finer than the cells of its uniformity */
+    bool known;            /* the pixels' uncertainties; else they are estimated */
+    double camera, render; /* standard deviations: of what a camera adds, 0: shot-like; of the
+                              render's error at a value of 100 */
+    double
+        f_number; /* of a lens that blurs the render's error before the camera reads it, 0: none */
 } scenery;
 
 enum { PICTURES = 4 }; /* replicates, from whose spread the render's error comes */
 
-/* A render as a film develops it: the mean of its replicates and its standard error, both blurred by the lens. */
+/* A render as a film develops it: the mean of its replicates and its standard error, both blurred
+ * by the lens. */
 static void render(const scenery *s, const mcv_image *clean, uint32_t seed, mcv_readings *r) {
-    const mcv_lens_mtf lens = {.f_number = s->f_number, .wavelength = 550e-9}, mtf[3] = {lens, lens, lens};
+    const mcv_lens_mtf lens = {.f_number = s->f_number, .wavelength = 550e-9},
+                       mtf[3] = {lens, lens, lens};
     mcv_error error = {""};
     for (uint32_t i = 0; i < PLANE; ++i) {
         mcv_noise noise = mcv_noise_begin(seed, 1, i);
         double values[PICTURES], mean = 0, squares = 0;
         const double one = s->render * sqrt(PICTURES * (double)clean->pixels[i] / 100);
-        for (int k = 0; k < PICTURES; ++k) mean += (values[k] = clean->pixels[i] + one * mcv_noise_normal(&noise)) / PICTURES;
+        for (int k = 0; k < PICTURES; ++k)
+            mean += (values[k] = clean->pixels[i] + one * mcv_noise_normal(&noise)) / PICTURES;
         for (int k = 0; k < PICTURES; ++k) squares += (values[k] - mean) * (values[k] - mean);
         r->values.pixels[i] = (float)mean;
         r->render.pixels[i] = (float)sqrt(squares / (PICTURES - 1) / PICTURES);
@@ -169,11 +186,14 @@ static void render(const scenery *s, const mcv_image *clean, uint32_t seed, mcv_
     r->render_freedom = PICTURES - 1;
     r->correlation = (mcv_correlation){1, 1, 1, 1};
     if (s->f_number > 0)
-        assert_int_equal(mcv_blur(&r->values, &r->render, mtf, (const double[]){3.45e-6, 3.45e-6}, &r->correlation, &error), MCV_OK);
+        assert_int_equal(mcv_blur(&r->values, &r->render, mtf, (const double[]){3.45e-6, 3.45e-6},
+                                  &r->correlation, &error),
+                         MCV_OK);
 }
 
 static double field_at(const scenery *s, int x, int y) {
-    return (100 - s->shading * (0.4 * x + 0.25 * y) + s->texture * sin(1.9 * x) * cos(1.7 * y)) * (x < 40 ? 1 : 0.6);
+    return (100 - s->shading * (0.4 * x + 0.25 * y) + s->texture * sin(1.9 * x) * cos(1.7 * y)) *
+           (x < 40 ? 1 : 0.6);
 }
 
 /* Value ± 1.96 uncertainty holds the truth in 95 % of the pictures. */
@@ -184,7 +204,8 @@ static void check_coverage(const scenery *s) {
     for (int y = 0; y < HEIGHT; ++y)
         for (int x = 0; x < WIDTH; ++x) {
             const int i = y * WIDTH + x;
-            clean.values.pixels[i] = silent.values.pixels[i] = unblurred.values.pixels[i] = (float)field_at(s, x, y);
+            clean.values.pixels[i] = silent.values.pixels[i] = unblurred.values.pixels[i] =
+                (float)field_at(s, x, y);
             /* Shot-like; without knowledge the noise is taken as even. */
             clean.deviation.pixels[i] = s->camera != 0 ? (float)fmax(0, s->camera)
                                         : s->known     ? sqrtf(2 + 0.1F * clean.values.pixels[i])
@@ -204,15 +225,18 @@ static void check_coverage(const scenery *s) {
         if (region.inside[i]) m += clean.values.pixels[i] / (double)region.count;
         if (background.inside[i]) b += clean.values.pixels[i] / (double)background.count;
     }
-    const double sm = true_deviation(&clean, &region, m, &ss), sb = true_deviation(&clean, &background, b, &bs);
+    const double sm = true_deviation(&clean, &region, m, &ss),
+                 sb = true_deviation(&clean, &background, b, &bs);
     const double even = mcv_roi_measure(&silent, &region).uniformity.value; /* by definition */
-    const double truths[FIGURES] = {m, sm, ss / m, m / sm, even, m - b, (m - b) / b, (m - b) / (m + b), (m - b) / sb};
+    const double truths[FIGURES] = {
+        m, sm, ss / m, m / sm, even, m - b, (m - b) / b, (m - b) / (m + b), (m - b) / sb};
     for (uint32_t n = 0; n < REPLICATES; ++n) {
         memcpy(noisy.values.pixels, clean.values.pixels, PLANE * sizeof(float));
         if (s->render > 0) render(s, &unblurred.values, n, &noisy);
         for (uint32_t i = 0; i < PLANE; ++i) {
             mcv_noise noise = mcv_noise_begin(n, 0, i);
-            noisy.values.pixels[i] = (float)(noisy.values.pixels[i] + clean.deviation.pixels[i] * mcv_noise_normal(&noise));
+            noisy.values.pixels[i] = (float)(noisy.values.pixels[i] +
+                                             clean.deviation.pixels[i] * mcv_noise_normal(&noise));
             noisy.deviation.pixels[i] = hypotf(clean.deviation.pixels[i], noisy.render.pixels[i]);
         }
         if (!s->known) {
@@ -231,13 +255,16 @@ static void check_coverage(const scenery *s) {
         if (given[k] < REPLICATES) print_message(" of %d", given[k]);
         print_message(k < FIGURES - 1 ? "," : "\n");
     }
-    /* A refusal misleads nobody: at most 5 % of all pictures do. Of those that are left, the ones that came out too large are more.
-     * Cells of a uniformity that are no larger than the blur vary less than is said. */
-    const double most =
-        (s->known || s->render == 0 ? 0.95 + margin : 0.96 + margin) * REPLICATES; /* skewed estimates of noise and error add up */
+    /* A refusal misleads nobody: at most 5 % of all pictures do. Of those that are left, the ones
+     * that came out too large are more. Cells of a uniformity that are no larger than the blur vary
+     * less than is said. */
+    const double most = (s->known || s->render == 0 ? 0.95 + margin : 0.96 + margin) *
+                        REPLICATES; /* skewed estimates of noise and error add up */
     for (int k = 0; k < FIGURES; ++k)
-        if (given[k] - covered[k] > (0.05 + margin) * REPLICATES || (s->f_number == 0 && given[k] == REPLICATES && covered[k] > most))
-            fail_msg("%s: %s: %d of %d intervals hold the truth", s->name, names[k], covered[k], given[k]);
+        if (given[k] - covered[k] > (0.05 + margin) * REPLICATES ||
+            (s->f_number == 0 && given[k] == REPLICATES && covered[k] > most))
+            fail_msg("%s: %s: %d of %d intervals hold the truth", s->name, names[k], covered[k],
+                     given[k]);
     mcv_roi_free(&region);
     mcv_roi_free(&background);
     release(&clean);
@@ -265,12 +292,14 @@ static void test_coverage(void **state) {
         {"256 pixels, noise estimated", "4,4,16,16", "50,20,16,16", 0, 0, false, 0, 0, 0},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof sceneries / sizeof sceneries[0]; ++i) check_coverage(sceneries + i);
+    for (size_t i = 0; i < sizeof sceneries / sizeof sceneries[0]; ++i)
+        check_coverage(sceneries + i);
 }
 
 /*
- * The error of the render, of some samples a pixel, is in none of the figures, but in their uncertainties. `camera` -1 is none at all. A
- * signal as fine as the lens' blur is spread by less than is said, so there is none here.
+ * The error of the render, of some samples a pixel, is in none of the figures, but in their
+ * uncertainties. `camera` -1 is none at all. A signal as fine as the lens' blur is spread by less
+ * than is said, so there is none here.
  */
 static void test_coverage_with_render(void **state) {
     static const char left[] = "2,5,36,50", right[] = "42,10,36,40";
@@ -289,7 +318,8 @@ static void test_coverage_with_render(void **state) {
         {"144 pixels, error as the noise", "4,4,12,12", "50,20,12,12", 0, 0, true, 3, 3, 0},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof sceneries / sizeof sceneries[0]; ++i) check_coverage(sceneries + i);
+    for (size_t i = 0; i < sizeof sceneries / sizeof sceneries[0]; ++i)
+        check_coverage(sceneries + i);
 }
 
 /* One pixel has a mean, and nothing else. */
@@ -303,13 +333,14 @@ static void test_one_pixel(void **state) {
     mcv_roi region = parse(&r, "3,4,1,1");
     const mcv_roi_figures f = mcv_roi_measure(&r, &region);
     assert_true(f.mean.value == 7 && f.mean.uncertainty == 0.5);
-    assert_true(isnan(f.deviation.value) && isnan(f.rms_contrast.value) && isnan(f.snr.value) && isnan(f.uniformity.value));
+    assert_true(isnan(f.deviation.value) && isnan(f.rms_contrast.value) && isnan(f.snr.value) &&
+                isnan(f.uniformity.value));
     mcv_roi_free(&region);
     release(&r);
 }
 
-/* The median of N = 4500 differences, of which some twelve share noise, has a standard error of about 1.2 √(12/N) = 6 % at most; 8 %
- * allowed. */
+/* The median of N = 4500 differences, of which some twelve share noise, has a standard error of
+ * about 1.2 √(12/N) = 6 % at most; 8 % allowed. */
 static void test_noise_estimate(void **state) {
     mcv_readings r = make();
     mcv_roi region = parse(&r, "0,0,80,60");
@@ -317,7 +348,8 @@ static void test_noise_estimate(void **state) {
     for (uint32_t i = 0; i < PLANE; ++i) {
         mcv_noise noise = mcv_noise_begin(5, 0, i);
         const double x = i % WIDTH;
-        r.values.pixels[i] = (float)(50 + x + 0.02 * x * x + (x > 33 ? 100 : 0) + 4 * mcv_noise_normal(&noise));
+        r.values.pixels[i] =
+            (float)(50 + x + 0.02 * x * x + (x > 33 ? 100 : 0) + 4 * mcv_noise_normal(&noise));
     }
     const double found = mcv_roi_estimate_noise(&r, &region, 0);
     if (fabs(found / 4 - 1) > 0.08) fail_msg("noise of 4 is estimated as %g", found);
@@ -333,8 +365,9 @@ static void test_noise_estimate(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_belongs),         cmocka_unit_test(test_bad_regions), cmocka_unit_test(test_coverage),
-        cmocka_unit_test(test_coverage_with_render), cmocka_unit_test(test_one_pixel),   cmocka_unit_test(test_noise_estimate),
+        cmocka_unit_test(test_what_belongs), cmocka_unit_test(test_bad_regions),
+        cmocka_unit_test(test_coverage),     cmocka_unit_test(test_coverage_with_render),
+        cmocka_unit_test(test_one_pixel),    cmocka_unit_test(test_noise_estimate),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

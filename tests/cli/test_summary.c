@@ -66,7 +66,8 @@ static void test_json_holds_what_was_given(void **state) {
     assert_true(number_at(object, "rays", "shadow") == 5);
     assert_true(number_at(object, "seconds", "compile") == 0.25);
     assert_true(number_at(object, "stages", "intersect_closest") == 3.5);
-    assert_true(number_at(object, NULL, "mean") == 0.1); /* twelve digits give a short decimal back */
+    assert_true(number_at(object, NULL, "mean") ==
+                0.1); /* twelve digits give a short decimal back */
     assert_true(number_at(object, NULL, "lost_energy") == 0.0125);
     assert_true(number_at(object, NULL, "saturated") == 0.005);
     assert_true(json_is_null(json_object_get(json_object_get(object, "seconds"), "write")));
@@ -96,22 +97,29 @@ static void test_text_says_it_in_sentences(void **state) {
     mcv_summary s = example();
     char *text;
     assert_int_equal(mcv_summary_text(&s, &text, &error), MCV_OK);
-    assert_string_equal(text, "cam: 2448 x 2048 pixels, 256 samples each, error 0.84 %, 12.3 s\n"
-                              "  mean 0.1 W/(m^2 sr); 0.5 % of the pixels are above the preview's white of 0.25\n"
-                              "  up to 1.2 % of the light is missing: 12 paths reached the depth limit (--depth)\n"
-                              "  3 samples were not finite and are left out\n"
-                              "  rig.exr\n"
-                              "  rig.png\n");
+    assert_string_equal(
+        text, "cam: 2448 x 2048 pixels, 256 samples each, error 0.84 %, 12.3 s\n"
+              "  mean 0.1 W/(m^2 sr); 0.5 % of the pixels are above the preview's white of 0.25\n"
+              "  up to 1.2 % of the light is missing: 12 paths reached the depth limit (--depth)\n"
+              "  3 samples were not finite and are left out\n"
+              "  rig.exr\n"
+              "  rig.png\n");
     free(text);
 }
 
 /* What a line prints to a stream in memory, for reports at these seconds of a render of 40 s. */
-static char *progress(bool terminal, const double *times, size_t count, const volatile sig_atomic_t *stop, bool *go_on) {
+static char *progress(bool terminal, const double *times, size_t count,
+                      const volatile sig_atomic_t *stop, bool *go_on) {
     char *text = NULL;
     size_t size = 0;
-    mcv_progress_line line = {.stream = open_memstream(&text, &size), .terminal = terminal, .label = "cam", .stop = stop, .reported = -1};
+    mcv_progress_line line = {.stream = open_memstream(&text, &size),
+                              .terminal = terminal,
+                              .label = "cam",
+                              .stop = stop,
+                              .reported = -1};
     assert_non_null(line.stream);
-    for (size_t i = 0; i < count; ++i) *go_on = mcv_progress_report(&line, times[i] / 40, times[i], i == 0 ? NAN : 0.0123);
+    for (size_t i = 0; i < count; ++i)
+        *go_on = mcv_progress_report(&line, times[i] / 40, times[i], i == 0 ? NAN : 0.0123);
     mcv_progress_end(&line);
     fclose(line.stream);
     return text;
@@ -135,9 +143,11 @@ static void test_progress_tells_the_time_left(void **state) {
                               "\r                                       \r");
     free(text);
 
-    /* Kernels are compiled for 19 s, the first tenth of a render of one second is there a tenth of a second later. */
+    /* Kernels are compiled for 19 s, the first tenth of a render of one second is there a tenth of
+     * a second later. */
     size_t size = 0;
-    mcv_progress_line line = {.stream = open_memstream(&text, &size), .terminal = true, .label = "cam", .reported = -1};
+    mcv_progress_line line = {
+        .stream = open_memstream(&text, &size), .terminal = true, .label = "cam", .reported = -1};
     assert_non_null(line.stream);
     mcv_progress_report(&line, (double)NAN, 0.01, INFINITY);
     mcv_progress_report(&line, 0.1, 19.1, INFINITY);
@@ -156,9 +166,10 @@ static void test_progress_tells_the_time_left(void **state) {
 }
 
 /*
- * A render by a clock of its own: `setup` seconds, a first round of four samples, and rounds as mcv_next_round says, each of which takes 6
- * % more or less than its samples' time: from one to the next 13 % at most, for which its margin of 15 % is. It ends before the limit and
- * not before 0.8 of it, unless not one sample fits into the rest.
+ * A render by a clock of its own: `setup` seconds, a first round of four samples, and rounds as
+ * mcv_next_round says, each of which takes 6 % more or less than its samples' time: from one to the
+ * next 13 % at most, for which its margin of 15 % is. It ends before the limit and not before 0.8
+ * of it, unless not one sample fits into the rest.
  */
 static void test_rounds_fill_the_time(void **state) {
     static const double limit = 10;
@@ -168,26 +179,35 @@ static void test_rounds_fill_the_time(void **state) {
         double elapsed = setup + 4 * per_sample, measured = per_sample;
         uint64_t done = 4, count;
         if (elapsed > limit) continue;
-        for (int round = 0; (count = mcv_next_round(done, 1, measured, elapsed, limit)) > 0; ++round) {
+        for (int round = 0; (count = mcv_next_round(done, 1, measured, elapsed, limit)) > 0;
+             ++round) {
             if ((count & (count - 1)) != 0 || done % count != 0)
-                fail_msg("%llu samples after %llu", (unsigned long long)count, (unsigned long long)done);
+                fail_msg("%llu samples after %llu", (unsigned long long)count,
+                         (unsigned long long)done);
             measured = per_sample * (round % 2 ? 0.94 : 1.06);
             elapsed += measured * (double)count;
             done += count;
         }
-        if (elapsed > limit) fail_msg("%g s per sample, %g s before: ends after %g s of %g", per_sample, setup, elapsed, limit);
+        if (elapsed > limit)
+            fail_msg("%g s per sample, %g s before: ends after %g s of %g", per_sample, setup,
+                     elapsed, limit);
         if (elapsed < 0.8 * limit && elapsed + 1.15 * measured <= limit)
-            fail_msg("%g s per sample, %g s before: ends after %g s of %g", per_sample, setup, elapsed, limit);
+            fail_msg("%g s per sample, %g s before: ends after %g s of %g", per_sample, setup,
+                     elapsed, limit);
     }
-    for (uint64_t done = 1; done < 1u << 20; done *= 2) assert_true(mcv_next_round(done, 1, 1, 1e9, 0) == done);
-    assert_true(mcv_next_round(24, 8, 0.1, 0, 100) == 8); /* adaptive: its lowest level takes an eighth of the samples */
+    for (uint64_t done = 1; done < 1u << 20; done *= 2)
+        assert_true(mcv_next_round(done, 1, 1, 1e9, 0) == done);
+    assert_true(mcv_next_round(24, 8, 0.1, 0, 100) ==
+                8); /* adaptive: its lowest level takes an eighth of the samples */
     assert_true(mcv_next_round(24, 8, 0.1, 0, 0.7) == 0);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_json_holds_what_was_given), cmocka_unit_test(test_json_survives_missing_and_foreign_text),
-        cmocka_unit_test(test_text_says_it_in_sentences), cmocka_unit_test(test_progress_tells_the_time_left),
+        cmocka_unit_test(test_json_holds_what_was_given),
+        cmocka_unit_test(test_json_survives_missing_and_foreign_text),
+        cmocka_unit_test(test_text_says_it_in_sentences),
+        cmocka_unit_test(test_progress_tells_the_time_left),
         cmocka_unit_test(test_rounds_fill_the_time),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

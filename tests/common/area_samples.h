@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How much of a pixel a half-plane and a disc cover, exactly: pictures of edges whose place is known. */
+/* How much of a pixel a half-plane and a disc cover, exactly: pictures of edges whose place is
+ * known. */
 #ifndef MCVISI_TESTS_AREA_SAMPLES_H
 #define MCVISI_TESTS_AREA_SAMPLES_H
 
@@ -8,12 +9,13 @@
 
 static inline double positive(double x) { return x > 0 ? x : 0; }
 
-/* How much of a unit pixel lies beyond a line at the signed distance d before its centre, whose normal has these components. */
+/* How much of a unit pixel lies beyond a line at the signed distance d before its centre, whose
+ * normal has these components. */
 static inline double box_coverage(double d, double cosine, double sine) {
     const double a = 0.5 * fabs(cosine), b = 0.5 * fabs(sine);
     if (fmin(a, b) < 1e-9) return fmin(1, fmax(0, d + 0.5));
-    const double sum =
-        pow(positive(d + a + b), 2) - pow(positive(d + a - b), 2) - pow(positive(d - a + b), 2) + pow(positive(d - a - b), 2);
+    const double sum = pow(positive(d + a + b), 2) - pow(positive(d + a - b), 2) -
+                       pow(positive(d - a + b), 2) + pow(positive(d - a - b), 2);
     return sum / (8 * a * b);
 }
 
@@ -25,9 +27,11 @@ static inline double half_segment(double t, double r) {
 /* The area below x and y of the disc of radius r about 0. */
 static inline double disc_corner(double x, double y, double r) {
     if (x <= -r || y <= -r) return 0;
-    const double a = fmin(x, r), b = fmin(y, r), cut = sqrt(fmax(0, r * r - b * b)), to = fmin(a, cut);
+    const double a = fmin(x, r), b = fmin(y, r), cut = sqrt(fmax(0, r * r - b * b)),
+                 to = fmin(a, cut);
     /* Where |t| < cut the disc reaches beyond |y|, by √(r² - t²) - |y|. */
-    const double beyond = to > -cut ? half_segment(to, r) - half_segment(-cut, r) - fabs(b) * (to + cut) : 0;
+    const double beyond =
+        to > -cut ? half_segment(to, r) - half_segment(-cut, r) - fabs(b) * (to + cut) : 0;
     return b >= 0 ? 2 * (half_segment(a, r) - half_segment(-r, r)) - beyond : beyond;
 }
 
@@ -36,7 +40,8 @@ static inline double disc_coverage_of_pixel(double x, double y, double r) {
     const double ax = fabs(x + 0.5), ay = fabs(y + 0.5);
     if ((ax + 0.5) * (ax + 0.5) + (ay + 0.5) * (ay + 0.5) <= r * r) return 1;
     if (pow(positive(ax - 0.5), 2) + pow(positive(ay - 0.5), 2) >= r * r) return 0;
-    return disc_corner(x + 1, y + 1, r) - disc_corner(x, y + 1, r) - disc_corner(x + 1, y, r) + disc_corner(x, y, r);
+    return disc_corner(x + 1, y + 1, r) - disc_corner(x, y + 1, r) - disc_corner(x + 1, y, r) +
+           disc_corner(x, y, r);
 }
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Errors of images against a true one, and how they fall with the samples. For the test of convergence and the benchmark of errors. */
+/* Errors of images against a true one, and how they fall with the samples. For the test of
+ * convergence and the benchmark of errors. */
 #ifndef MCVISI_TESTS_CONVERGENCE_H
 #define MCVISI_TESTS_CONVERGENCE_H
 
@@ -11,16 +12,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Samples per pixel 4^0, 4^1 … 4^7: more than four decades, or fewer steps. The truth has 16 times the most, of another seed, in four
- * scrambles. */
+/* Samples per pixel 4^0, 4^1 … 4^7: more than four decades, or fewer steps. The truth has 16 times
+ * the most, of another seed, in four scrambles. */
 enum { CONVERGENCE_STEPS = 8, TRUTH_REPLICATES = 4, TRUTH_SEED = 1000003 };
 
 typedef struct image_errors {
     double rmse;         /* root of the mean squared difference [the image's unit] */
-    double relative_mse; /* mean of difference²/(truth² + mean²/100): pixels count alike, and dark ones do not rule */
+    double relative_mse; /* mean of difference²/(truth² + mean²/100): pixels count alike, and dark
+                            ones do not rule */
 } image_errors;
 
-static inline size_t film_values(const mcv_film *film) { return (size_t)film->width * film->height * film->channels; }
+static inline size_t film_values(const mcv_film *film) {
+    return (size_t)film->width * film->height * film->channels;
+}
 
 /* The mean over replicates of the i-th value. */
 static inline double film_value(const mcv_film *film, size_t i) {
@@ -55,7 +59,8 @@ static inline double convergence_slope(const double *y, int steps) {
 }
 
 /* Coarser pixels on the same field of view. */
-static inline void shrink_film(uint32_t pixels[2], double size[2], uint32_t width, uint32_t height) {
+static inline void shrink_film(uint32_t pixels[2], double size[2], uint32_t width,
+                               uint32_t height) {
     const uint32_t target[2] = {width, height};
     for (int k = 0; k < 2; ++k) {
         size[k] *= (double)pixels[k] / target[k];
@@ -63,8 +68,8 @@ static inline void shrink_film(uint32_t pixels[2], double size[2], uint32_t widt
     }
 }
 
-/* A shipped scene whose first sensor is a light field (6 x 4 macro pixels of 3 x 3), telecentric, pinhole or
- * thin lens camera (16 x 12 pixels). */
+/* A shipped scene whose first sensor is a light field (6 x 4 macro pixels of 3 x 3), telecentric,
+ * pinhole or thin lens camera (16 x 12 pixels). */
 static inline mcv_result load_small(const char *name, mcv_scene **scene, mcv_error *error) {
     char path[1024];
     snprintf(path, sizeof path, "%s/scenes/%s", MCV_SOURCE_DIR, name);
@@ -86,7 +91,8 @@ static inline mcv_result load_small(const char *name, mcv_scene **scene, mcv_err
 }
 
 /* The image of the device for so many steps, made here. */
-static inline mcv_result render_truth(const mcv_scene *scene, int steps, mcv_film *truth, mcv_render_stats *stats, mcv_error *error) {
+static inline mcv_result render_truth(const mcv_scene *scene, int steps, mcv_film *truth,
+                                      mcv_render_stats *stats, mcv_error *error) {
     mcv_render_options options = mcv_render_defaults();
     options.replicates = TRUTH_REPLICATES;
     options.last = ((uint64_t)16 << 2 * (steps - 1)) / TRUTH_REPLICATES;
@@ -100,24 +106,29 @@ typedef struct convergence_point {
     image_errors errors;
 } convergence_point;
 
-/* One image for each number of samples, rendered with these options, of one replicate, but their samples and seed. */
-static inline mcv_result converge_with(const mcv_scene *scene, mcv_render_options options, const mcv_film *truth, int steps,
-                                       convergence_point *points, mcv_error *error) {
+/* One image for each number of samples, rendered with these options, of one replicate, but their
+ * samples and seed. */
+static inline mcv_result converge_with(const mcv_scene *scene, mcv_render_options options,
+                                       const mcv_film *truth, int steps, convergence_point *points,
+                                       mcv_error *error) {
     for (int i = 0; i < steps; ++i) {
         mcv_render_stats stats = {0};
         mcv_film film = {0};
         options.last = (uint64_t)1 << 2 * i;
         options.seed = (uint32_t)i + 1;
-        MCV_TRY((options.precision == MCV_PRECISION_DOUBLE ? mcv_reference_render : mcv_render)(scene, 0, &options, &film, &stats, error));
-        points[i] = (convergence_point){options.last, stats.seconds_render, errors_against(&film, truth)};
+        MCV_TRY((options.precision == MCV_PRECISION_DOUBLE ? mcv_reference_render : mcv_render)(
+            scene, 0, &options, &film, &stats, error));
+        points[i] =
+            (convergence_point){options.last, stats.seconds_render, errors_against(&film, truth)};
         mcv_film_free(&film);
     }
     return MCV_OK;
 }
 
 /* The same of one scramble. */
-static inline mcv_result converge(const mcv_scene *scene, uint32_t precision, uint32_t sampler, const mcv_film *truth, int steps,
-                                  convergence_point *points, mcv_error *error) {
+static inline mcv_result converge(const mcv_scene *scene, uint32_t precision, uint32_t sampler,
+                                  const mcv_film *truth, int steps, convergence_point *points,
+                                  mcv_error *error) {
     mcv_render_options options = mcv_render_defaults();
     options.replicates = 1;
     options.precision = precision;

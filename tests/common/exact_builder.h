@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* For tests: scenes of exact surfaces, and single rays through them by the device and by the reference renderer. */
+/* For tests: scenes of exact surfaces, and single rays through them by the device and by the
+ * reference renderer. */
 #ifndef MCVISI_TESTS_EXACT_BUILDER_H
 #define MCVISI_TESTS_EXACT_BUILDER_H
 
@@ -20,17 +21,22 @@ static inline mcv_scene *new_scene(void) {
     return scene;
 }
 
-static inline void add_solid(mcv_scene *scene, const mcv_solid *solid, uint32_t body, uint32_t rim) {
+static inline void add_solid(mcv_scene *scene, const mcv_solid *solid, uint32_t body,
+                             uint32_t rim) {
     BUILD(mcv_scene_add_solid(scene, solid, "lens", body, rim, &builder_error));
 }
 
 static inline mcv_solid element(double radius, mcv_cap first, mcv_cap second) {
-    return (mcv_solid){.side = MCV_SIDE_CYLINDER, .radius = radius, .caps = {first, second}, .to_world = unmoved};
+    return (mcv_solid){
+        .side = MCV_SIDE_CYLINDER, .radius = radius, .caps = {first, second}, .to_world = unmoved};
 }
 
-static inline mcv_solid sphere(double radius) { return (mcv_solid){.side = MCV_SIDE_SPHERE, .radius = radius, .to_world = unmoved}; }
+static inline mcv_solid sphere(double radius) {
+    return (mcv_solid){.side = MCV_SIDE_SPHERE, .radius = radius, .to_world = unmoved};
+}
 
-/* The device in single precision, the reference renderer, the device in mixed precision; the first two count as false and true. */
+/* The device in single precision, the reference renderer, the device in mixed precision; the first
+ * two count as false and true. */
 enum { BY_DEVICE, BY_REFERENCE, BY_MIXED, RAY_TRACERS };
 
 enum { DEPTH = 40 };
@@ -39,7 +45,8 @@ typedef struct traced {
     size_t count;
 } traced;
 
-static inline traced follow_deep(const mcv_scene *scene, int by, uint32_t depth, const mcv_trace_ray *rays, size_t n) {
+static inline traced follow_deep(const mcv_scene *scene, int by, uint32_t depth,
+                                 const mcv_trace_ray *rays, size_t n) {
     mcv_render_options options = mcv_render_defaults();
     traced t;
     options.depth = depth;
@@ -56,7 +63,8 @@ static inline traced follow(const mcv_scene *scene, int by, const mcv_trace_ray 
 }
 
 /* Of one ray: its vertices; the last one before it is gone is out[returned - 1]. */
-static inline size_t trace_one(const mcv_scene *scene, int by, mcv_trace_ray ray, mcv_vertex out[DEPTH + 1]) {
+static inline size_t trace_one(const mcv_scene *scene, int by, mcv_trace_ray ray,
+                               mcv_vertex out[DEPTH + 1]) {
     const traced t = follow(scene, by, &ray, 1);
     size_t n = 0;
     memset(out, 0, (DEPTH + 1) * sizeof *out);
@@ -67,17 +75,25 @@ static inline size_t trace_one(const mcv_scene *scene, int by, mcv_trace_ray ray
 }
 
 /* Where the ray that leaves a vertex in the xz plane crosses the axis. */
-static inline double crossing(const mcv_vertex *v) { return v->position[2] - v->position[0] * v->direction[2] / v->direction[0]; }
-
-static inline const char *name_of(int by) { return by == BY_MIXED ? "mixed" : by == BY_REFERENCE ? "reference" : "device"; }
-
-static inline void expect_near(const char *what, int by, double got, double expected, double tolerance) {
-    note_truth(what, name_of(by), fabs(got - expected), tolerance);
-    if (!(fabs(got - expected) <= tolerance))
-        fail_msg("%s, %s: %.12g, not %.12g: off by %.3g, allowed are %.3g", what, name_of(by), got, expected, got - expected, tolerance);
+static inline double crossing(const mcv_vertex *v) {
+    return v->position[2] - v->position[0] * v->direction[2] / v->direction[0];
 }
 
-static inline mcv_trace_ray along_z(double x, double y, double z) { return (mcv_trace_ray){{x, y, z}, {0, 0, 1}}; }
+static inline const char *name_of(int by) {
+    return by == BY_MIXED ? "mixed" : by == BY_REFERENCE ? "reference" : "device";
+}
+
+static inline void expect_near(const char *what, int by, double got, double expected,
+                               double tolerance) {
+    note_truth(what, name_of(by), fabs(got - expected), tolerance);
+    if (!(fabs(got - expected) <= tolerance))
+        fail_msg("%s, %s: %.12g, not %.12g: off by %.3g, allowed are %.3g", what, name_of(by), got,
+                 expected, got - expected, tolerance);
+}
+
+static inline mcv_trace_ray along_z(double x, double y, double z) {
+    return (mcv_trace_ray){{x, y, z}, {0, 0, 1}};
+}
 
 static inline double uniform(uint64_t *state) {
     *state = *state * 6364136223846793005ull + 1442695040888963407ull;
@@ -95,7 +111,9 @@ static inline void add_slab(mcv_scene *scene, int n, double low, double high, ui
         positions[3 * v + 1] = (float)(0.02 * (v / row % row) / n - 0.01);
         positions[3 * v + 2] = (float)(v < face ? low : high);
     }
-#define QUAD(a, b, c, d) memcpy(indices + count, (uint32_t[6]){(a), (b), (c), (a), (c), (d)}, 6 * sizeof *indices), count += 6
+#define QUAD(a, b, c, d) \
+    memcpy(indices + count, (uint32_t[6]){(a), (b), (c), (a), (c), (d)}, 6 * sizeof *indices), \
+        count += 6
     for (uint32_t y = 0; y + 1 < row; ++y)
         for (uint32_t x = 0; x + 1 < row; ++x) {
             const uint32_t a = y * row + x, t = a + face;
@@ -112,7 +130,11 @@ static inline void add_slab(mcv_scene *scene, int n, double low, double high, ui
 #undef QUAD
     const double c = 0.8, s = 0.6;
     const mcv_transform turned = {{c, 0, s, 0, 1, 0, -s, 0, c, 0.1, -0.05, 0.02}};
-    add_instance(scene, &(mcv_mesh){.vertex_count = 2 * face, .triangle_count = count / 3, .positions = positions, .indices = indices},
+    add_instance(scene,
+                 &(mcv_mesh){.vertex_count = 2 * face,
+                             .triangle_count = count / 3,
+                             .positions = positions,
+                             .indices = indices},
                  material, turned);
 }
 

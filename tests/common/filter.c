@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Every test runs only those of its functions that MCVISI_TEST_FILTER matches (* and ?), where that is set: ./run mutants needs it. */
+/* Every test runs only those of its functions that MCVISI_TEST_FILTER matches (* and ?), where that
+ * is set: ./run mutants needs it. */
 #include "test.h"
 
 #include <stdlib.h>

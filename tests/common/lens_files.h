@@ -28,7 +28,9 @@ static inline lens_read read_lens_as(const char *path, const char *text, mcv_len
     return lens;
 }
 
-static inline lens_read read_lens(const char *path, const char *text) { return read_lens_as(path, text, MCV_LENS_SHAPE_AUTO); }
+static inline lens_read read_lens(const char *path, const char *text) {
+    return read_lens_as(path, text, MCV_LENS_SHAPE_AUTO);
+}
 
 /* The document as the renderer understands it; it is released. */
 static inline mcv_scene *load_lens(lens_read *lens) {
@@ -49,9 +51,11 @@ static inline bool warns(const lens_read *lens, const char *of) {
 static inline void refuse_lens(const char *path, const char *text, const char *word) {
     lens_read lens;
     write_bytes(path, text, strlen(text));
-    const mcv_result result = mcv_lens_file_read(path, &(mcv_lens_options){0}, &lens.document, &lens.report, &builder_error);
+    const mcv_result result = mcv_lens_file_read(path, &(mcv_lens_options){0}, &lens.document,
+                                                 &lens.report, &builder_error);
     if (result == MCV_OK) fail_msg("%s is read, but should be refused by \"%s\"", path, word);
-    if (result != MCV_BAD_INPUT || !strstr(builder_error.text, word) || !strstr(builder_error.text, path))
+    if (result != MCV_BAD_INPUT || !strstr(builder_error.text, word) ||
+        !strstr(builder_error.text, path))
         fail_msg("\"%s\" should say \"%s\"", builder_error.text, word);
     remove(path);
 }
@@ -61,7 +65,8 @@ static inline bool same_document(const json_t *a, const json_t *b, double tolera
     const char *key;
     json_t *value;
     if (json_is_number(a) && json_is_number(b))
-        return fabs(json_number_value(a) - json_number_value(b)) <= tolerance * fabs(json_number_value(b));
+        return fabs(json_number_value(a) - json_number_value(b)) <=
+               tolerance * fabs(json_number_value(b));
     if (json_typeof(a) != json_typeof(b)) return false;
     if (json_is_array(a)) {
         for (size_t i = 0; i < json_array_size(a); ++i)
@@ -71,13 +76,15 @@ static inline bool same_document(const json_t *a, const json_t *b, double tolera
     if (!json_is_object(a)) return json_equal(a, b) != 0;
     json_object_foreach((json_t *)a, key, value) {
         if (strcmp(key, "name") == 0) continue;
-        if (!json_object_get(b, key) || !same_document(value, json_object_get(b, key), tolerance)) return false;
+        if (!json_object_get(b, key) || !same_document(value, json_object_get(b, key), tolerance))
+            return false;
     }
     return json_object_size(a) == json_object_size(b);
 }
 
 static inline void assert_within(double got, double expected, double tolerance, const char *what) {
-    if (!(fabs(got - expected) <= tolerance * fabs(expected))) fail_msg("%s: %.12g, not %.12g", what, got, expected);
+    if (!(fabs(got - expected) <= tolerance * fabs(expected)))
+        fail_msg("%s: %.12g, not %.12g", what, got, expected);
 }
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Generated meshes and random numbers for the tests and benchmarks of the acceleration structure. */
+/* Generated meshes and random numbers for the tests and benchmarks of the acceleration structure.
+ */
 #ifndef MCVISI_TESTS_MESH_H
 #define MCVISI_TESTS_MESH_H
 
@@ -23,11 +24,14 @@ static inline uint64_t random_bits(uint64_t *state) {
 }
 
 /* Uniform in [0, 1). */
-static inline double random_unit(uint64_t *state) { return (double)(random_bits(state) >> 11) * 0x1p-53; }
+static inline double random_unit(uint64_t *state) {
+    return (double)(random_bits(state) >> 11) * 0x1p-53;
+}
 
 /* A uniform direction. */
 static inline void random_direction(uint64_t *state, double d[3]) {
-    const double z = 2.0 * random_unit(state) - 1.0, angle = 6.283185307179586 * random_unit(state), r = sqrt(1.0 - z * z);
+    const double z = 2.0 * random_unit(state) - 1.0, angle = 6.283185307179586 * random_unit(state),
+                 r = sqrt(1.0 - z * z);
     d[0] = r * cos(angle);
     d[1] = r * sin(angle);
     d[2] = z;
@@ -44,7 +48,8 @@ static inline void mesh_free(mesh *m) {
     free(m->indices);
 }
 
-/* Two triangles per cell of a grid of (n + 1)² vertices that begins at `vertex`; writes 6 n² indices. */
+/* Two triangles per cell of a grid of (n + 1)² vertices that begins at `vertex`; writes 6 n²
+ * indices. */
 static inline void mesh_grid(uint32_t *indices, uint32_t vertex, uint32_t n) {
     for (uint32_t j = 0; j < n; ++j) {
         for (uint32_t i = 0; i < n; ++i, indices += 6) {
@@ -56,8 +61,9 @@ static inline void mesh_grid(uint32_t *indices, uint32_t vertex, uint32_t n) {
 }
 
 /*
- * A closed sphere of radius 1 with bumps of the given height: a cube of 6 n x n squares drawn outwards, 12 n² triangles.
- * The six sides have their own vertices; those on the seams have equal positions, because a vertex is a function of its integers.
+ * A closed sphere of radius 1 with bumps of the given height: a cube of 6 n x n squares drawn
+ * outwards, 12 n² triangles. The six sides have their own vertices; those on the seams have equal
+ * positions, because a vertex is a function of its integers.
  */
 static inline mesh mesh_sphere(uint32_t n, double bumps) {
     const uint32_t side = (n + 1) * (n + 1);
@@ -75,7 +81,8 @@ static inline mesh mesh_sphere(uint32_t n, double bumps) {
                 for (int k = 0; k < 3; ++k) t[k] = tan(0.7853981633974483 * (double)q[k] / n);
                 const double length = sqrt((t[0] * t[0] + t[1] * t[1]) + t[2] * t[2]);
                 const double x = t[0] / length, y = t[1] / length, z = t[2] / length;
-                const double r = 1.0 + bumps * sin(9.0 * x) * sin(11.0 * y + 1.0) * sin(10.0 * z + 2.0);
+                const double r =
+                    1.0 + bumps * sin(9.0 * x) * sin(11.0 * y + 1.0) * sin(10.0 * z + 2.0);
                 p[0] = (float)(r * x);
                 p[1] = (float)(r * y);
                 p[2] = (float)(r * z);
@@ -138,13 +145,15 @@ static inline mesh mesh_bipyramid(uint32_t n) {
     return m;
 }
 
-/* n triangles in n / 8 planes, each plane holding the same triangle four times and four that overlap it. */
+/* n triangles in n / 8 planes, each plane holding the same triangle four times and four that
+ * overlap it. */
 static inline mesh mesh_duplicates(uint32_t n, uint64_t seed) {
     mesh m = mesh_new(3 * n, n);
     for (uint32_t i = 0; i < n; ++i) {
         const float z = (float)(i / 8) * 8.0f / (float)n - 0.5f;
         for (int corner = 0; corner < 3; ++corner) {
-            const double angle = 2.0943951023931953 * corner + (i % 8 < 4 ? 0.0 : 6.0 * random_unit(&seed));
+            const double angle =
+                2.0943951023931953 * corner + (i % 8 < 4 ? 0.0 : 6.0 * random_unit(&seed));
             float *p = m.positions + 9 * (size_t)i + 3 * corner;
             p[0] = (float)cos(angle);
             p[1] = (float)sin(angle);

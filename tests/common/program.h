@@ -33,7 +33,8 @@ static int leave_folder(void **state) {
 /* The exit code of `mcvisi LINE`; errors: what the shell does with standard error. */
 static int program_into(const char *line, const char *errors) {
     char command[2048];
-    assert_true(snprintf(command, sizeof command, MCV_BINARY_DIR "/mcvisi %s %s", line, errors) < (int)sizeof command);
+    assert_true(snprintf(command, sizeof command, MCV_BINARY_DIR "/mcvisi %s %s", line, errors) <
+                (int)sizeof command);
     FILE *pipe = popen(command, "r");
     assert_non_null(pipe);
     said[fread(said, 1, sizeof said - 1, pipe)] = '\0';
@@ -51,7 +52,8 @@ static inline void program_well(const char *line) {
 /* Fails with this code and one line, the last, that holds the words. */
 static inline void program_fails(const char *line, int code, const char *words) {
     const int got = program(line);
-    if (got != code || !strstr(said, words)) fail_msg("mcvisi %s: exit code %d, not %d with \"%s\": %s", line, got, code, words, said);
+    if (got != code || !strstr(said, words))
+        fail_msg("mcvisi %s: exit code %d, not %d with \"%s\": %s", line, got, code, words, said);
 }
 
 static inline json_t *program_json(const char *line) {
@@ -68,7 +70,8 @@ static inline double number_at(const json_t *object, const char *path) {
     char copy[256], *rest = NULL;
     snprintf(copy, sizeof copy, "%s", path);
     for (char *key = strtok_r(copy, "/", &rest); key; key = strtok_r(NULL, "/", &rest)) {
-        object = json_is_array(object) ? json_array_get(object, (size_t)atoi(key)) : json_object_get(object, key);
+        object = json_is_array(object) ? json_array_get(object, (size_t)atoi(key))
+                                       : json_object_get(object, key);
         if (!object) fail_msg("%s: there is no %s", path, key);
     }
     return json_number_value(object);
@@ -92,8 +95,9 @@ static inline char *read_whole(const char *path) {
 
 /* A binary STL of a box from `lower` to `upper`. */
 static inline void write_box_stl(const char *path, const double lower[3], const double upper[3]) {
-    static const int faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                                     {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    static const int faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
+                                     {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
+                                     {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
     const uint32_t count = 12;
     char record[50] = {0};
     FILE *file = fopen(path, "wb");
@@ -103,7 +107,8 @@ static inline void write_box_stl(const char *path, const double lower[3], const 
     for (int f = 0; f < 12; ++f) {
         for (int corner = 0; corner < 3; ++corner)
             for (int axis = 0; axis < 3; ++axis) {
-                const float value = (float)(faces[f][corner] >> axis & 1 ? upper[axis] : lower[axis]);
+                const float value =
+                    (float)(faces[f][corner] >> axis & 1 ? upper[axis] : lower[axis]);
                 memcpy(record + 12 + 12 * corner + 4 * axis, &value, 4);
             }
         fwrite(record, 50, 1, file);

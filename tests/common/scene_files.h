@@ -38,15 +38,18 @@ static inline char *base64(const void *bytes, size_t size) {
     char *text = malloc(4 * ((size + 2) / 3) + 1), *out = text;
     if (!text) abort();
     for (size_t i = 0; i < size; i += 3) {
-        const unsigned group = p[i] << 16 | (i + 1 < size ? p[i + 1] << 8 : 0) | (i + 2 < size ? p[i + 2] : 0);
-        for (int k = 0; k < 4; ++k) *out++ = i + (size_t)k > size ? '=' : digits[group >> (18 - 6 * k) & 63];
+        const unsigned group =
+            p[i] << 16 | (i + 1 < size ? p[i + 1] << 8 : 0) | (i + 2 < size ? p[i + 2] : 0);
+        for (int k = 0; k < 4; ++k)
+            *out++ = i + (size_t)k > size ? '=' : digits[group >> (18 - 6 * k) & 63];
     }
     *out = '\0';
     return text;
 }
 
 /* A GLB of a JSON text and an optional binary chunk. */
-static inline unsigned char *glb_of(const char *json, const void *binary, size_t binary_size, size_t *size) {
+static inline unsigned char *glb_of(const char *json, const void *binary, size_t binary_size,
+                                    size_t *size) {
     const size_t json_size = (strlen(json) + 3) / 4 * 4, chunk_size = (binary_size + 3) / 4 * 4;
     *size = 20 + json_size + (binary ? 8 + chunk_size : 0);
     unsigned char *glb = calloc(1, *size);
@@ -69,20 +72,24 @@ static inline mcv_result load_file(const char *path, mcv_scene **scene, mcv_erro
 }
 
 /* Loads a text as a .gltf, with up to one --set. */
-static inline mcv_result load_text(const char *name, const char *text, const char *set, mcv_scene **scene, mcv_error *error) {
+static inline mcv_result load_text(const char *name, const char *text, const char *set,
+                                   mcv_scene **scene, mcv_error *error) {
     char *path = write_bytes(name, text, strlen(text));
     error->text[0] = '\0';
-    const mcv_result result = mcv_scene_load(path, (mcv_overrides){&set, set ? 1 : 0}, scene, error);
+    const mcv_result result =
+        mcv_scene_load(path, (mcv_overrides){&set, set ? 1 : 0}, scene, error);
     free(path);
     return result;
 }
 
-/* A scene file of this name and text must be refused, with one sentence that names the file and says this. */
+/* A scene file of this name and text must be refused, with one sentence that names the file and
+ * says this. */
 static inline void must_refuse(const char *name, const char *text, const char *says) {
     mcv_scene *scene = (mcv_scene *)1;
     mcv_error error;
     const mcv_result result = load_text(name, text, NULL, &scene, &error);
-    if (result != MCV_BAD_INPUT || scene) fail_msg("%s\n  gave %d, must be refused with \"%s\"", text, result, says);
+    if (result != MCV_BAD_INPUT || scene)
+        fail_msg("%s\n  gave %d, must be refused with \"%s\"", text, result, says);
     const char *named = strstr(error.text, name);
     if (!named || strncmp(named + strlen(name), ": ", 2) != 0 || !strstr(error.text, says))
         fail_msg("%s\n  \"%s\"\n  must name the file and say \"%s\"", text, error.text, says);

@@ -17,19 +17,23 @@ static const char PATH[] = "test_exr.exr";
 static mcv_image new_image(uint32_t width, uint32_t height, uint32_t channels) {
     mcv_image image;
     mcv_error error = {""};
-    if (mcv_image_new(&image, width, height, channels, &error) != MCV_OK) fail_msg("%s", error.text);
+    if (mcv_image_new(&image, width, height, channels, &error) != MCV_OK)
+        fail_msg("%s", error.text);
     return image;
 }
 
-/* Every kind of float: random bits hold NaNs with payloads, infinities, denormals and both zeros; those that must be there come first. */
+/* Every kind of float: random bits hold NaNs with payloads, infinities, denormals and both zeros;
+ * those that must be there come first. */
 static void fill(mcv_image *image, uint32_t seed) {
-    const uint32_t special[] = {0x80000000u, 0u, 1u, 0x807fffffu, 0x7f800000u, 0xff800000u, 0x7fc00000u, 0xffc12345u, 0x7f7fffffu};
+    const uint32_t special[] = {0x80000000u, 0u,          1u,          0x807fffffu, 0x7f800000u,
+                                0xff800000u, 0x7fc00000u, 0xffc12345u, 0x7f7fffffu};
     const size_t count = (size_t)image->width * image->height * image->channels;
     for (size_t i = 0; i < count; ++i) {
         seed = seed * 1664525u + 1013904223u;
         /* Half random, half constant, so that some chunks compress and others do not. */
         const uint32_t noise = i < count / 2 ? seed : 0x3f800000u;
-        memcpy(&image->pixels[i], i < sizeof special / sizeof special[0] ? &special[i] : &noise, sizeof noise);
+        memcpy(&image->pixels[i], i < sizeof special / sizeof special[0] ? &special[i] : &noise,
+               sizeof noise);
     }
 }
 
@@ -54,9 +58,11 @@ static const mcv_attribute *find(const mcv_exr *exr, const char *name) {
     return NULL;
 }
 
-static void write_parts(const mcv_exr_part *parts, uint32_t count, const mcv_attribute *attributes, uint32_t attribute_count) {
+static void write_parts(const mcv_exr_part *parts, uint32_t count, const mcv_attribute *attributes,
+                        uint32_t attribute_count) {
     mcv_error error = {""};
-    if (mcv_exr_write(PATH, parts, count, attributes, attribute_count, &error) != MCV_OK) fail_msg("%s", error.text);
+    if (mcv_exr_write(PATH, parts, count, attributes, attribute_count, &error) != MCV_OK)
+        fail_msg("%s", error.text);
 }
 
 static mcv_exr read_back(void) {
@@ -76,7 +82,8 @@ static void test_round_trip_keeps_every_bit(void **state) {
                 const char *names[] = {"beauty", "error", "samples"};
                 mcv_exr_part parts[3];
                 for (uint32_t p = 0; p < count; ++p) {
-                    parts[p] = (mcv_exr_part){.name = names[p], .image = new_image(sizes[s][0], sizes[s][1], channels)};
+                    parts[p] = (mcv_exr_part){
+                        .name = names[p], .image = new_image(sizes[s][0], sizes[s][1], channels)};
                     fill(&parts[p].image, 100 * (uint32_t)s + 10 * channels + p);
                 }
                 write_parts(parts, count, NULL, 0);
@@ -97,8 +104,9 @@ static void test_round_trip_keeps_every_bit(void **state) {
 }
 
 /*
- * A chunk that compression leaves as long as it was must not be stored compressed, since its length is how readers tell. Of images in
- * which all but a few values are random, each few more compress by some bytes more, so that some hit that length.
+ * A chunk that compression leaves as long as it was must not be stored compressed, since its length
+ * is how readers tell. Of images in which all but a few values are random, each few more compress
+ * by some bytes more, so that some hit that length.
  */
 static void test_chunks_that_do_not_shrink(void **state) {
     (void)state;
@@ -108,12 +116,14 @@ static void test_chunks_that_do_not_shrink(void **state) {
         uint32_t seed = constant;
         for (uint32_t i = 0; i < 64 * 16; ++i) {
             seed = seed * 1664525u + 1013904223u;
-            const uint32_t bits = i < constant / 8 ? 0x3f800000u : 0x3f000000u | (seed ^ seed >> 15) >> 8;
+            const uint32_t bits =
+                i < constant / 8 ? 0x3f800000u : 0x3f000000u | (seed ^ seed >> 15) >> 8;
             memcpy(&image.pixels[i], &bits, sizeof bits);
         }
         const mcv_exr_part part = {.name = "image", .image = image};
         mcv_exr exr;
-        if (mcv_exr_write(PATH, &part, 1, NULL, 0, &error) != MCV_OK || mcv_exr_read(PATH, &exr, &error) != MCV_OK)
+        if (mcv_exr_write(PATH, &part, 1, NULL, 0, &error) != MCV_OK ||
+            mcv_exr_read(PATH, &exr, &error) != MCV_OK)
             fail_msg("%u: %s", constant, error.text);
         char what[32];
         snprintf(what, sizeof what, "image %u", constant);
@@ -139,7 +149,8 @@ static void test_attributes_come_back(void **state) {
         {.name = "mcvisi:region", .numbers = {65536, 3, 0.1, -7}, .count = 4},
     };
     for (int i = 0; i < 16; ++i) attributes[6].numbers[i] = attributes[7].numbers[i] = 0.1 * i;
-    mcv_exr_part parts[2] = {{.name = "beauty", .image = new_image(3, 2, 1)}, {.name = "error", .image = new_image(3, 2, 1)}};
+    mcv_exr_part parts[2] = {{.name = "beauty", .image = new_image(3, 2, 1)},
+                             {.name = "error", .image = new_image(3, 2, 1)}};
     for (uint32_t count = 1; count <= 2; ++count) {
         write_parts(parts, count, attributes, sizeof attributes / sizeof attributes[0]);
         mcv_exr exr = read_back();
@@ -147,13 +158,14 @@ static void test_attributes_come_back(void **state) {
         assert_string_equal(find(&exr, "mcvisi:empty")->text, "");
         assert_true(find(&exr, "mcvisi:seed")->numbers[0] == 4294967295.0);
         assert_true(find(&exr, "mcvisi:error")->numbers[0] == 0.1);
-        assert_true(find(&exr, "mcvisi:pair")->numbers[0] == 0.1 && signbit(find(&exr, "mcvisi:pair")->numbers[1]));
+        assert_true(find(&exr, "mcvisi:pair")->numbers[0] == 0.1 &&
+                    signbit(find(&exr, "mcvisi:pair")->numbers[1]));
         assert_true(find(&exr, "mcvisi:pose")->numbers[15] == 0.1 * 15);
         /* Four numbers are a vector of float. */
         const mcv_attribute *region = find(&exr, "mcvisi:region");
         assert_int_equal(region->count, 4);
-        assert_true(region->numbers[0] == 65536 && region->numbers[1] == 3 && region->numbers[2] == (double)0.1f &&
-                    region->numbers[3] == -7);
+        assert_true(region->numbers[0] == 65536 && region->numbers[1] == 3 &&
+                    region->numbers[2] == (double)0.1f && region->numbers[3] == -7);
         /* Standard names have OpenEXR's types, which are float. */
         assert_true(find(&exr, "focus")->numbers[0] == (double)0.11f);
         assert_true(find(&exr, "sensorOverallDimensions")->numbers[1] == (double)7.0656f);
@@ -177,7 +189,8 @@ static uint8_t *load(const char *path, size_t *size) {
     return bytes;
 }
 
-/* Whether name, type, size and value of an attribute stand in the header, byte for byte as the file layout wants it. */
+/* Whether name, type, size and value of an attribute stand in the header, byte for byte as the file
+ * layout wants it. */
 static bool holds(const uint8_t *bytes, size_t size, const void *attribute, size_t length) {
     return memmem(bytes, size, attribute, length) != NULL;
 }
@@ -185,7 +198,8 @@ static bool holds(const uint8_t *bytes, size_t size, const void *attribute, size
 /* The file against the published layout, not against our reader or the library. */
 static void test_header_bytes_are_the_standards(void **state) {
     (void)state;
-    mcv_exr_part parts[2] = {{.name = "beauty", .image = new_image(5, 20, 3)}, {.name = "error", .image = new_image(5, 20, 3)}};
+    mcv_exr_part parts[2] = {{.name = "beauty", .image = new_image(5, 20, 3)},
+                             {.name = "error", .image = new_image(5, 20, 3)}};
     const mcv_attribute focus = {.name = "focus", .numbers = {1}, .count = 1};
     for (uint32_t count = 1; count <= 2; ++count) {
         write_parts(parts, count, &focus, 1);
@@ -194,10 +208,14 @@ static void test_header_bytes_are_the_standards(void **state) {
         const uint8_t magic[] = {0x76, 0x2f, 0x31, 0x01, 2, count == 2 ? 0x10 : 0, 0, 0};
         assert_memory_equal(bytes, magic, sizeof magic);
         assert_true(holds(bytes, size, "compression\0compression\0\1\0\0\0\3", 29));
-        assert_true(holds(bytes, size, "dataWindow\0box2i\0\x10\0\0\0\0\0\0\0\0\0\0\0\4\0\0\0\x13\0\0\0", 37));
-        assert_true(holds(bytes, size, "displayWindow\0box2i\0\x10\0\0\0\0\0\0\0\0\0\0\0\4\0\0\0\x13\0\0\0", 40));
+        assert_true(holds(bytes, size,
+                          "dataWindow\0box2i\0\x10\0\0\0\0\0\0\0\0\0\0\0\4\0\0\0\x13\0\0\0", 37));
+        assert_true(holds(
+            bytes, size, "displayWindow\0box2i\0\x10\0\0\0\0\0\0\0\0\0\0\0\4\0\0\0\x13\0\0\0", 40));
         assert_true(holds(bytes, size, "focus\0float\0\4\0\0\0\0\0\x80\x3f", 20));
-        assert_true(holds(bytes, size, "channels\0chlist\0\x37\0\0\0B\0\2\0\0\0\0\0\0\0\1\0\0\0\1\0\0\0G\0\2\0\0\0", 44));
+        assert_true(holds(
+            bytes, size,
+            "channels\0chlist\0\x37\0\0\0B\0\2\0\0\0\0\0\0\0\1\0\0\0\1\0\0\0G\0\2\0\0\0", 44));
         assert_true(holds(bytes, size, "lineOrder\0lineOrder\0\1\0\0\0\0", 25));
         assert_true(holds(bytes, size, "pixelAspectRatio\0float\0\4\0\0\0\0\0\x80\x3f", 31));
         assert_true(holds(bytes, size, "screenWindowWidth\0float\0\4\0\0\0\0\0\x80\x3f", 32));
@@ -238,11 +256,13 @@ static void test_writing_refuses_by_name(void **state) {
 
 static double now(void) {
     struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t); /* of this process alone: the machine may be busy */
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID,
+                  &t); /* of this process alone: the machine may be busy */
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Reads the file; a failure must be bad input in one sentence that names it. Returns whether it could be read. */
+/* Reads the file; a failure must be bad input in one sentence that names it. Returns whether it
+ * could be read. */
 static bool survives(const char *path) {
     mcv_exr exr;
     mcv_error error = {""};
@@ -253,15 +273,18 @@ static bool survives(const char *path) {
         mcv_exr_free(&exr);
         return true;
     }
-    if (result != MCV_BAD_INPUT) fail_msg("%s: code %d instead of %d: %s", path, result, MCV_BAD_INPUT, error.text);
+    if (result != MCV_BAD_INPUT)
+        fail_msg("%s: code %d instead of %d: %s", path, result, MCV_BAD_INPUT, error.text);
     if (!strstr(error.text, path)) fail_msg("the sentence does not name %s: %s", path, error.text);
     return false;
 }
 
-/* Every byte of the header and tables of a small file, changed in several ways, and every length the file may be cut to. */
+/* Every byte of the header and tables of a small file, changed in several ways, and every length
+ * the file may be cut to. */
 static void test_damage_is_reported(void **state) {
     (void)state;
-    mcv_exr_part parts[2] = {{.name = "beauty", .image = new_image(9, 33, 1)}, {.name = "error", .image = new_image(9, 33, 1)}};
+    mcv_exr_part parts[2] = {{.name = "beauty", .image = new_image(9, 33, 1)},
+                             {.name = "error", .image = new_image(9, 33, 1)}};
     for (int p = 0; p < 2; ++p) fill(&parts[p].image, (uint32_t)p);
     const mcv_attribute note = {.name = "comments", .text = "a note"};
     for (uint32_t count = 1; count <= 2; ++count) {
@@ -277,7 +300,8 @@ static void test_damage_is_reported(void **state) {
             uint8_t *cut = malloc(length ? length : 1);
             assert_non_null(cut);
             memcpy(cut, bytes, length);
-            if (mcv_exr_header_read(PATH, cut, length, &header, &error) != MCV_BAD_INPUT) fail_msg("cut to %zu bytes it is read", length);
+            if (mcv_exr_header_read(PATH, cut, length, &header, &error) != MCV_BAD_INPUT)
+                fail_msg("cut to %zu bytes it is read", length);
             free(cut);
         }
         const uint8_t flips[] = {0x01, 0x80, 0xff};
@@ -293,8 +317,10 @@ static void test_damage_is_reported(void **state) {
             rejected += !survives(PATH);
             ++tried;
         }
-        /* Some bytes do not matter (a note's text, names of attributes that nobody needs, pixels); the sizes and offsets do. */
-        if (rejected < tried / 4) fail_msg("only %d of %d changed files were rejected", rejected, tried);
+        /* Some bytes do not matter (a note's text, names of attributes that nobody needs, pixels);
+         * the sizes and offsets do. */
+        if (rejected < tried / 4)
+            fail_msg("only %d of %d changed files were rejected", rejected, tried);
         free(bytes);
     }
     for (int p = 0; p < 2; ++p) mcv_image_free(&parts[p].image);
@@ -307,7 +333,8 @@ static void test_damage_is_reported(void **state) {
 /* 87 files that have crashed OpenEXR, and three with extreme values. */
 static void test_collected_files(void **state) {
     (void)state;
-    const char *const folders[] = {MCV_SOURCE_DIR "/../shared/data/exr-damaged", MCV_SOURCE_DIR "/../../shared/data/exr-damaged"};
+    const char *const folders[] = {MCV_SOURCE_DIR "/../shared/data/exr-damaged",
+                                   MCV_SOURCE_DIR "/../../shared/data/exr-damaged"};
     DIR *directory = NULL;
     size_t f = 0;
     for (; !directory && f < 2; ++f) directory = opendir(folders[f]);
@@ -346,7 +373,8 @@ static void test_collected_files(void **state) {
     assert_int_equal(infinities, 12);
     mcv_exr_free(&exr);
     for (int i = 0; i < 2; ++i) { /* PIZ and PXR24 */
-        snprintf(path, sizeof path, "%s/../exr-extreme/%s", folder, i ? "WideFloatRange.exr" : "AllHalfValues.exr");
+        snprintf(path, sizeof path, "%s/../exr-extreme/%s", folder,
+                 i ? "WideFloatRange.exr" : "AllHalfValues.exr");
         assert_int_equal(mcv_exr_read(path, &exr, &error), MCV_BAD_INPUT);
         assert_non_null(strstr(error.text, "compression"));
     }

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* ctest: timeout 600 */
 /*
- * The shipped scenes, smaller, rendered by the device and by the reference: the images agree within their noise (Welch's
- * tests of analysis/compare.h), and the same tests see each planted error. Seeds are fixed, so the outcome is too.
+ * The shipped scenes, smaller, rendered by the device and by the reference: the images agree within
+ * their noise (Welch's tests of analysis/compare.h), and the same tests see each planted error.
+ * Seeds are fixed, so the outcome is too.
  */
 #include "scene_builder.h"
 
@@ -10,7 +11,8 @@
 #include "reference/reference.h"
 #include "render/render.h"
 
-/* test_images_slow.c sets it: all cases, of which the quick test has those that no others stand for. */
+/* test_images_slow.c sets it: all cases, of which the quick test has those that no others stand
+ * for. */
 #ifndef SLOW
 #define SLOW 0
 #endif
@@ -32,7 +34,8 @@ static const image_case box = {"diffuse-box.gltf", 4, 16, 8};
 static const image_case furnace = {"furnace.glb", 4, 8, 4};
 static const image_case projector = {"projector.gltf", 8, 16, 16};
 static const image_case lens_projector = {"lens-projector.gltf", 8, 16, 16};
-/* As shipped: with fewer macro pixels all rays of one would meet on an edge of the display's, where rounding decides. */
+/* As shipped: with fewer macro pixels all rays of one would meet on an edge of the display's, where
+ * rounding decides. */
 static const image_case display = {"light-field.gltf", 1, 8, 8};
 static const image_case thin_lens = {"depth-of-field.gltf", 8, 16, 8};
 
@@ -61,7 +64,8 @@ static mcv_scene *load(const image_case *c) {
         shrink(sensor->as.telecentric.resolution, sensor->as.telecentric.pixelSize, c->divisor);
         break;
     default:
-        shrink(sensor->as.light_field.spatialResolution, sensor->as.light_field.pixelSize, c->divisor);
+        shrink(sensor->as.light_field.spatialResolution, sensor->as.light_field.pixelSize,
+               c->divisor);
         break;
     }
     return scene;
@@ -98,9 +102,11 @@ static mcv_comparison compare_with_reference(const image_case *c, const mcv_scen
     const mcv_film *reference = reference_of(c);
     BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
     BUILD(mcv_compare_films(&film, reference, &comparison, &builder_error));
-    print_message("%s: device %.1f s, mean %.6g against %.6g; p of units %.2g, tiles %.2g, count %.2g, image %.2g; %.2g %% would be seen\n",
-                  c->file, stats.seconds_render, comparison.mean_x, comparison.mean_y, comparison.p_unit, comparison.p_tiles,
-                  comparison.p_count, comparison.p_image, 100 * comparison.detectable);
+    print_message("%s: device %.1f s, mean %.6g against %.6g; p of units %.2g, tiles %.2g, count "
+                  "%.2g, image %.2g; %.2g %% would be seen\n",
+                  c->file, stats.seconds_render, comparison.mean_x, comparison.mean_y,
+                  comparison.p_unit, comparison.p_tiles, comparison.p_count, comparison.p_image,
+                  100 * comparison.detectable);
     mcv_film_free(&film);
     return comparison;
 }
@@ -119,13 +125,15 @@ static void test_report_clean(void **state) {
 
 static void expect_planted(const image_case *c, const mcv_scene *scene, const char *what) {
     const mcv_comparison comparison = compare_with_reference(c, scene);
-    if (!comparison.different) fail_msg("%s: %s was not seen: %s", c->file, what, comparison.reason);
+    if (!comparison.different)
+        fail_msg("%s: %s was not seen: %s", c->file, what, comparison.reason);
 }
 
 static void test_wider_cone_is_seen(void **state) {
     mcv_scene *scene = load(&report);
     (void)state;
-    for (uint32_t i = 0; i < scene->emitter_count; ++i) scene->emitters[i].as.parallel.halfAngle *= 1.01;
+    for (uint32_t i = 0; i < scene->emitter_count; ++i)
+        scene->emitters[i].as.parallel.halfAngle *= 1.01;
     expect_planted(&report, scene, "a cone 1 % larger");
     mcv_scene_free(scene);
 }
@@ -160,7 +168,8 @@ static void test_half_a_pixel_is_seen(void **state) {
     (void)state;
     mcv_sensor *sensor = &scene->sensors[0];
     const mcv_telecentric_params *p = &sensor->as.telecentric;
-    const double shift = 0.5 * p->pixelSize[0] * p->focalLength / (p->imageDistance - p->focalLength);
+    const double shift =
+        0.5 * p->pixelSize[0] * p->focalLength / (p->imageDistance - p->focalLength);
     for (int k = 0; k < 3; ++k) sensor->to_world.m[9 + k] += shift * sensor->to_world.m[3 * k];
     expect_planted(&backlight, scene, "half a pixel");
     mcv_scene_free(scene);
@@ -229,7 +238,8 @@ int main(void) {
         cmocka_unit_test(test_projector),
         cmocka_unit_test(test_lens_projector),
     };
-    const int failed = SLOW ? cmocka_run_group_tests(long_tests, NULL, NULL) : cmocka_run_group_tests(tests, NULL, NULL);
+    const int failed = SLOW ? cmocka_run_group_tests(long_tests, NULL, NULL)
+                            : cmocka_run_group_tests(tests, NULL, NULL);
     mcv_film_free(&reference_film);
     return failed;
 }

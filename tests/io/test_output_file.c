@@ -59,7 +59,8 @@ static int files_in_folder(void) {
 static void write_file(const char *path, const char *text) {
     mcv_error error = {""};
     mcv_output output;
-    if (mcv_output_open(&output, path, &error) != MCV_OK || mcv_output_write(&output, text, strlen(text), &error) != MCV_OK ||
+    if (mcv_output_open(&output, path, &error) != MCV_OK ||
+        mcv_output_write(&output, text, strlen(text), &error) != MCV_OK ||
         mcv_output_commit(&output, &error) != MCV_OK) {
         fail_msg("%s", error.text);
     }
@@ -111,7 +112,8 @@ static void expect_refusal(const char *path, const char *reason) {
     mcv_error error = {""};
     if (mcv_output_check(path, &error) != MCV_BAD_INPUT) fail_msg("%s can be written", path);
     if (!strstr(error.text, path)) fail_msg("the sentence does not name %s: %s", path, error.text);
-    if (!strstr(error.text, reason)) fail_msg("the sentence does not say `%s`: %s", reason, error.text);
+    if (!strstr(error.text, reason))
+        fail_msg("the sentence does not say `%s`: %s", reason, error.text);
 }
 
 static void test_unwritable_targets_are_named(void **state) {
@@ -182,9 +184,11 @@ static void test_two_writers_do_not_mix(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_appears_only_at_commit, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(test_discard_leaves_what_was_there, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_discard_leaves_what_was_there, make_folder,
+                                        remove_folder),
         cmocka_unit_test_setup_teardown(test_permissions_follow_umask, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(test_unwritable_targets_are_named, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_unwritable_targets_are_named, make_folder,
+                                        remove_folder),
         cmocka_unit_test_setup_teardown(test_failed_write_is_reported, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_two_writers_do_not_mix, make_folder, remove_folder),
     };

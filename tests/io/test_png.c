@@ -39,11 +39,13 @@ static decoded decode(void) {
     int count = 0;
     png_get_text(png, info, &text, &count);
     for (int i = 0; i < count; ++i) {
-        if (strcmp(text[i].key, "White level") == 0) snprintf(d.white, sizeof d.white, "%s", text[i].text);
+        if (strcmp(text[i].key, "White level") == 0)
+            snprintf(d.white, sizeof d.white, "%s", text[i].text);
     }
     const size_t stride = png_get_rowbytes(png, info);
     assert_true(stride * d.height <= sizeof d.bytes);
-    for (uint32_t row = 0; row < d.height; ++row) memcpy(d.bytes + row * stride, png_get_rows(png, info)[row], stride);
+    for (uint32_t row = 0; row < d.height; ++row)
+        memcpy(d.bytes + row * stride, png_get_rows(png, info)[row], stride);
     png_destroy_read_struct(&png, &info, NULL);
     fclose(file);
     unlink(PATH);
@@ -90,7 +92,8 @@ static void test_white_level_is_the_quantile(void **state) {
     enum { COUNT = 1001 };
     float pixels[COUNT];
     mcv_image image = {.width = COUNT, .height = 1, .channels = 1, .pixels = pixels};
-    /* 0 … 1000 times a step that fills all 32 bits of the float, in mixed order: rank 0.995 x 1000 is 995. */
+    /* 0 … 1000 times a step that fills all 32 bits of the float, in mixed order: rank 0.995 x 1000
+     * is 995. */
     const float step = 1.2345678e-3f;
     for (int i = 0; i < COUNT; ++i) pixels[i] = (float)(i * 389 % COUNT) * step;
     assert_true(mcv_preview_white(&image) == 995.0f * step);
@@ -117,7 +120,8 @@ static void test_grey_values_stay_as_they_are(void **state) {
     mcv_image image = {.width = 3, .height = 2, .channels = 1, .pixels = values};
     const uint8_t wide[] = {0, 0, 0, 1, 0, 255, 1, 0, 15, 255, 255, 255};
     const uint8_t narrow[] = {0, 1, 255};
-    const uint8_t colour[] = {0, 0, 0, 255, 255, 255, 0, 1, 1, 0, 255, 255, 0, 255, 15, 255, 255, 255};
+    const uint8_t colour[] = {0, 0,   0,   255, 255, 255, 0,   1,   1,
+                              0, 255, 255, 0,   255, 15,  255, 255, 255};
     mcv_error error = {""};
     assert_int_equal(mcv_png_write_values(PATH, &image, 16, &error), MCV_OK);
     decoded d = decode();
@@ -149,7 +153,8 @@ static void test_failures_leave_no_file(void **state) {
     assert_int_equal(mcv_png_write_preview(PATH, &image, "W/m^2", &preview, &error), MCV_FAILED);
     assert_non_null(strstr(error.text, "2 channels"));
     image.channels = 1;
-    assert_int_equal(mcv_png_write_preview("no/such/folder.png", &image, "W/m^2", &preview, &error), MCV_BAD_INPUT);
+    assert_int_equal(mcv_png_write_preview("no/such/folder.png", &image, "W/m^2", &preview, &error),
+                     MCV_BAD_INPUT);
     assert_non_null(strstr(error.text, "no/such/folder.png"));
     image.width = 0;
     assert_int_equal(mcv_png_write_preview(PATH, &image, "W/m^2", &preview, &error), MCV_FAILED);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The acceleration structure as built: complete, tight, bounded in depth, the same for any number of threads. */
+/* The acceleration structure as built: complete, tight, bounded in depth, the same for any number
+ * of threads. */
 #include "test.h"
 #include <string.h>
 
@@ -9,7 +10,8 @@
 static mcv_bvh build(const mesh *m, uint32_t threads) {
     mcv_bvh bvh;
     mcv_error error = {""};
-    if (mcv_bvh_build(m->positions, m->indices, m->triangle_count, threads, &bvh, &error) != MCV_OK) fail_msg("%s", error.text);
+    if (mcv_bvh_build(m->positions, m->indices, m->triangle_count, threads, &bvh, &error) != MCV_OK)
+        fail_msg("%s", error.text);
     return bvh;
 }
 
@@ -17,20 +19,23 @@ typedef struct walk {
     const mesh *mesh;
     const mcv_bvh *bvh;
     uint8_t *node_seen, *leaf_seen;
-    uint32_t *points_seen; /* per triangle, a bit for each of its points that lies in one of its leaves' boxes */
+    uint32_t *points_seen; /* per triangle, a bit for each of its points that lies in one of its
+                              leaves' boxes */
     uint32_t levels, references;
 } walk;
 
 /* Points of a triangle: its corners, its edges, its inside. */
 static void triangle_point(const mesh *m, uint32_t triangle, int number, double point[3]) {
     uint64_t seed = (uint64_t)number;
-    const double s = number < 3 ? 1.0 : random_unit(&seed), t = number < 12 ? 0.0 : (1.0 - s) * random_unit(&seed);
+    const double s = number < 3 ? 1.0 : random_unit(&seed),
+                 t = number < 12 ? 0.0 : (1.0 - s) * random_unit(&seed);
     const double weights[3] = {s, 1.0 - s - t, t};
     for (int axis = 0; axis < 3; ++axis) {
         point[axis] = 0.0;
         for (int k = 0; k < 3; ++k)
-            point[axis] +=
-                weights[(k + number) % 3] * m->positions[3 * (size_t)m->indices[3 * (size_t)triangle + (uint32_t)k] + (uint32_t)axis];
+            point[axis] += weights[(k + number) % 3] *
+                           m->positions[3 * (size_t)m->indices[3 * (size_t)triangle + (uint32_t)k] +
+                                        (uint32_t)axis];
     }
 }
 
@@ -47,16 +52,23 @@ static void check_leaf(walk *w, uint32_t leaf, const float lower[3], const float
         for (int before = 0; before < lane; ++before) assert_true(l->triangle[before] != triangle);
         for (int i = 0; i < 9; ++i) {
             const float x = l->vertex[i / 3][i % 3][lane],
-                        p = w->mesh->positions[3 * (size_t)w->mesh->indices[3 * (size_t)triangle + (uint32_t)i / 3] + (uint32_t)i % 3];
-            if (x != p) fail_msg("triangle %u, corner %d, axis %d: %g in the leaf, %g in the mesh", triangle, i / 3, i % 3, x, p);
+                        p = w->mesh->positions[3 * (size_t)w->mesh->indices[3 * (size_t)triangle +
+                                                                            (uint32_t)i / 3] +
+                                               (uint32_t)i % 3];
+            if (x != p)
+                fail_msg("triangle %u, corner %d, axis %d: %g in the leaf, %g in the mesh",
+                         triangle, i / 3, i % 3, x, p);
         }
-        /* Doubles round here and in the builder: 8 operations each at most, of numbers up to the extent. */
+        /* Doubles round here and in the builder: 8 operations each at most, of numbers up to the
+         * extent. */
         const double rounding = 16.0 * 0x1p-53 * w->bvh->nodes->extent;
         for (int i = 0; i < 32; ++i) {
             double p[3];
             bool within = true;
             triangle_point(w->mesh, triangle, i, p);
-            for (int axis = 0; axis < 3; ++axis) within = within && p[axis] >= lower[axis] - rounding && p[axis] <= upper[axis] + rounding;
+            for (int axis = 0; axis < 3; ++axis)
+                within = within && p[axis] >= lower[axis] - rounding &&
+                         p[axis] <= upper[axis] + rounding;
             if (within) w->points_seen[triangle] |= 1u << i;
         }
     }
@@ -64,7 +76,8 @@ static void check_leaf(walk *w, uint32_t leaf, const float lower[3], const float
     assert_in_range(used, 1, MCV_LEAF_TRIANGLES);
 }
 
-static void check_node(walk *w, uint32_t number, uint32_t level, const float lower[3], const float upper[3]) {
+static void check_node(walk *w, uint32_t number, uint32_t level, const float lower[3],
+                       const float upper[3]) {
     assert_in_range(number, 0, w->bvh->node_count - 1);
     assert_int_equal(w->node_seen[number]++, 0);
     if (level > w->levels) w->levels = level;
@@ -76,9 +89,10 @@ static void check_node(walk *w, uint32_t number, uint32_t level, const float low
             child_upper[axis] = node->bounds[axis][1][i];
             if (node->child[i] == MCV_NONE) {
                 assert_true(child_lower[axis] == INFINITY && child_upper[axis] == -INFINITY);
-            } else if (child_lower[axis] < lower[axis] || child_upper[axis] > upper[axis] || child_lower[axis] > child_upper[axis]) {
-                fail_msg("node %u, child %d, axis %d: %g to %g, the parent has %g to %g", number, i, axis, child_lower[axis],
-                         child_upper[axis], lower[axis], upper[axis]);
+            } else if (child_lower[axis] < lower[axis] || child_upper[axis] > upper[axis] ||
+                       child_lower[axis] > child_upper[axis]) {
+                fail_msg("node %u, child %d, axis %d: %g to %g, the parent has %g to %g", number, i,
+                         axis, child_lower[axis], child_upper[axis], lower[axis], upper[axis]);
             }
         }
         if (node->child[i] == MCV_NONE) continue;
@@ -90,20 +104,29 @@ static void check_node(walk *w, uint32_t number, uint32_t level, const float low
 }
 
 /*
- * Every point of every triangle in the box of one of its leaves at least and all boxes above it; every node and leaf reached once; no more
- * references than there is room for. Returns the levels.
+ * Every point of every triangle in the box of one of its leaves at least and all boxes above it;
+ * every node and leaf reached once; no more references than there is room for. Returns the levels.
  */
 static uint32_t check(const mesh *m, const mcv_bvh *bvh) {
-    const float lower[3] = {-INFINITY, -INFINITY, -INFINITY}, upper[3] = {INFINITY, INFINITY, INFINITY};
-    walk w = {m, bvh, calloc(bvh->node_count, 1), calloc(bvh->leaf_count + 1, 1), calloc(m->triangle_count + 1, 4), 0, 0};
+    const float lower[3] = {-INFINITY, -INFINITY, -INFINITY},
+                upper[3] = {INFINITY, INFINITY, INFINITY};
+    walk w = {m,
+              bvh,
+              calloc(bvh->node_count, 1),
+              calloc(bvh->leaf_count + 1, 1),
+              calloc(m->triangle_count + 1, 4),
+              0,
+              0};
     check_node(&w, 0, 1, lower, upper);
     for (uint32_t i = 0; i < bvh->node_count; ++i) assert_int_equal(w.node_seen[i], 1);
     for (uint32_t i = 0; i < bvh->leaf_count; ++i) assert_int_equal(w.leaf_seen[i], 1);
-    for (uint32_t i = 0; i < m->triangle_count; ++i) assert_int_equal(w.points_seen[i], 0xffffffffu);
+    for (uint32_t i = 0; i < m->triangle_count; ++i)
+        assert_int_equal(w.points_seen[i], 0xffffffffu);
     assert_true(w.references <= 1.3 * m->triangle_count);
     float extent = 0.0f;
     for (uint32_t i = 0; i < 3 * m->triangle_count; ++i) {
-        for (int axis = 0; axis < 3; ++axis) extent = fmaxf(extent, fabsf(m->positions[3 * (size_t)m->indices[i] + axis]));
+        for (int axis = 0; axis < 3; ++axis)
+            extent = fmaxf(extent, fabsf(m->positions[3 * (size_t)m->indices[i] + axis]));
     }
     assert_true(bvh->nodes->extent == extent);
     assert_in_range(w.levels, 1, MCV_BVH_LEVELS);
@@ -115,14 +138,17 @@ static uint32_t check(const mesh *m, const mcv_bvh *bvh) {
 
 static void test_structure(void **state) {
     (void)state;
-    mesh meshes[] = {mesh_sphere(20, 0.1), mesh_terrain(60, 0.3, 1), mesh_needles(5000, 2), mesh_bipyramid(1000), mesh_duplicates(4000, 3)};
+    mesh meshes[] = {mesh_sphere(20, 0.1), mesh_terrain(60, 0.3, 1), mesh_needles(5000, 2),
+                     mesh_bipyramid(1000), mesh_duplicates(4000, 3)};
     for (size_t i = 0; i < sizeof meshes / sizeof meshes[0]; ++i) {
         mcv_bvh bvh = build(meshes + i, 0);
         const uint32_t levels = check(meshes + i, &bvh);
-        const double bytes =
-            ((double)bvh.node_count * sizeof(mcv_node) + (double)bvh.leaf_count * sizeof(mcv_leaf)) / meshes[i].triangle_count;
-        print_message("mesh %zu: %u triangles, %u nodes, %u leaves, %u levels, %.1f bytes per triangle\n", i, meshes[i].triangle_count,
-                      bvh.node_count, bvh.leaf_count, levels, bytes);
+        const double bytes = ((double)bvh.node_count * sizeof(mcv_node) +
+                              (double)bvh.leaf_count * sizeof(mcv_leaf)) /
+                             meshes[i].triangle_count;
+        print_message(
+            "mesh %zu: %u triangles, %u nodes, %u leaves, %u levels, %.1f bytes per triangle\n", i,
+            meshes[i].triangle_count, bvh.node_count, bvh.leaf_count, levels, bytes);
         /* The scene's memory limit of 300 bytes per triangle leaves this much for the structure. */
         assert_true(bytes < 120.0);
         mcv_bvh_free(&bvh);
@@ -130,7 +156,8 @@ static void test_structure(void **state) {
     }
 }
 
-/* A moved mesh's structure, fitted to it, is complete and tight as a new one's is; so is it where only some of the vertices move. */
+/* A moved mesh's structure, fitted to it, is complete and tight as a new one's is; so is it where
+ * only some of the vertices move. */
 static void test_refit(void **state) {
     (void)state;
     for (int number = 0; number < 4; ++number) {
@@ -140,7 +167,8 @@ static void test_refit(void **state) {
         for (uint32_t i = 0; i < 3 * m.triangle_count; ++i) {
             float *p = m.positions + 3 * (size_t)m.indices[i];
             if (number >= 2 && p[0] < 0.2f) continue;
-            for (int axis = 0; axis < 3; ++axis) p[axis] += 1e-3f * (float)(axis + 1) + 1e-4f * (float)(m.indices[i] % 7);
+            for (int axis = 0; axis < 3; ++axis)
+                p[axis] += 1e-3f * (float)(axis + 1) + 1e-4f * (float)(m.indices[i] % 7);
         }
         assert_int_equal(mcv_bvh_refit(&bvh, m.positions, m.indices, &error), MCV_OK);
         check(&m, &bvh);
@@ -171,12 +199,14 @@ static void test_any_number_of_threads_gives_the_same_bits(void **state) {
 static uint32_t used_places(const mcv_bvh *bvh) {
     uint32_t used = 0;
     for (uint32_t i = 0; i < bvh->leaf_count; ++i) {
-        for (int lane = 0; lane < MCV_LEAF_TRIANGLES; ++lane) used += bvh->leaves[i].triangle[lane] != MCV_NONE;
+        for (int lane = 0; lane < MCV_LEAF_TRIANGLES; ++lane)
+            used += bvh->leaves[i].triangle[lane] != MCV_NONE;
     }
     return used;
 }
 
-/* Long triangles across the scene lie in several leaves; small ones of a smooth surface hardly ever do. */
+/* Long triangles across the scene lie in several leaves; small ones of a smooth surface hardly ever
+ * do. */
 static void test_long_triangles_are_split(void **state) {
     (void)state;
     mesh meshes[] = {mesh_needles(5000, 2), mesh_sphere(60, 0.1)};
@@ -184,7 +214,8 @@ static void test_long_triangles_are_split(void **state) {
         mcv_bvh bvh = build(meshes + number, 0);
         const double share = (double)used_places(&bvh) / meshes[number].triangle_count;
         print_message("mesh %d: %.3f references per triangle\n", number, share);
-        if (number == 0 ? share < 1.05 : share > 1.02) fail_msg("mesh %d: %.3f references per triangle", number, share);
+        if (number == 0 ? share < 1.05 : share > 1.02)
+            fail_msg("mesh %d: %.3f references per triangle", number, share);
         mcv_bvh_free(&bvh);
         mesh_free(meshes + number);
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The bound on the levels holds where the surface area heuristic would go deeper: the builder, compiled with a low bound. */
+/* The bound on the levels holds where the surface area heuristic would go deeper: the builder,
+ * compiled with a low bound. */
 #include "test.h"
 
 #define MCV_BVH_LEVELS 5
@@ -18,8 +19,9 @@ static uint32_t levels_below(const mcv_bvh *bvh, uint32_t number) {
 }
 
 /*
- * Sizes from 2^-60 to 2^60 around one corner: the heuristic takes off the largest, one after the other, 7 per level. That
- * makes 121 / 7 levels; 4 triangles of each size make a leaf, and 484 triangles fit into 3 levels, so 5 can be kept.
+ * Sizes from 2^-60 to 2^60 around one corner: the heuristic takes off the largest, one after the
+ * other, 7 per level. That makes 121 / 7 levels; 4 triangles of each size make a leaf, and 484
+ * triangles fit into 3 levels, so 5 can be kept.
  */
 static void test_levels_are_bounded(void **state) {
     (void)state;
@@ -32,11 +34,13 @@ static void test_levels_are_bounded(void **state) {
     for (uint32_t i = 0; i < 3 * m.triangle_count; ++i) m.indices[i] = i % (3 * SIZES);
     mcv_bvh bvh;
     mcv_error error = {""};
-    assert_int_equal(mcv_bvh_build(m.positions, m.indices, m.triangle_count, 2, &bvh, &error), MCV_OK);
+    assert_int_equal(mcv_bvh_build(m.positions, m.indices, m.triangle_count, 2, &bvh, &error),
+                     MCV_OK);
     assert_int_equal(levels_below(&bvh, 0), MCV_BVH_LEVELS);
     uint32_t triangles = 0;
     for (uint32_t i = 0; i < bvh.leaf_count; ++i) {
-        for (int lane = 0; lane < MCV_LEAF_TRIANGLES; ++lane) triangles += bvh.leaves[i].triangle[lane] != MCV_NONE;
+        for (int lane = 0; lane < MCV_LEAF_TRIANGLES; ++lane)
+            triangles += bvh.leaves[i].triangle[lane] != MCV_NONE;
     }
     assert_int_equal(triangles, m.triangle_count);
     mcv_bvh_free(&bvh);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The collimated beam: how bright it is, where each pixel of its image lands, where it ends, how much it carries, what is refused. */
+/* The collimated beam: how bright it is, where each pixel of its image lands, where it ends, how
+ * much it carries, what is refused. */
 #include "image_emitters.h"
 
 #include "reference/lights.h"
@@ -10,16 +11,19 @@ enum { WIDTH = 6, HEIGHT = 4 };
 #define NAMED "\"type\":\"collimatedBeam\",\"size\":[\"6mm\",\"4mm\"],"
 
 /*
- * A wall of reflectance ρ 0.2 m before the emitter, tilted by 45° about the rig's x axis, and a telecentric camera of scale 1 that looks
- * at it from above: its right is the emitter's, and what both foreshorten is the same, so that pixel (i, j) sees pixel (i, j) of the beam.
+ * A wall of reflectance ρ 0.2 m before the emitter, tilted by 45° about the rig's x axis, and a
+ * telecentric camera of scale 1 that looks at it from above: its right is the emitter's, and what
+ * both foreshorten is the same, so that pixel (i, j) sees pixel (i, j) of the beam.
  */
 static const double rho = 0.5;
 
 static void add_wall_and_camera(mcv_scene *scene, uint32_t width, uint32_t height, double pixel) {
     const double s = sqrt(0.5);
     const mcv_transform rig = scene->instances[scene->emitters[0].instance].to_world;
-    const mcv_transform wall = looking((const double[]){0, 0, -0.2}, (const double[]){0, s, s}, (const double[]){1, 0, 0});
-    const mcv_transform above = looking((const double[]){0, 0.3, -0.2}, (const double[]){0, -1, 0}, (const double[]){0, 0, -1});
+    const mcv_transform wall =
+        looking((const double[]){0, 0, -0.2}, (const double[]){0, s, s}, (const double[]){1, 0, 0});
+    const mcv_transform above = looking((const double[]){0, 0.3, -0.2}, (const double[]){0, -1, 0},
+                                        (const double[]){0, 0, -1});
     mcv_sensor camera = sensor_defaults(MCV_SENSOR_TELECENTRIC);
     camera.as.telecentric.magnification = 1;
     camera.as.telecentric.workingDistance = 0.3;
@@ -32,8 +36,9 @@ static void add_wall_and_camera(mcv_scene *scene, uint32_t width, uint32_t heigh
 }
 
 /*
- * L = ρ/π E cos 45° times the pixel's value, with no noise: every sample gives the same. Some 10 roundings of float32 make 1e-6; samples
- * nearer to a pixel's edge than the 1e-7 of rounding may show its neighbour, but none of these fixed ones does.
+ * L = ρ/π E cos 45° times the pixel's value, with no noise: every sample gives the same. Some 10
+ * roundings of float32 make 1e-6; samples nearer to a pixel's edge than the 1e-7 of rounding may
+ * show its neighbour, but none of these fixed ones does.
  */
 static void test_each_pixel_is_where_it_belongs(void **state) {
     (void)state;
@@ -43,7 +48,8 @@ static void test_each_pixel_is_where_it_belongs(void **state) {
         const char *rig = rigs[i >> 2];
         mcv_scene *scene;
         mcv_image mean, error;
-        char *emitter = text_of(NAMED "\"image\":0,\"mirror\":%s,\"irradiance\":2", mirror ? "true" : "false");
+        char *emitter =
+            text_of(NAMED "\"image\":0,\"mirror\":%s,\"irradiance\":2", mirror ? "true" : "false");
         char *text = rig_text(rig, emitter, ONE_PIXEL, 0.1, "beam.png");
         BUILD(load_text("beam.gltf", text, NULL, &scene, &builder_error));
         add_wall_and_camera(scene, WIDTH, HEIGHT, 1e-3);
@@ -57,8 +63,10 @@ static void test_each_pixel_is_where_it_belongs(void **state) {
                     const double expected = rho / M_PI * 2 * sqrt(0.5) * linear(rgb[k]);
                     const double seen = mean.pixels[(k * HEIGHT + row) * WIDTH + column];
                     if (!(fabs(seen - expected) <= 1e-6 * expected))
-                        fail_msg("%s, rig {%s}, mirror %d: pixel (%u, %u) channel %u is %.9g, expected %.9g",
-                                 reference ? "reference" : "device", rig, mirror, column, row, k, seen, expected);
+                        fail_msg("%s, rig {%s}, mirror %d: pixel (%u, %u) channel %u is %.9g, "
+                                 "expected %.9g",
+                                 reference ? "reference" : "device", rig, mirror, column, row, k,
+                                 seen, expected);
                 }
             }
         }
@@ -71,7 +79,8 @@ static void test_each_pixel_is_where_it_belongs(void **state) {
     }
 }
 
-/* Inside and outside of its edge by 1e-4 of the beam's half-width, all around: the whole rectangle, and the disk in it. */
+/* Inside and outside of its edge by 1e-4 of the beam's half-width, all around: the whole rectangle,
+ * and the disk in it. */
 static void test_the_beam_ends(void **state) {
     (void)state;
     for (int i = 0; i < 4; ++i) {
@@ -81,17 +90,20 @@ static void test_the_beam_ends(void **state) {
             const double edge = circle ? 0.002 : fmin(0.003 / fabs(c), 0.002 / fabs(s));
             const double r = edge * (k & 1 ? 1.0001 : 0.9999);
             mcv_scene *scene;
-            char *emitter = text_of(NAMED "\"aperture\":\"%s\",\"irradiance\":3", circle ? "circle" : "square");
+            char *emitter =
+                text_of(NAMED "\"aperture\":\"%s\",\"irradiance\":3", circle ? "circle" : "square");
             char *text = rig_text("", emitter, ONE_PIXEL, 0.1, "beam.png");
             BUILD(load_text("beam.gltf", text, NULL, &scene, &builder_error));
             add_rectangle(scene, 0.1, 0.1, add_diffuse(scene, rho), looking_up_z(0, 0, -0.2));
-            const double from[3] = {r * c + 0.1, r * s, -0.1}, forward[3] = {-sqrt(0.5), 0, -sqrt(0.5)};
+            const double from[3] = {r * c + 0.1, r * s, -0.1},
+                         forward[3] = {-sqrt(0.5), 0, -sqrt(0.5)};
             add_pinhole(scene, 1, 1e-7, looking(from, forward, (const double[]){0, 1, 0}));
             mcv_film film = render_by(reference, scene, 1, 1, 1);
             const double expected = k & 1 ? 0 : rho / M_PI * 3, seen = mcv_film_mean(&film);
             if (!(fabs(seen - expected) <= 1e-6 * expected))
-                fail_msg("%s, %s: %g of the edge at %g rad it is %.9g, expected %.9g", reference ? "reference" : "device",
-                         circle ? "circle" : "square", r / edge, angle, seen, expected);
+                fail_msg("%s, %s: %g of the edge at %g rad it is %.9g, expected %.9g",
+                         reference ? "reference" : "device", circle ? "circle" : "square", r / edge,
+                         angle, seen, expected);
             mcv_film_free(&film);
             mcv_scene_free(scene);
             free(text);
@@ -100,7 +112,8 @@ static void test_the_beam_ends(void **state) {
     }
 }
 
-/* A part before the emitter throws a shadow with a sharp edge; a camera that looks into the beam sees nothing. */
+/* A part before the emitter throws a shadow with a sharp edge; a camera that looks into the beam
+ * sees nothing. */
 static void test_shadow_and_sight(void **state) {
     (void)state;
     for (int reference = 0; reference < 2; ++reference) {
@@ -116,8 +129,8 @@ static void test_shadow_and_sight(void **state) {
         film = render_by(reference, scene, 1, 4, 1);
         const double *sums = film.sums, lit = rho / M_PI * 3 * sqrt(0.5) * 4;
         if (!(fabs(sums[0] - lit) <= 1e-6 * lit && sums[1] == 0))
-            fail_msg("%s: %.9g and %.9g beside the shadow's edge, expected %.9g and 0", reference ? "reference" : "device", sums[0],
-                     sums[1], lit);
+            fail_msg("%s: %.9g and %.9g beside the shadow's edge, expected %.9g and 0",
+                     reference ? "reference" : "device", sums[0], sums[1], lit);
         mcv_film_free(&film);
         mcv_scene_free(scene);
         free(text);
@@ -128,7 +141,8 @@ static void test_power_arrives(void **state) {
     (void)state;
     static const double power[3] = {1, 2, 0.25};
     for (int i = 0; i < 2; ++i) {
-        char *emitter = text_of("\"type\":\"collimatedBeam\",\"size\":[0.024,0.016],\"image\":0,\"aperture\":\"%s\",\"power\":[1,2,0.25]",
+        char *emitter = text_of("\"type\":\"collimatedBeam\",\"size\":[0.024,0.016],\"image\":0,"
+                                "\"aperture\":\"%s\",\"power\":[1,2,0.25]",
                                 i ? "circle" : "square");
         char *text = rig_text(i ? rigs[0] : "", emitter, ONE_PIXEL, 0.1, "beam.png");
         expect_power(text, power, 0.026, 0, i ? "round beam" : "rectangular beam");
@@ -137,13 +151,15 @@ static void test_power_arrives(void **state) {
     }
 }
 
-/* The mean of the image over the round aperture, counted on a grid of 2000 x 2000 points: its edge is that fine. */
+/* The mean of the image over the round aperture, counted on a grid of 2000 x 2000 points: its edge
+ * is that fine. */
 static void test_mean_of_image(void **state) {
     (void)state;
     enum { POINTS = 2000 };
     mcv_scene *scene;
     double sum[3] = {0, 0, 0}, inside = 0, mean[3];
-    char *text = rig_text("", NAMED "\"image\":0,\"aperture\":\"circle\",\"irradiance\":1", ONE_PIXEL, 0.1, "beam.png");
+    char *text = rig_text("", NAMED "\"image\":0,\"aperture\":\"circle\",\"irradiance\":1",
+                          ONE_PIXEL, 0.1, "beam.png");
     BUILD(load_text("beam.gltf", text, NULL, &scene, &builder_error));
     for (int i = 0; i < POINTS * POINTS; ++i) {
         const double x = (i % POINTS + 0.5) / POINTS, y = (i / POINTS + 0.5) / POINTS;
@@ -169,16 +185,20 @@ static void test_bad_input(void **state) {
         {NAMED "\"aperture\":\"circle\"", "emitters/e: needs irradiance [W/m²] or power [W]"},
         {NAMED "\"irradiance\":1,\"power\":1", "emitters/e: has both irradiance 1 and power 1"},
         {NAMED "\"irradiance\":-1", "emitters/e/irradiance: -1 must lie from 0"},
-        {NAMED "\"irradiance\":1,\"aperture\":\"disk\"", "emitters/e/aperture: \"disk\" must be \"square\" or \"circle\""},
+        {NAMED "\"irradiance\":1,\"aperture\":\"disk\"",
+         "emitters/e/aperture: \"disk\" must be \"square\" or \"circle\""},
         {NAMED "\"irradiance\":1,\"image\":3", "emitters/e/image: "},
-        {NAMED "\"irradiance\":1,\"image\":{\"uri\":\"none.exr\"}", "emitters/e/image: \"none.exr\" "},
+        {NAMED "\"irradiance\":1,\"image\":{\"uri\":\"none.exr\"}",
+         "emitters/e/image: \"none.exr\" "},
         {"\"type\":\"collimatedBeam\",\"irradiance\":1", "emitters/e/size: is missing"},
-        {"\"type\":\"collimatedBeam\",\"size\":0,\"irradiance\":1", "emitters/e/size: 0 must be above 0"},
-        {"\"type\":\"laser\",\"size\":1",
-         "emitters/e/type: unknown type \"laser\": known are parallel, telecentricProjector, lightField, projector, "
-         "area, environment, collimatedBeam"},
+        {"\"type\":\"collimatedBeam\",\"size\":0,\"irradiance\":1",
+         "emitters/e/size: 0 must be above 0"},
+        {"\"type\":\"laser\",\"size\":1", "emitters/e/type: unknown type \"laser\": known are "
+                                          "parallel, telecentricProjector, lightField, projector, "
+                                          "area, environment, collimatedBeam"},
         {"\"type\":\"unknown\"", "known are parallel, "},
-        {"\"type\":\"parallel\",\"size\":1,\"radiance\":1,\"halfAngle\":0", "use the type \"collimatedBeam\""},
+        {"\"type\":\"parallel\",\"size\":1,\"radiance\":1,\"halfAngle\":0",
+         "use the type \"collimatedBeam\""},
     };
     refuse_emitters(cases, sizeof cases / sizeof cases[0], "beam.png");
 }

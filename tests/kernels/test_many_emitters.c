@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* ctest: label slow */
 /*
- * What a hundred emitters cost against one of the same size and power: at most 1.2 times the time per sample.
+ * What a hundred emitters cost against one of the same size and power: at most 1.2 times the time
+ * per sample.
  *
- * A diffuse ball on a floor under a panel of 200 mm, whole or cut into 10 x 10; diffuse, and parallel with cones so narrow that both
- * are sampled as cones. Processor seconds per sample of the least of TURNS renders that take turns; set-up is taken off by rendering
- * few samples, too.
+ * A diffuse ball on a floor under a panel of 200 mm, whole or cut into 10 x 10; diffuse, and
+ * parallel with cones so narrow that both are sampled as cones. Processor seconds per sample of the
+ * least of TURNS renders that take turns; set-up is taken off by rendering few samples, too.
  */
 #include "scene_builder.h"
 
@@ -23,8 +24,10 @@ static mcv_scene *make_scene(uint32_t type, int side) {
     add_sphere(scene, 0.03, 40, grey, looking_down_z(0, 0, 0.03));
     for (int i = 0; i < side * side; ++i) {
         const double x = (i % side + 0.5) * pitch - 0.1;
-        const double y = (i / side + 0.5) * pitch - 0.1; // NOLINT(bugprone-integer-division): whole rows
-        add_emitter(scene, type, add_rectangle(scene, pitch, pitch, black, looking_down_z(x, y, 0.3)), 3, 0.01);
+        const double y =
+            (i / side + 0.5) * pitch - 0.1; // NOLINT(bugprone-integer-division): whole rows
+        add_emitter(scene, type,
+                    add_rectangle(scene, pitch, pitch, black, looking_down_z(x, y, 0.3)), 3, 0.01);
     }
     add_pinhole(scene, PIXELS, 0.5, looking_down_z(0, 0, 0.28));
     return scene;
@@ -43,11 +46,13 @@ static double seconds_of(const mcv_scene *scene, uint64_t samples) {
     return (double)(ended.tv_sec - begun.tv_sec) + 1e-9 * (double)(ended.tv_nsec - begun.tv_nsec);
 }
 
-/* Chosen by power through a search, a sample has 1.01 times as many instructions (callgrind), and larger boxes to look through. */
+/* Chosen by power through a search, a sample has 1.01 times as many instructions (callgrind), and
+ * larger boxes to look through. */
 static void compare(uint32_t type, const char *name) {
     static const int sides[2] = {1, 10};
     mcv_scene *scenes[2];
-    double least[2][2] = {{INFINITY, INFINITY}, {INFINITY, INFINITY}}; /* of few and of many samples */
+    double least[2][2] = {{INFINITY, INFINITY},
+                          {INFINITY, INFINITY}}; /* of few and of many samples */
     double each[2];
     for (int i = 0; i < 2; ++i) scenes[i] = make_scene(type, sides[i]);
     for (int turn = 0; turn < TURNS; ++turn)
@@ -56,11 +61,14 @@ static void compare(uint32_t type, const char *name) {
             least[i][1] = fmin(least[i][1], seconds_of(scenes[i], MANY));
         }
     for (int i = 0; i < 2; ++i) {
-        each[i] = (least[i][1] - least[i][0]) / (4.0 * (MANY - FEW) * PIXELS * PIXELS); /* of 4 replicates */
+        each[i] = (least[i][1] - least[i][0]) /
+                  (4.0 * (MANY - FEW) * PIXELS * PIXELS); /* of 4 replicates */
         mcv_scene_free(scenes[i]);
     }
-    print_message("%s: one %.3g ns, a hundred %.3g ns per sample: ratio %.3f\n", name, 1e9 * each[0], 1e9 * each[1], each[1] / each[0]);
-    if (!(each[1] <= 1.2 * each[0])) fail_msg("%s: a hundred emitters cost %.3f times one", name, each[1] / each[0]);
+    print_message("%s: one %.3g ns, a hundred %.3g ns per sample: ratio %.3f\n", name,
+                  1e9 * each[0], 1e9 * each[1], each[1] / each[0]);
+    if (!(each[1] <= 1.2 * each[0]))
+        fail_msg("%s: a hundred emitters cost %.3f times one", name, each[1] / each[0]);
 }
 
 static void test_parallel(void **state) {
@@ -74,6 +82,7 @@ static void test_area(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_parallel), cmocka_unit_test(test_area)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_parallel),
+                                       cmocka_unit_test(test_area)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

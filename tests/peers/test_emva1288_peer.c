@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* ctest: label slow */
-/* The camera as its own standard's reference implementation evaluates it, where `./run deps peers` has put that. */
+/* The camera as its own standard's reference implementation evaluates it, where `./run deps peers`
+ * has put that. */
 #include "test.h"
 
 #include <math.h>
@@ -17,19 +18,21 @@
 enum { WIDTH = 400, HEIGHT = 300, LEVELS = 85, STACK = 16 };
 
 /*
- * Saturation is where the temporal variance is largest: some 2.3 standard deviations below the full well, as the brightest pixels run
- * full first. With 100 000 electrons shot noise (0.3 %) and PRNU (0.2 %) leave 0.8 % of that.
+ * Saturation is where the temporal variance is largest: some 2.3 standard deviations below the full
+ * well, as the brightest pixels run full first. With 100 000 electrons shot noise (0.3 %) and PRNU
+ * (0.2 %) leave 0.8 % of that.
  */
-static const mcv_camera camera = {.electrons_per_unit = {0.6, 0.6, 0.6}, /* eta: the light counts photons */
-                                  .dark_electrons = 44,
-                                  .full_well = 100000,
-                                  .gain = 0.5,
-                                  .read_noise = 10,
-                                  .dsnu = 9,
-                                  .prnu = 0.002,
-                                  .bits = 16,
-                                  .black_level = 200,
-                                  .specimen = 12};
+static const mcv_camera camera = {
+    .electrons_per_unit = {0.6, 0.6, 0.6}, /* eta: the light counts photons */
+    .dark_electrons = 44,
+    .full_well = 100000,
+    .gain = 0.5,
+    .read_noise = 10,
+    .dsnu = 9,
+    .prnu = 0.002,
+    .bits = 16,
+    .black_level = 200,
+    .specimen = 12};
 
 /* Frames of a flat field of so many photons. */
 static void take(const char *kind, double photons, int frames) {
@@ -47,7 +50,8 @@ static void take(const char *kind, double photons, int frames) {
         assert_int_equal(mcv_camera_expose(&c, &light, NULL, &exposure, &error), MCV_OK);
         void *values = mcv_values_pack(&exposure.grey, 16);
         FILE *file = fopen(path, "wb");
-        assert_true(file && values && fwrite(values, 2, (size_t)WIDTH * HEIGHT, file) == (size_t)WIDTH * HEIGHT);
+        assert_true(file && values &&
+                    fwrite(values, 2, (size_t)WIDTH * HEIGHT, file) == (size_t)WIDTH * HEIGHT);
         assert_int_equal(fclose(file), 0);
         free(values);
         mcv_exposure_free(&exposure);
@@ -56,16 +60,21 @@ static void take(const char *kind, double photons, int frames) {
 }
 
 /* Of the full well: in steps of 1.5 % up to 90 %, of 0.25 % where it saturates. */
-static double share_of(int level) { return level <= 60 ? 0.015 * level : 0.95 + 0.0025 * (level - 61); }
+static double share_of(int level) {
+    return level <= 60 ? 0.015 * level : 0.95 + 0.0025 * (level - 61);
+}
 
 static void expect_near(const char *name, double found, double truth, double tolerance) {
-    print_message("%s: %g instead of %g, %.2f %% off\n", name, found, truth, 100 * (found / truth - 1));
-    if (!(fabs(found / truth - 1) <= tolerance)) fail_msg("%s is %g instead of %g", name, found, truth);
+    print_message("%s: %g instead of %g, %.2f %% off\n", name, found, truth,
+                  100 * (found / truth - 1));
+    if (!(fabs(found / truth - 1) <= tolerance))
+        fail_msg("%s is %g instead of %g", name, found, truth);
 }
 
 /*
- * As asked: K within 0.5 %, dark noise, full well, DSNU and PRNU within 2 %, linearity error below 0.1 %. With 120 000 pixels a variance
- * has a standard error of 0.4 %, the line through 46 of them one of 0.1 %.
+ * As asked: K within 0.5 %, dark noise, full well, DSNU and PRNU within 2 %, linearity error below
+ * 0.1 %. With 120 000 pixels a variance has a standard error of 0.4 %, the line through 46 of them
+ * one of 0.1 %.
  */
 static void test_against_the_reference_implementation(void **state) {
     char folder[] = "test_emva1288.XXXXXX";
@@ -78,7 +87,8 @@ static void test_against_the_reference_implementation(void **state) {
         skip();
     }
     assert_true(mkdtemp(folder) && chdir(folder) == 0);
-    for (int level = 0; level <= LEVELS; ++level) take("level", camera.full_well / 0.6 * share_of(level), 2);
+    for (int level = 0; level <= LEVELS; ++level)
+        take("level", camera.full_well / 0.6 * share_of(level), 2);
     take("half", 0, STACK);
     take("half", camera.full_well / 0.6 / 2, STACK);
     FILE *peer = popen(PYTHON " " MCV_SOURCE_DIR "/tests/peers/emva1288_peer.py 400", "r");

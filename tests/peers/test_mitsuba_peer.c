@@ -2,9 +2,11 @@
 /* ctest: label slow */
 /* ctest: timeout 1800 */
 /*
- * An independent witness: thirteen scenes rendered by Mitsuba 3 as well, where `./run deps peers` has put it (tests/peers/mitsuba_peer.py), and
- * compared as `mcvisi compare` does. Rough glass is of α = 0.02 only: what microfacets send on to each other is given back here and lost
- * there, half a percent at α = 0.05; test_gloss.c shows by walks from microfacet to microfacet that metals do give it back.
+ * An independent witness: thirteen scenes rendered by Mitsuba 3 as well, where `./run deps peers`
+ * has put it (tests/peers/mitsuba_peer.py), and compared as `mcvisi compare` does. Rough glass is
+ * of α = 0.02 only: what microfacets send on to each other is given back here and lost there, half
+ * a percent at α = 0.05; test_gloss.c shows by walks from microfacet to microfacet that metals do
+ * give it back.
  */
 #include "estimates.h"
 #include "peer_scenes.h"
@@ -19,11 +21,14 @@ static mcv_film render_peer(const char *name) {
     char command[512];
     mcv_film film;
     BUILD(mcv_film_new(&film, PIXELS, PIXELS, 1, REPLICATES, &builder_error));
-    snprintf(command, sizeof command, PYTHON " " MCV_SOURCE_DIR "/tests/peers/mitsuba_peer.py '%s' %d %d %d", name, PIXELS, REPLICATES, SAMPLES);
+    snprintf(command, sizeof command,
+             PYTHON " " MCV_SOURCE_DIR "/tests/peers/mitsuba_peer.py '%s' %d %d %d", name, PIXELS,
+             REPLICATES, SAMPLES);
     FILE *peer = popen(command, "r");
     const size_t values = (size_t)PIXELS * PIXELS * REPLICATES;
     assert_non_null(peer);
-    if (fread(film.sums, sizeof *film.sums, values, peer) != values) fail_msg("%s: Mitsuba gave no image", name);
+    if (fread(film.sums, sizeof *film.sums, values, peer) != values)
+        fail_msg("%s: Mitsuba gave no image", name);
     assert_int_equal(pclose(peer), 0);
     film.samples = 1;
     return film;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sensors that look into a parallel emitter, with pupils from a thousandth to a thousand times as wide as its cone: closed forms,
- * conservation, and images found by chance alone.
+ * Sensors that look into a parallel emitter, with pupils from a thousandth to a thousand times as
+ * wide as its cone: closed forms, conservation, and images found by chance alone.
  */
 #include "estimates.h"
 
@@ -11,7 +11,8 @@
 enum { SAMPLES = 64, PIXELS = 16 };
 static const double alpha = 0.02; /* half-angle of the pupil */
 
-static mcv_film render(const mcv_scene *scene, uint32_t schedule, uint64_t samples, mcv_render_stats *stats) {
+static mcv_film render(const mcv_scene *scene, uint32_t schedule, uint64_t samples,
+                       mcv_render_stats *stats) {
     mcv_render_options options = mcv_render_defaults();
     mcv_film film;
     options.replicates = REPLICATES;
@@ -31,13 +32,15 @@ static mcv_estimate render_mean(const mcv_scene *scene, uint64_t samples, bool a
     return mean;
 }
 
-/* Roundings to float32 move the edge of a cone of 2e-5 rad, whose angles are known to some 2^-23, by 1 % of it. */
+/* Roundings to float32 move the edge of a cone of 2e-5 rad, whose angles are known to some 2^-23,
+ * by 1 % of it. */
 static void expect(const char *what, mcv_estimate m, double expected, double rounding) {
     expect_estimate(what, m, expected, 0.03, rounding);
 }
 
 /* A field of 1 mm, magnification 1; pupil half-angle alpha: tan alpha = D_t/2f. */
-static void add_camera(mcv_scene *scene, double pupil, uint32_t radiometry, mcv_transform to_world) {
+static void add_camera(mcv_scene *scene, double pupil, uint32_t radiometry,
+                       mcv_transform to_world) {
     mcv_sensor sensor = sensor_defaults(MCV_SENSOR_TELECENTRIC);
     mcv_telecentric_params *p = &sensor.as.telecentric;
     p->focalLength = 0.05;
@@ -53,8 +56,10 @@ static void add_camera(mcv_scene *scene, double pupil, uint32_t radiometry, mcv_
 /* The camera looks down from 0.2 m; the panel looks up at it, turned by `tilt`. */
 static mcv_scene *direct_scene(double ratio, double tilt, uint32_t radiometry) {
     mcv_scene *scene = mcv_scene_new("backlight");
-    const uint32_t panel = add_panel(
-        scene, 0.1, 0.1, true, looking((const double[]){0, 0, 0}, (const double[]){sin(tilt), 0, cos(tilt)}, (const double[]){0, 1, 0}));
+    const uint32_t panel =
+        add_panel(scene, 0.1, 0.1, true,
+                  looking((const double[]){0, 0, 0}, (const double[]){sin(tilt), 0, cos(tilt)},
+                          (const double[]){0, 1, 0}));
     add_emitter(scene, MCV_EMITTER_PARALLEL, panel, 3, alpha / ratio);
     add_camera(scene, alpha, radiometry, looking_down_z(0, 0, 0.2));
     return scene;
@@ -63,7 +68,8 @@ static mcv_scene *direct_scene(double ratio, double tilt, uint32_t radiometry) {
 static const double ratios[] = {1e-1, 0.5, 2, 10, 100, 1000};
 enum { RATIOS = sizeof ratios / sizeof ratios[0] };
 
-/* The directions (a/f, 1) of a pixel fill the circle tan α; of these the cone holds (tan β/tan α)². */
+/* The directions (a/f, 1) of a pixel fill the circle tan α; of these the cone holds (tan β/tan α)².
+ */
 static void test_direct(void **state) {
     (void)state;
     for (size_t i = 0; i < RATIOS; ++i) {
@@ -71,17 +77,20 @@ static void test_direct(void **state) {
         char what[64];
         snprintf(what, sizeof what, "pupil/cone %g", ratios[i]);
         mcv_scene *scene = direct_scene(ratios[i], 0, 0);
-        expect(what, render_mean(scene, SAMPLES, ratios[i] > 1), 3 * share, 1e-4 * fmax(1, ratios[i] / 10));
+        expect(what, render_mean(scene, SAMPLES, ratios[i] > 1), 3 * share,
+               1e-4 * fmax(1, ratios[i] / 10));
         mcv_scene_free(scene);
     }
 }
 
-/* A tilted panel: the cone of half-angle β, seen at the angle t from the axis, cuts the plane z = 1 in an ellipse of axes ratio cos t... */
+/* A tilted panel: the cone of half-angle β, seen at the angle t from the axis, cuts the plane z = 1
+ * in an ellipse of axes ratio cos t... */
 static void test_tilted(void **state) {
     (void)state;
     for (size_t i = 2; i < RATIOS; ++i) {
         const double beta = alpha / ratios[i], tilt = 0.4 * alpha;
-        /* Semi-axes of the section of a cone (Dandelin): (tan(t + β) - tan(t - β))/2 along, and across by the centre's distance. */
+        /* Semi-axes of the section of a cone (Dandelin): (tan(t + β) - tan(t - β))/2 along, and
+         * across by the centre's distance. */
         const double along = (tan(tilt + beta) - tan(tilt - beta)) / 2;
         const double centre = (tan(tilt + beta) + tan(tilt - beta)) / 2;
         /* The cone's surface above the centre: cos β |v| = v·axis, v = (centre, y, 1). */
@@ -97,19 +106,22 @@ static void test_tilted(void **state) {
     }
 }
 
-/* Irradiance of the light within the cone: L π sin²β on the object's side, over m² = 1 in the image. */
+/* Irradiance of the light within the cone: L π sin²β on the object's side, over m² = 1 in the
+ * image. */
 static void test_irradiance(void **state) {
     (void)state;
     for (size_t i = 2; i < RATIOS; ++i) {
         char what[64];
         snprintf(what, sizeof what, "irradiance, pupil/cone %g", ratios[i]);
         mcv_scene *scene = direct_scene(ratios[i], 0, MCV_RADIOMETRY_IRRADIANCE);
-        expect(what, render_mean(scene, SAMPLES, true), 3 * M_PI * pow(sin(alpha / ratios[i]), 2), 1e-4 * fmax(1, ratios[i] / 10));
+        expect(what, render_mean(scene, SAMPLES, true), 3 * M_PI * pow(sin(alpha / ratios[i]), 2),
+               1e-4 * fmax(1, ratios[i] / 10));
         mcv_scene_free(scene);
     }
 }
 
-/* A light field camera with a field of 1 mm; its 3 x 3 squares of the lens have half the width tan alpha, seen from the plane in focus. */
+/* A light field camera with a field of 1 mm; its 3 x 3 squares of the lens have half the width tan
+ * alpha, seen from the plane in focus. */
 static void add_light_field_camera(mcv_scene *scene, mcv_transform to_world) {
     mcv_sensor sensor = sensor_defaults(MCV_SENSOR_LIGHT_FIELD);
     mcv_light_field_params *p = &sensor.as.light_field;
@@ -124,7 +136,8 @@ static void add_light_field_camera(mcv_scene *scene, mcv_transform to_world) {
     add_sensor(scene, MCV_SENSOR_LIGHT_FIELD, &sensor, to_world);
 }
 
-/* Seen from each of its places in focus the lens fills the square of 3 tan α about a chief ray; of these directions it is the cone's share.
+/* Seen from each of its places in focus the lens fills the square of 3 tan α about a chief ray; of
+ * these directions it is the cone's share.
  */
 static void test_light_field_camera(void **state) {
     (void)state;
@@ -133,9 +146,11 @@ static void test_light_field_camera(void **state) {
         char what[64];
         snprintf(what, sizeof what, "light field, pupil/cone %g", ratios[i]);
         mcv_scene *scene = mcv_scene_new("backlight");
-        add_emitter(scene, MCV_EMITTER_PARALLEL, add_panel(scene, 0.1, 0.1, true, looking_up_z(0, 0, 0)), 3, beta);
+        add_emitter(scene, MCV_EMITTER_PARALLEL,
+                    add_panel(scene, 0.1, 0.1, true, looking_up_z(0, 0, 0)), 3, beta);
         add_light_field_camera(scene, looking_down_z(0, 0, 0.2));
-        expect(what, render_mean(scene, SAMPLES, true), 3 * M_PI * pow(tan(beta) / (6 * tan(alpha)), 2), 1e-4 * fmax(1, ratios[i] / 10));
+        expect(what, render_mean(scene, SAMPLES, true),
+               3 * M_PI * pow(tan(beta) / (6 * tan(alpha)), 2), 1e-4 * fmax(1, ratios[i] / 10));
         mcv_scene_free(scene);
     }
 }
@@ -143,16 +158,18 @@ static void test_light_field_camera(void **state) {
 /* A ball lens between the panel and the plane in focus. */
 static mcv_scene *ball_scene(double pupil, double beta, bool even) {
     mcv_scene *scene = mcv_scene_new("ball");
-    add_emitter(scene, MCV_EMITTER_PARALLEL, add_panel(scene, 0.04, 0.04, even, looking_up_z(0, 0, -0.03)), 3, beta);
+    add_emitter(scene, MCV_EMITTER_PARALLEL,
+                add_panel(scene, 0.04, 0.04, even, looking_up_z(0, 0, -0.03)), 3, beta);
     add_sphere(scene, 0.01, 100, add_glass(scene, 1.5, 0, 0), looking_down_z(0, 0, 0));
     add_camera(scene, pupil, 0, looking_down_z(0, 0, 0.11));
     return scene;
 }
 
 /*
- * The camera focuses on the ball's vertex; what leaves the pixel at height y with slope a meets the panel at the angle a - y/F or so: all
- * angles within the field. The light that all pixels see together is the panel's, its cone's solid angle times the area in which the
- * pupil's light meets it: proportional to sin²β to first order, and the same with and without aiming.
+ * The camera focuses on the ball's vertex; what leaves the pixel at height y with slope a meets the
+ * panel at the angle a - y/F or so: all angles within the field. The light that all pixels see
+ * together is the panel's, its cone's solid angle times the area in which the pupil's light meets
+ * it: proportional to sin²β to first order, and the same with and without aiming.
  */
 static void test_through_a_lens(void **state) {
     (void)state;
@@ -203,9 +220,10 @@ static void test_schedules(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_direct),         cmocka_unit_test(test_tilted),
-                                       cmocka_unit_test(test_irradiance),     cmocka_unit_test(test_light_field_camera),
-                                       cmocka_unit_test(test_through_a_lens), cmocka_unit_test(test_wide_cones),
-                                       cmocka_unit_test(test_schedules)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_direct),         cmocka_unit_test(test_tilted),
+        cmocka_unit_test(test_irradiance),     cmocka_unit_test(test_light_field_camera),
+        cmocka_unit_test(test_through_a_lens), cmocka_unit_test(test_wide_cones),
+        cmocka_unit_test(test_schedules)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -29,7 +29,8 @@ static void test_open_by_number_and_by_name(void **state) {
     (void)state;
     assert_int_equal(mcv_cl_open("0", &by_number, &error), MCV_OK);
     const char *colon = strchr(by_number.name, ':');
-    snprintf(name, sizeof name, "%.*s:%s:%s", (int)(colon - by_number.name), by_number.name, by_number.cpu ? "CPU" : "gpu", colon + 2);
+    snprintf(name, sizeof name, "%.*s:%s:%s", (int)(colon - by_number.name), by_number.name,
+             by_number.cpu ? "CPU" : "gpu", colon + 2);
     assert_int_equal(mcv_cl_open(name, &by_name, &error), MCV_OK);
     assert_string_equal(by_number.name, by_name.name);
     mcv_cl_close(&by_number);
@@ -54,7 +55,8 @@ static void test_build_failure_carries_the_log(void **state) {
     cl_program program;
     (void)state;
     assert_int_equal(mcv_cl_open(NULL, &cl, &error), MCV_OK);
-    assert_int_equal(mcv_cl_build(&cl, "test/intersect", "-Dfloat=nonsense", &program, &error), MCV_DEVICE);
+    assert_int_equal(mcv_cl_build(&cl, "test/intersect", "-Dfloat=nonsense", &program, &error),
+                     MCV_DEVICE);
     assert_null(program);
     assert_non_null(strstr(error.text, "clBuildProgram of test/intersect.cl"));
     assert_non_null(strstr(error.text, "nonsense"));
@@ -69,7 +71,9 @@ static void test_too_large_a_buffer_names_its_purpose(void **state) {
     cl_mem buffer;
     (void)state;
     assert_int_equal(mcv_cl_open(NULL, &cl, &error), MCV_OK);
-    assert_int_equal(mcv_cl_buffer(&cl, "the test's buffer", cl.largest_allocation + 1, NULL, &buffer, &error), MCV_DEVICE);
+    assert_int_equal(
+        mcv_cl_buffer(&cl, "the test's buffer", cl.largest_allocation + 1, NULL, &buffer, &error),
+        MCV_DEVICE);
     assert_null(buffer);
     assert_non_null(strstr(error.text, "the test's buffer"));
     mcv_cl_close(&cl);

@@ -8,7 +8,8 @@
 
 #include "film/film.h"
 
-/* A value whose sum depends on the order of adding: uniform bits, exponents spread over 2^±64, far more than a double holds. */
+/* A value whose sum depends on the order of adding: uniform bits, exponents spread over 2^±64, far
+ * more than a double holds. */
 static double scattered(uint32_t *state) {
     *state = *state * 1664525u + 1013904223u;
     return ldexp((double)(*state >> 8) / 16777216.0 - 0.25, (int)(*state >> 25) - 64);
@@ -23,11 +24,13 @@ static void test_tree_sum_is_the_same_for_every_split(void **state) {
     for (int i = 0; i < COUNT * STRIDE; ++i) values[i] = scattered(&seed);
     for (size_t i = 0; i < COUNT; ++i) in_order += values[i * STRIDE];
     const double whole = mcv_tree_sum(values, COUNT, STRIDE);
-    /* Any order is within n u of the sum of magnitudes; the data are such that the bits do differ, else the test says nothing. */
+    /* Any order is within n u of the sum of magnitudes; the data are such that the bits do differ,
+     * else the test says nothing. */
     assert_true(whole != in_order);
     for (size_t block = 1; block <= COUNT; block *= 2) {
         double blocks[COUNT];
-        for (size_t i = 0; i < COUNT / block; ++i) blocks[i] = mcv_tree_sum(values + i * block * STRIDE, block, STRIDE);
+        for (size_t i = 0; i < COUNT / block; ++i)
+            blocks[i] = mcv_tree_sum(values + i * block * STRIDE, block, STRIDE);
         const double sum = mcv_tree_sum(blocks, COUNT / block, 1);
         if (sum != whole) fail_msg("blocks of %zu: %.17g instead of %.17g", block, sum, whole);
     }
@@ -49,19 +52,22 @@ static void test_merge_of_rounds_equals_the_whole(void **state) {
         mcv_film round;
         assert_int_equal(mcv_film_new(&round, 3, 2, 1, REPLICATES, &error), MCV_OK);
         round.samples = count;
-        for (int i = 0; i < REPLICATES * PIXELS; ++i) round.sums[i] = mcv_tree_sum(values + (size_t)i * SAMPLES + first, count, 1);
+        for (int i = 0; i < REPLICATES * PIXELS; ++i)
+            round.sums[i] = mcv_tree_sum(values + (size_t)i * SAMPLES + first, count, 1);
         assert_int_equal(mcv_film_merge(&film, &round, &error), MCV_OK);
         mcv_film_free(&round);
     }
     assert_int_equal(film.samples, SAMPLES);
     for (int i = 0; i < REPLICATES * PIXELS; ++i) {
         const double whole = mcv_tree_sum(values + (size_t)i * SAMPLES, SAMPLES, 1);
-        if (film.sums[i] != whole) fail_msg("place %d: %.17g instead of %.17g", i, film.sums[i], whole);
+        if (film.sums[i] != whole)
+            fail_msg("place %d: %.17g instead of %.17g", i, film.sums[i], whole);
     }
     mcv_film_free(&film);
 }
 
-/* What light paths bring counts beside the camera paths' sums, in its unit, and films are merged with it. */
+/* What light paths bring counts beside the camera paths' sums, in its unit, and films are merged
+ * with it. */
 static void test_splats_are_added(void **state) {
     (void)state;
     const double camera[2] = {3, 5};
@@ -105,7 +111,8 @@ static void test_develop_gives_mean_and_standard_error(void **state) {
     mcv_film film;
     assert_int_equal(mcv_film_new(&film, 2, 1, 1, 4, &error), MCV_OK);
     film.samples = 2;
-    /* Replicate means 1 2 3 4: mean 2.5, variance 5/3 with 3 degrees of freedom, SE = √(5/12). The other pixel is 3 without error. */
+    /* Replicate means 1 2 3 4: mean 2.5, variance 5/3 with 3 degrees of freedom, SE = √(5/12). The
+     * other pixel is 3 without error. */
     for (size_t r = 0; r < 4; ++r) {
         film.sums[2 * r] = 2 * ((double)r + 1);
         film.sums[2 * r + 1] = 6;
@@ -136,7 +143,8 @@ static void test_develop_at_the_edges(void **state) {
     film.samples = 1;
     film.sums[0] = 5;
     assert_int_equal(mcv_film_develop(&film, &mean, &standard_error, &error), MCV_OK);
-    assert_true(mean.pixels[0] == 5.0f && isnan(standard_error.pixels[0]) && isnan(mcv_film_relative_error(&film)));
+    assert_true(mean.pixels[0] == 5.0f && isnan(standard_error.pixels[0]) &&
+                isnan(mcv_film_relative_error(&film)));
     mcv_image_free(&mean);
     mcv_image_free(&standard_error);
     mcv_film_free(&film);
@@ -157,8 +165,8 @@ static void test_develop_at_the_edges(void **state) {
 }
 
 /*
- * The standard error is right when (mean - truth)/SE follows Student's t with R - 1 = 3 degrees of freedom: |t| < 3.1824
- * in 95 % of all pixels.
+ * The standard error is right when (mean - truth)/SE follows Student's t with R - 1 = 3 degrees of
+ * freedom: |t| < 3.1824 in 95 % of all pixels.
  */
 static void test_standard_error_covers_the_truth(void **state) {
     (void)state;
@@ -169,7 +177,8 @@ static void test_standard_error_covers_the_truth(void **state) {
     film.samples = 1;
     uint64_t bits = 88172645463325252u;
     for (int i = 0; i < PIXELS * REPLICATES; ++i) {
-        double normal = -6; /* the sum of twelve uniforms less 6: variance 1, near enough to normal for the bound below */
+        double normal = -6; /* the sum of twelve uniforms less 6: variance 1, near enough to normal
+                               for the bound below */
         for (int k = 0; k < 12; ++k) {
             bits ^= bits << 13;
             bits ^= bits >> 7;
@@ -181,10 +190,14 @@ static void test_standard_error_covers_the_truth(void **state) {
     mcv_image mean, standard_error;
     assert_int_equal(mcv_film_develop(&film, &mean, &standard_error, &error), MCV_OK);
     int covered = 0;
-    for (int i = 0; i < PIXELS; ++i) covered += fabs(mean.pixels[i] - 10.0) < 3.1824 * standard_error.pixels[i];
-    /* Binomial: SD √(0.95 0.05 / 20000) = 0.0015; five of them. The normal quantile 1.96 would give 0.855. */
+    for (int i = 0; i < PIXELS; ++i)
+        covered += fabs(mean.pixels[i] - 10.0) < 3.1824 * standard_error.pixels[i];
+    /* Binomial: SD √(0.95 0.05 / 20000) = 0.0015; five of them. The normal quantile 1.96 would give
+     * 0.855. */
     const double share = (double)covered / PIXELS;
-    if (fabs(share - 0.95) > 0.0077) fail_msg("the 95 %% interval covers the truth in %.2f %% of %d pixels", 100 * share, PIXELS);
+    if (fabs(share - 0.95) > 0.0077)
+        fail_msg("the 95 %% interval covers the truth in %.2f %% of %d pixels", 100 * share,
+                 PIXELS);
     mcv_image_free(&mean);
     mcv_image_free(&standard_error);
     mcv_film_free(&film);

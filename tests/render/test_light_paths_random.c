@@ -2,9 +2,10 @@
 /* ctest: label slow */
 /* ctest: timeout 1800 */
 /*
- * Light paths bring what camera paths find by chance: random small scenes of smooth, diffuse, translucent, glossy and matt bodies, in
- * air or in coloured water, under parallel light and projectors wide enough to be found, seen by random sensors. Each is rendered with and
- * without light paths; the shares of both ways range from nothing to all.
+ * Light paths bring what camera paths find by chance: random small scenes of smooth, diffuse,
+ * translucent, glossy and matt bodies, in air or in coloured water, under parallel light and
+ * projectors wide enough to be found, seen by random sensors. Each is rendered with and without
+ * light paths; the shares of both ways range from nothing to all.
  */
 #include "scene_builder.h"
 
@@ -60,7 +61,8 @@ static void add_smooth_body(mcv_scene *scene) {
     const mcv_transform to_world = somehow_down(x, y, z, 0.3);
     switch (one_of(5)) {
     case 0:
-        add_sphere(scene, uniform(0.003, 0.006), 32, add_glass(scene, uniform(1.2, 2), uniform(0, 50), 1), to_world);
+        add_sphere(scene, uniform(0.003, 0.006), 32,
+                   add_glass(scene, uniform(1.2, 2), uniform(0, 50), 1), to_world);
         break;
     case 1:
         add_box(scene, (const double[]){uniform(0.004, 0.01), uniform(0.004, 0.01), 0.002},
@@ -69,37 +71,47 @@ static void add_smooth_body(mcv_scene *scene) {
     case 2:
         mcv_params_set_defaults(mcv_material_table(MCV_MATERIAL_MIRROR), &material.as);
         colour(0.5, 1, material.as.mirror.reflectance);
-        add_rectangle(scene, 0.015, 0.02, add_material(scene, MCV_MATERIAL_MIRROR, &material), to_world);
+        add_rectangle(scene, 0.015, 0.02, add_material(scene, MCV_MATERIAL_MIRROR, &material),
+                      to_world);
         break;
     case 3:
         mcv_params_set_defaults(mcv_material_table(MCV_MATERIAL_SHEET), &material.as);
         colour(0.5, 1, material.as.sheet.transmittance);
-        add_rectangle(scene, 0.02, 0.02, add_material(scene, MCV_MATERIAL_SHEET, &material), to_world);
+        add_rectangle(scene, 0.02, 0.02, add_material(scene, MCV_MATERIAL_SHEET, &material),
+                      to_world);
         break;
     default:
         mcv_params_set_defaults(mcv_material_table(MCV_MATERIAL_BEAM_SPLITTER), &material.as);
         colour(0.2, 0.5, material.as.beam_splitter.reflectance);
         colour(0.2, 0.5, material.as.beam_splitter.transmittance);
-        add_rectangle(scene, 0.02, 0.02, add_material(scene, MCV_MATERIAL_BEAM_SPLITTER, &material), to_world);
+        add_rectangle(scene, 0.02, 0.02, add_material(scene, MCV_MATERIAL_BEAM_SPLITTER, &material),
+                      to_world);
     }
 }
 
 /* A square of `side` with texture coordinates, its front along the node's -z. */
 static uint32_t add_screen(mcv_scene *scene, double side, mcv_transform to_world) {
     const float h = (float)(side / 2);
-    float positions[] = {-h, -h, 0, h, -h, 0, h, h, 0, -h, h, 0}, texcoords[] = {0, 1, 1, 1, 1, 0, 0, 0};
+    float positions[] = {-h, -h, 0, h, -h, 0, h, h, 0, -h, h, 0},
+          texcoords[] = {0, 1, 1, 1, 1, 0, 0, 0};
     uint32_t indices[] = {0, 2, 1, 0, 3, 2};
-    return add_instance(
-        scene, &(mcv_mesh){.vertex_count = 4, .triangle_count = 2, .positions = positions, .texcoords = texcoords, .indices = indices},
-        add_absorber(scene), to_world);
+    return add_instance(scene,
+                        &(mcv_mesh){.vertex_count = 4,
+                                    .triangle_count = 2,
+                                    .positions = positions,
+                                    .texcoords = texcoords,
+                                    .indices = indices},
+                        add_absorber(scene), to_world);
 }
 
 static void add_light(mcv_scene *scene) {
-    static const uint32_t types[] = {MCV_EMITTER_PARALLEL, MCV_EMITTER_TELECENTRIC_PROJECTOR, MCV_EMITTER_PROJECTOR};
+    static const uint32_t types[] = {MCV_EMITTER_PARALLEL, MCV_EMITTER_TELECENTRIC_PROJECTOR,
+                                     MCV_EMITTER_PROJECTOR};
     static uint8_t picture[4 * 4 * 3];
     mcv_emitter light = {.name = (char *)"light", .type = types[one_of(3)], .texture = MCV_NONE};
     const double distance = 0.05, side = uniform(0.01, 0.025);
-    const mcv_transform to_world = somehow_down(uniform(-0.005, 0.005), uniform(-0.005, 0.005), distance, 0.95);
+    const mcv_transform to_world =
+        somehow_down(uniform(-0.005, 0.005), uniform(-0.005, 0.005), distance, 0.95);
     light.instance = add_screen(scene, side, to_world);
     mcv_params_set_defaults(mcv_emitter_table(light.type), &light.as);
     if (light.type == MCV_EMITTER_PARALLEL) {
@@ -107,7 +119,12 @@ static void add_light(mcv_scene *scene) {
         colour(10, 100, light.as.parallel.radiance);
     } else {
         for (size_t i = 0; i < sizeof picture; ++i) picture[i] = (uint8_t)uniform(0, 256);
-        mcv_texture texture = {.width = 4, .height = 3, .wrap_s = 33071, .wrap_t = 33071, .nearest = true, .rgba = picture};
+        mcv_texture texture = {.width = 4,
+                               .height = 3,
+                               .wrap_s = 33071,
+                               .wrap_t = 33071,
+                               .nearest = true,
+                               .rgba = picture};
         BUILD(mcv_scene_add_texture(scene, &texture, &builder_error));
     }
     if (light.type == MCV_EMITTER_TELECENTRIC_PROJECTOR) {
@@ -130,9 +147,11 @@ static void add_light(mcv_scene *scene) {
 }
 
 static void add_camera(mcv_scene *scene) {
-    static const uint32_t types[] = {MCV_SENSOR_PINHOLE, MCV_SENSOR_THIN_LENS, MCV_SENSOR_TELECENTRIC};
+    static const uint32_t types[] = {MCV_SENSOR_PINHOLE, MCV_SENSOR_THIN_LENS,
+                                     MCV_SENSOR_TELECENTRIC};
     mcv_sensor sensor = sensor_defaults(types[one_of(3)]);
-    const double distance = 0.1, field = exp(uniform(log(2e-4), log(0.03))), f = 0.02, focus = uniform(0.08, 0.12);
+    const double distance = 0.1, field = exp(uniform(log(2e-4), log(0.03))), f = 0.02,
+                 focus = uniform(0.08, 0.12);
     const double b = f * focus / (focus - f), c = uniform(0.4, 0.9), s = sqrt(1 - c * c);
     const uint32_t radiometry = one_of(2) ? MCV_RADIOMETRY_IRRADIANCE : MCV_RADIOMETRY_RADIANCE;
     uint32_t *pixels;
@@ -158,7 +177,8 @@ static void add_camera(mcv_scene *scene) {
     }
     for (int k = 0; k < 2; ++k) pixels[k] = PIXELS, pitch[k] = image / PIXELS;
     add_sensor(scene, sensor.type, &sensor,
-               looking((const double[]){distance * s, 0, distance * c}, (const double[]){-s, 0, -c}, (const double[]){-c, 0, s}));
+               looking((const double[]){distance * s, 0, distance * c}, (const double[]){-s, 0, -c},
+                       (const double[]){-c, 0, s}));
 }
 
 static mcv_scene *random_scene(uint32_t number) {
@@ -167,10 +187,15 @@ static mcv_scene *random_scene(uint32_t number) {
     const bool water = one_of(4) == 0;
     add_rectangle(scene, 0.06, 0.06, spreading(scene), looking_up_z(0, 0, 0));
     add_rectangle(scene, 0.06, 0.03, spreading(scene),
-                  looking((const double[]){-0.015, 0, 0.015}, (const double[]){1, 0, 0}, (const double[]){0, 0, 1}));
+                  looking((const double[]){-0.015, 0, 0.015}, (const double[]){1, 0, 0},
+                          (const double[]){0, 0, 1}));
     for (int i = one_of(3); i >= 0; --i) add_smooth_body(scene);
-    if (one_of(2)) add_box(scene, (const double[]){0.002, 0.003, 0.004}, spreading(scene), somehow_down(0.008, 0, 0.005, 0));
-    if (water) add_box(scene, (const double[]){0.5, 0.5, 0.5}, add_glass(scene, 1.33, uniform(0, 10), 0), looking_down_z(0, 0, 0));
+    if (one_of(2))
+        add_box(scene, (const double[]){0.002, 0.003, 0.004}, spreading(scene),
+                somehow_down(0.008, 0, 0.005, 0));
+    if (water)
+        add_box(scene, (const double[]){0.5, 0.5, 0.5}, add_glass(scene, 1.33, uniform(0, 10), 0),
+                looking_down_z(0, 0, 0));
     add_light(scene);
     if (one_of(3) == 0) add_light(scene);
     add_camera(scene);
@@ -195,12 +220,15 @@ static void test_against_chance(void **state) {
         }
         const bool with_light = strstr(stats[0].features, "light-tracing");
         BUILD(mcv_compare_films(&films[0], &films[1], &c, &builder_error));
-        print_message("scene %u (%s, sensor %u, %s light paths): %.6g and %.6g, errors %.2g %% and %.2g %%; %s\n", i, stats[0].features,
-                      scene->sensors[0].type, with_light ? "with" : "without", c.mean_x, c.mean_y, 100 * mcv_film_relative_error(&films[0]),
+        print_message("scene %u (%s, sensor %u, %s light paths): %.6g and %.6g, errors %.2g %% and "
+                      "%.2g %%; %s\n",
+                      i, stats[0].features, scene->sensors[0].type, with_light ? "with" : "without",
+                      c.mean_x, c.mean_y, 100 * mcv_film_relative_error(&films[0]),
                       100 * mcv_film_relative_error(&films[1]), c.reason);
         /* Light that is found in a few bursts tells nothing about pixels. */
         const bool found = mcv_film_relative_error(&films[1]) <= 0.1;
-        if (stats[0].saturated > 0 || stats[0].nonfinite > 0) fail_msg("scene %u: saturated or not finite", i);
+        if (stats[0].saturated > 0 || stats[0].nonfinite > 0)
+            fail_msg("scene %u: saturated or not finite", i);
         if (c.different && found) fail_msg("scene %u: %s", i, c.reason);
         traced += with_light && found;
         mcv_film_free(&films[0]);

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What each precision buys: long chains of reflections and lenses of meshes; mixed precision's images. */
+/* What each precision buys: long chains of reflections and lenses of meshes; mixed precision's
+ * images. */
 #include "agreement.h"
 
 #include "analysis/compare.h"
 
-/* test_precision_slow.c sets it: all cases, of which the quick test has those that no others stand for. */
+/* test_precision_slow.c sets it: all cases, of which the quick test has those that no others stand
+ * for. */
 #ifndef SLOW
 #define SLOW 0
 #endif
@@ -24,7 +26,8 @@ static void ball_lens(void **state) {
     for (int by = 0; by < RAY_TRACERS; ++by)
         for (double h = 0.05; h < 0.95; h += 0.05) {
             mcv_vertex v[DEPTH + 1];
-            const double outside = asin(h), inside = asin(h / n), slope = 2 * (outside - inside), truth = h / sin(slope);
+            const double outside = asin(h), inside = asin(h / n), slope = 2 * (outside - inside),
+                         truth = h / sin(slope);
             off_by off = {0, units[by]};
             off = off_beyond(off, units[by], -start, -start, cos(outside), 1, 1 / n);
             off = off_beyond(off, units[by], -start, 2 * cos(inside), cos(inside), 1, n);
@@ -33,23 +36,26 @@ static void ball_lens(void **state) {
             expect_near("T4 ball lens: crossing, by precision", by, crossing(v + 2), truth,
                         (off.place + (1 + truth) * off.way) / sin(slope));
         }
-    for (int by = 0; by < RAY_TRACERS; ++by) print_message("  crossing of the axis, %s: within %.2g\n", name_of(by), worst[by]);
+    for (int by = 0; by < RAY_TRACERS; ++by)
+        print_message("  crossing of the axis, %s: within %.2g\n", name_of(by), worst[by]);
     mcv_scene_free(scene);
 }
 
 /*
- * A ray that goes round in a ball of glass, totally reflected: at each reflection it turns by 2 i about the centre, so that the place
- * of the n-th is at the angle φ + n (π - 2 i). The direction errs by its rounding and twice the normal's, 16 units of rounding in all, and
- * the angle of incidence is wrong by the sum of those so far: n² 16 units over n reflections at most, were they all of one sign. The
- * largest coordinate is 1, and a place rounds by 5 units once more.
+ * A ray that goes round in a ball of glass, totally reflected: at each reflection it turns by 2 i
+ * about the centre, so that the place of the n-th is at the angle φ + n (π - 2 i). The direction
+ * errs by its rounding and twice the normal's, 16 units of rounding in all, and the angle of
+ * incidence is wrong by the sum of those so far: n² 16 units over n reflections at most, were they
+ * all of one sign. The largest coordinate is 1, and a place rounds by 5 units once more.
  */
 static void reflections_in_a_ball(void **state) {
     (void)state;
     enum { MOST = 1000 };
     static const int numbers[] = {10, 100, 1000};
     const double phi = 0.3, incidence = 0.9;
-    const mcv_trace_ray ray = {{cos(phi) - 0.5 * cos(phi + incidence), sin(phi) - 0.5 * sin(phi + incidence), 0},
-                               {cos(phi + incidence), sin(phi + incidence), 0}};
+    const mcv_trace_ray ray = {
+        {cos(phi) - 0.5 * cos(phi + incidence), sin(phi) - 0.5 * sin(phi + incidence), 0},
+        {cos(phi + incidence), sin(phi + incidence), 0}};
     mcv_scene *scene = new_scene();
     const uint32_t glass = add_glass(scene, 1.5, 0, 0);
     const mcv_solid ball = sphere(1);
@@ -73,8 +79,8 @@ static void reflections_in_a_ball(void **state) {
 }
 
 /*
- * A mesh's triangles are met precisely, too: a ball and a box, turned and moved so that no coordinate is a float. Rays that graze a
- * triangle or meet another one are few.
+ * A mesh's triangles are met precisely, too: a ball and a box, turned and moved so that no
+ * coordinate is a float. Rays that graze a triangle or meet another one are few.
  */
 static void meshes_against_reference(void **state) {
     (void)state;
@@ -93,8 +99,10 @@ static void meshes_against_reference(void **state) {
         uint64_t seed = 3 + (uint64_t)box;
         for (int i = 0; i < RAYS; ++i)
             for (int k = 0; k < 3; ++k) {
-                rays[i].origin[k] = turned.m[9 + k] + 0.1 * (uniform(&seed) - 0.5) + (k == 2 ? 0.1 : 0);
-                rays[i].direction[k] = turned.m[9 + k] + 0.009 * (uniform(&seed) - 0.5) - rays[i].origin[k];
+                rays[i].origin[k] =
+                    turned.m[9 + k] + 0.1 * (uniform(&seed) - 0.5) + (k == 2 ? 0.1 : 0);
+                rays[i].direction[k] =
+                    turned.m[9 + k] + 0.009 * (uniform(&seed) - 0.5) - rays[i].origin[k];
             }
         expect_agreement(box ? "box" : "ball", scene, rays, RAYS, 0.3, radius);
         free(rays);
@@ -102,9 +110,12 @@ static void meshes_against_reference(void **state) {
     }
 }
 
-/* --- images ----------------------------------------------------------------------------------------------------- */
+/* --- images
+ * -----------------------------------------------------------------------------------------------------
+ */
 
-/* A ball of glass as a mesh before an exact one with a bubble, a mirror behind them, a pane and a floor; a panel and the sky shine. */
+/* A ball of glass as a mesh before an exact one with a bubble, a mirror behind them, a pane and a
+ * floor; a panel and the sky shine. */
 static mcv_scene *still_life(void) {
     mcv_scene *scene = new_scene();
     mcv_solid ball = sphere(0.2), bubble = sphere(0.08);
@@ -118,16 +129,23 @@ static mcv_scene *still_life(void) {
     add_sphere(scene, 0.2, 16, glass, beside);
     const double third = 1.0 / 3;
     const double across[3] = {0, -1, 0}, up[3] = {0, 0, 1};
-    add_rectangle(scene, 2, 1, add_material(scene, MCV_MATERIAL_MIRROR, NULL), looking((const double[3]){0, 0.5, third}, across, up));
-    add_rectangle(scene, 0.4, 0.4, add_material(scene, MCV_MATERIAL_SHEET, NULL), looking_up_z(0.1, -0.2, 0.7));
+    add_rectangle(scene, 2, 1, add_material(scene, MCV_MATERIAL_MIRROR, NULL),
+                  looking((const double[3]){0, 0.5, third}, across, up));
+    add_rectangle(scene, 0.4, 0.4, add_material(scene, MCV_MATERIAL_SHEET, NULL),
+                  looking_up_z(0.1, -0.2, 0.7));
     add_rectangle(scene, 2, 2, add_diffuse(scene, 0.6), looking_up_z(0, 0, 0));
-    add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 0.5, 0.5, add_absorber(scene), looking_down_z(0, 0, 1.7)), 3, 0);
+    add_emitter(scene, MCV_EMITTER_AREA,
+                add_rectangle(scene, 0.5, 0.5, add_absorber(scene), looking_down_z(0, 0, 1.7)), 3,
+                0);
     add_environment(scene, 0.3);
-    add_pinhole(scene, 24, 0.7, looking((const double[3]){0.1, -1, 1.5}, (const double[3]){0, 0.6, -0.8}, (const double[3]){0, 0.8, 0.6}));
+    add_pinhole(scene, 24, 0.7,
+                looking((const double[3]){0.1, -1, 1.5}, (const double[3]){0, 0.6, -0.8},
+                        (const double[3]){0, 0.8, 0.6}));
     return scene;
 }
 
-static mcv_film render(const mcv_scene *scene, uint32_t precision, uint32_t schedule, uint32_t slice, uint32_t seed) {
+static mcv_film render(const mcv_scene *scene, uint32_t precision, uint32_t schedule,
+                       uint32_t slice, uint32_t seed) {
     mcv_render_options options = mcv_render_defaults();
     mcv_render_stats stats;
     mcv_film film;
@@ -143,14 +161,16 @@ static mcv_film render(const mcv_scene *scene, uint32_t precision, uint32_t sche
     return film;
 }
 
-/* The same bits by both schedules and other slices; other ones than in single precision, but the same picture. */
+/* The same bits by both schedules and other slices; other ones than in single precision, but the
+ * same picture. */
 static void images(void **state) {
     (void)state;
     mcv_scene *scene = still_life();
     mcv_film tile = render(scene, MCV_PRECISION_MIXED, MCV_SCHEDULE_TILE, 0, 1);
     mcv_film alike = render(scene, MCV_PRECISION_SINGLE, MCV_SCHEDULE_TILE, 0, 1);
     mcv_film single = render(scene, MCV_PRECISION_SINGLE, MCV_SCHEDULE_TILE, 0, 2);
-    const size_t bytes = (size_t)tile.width * tile.height * tile.channels * tile.replicates * sizeof *tile.sums;
+    const size_t bytes =
+        (size_t)tile.width * tile.height * tile.channels * tile.replicates * sizeof *tile.sums;
     mcv_comparison comparison;
     for (int stream = 0; stream < 2 * SLOW; ++stream) {
         const uint32_t schedule = stream ? MCV_SCHEDULE_STREAM : MCV_SCHEDULE_TILE;
@@ -173,8 +193,10 @@ static void images(void **state) {
 #endif
 
 int main(void) {
-    const struct CMUnitTest rays[] = {cmocka_unit_test(ball_lens), cmocka_unit_test(reflections_in_a_ball),
+    const struct CMUnitTest rays[] = {cmocka_unit_test(ball_lens),
+                                      cmocka_unit_test(reflections_in_a_ball),
                                       cmocka_unit_test(meshes_against_reference)};
     const struct CMUnitTest renders[] = {cmocka_unit_test(images)};
-    return IMAGES ? cmocka_run_group_tests(renders, NULL, NULL) : cmocka_run_group_tests(rays, NULL, NULL);
+    return IMAGES ? cmocka_run_group_tests(renders, NULL, NULL)
+                  : cmocka_run_group_tests(rays, NULL, NULL);
 }

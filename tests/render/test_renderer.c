@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A renderer that is used again and again gives the bits of one that is used once, and keeps what has not changed. */
+/* A renderer that is used again and again gives the bits of one that is used once, and keeps what
+ * has not changed. */
 #include "scene_builder.h"
 
 #include "device/pack.h"
@@ -16,8 +17,12 @@ typedef struct setup {
 static mcv_scene *make_scene(const setup *s) {
     mcv_scene *scene = mcv_scene_new("renderer");
     add_sphere(scene, 0.5, 16, add_diffuse(scene, 0.5), looking_down_z(s->ball_x, 0, 0));
-    const uint32_t panel = add_rectangle(scene, 2, 2, add_absorber(scene), looking_down_z(0, 0, s->panel_distance));
-    mcv_emitter emitter = {.name = (char *)"panel", .type = MCV_EMITTER_PARALLEL, .instance = panel, .texture = MCV_NONE};
+    const uint32_t panel =
+        add_rectangle(scene, 2, 2, add_absorber(scene), looking_down_z(0, 0, s->panel_distance));
+    mcv_emitter emitter = {.name = (char *)"panel",
+                           .type = MCV_EMITTER_PARALLEL,
+                           .instance = panel,
+                           .texture = MCV_NONE};
     mcv_params_set_defaults(mcv_emitter_table(MCV_EMITTER_PARALLEL), &emitter.as);
     emitter.as.parallel.halfAngle = s->half_angle;
     for (int c = 0; c < 3; ++c) emitter.as.parallel.radiance[c] = s->radiance;
@@ -26,12 +31,14 @@ static mcv_scene *make_scene(const setup *s) {
     return scene;
 }
 
-static void render_once(const mcv_scene *scene, mcv_renderer *renderer, mcv_film *film, mcv_render_stats *stats) {
+static void render_once(const mcv_scene *scene, mcv_renderer *renderer, mcv_film *film,
+                        mcv_render_stats *stats) {
     mcv_render_options options = mcv_render_defaults();
     mcv_error error = {""};
     options.last = 4;
-    const mcv_result result = renderer ? mcv_renderer_render(renderer, scene, 0, &options, film, stats, &error)
-                                       : mcv_render(scene, 0, &options, film, stats, &error);
+    const mcv_result result =
+        renderer ? mcv_renderer_render(renderer, scene, 0, &options, film, stats, &error)
+                 : mcv_render(scene, 0, &options, film, stats, &error);
     if (result != MCV_OK) fail_msg("%s", error.text);
 }
 
@@ -57,11 +64,14 @@ static void test_same_bits_and_kept(void **state) {
         mcv_render_stats stats, other;
         render_once(scene, renderer, &kept, &stats);
         render_once(scene, NULL, &alone, &other);
-        const size_t values = (size_t)alone.width * alone.height * alone.channels * alone.replicates;
+        const size_t values =
+            (size_t)alone.width * alone.height * alone.channels * alone.replicates;
         assert_int_equal(kept.width, alone.width);
-        if (memcmp(kept.sums, alone.sums, values * sizeof *kept.sums) != 0) fail_msg("%s: other bits than rendered alone", s->what);
+        if (memcmp(kept.sums, alone.sums, values * sizeof *kept.sums) != 0)
+            fail_msg("%s: other bits than rendered alone", s->what);
         if (stats.kept_structure != s->keeps_structure || stats.kept_program != s->keeps_program)
-            fail_msg("%s: structure kept %d, program kept %d", s->what, stats.kept_structure, stats.kept_program);
+            fail_msg("%s: structure kept %d, program kept %d", s->what, stats.kept_structure,
+                     stats.kept_program);
         assert_false(other.kept_structure || other.kept_program);
         mcv_film_free(&kept);
         mcv_film_free(&alone);
@@ -108,7 +118,8 @@ static void test_goes_on_after_a_failure(void **state) {
     render_once(scene, renderer, &film, &stats);
     mcv_film_free(&film);
     options.last = 3;
-    assert_int_equal(mcv_renderer_render(renderer, scene, 0, &options, &film, &stats, &error), MCV_USAGE);
+    assert_int_equal(mcv_renderer_render(renderer, scene, 0, &options, &film, &stats, &error),
+                     MCV_USAGE);
     render_once(scene, renderer, &film, &stats);
     assert_true(stats.kept_structure && stats.kept_program);
     mcv_film_free(&film);
@@ -122,13 +133,15 @@ static mcv_packed pack_metal(double roughness, const mcv_packed *earlier) {
     mcv_packed packed;
     mcv_params_set_defaults(mcv_material_table(MCV_MATERIAL_CONDUCTOR), &metal.as);
     metal.as.conductor.roughness = roughness;
-    add_sphere(scene, 1, 4, add_material(scene, MCV_MATERIAL_CONDUCTOR, &metal), mcv_transform_identity());
+    add_sphere(scene, 1, 4, add_material(scene, MCV_MATERIAL_CONDUCTOR, &metal),
+               mcv_transform_identity());
     BUILD(mcv_pack(scene, earlier, &packed, &builder_error));
     mcv_scene_free(scene);
     return packed;
 }
 
-/* Albedos of the scene before serve again, as a mark in them shows, but not those of another roughness. */
+/* Albedos of the scene before serve again, as a mark in them shows, but not those of another
+ * roughness. */
 static void test_keeps_albedos(void **state) {
     (void)state;
     mcv_packed first = pack_metal(0.3, NULL), other = pack_metal(0.4, NULL);
@@ -137,7 +150,8 @@ static void test_keeps_albedos(void **state) {
     assert_int_equal(same.albedo_count, first.albedo_count);
     assert_memory_equal(same.albedos, first.albedos, first.albedo_count * sizeof *first.albedos);
     assert_int_equal(different.albedo_count, other.albedo_count);
-    assert_memory_equal(different.albedos, other.albedos, other.albedo_count * sizeof *other.albedos);
+    assert_memory_equal(different.albedos, other.albedos,
+                        other.albedo_count * sizeof *other.albedos);
     mcv_packed *const all[] = {&first, &other, &same, &different};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i) mcv_packed_free(all[i]);
 }

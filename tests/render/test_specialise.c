@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A scene's programs hold nothing of the elements that it lacks: preprocessed with every unused element's header replaced by an
- * empty file they are the same text. To see that the comparison sees, a used header is emptied too: the text changes.
+ * A scene's programs hold nothing of the elements that it lacks: preprocessed with every unused
+ * element's header replaced by an empty file they are the same text. To see that the comparison
+ * sees, a used header is emptied too: the text changes.
  */
 #include "test.h"
 
@@ -23,7 +24,8 @@ static char root[64]; /* a copy of the sources of the programs */
 static const char *const programs[] = {"schedule/tile", "schedule/stream", "schedule/trace"};
 enum { PROGRAMS = sizeof programs / sizeof programs[0] };
 
-/* The headers of elements, and which features need them; 0: none does, the device knows nothing of it. */
+/* The headers of elements, and which features need them; 0: none does, the device knows nothing of
+ * it. */
 static const struct {
     const char *path;
     uint32_t features;
@@ -57,7 +59,8 @@ static const char *const sensor_headers[] = {
 };
 
 /* What all elements of a kind share. */
-static const char *const shared_headers[] = {"sensors/sensor.h", "emitters/emitter.h", "materials/material.h"};
+static const char *const shared_headers[] = {"sensors/sensor.h", "emitters/emitter.h",
+                                             "materials/material.h"};
 
 static void run(const char *format, const char *a) {
     char command[512];
@@ -101,8 +104,8 @@ static char *preprocess(const char *program, const char *options) {
     assert_true(fputs(source, file) >= 0);
     assert_int_equal(fclose(file), 0);
     free(source);
-    assert_true(snprintf(command, sizeof command, "%s -E -P -x c -D__OPENCL_VERSION__=120 %s %s", MCV_C_COMPILER, options, path) <
-                (int)sizeof command);
+    assert_true(snprintf(command, sizeof command, "%s -E -P -x c -D__OPENCL_VERSION__=120 %s %s",
+                         MCV_C_COMPILER, options, path) < (int)sizeof command);
     FILE *preprocessor = popen(command, "r");
     FILE *memory = open_memstream(&text, &size);
     assert_non_null(preprocessor);
@@ -116,27 +119,33 @@ static char *preprocess(const char *program, const char *options) {
     return text;
 }
 
-static void fail_at_difference(const char *what, const char *program, const char *full, const char *spare) {
+static void fail_at_difference(const char *what, const char *program, const char *full,
+                               const char *spare) {
     size_t at = 0;
     while (full[at] && full[at] == spare[at]) ++at;
     const size_t from = at > 60 ? at - 60 : 0;
     fail_msg("%s: %s.cl holds what it does not need: ...%.160s...", what, program, full + from);
 }
 
-static void expect_nothing_unneeded(const char *what, uint32_t features, uint32_t channels, uint32_t sensor) {
+static void expect_nothing_unneeded(const char *what, uint32_t features, uint32_t channels,
+                                    uint32_t sensor) {
     char options[1024];
     char *full[PROGRAMS];
-    mcv_feature_options(features, channels, sensor, MCV_SAMPLER_SOBOL, 256, options, sizeof options);
+    mcv_feature_options(features, channels, sensor, MCV_SAMPLER_SOBOL, 256, options,
+                        sizeof options);
     restore_sources();
     for (int p = 0; p < PROGRAMS; ++p) full[p] = preprocess(programs[p], options);
     /* Of light paths, which belong to no element. */
-    static const char *const light[] = {"mcv_splat(", "mcv_update_path_class", "_invert(", "_connect(", "_footprint(", "_emit("};
+    static const char *const light[] = {"mcv_splat(", "mcv_update_path_class", "_invert(",
+                                        "_connect(",  "_footprint(",           "_emit("};
     enum { OF_LIGHT = sizeof light / sizeof light[0] };
     for (int p = 0; p < PROGRAMS * OF_LIGHT; ++p)
         if (!(features & BIT(LIGHT_TRACING)) && strstr(full[p / OF_LIGHT], light[p % OF_LIGHT]))
-            fail_msg("%s: %s.cl holds %s without light-tracing", what, programs[p / OF_LIGHT], light[p % OF_LIGHT]);
+            fail_msg("%s: %s.cl holds %s without light-tracing", what, programs[p / OF_LIGHT],
+                     light[p % OF_LIGHT]);
     for (int p = 0; p < PROGRAMS; ++p)
-        if (!(features & BIT(MIXED)) && strstr(full[p], "mcv_dvec")) fail_msg("%s: %s.cl computes in double", what, programs[p]);
+        if (!(features & BIT(MIXED)) && strstr(full[p], "mcv_dvec"))
+            fail_msg("%s: %s.cl computes in double", what, programs[p]);
     for (size_t i = 0; i < sizeof element_headers / sizeof element_headers[0]; ++i)
         if (!(element_headers[i].features & features)) empty_header(element_headers[i].path);
     for (uint32_t s = 0; s < MCV_SENSOR_COUNT; ++s)
@@ -163,7 +172,8 @@ static void test_headers_are_known(void **state) {
             snprintf(path, sizeof path, "%s/%s", folders[f], entry->d_name);
             for (size_t i = 0; i < sizeof element_headers / sizeof element_headers[0]; ++i)
                 known = known || strcmp(path, element_headers[i].path) == 0;
-            for (size_t i = 0; i < MCV_SENSOR_COUNT; ++i) known = known || strcmp(path, sensor_headers[i]) == 0;
+            for (size_t i = 0; i < MCV_SENSOR_COUNT; ++i)
+                known = known || strcmp(path, sensor_headers[i]) == 0;
             for (size_t i = 0; i < sizeof shared_headers / sizeof shared_headers[0]; ++i)
                 known = known || strcmp(path, shared_headers[i]) == 0;
             if (!known) fail_msg("%s: say in this test which features need it", path);
@@ -184,12 +194,15 @@ static void test_shipped_scenes(void **state) {
         mcv_error error = {""};
         const char *ending = strrchr(entry->d_name, '.');
         if (!ending || (strcmp(ending, ".gltf") != 0 && strcmp(ending, ".glb") != 0)) continue;
-        if (strcmp(entry->d_name, "2CylinderEngine.glb") == 0) continue; /* a part, not a scene of its own */
+        if (strcmp(entry->d_name, "2CylinderEngine.glb") == 0)
+            continue; /* a part, not a scene of its own */
         snprintf(path, sizeof path, MCV_SOURCE_DIR "/scenes/%s", entry->d_name);
-        if (mcv_scene_load(path, (mcv_overrides){NULL, 0}, &scene, &error) != MCV_OK) fail_msg("%s", error.text);
+        if (mcv_scene_load(path, (mcv_overrides){NULL, 0}, &scene, &error) != MCV_OK)
+            fail_msg("%s", error.text);
         if (mcv_pack(scene, NULL, &packed, &error) != MCV_OK) fail_msg("%s", error.text);
         for (uint32_t s = 0; s < scene->sensor_count; ++s, ++count)
-            expect_nothing_unneeded(entry->d_name, packed.features, packed.channels, scene->sensors[s].type);
+            expect_nothing_unneeded(entry->d_name, packed.features, packed.channels,
+                                    scene->sensors[s].type);
         mcv_packed_free(&packed);
         mcv_scene_free(scene);
     }
@@ -204,14 +217,16 @@ static void test_single_features(void **state) {
         MCV_FEATURES(MCV_X)
 #undef MCV_X
     };
-    for (uint32_t i = 0; i < MCV_FEATURE_COUNT; ++i) expect_nothing_unneeded(words[i], 1u << i, 1 + 2 * (i & 1), i % MCV_SENSOR_COUNT);
+    for (uint32_t i = 0; i < MCV_FEATURE_COUNT; ++i)
+        expect_nothing_unneeded(words[i], 1u << i, 1 + 2 * (i & 1), i % MCV_SENSOR_COUNT);
 }
 
 static void test_a_needed_header_is_missed(void **state) {
     (void)state;
     const uint32_t all = (1u << MCV_FEATURE_COUNT) - 1;
     char options[1024];
-    mcv_feature_options(all, 3, MCV_SENSOR_LIGHT_FIELD, MCV_SAMPLER_SOBOL, 256, options, sizeof options);
+    mcv_feature_options(all, 3, MCV_SENSOR_LIGHT_FIELD, MCV_SAMPLER_SOBOL, 256, options,
+                        sizeof options);
     restore_sources();
     char *full = preprocess("schedule/tile", options);
     for (size_t i = 0; i < sizeof element_headers / sizeof element_headers[0]; ++i) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One thread and two give the same bits. PoCL reads its number of threads once per process, so each render has a process
- * of its own; on other platforms both are the same and the test still holds.
+ * One thread and two give the same bits. PoCL reads its number of threads once per process, so each
+ * render has a process of its own; on other platforms both are the same and the test still holds.
  */
 #include "scene_builder.h"
 
@@ -19,7 +19,9 @@ static mcv_result render_sums(double *sums) {
     mcv_film film;
     add_sphere(scene, 0.3, 16, add_glass(scene, 1.5, 1, 0), mcv_transform_identity());
     add_rectangle(scene, 2, 2, add_diffuse(scene, 0.6), looking_up_z(0, 0, -0.5));
-    add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 0.3, 0.3, add_absorber(scene), looking_down_z(0.4, 0.4, 1)), 3, 0);
+    add_emitter(scene, MCV_EMITTER_AREA,
+                add_rectangle(scene, 0.3, 0.3, add_absorber(scene), looking_down_z(0.4, 0.4, 1)), 3,
+                0);
     add_pinhole(scene, PIXELS, 0.9, looking_down_z(0.05, 0, 1.5));
     options.last = 64;
     options.replicates = REPLICATES;
@@ -52,7 +54,8 @@ static void render_with(const char *threads, double *sums) {
     close(ends[1]);
     size_t got = 0;
     ssize_t more;
-    while ((more = read(ends[0], (char *)sums + got, VALUES * sizeof(double) - got)) > 0) got += (size_t)more;
+    while ((more = read(ends[0], (char *)sums + got, VALUES * sizeof(double) - got)) > 0)
+        got += (size_t)more;
     close(ends[0]);
     int status;
     assert_int_equal(waitpid(child, &status, 0), child);
@@ -69,7 +72,8 @@ static void test_threads(void **state) {
     render_with("2", two);
     for (size_t i = 0; i < VALUES; ++i) {
         total += one[i];
-        if (memcmp(&one[i], &two[i], sizeof(double)) != 0) fail_msg("sum %zu: %.17g with one thread, %.17g with two", i, one[i], two[i]);
+        if (memcmp(&one[i], &two[i], sizeof(double)) != 0)
+            fail_msg("sum %zu: %.17g with one thread, %.17g with two", i, one[i], two[i]);
     }
     assert_true(total > 0);
 }

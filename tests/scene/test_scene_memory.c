@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* ctest: label slow */
-/* Loading two million triangles takes at most four times the file and 300 bytes per triangle, from a GLB and from a data: URI. */
+/* Loading two million triangles takes at most four times the file and 300 bytes per triangle, from
+ * a GLB and from a data: URI. */
 #include "test.h"
 
 #include "scene_files.h"
@@ -37,16 +38,20 @@ static unsigned char *terrain(size_t *size) {
 }
 
 static char *describe(size_t size, const char *uri) {
-    return text_of("{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
-                   "\"buffers\":[{\"byteLength\":%zu%s%s%s}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":%zu},"
-                   "{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu},{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu}],"
-                   "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":%d,\"type\":\"VEC3\"},"
-                   "{\"bufferView\":1,\"componentType\":5126,\"count\":%d,\"type\":\"VEC3\"},"
-                   "{\"bufferView\":2,\"componentType\":5125,\"count\":%d,\"type\":\"SCALAR\"}],"
-                   "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":2}]}]}",
-                   size, uri ? ",\"uri\":\"data:application/octet-stream;base64," : "", uri ? uri : "", uri ? "\"" : "",
-                   (size_t)VERTICES * 12, (size_t)VERTICES * 12, (size_t)VERTICES * 12, (size_t)VERTICES * 24, (size_t)TRIANGLES * 12,
-                   VERTICES, VERTICES, 3 * TRIANGLES);
+    return text_of(
+        "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
+        "\"buffers\":[{\"byteLength\":%zu%s%s%s}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":%"
+        "zu},"
+        "{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu},{\"buffer\":0,\"byteOffset\":%zu,"
+        "\"byteLength\":%zu}],"
+        "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":%d,\"type\":\"VEC3\"},"
+        "{\"bufferView\":1,\"componentType\":5126,\"count\":%d,\"type\":\"VEC3\"},"
+        "{\"bufferView\":2,\"componentType\":5125,\"count\":%d,\"type\":\"SCALAR\"}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":2}]"
+        "}]}",
+        size, uri ? ",\"uri\":\"data:application/octet-stream;base64," : "", uri ? uri : "",
+        uri ? "\"" : "", (size_t)VERTICES * 12, (size_t)VERTICES * 12, (size_t)VERTICES * 12,
+        (size_t)VERTICES * 24, (size_t)TRIANGLES * 12, VERTICES, VERTICES, 3 * TRIANGLES);
 }
 
 static long resident_peak(void) {
@@ -67,8 +72,11 @@ static int load_in_child(const char *path) {
     clock_gettime(CLOCK_MONOTONIC, &end);
     const double peak = 1024.0 * (double)(resident_peak() - before);
     const double bound = 4 * (double)status.st_size + 300.0 * TRIANGLES;
-    fprintf(stderr, "%s: %.1f MB file, peak %.1f MB (%.2f x file, %.0f B per triangle), bound %.1f MB, %.2f s\n", path,
-            (double)status.st_size / 1e6, peak / 1e6, peak / (double)status.st_size, peak / TRIANGLES, bound / 1e6,
+    fprintf(stderr,
+            "%s: %.1f MB file, peak %.1f MB (%.2f x file, %.0f B per triangle), bound %.1f MB, "
+            "%.2f s\n",
+            path, (double)status.st_size / 1e6, peak / 1e6, peak / (double)status.st_size,
+            peak / TRIANGLES, bound / 1e6,
             (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec));
     return scene->triangle_count != TRIANGLES ? 2 : peak <= bound ? 0 : 3;
 }
@@ -80,7 +88,9 @@ static void must_fit(const char *path) {
     int status;
     assert_int_equal(waitpid(child, &status, 0), child);
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-        fail_msg("%s: status %d (1: does not load, 2: triangles are missing, 3: more memory than the bound)", path, status);
+        fail_msg("%s: status %d (1: does not load, 2: triangles are missing, 3: more memory than "
+                 "the bound)",
+                 path, status);
 }
 
 static void test_glb(void **state) {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The shipped scenes are what their descriptions say: closed lenses of the right volume and normals, the panel and the
- * camera where the report's experiment has them, the CAD part in the frame of its camera.
+ * The shipped scenes are what their descriptions say: closed lenses of the right volume and
+ * normals, the panel and the camera where the report's experiment has them, the CAD part in the
+ * frame of its camera.
  */
 #include "test.h"
 
@@ -24,7 +25,8 @@ static mcv_scene *load(const char *name) {
     mcv_error error = {""};
     mcv_scene *scene;
     snprintf(path, sizeof path, "%s/scenes/%s", MCV_SOURCE_DIR, name);
-    if (mcv_scene_load(path, (mcv_overrides){NULL, 0}, &scene, &error) != MCV_OK) fail_msg("%s", error.text);
+    if (mcv_scene_load(path, (mcv_overrides){NULL, 0}, &scene, &error) != MCV_OK)
+        fail_msg("%s", error.text);
     return scene;
 }
 
@@ -36,7 +38,9 @@ static uint32_t instance_named(const mcv_scene *scene, const char *name) {
     return MCV_NONE;
 }
 
-static const mcv_mesh *mesh_of(const mcv_scene *scene, uint32_t instance) { return &scene->meshes[scene->instances[instance].mesh]; }
+static const mcv_mesh *mesh_of(const mcv_scene *scene, uint32_t instance) {
+    return &scene->meshes[scene->instances[instance].mesh];
+}
 
 /* A directed edge by its ends' positions. */
 typedef struct edge {
@@ -67,7 +71,8 @@ static double closed_volume(const mcv_scene *scene, uint32_t instance) {
             memcpy(edges[3 * t + (uint32_t)i].ends[1], p[(i + 1) % 3], sizeof p[i]);
         }
         for (int i = 0; i < 3; ++i) p[i][2] -= centre; /* near the origin nothing cancels */
-        volume += (p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) + p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
+        volume += (p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) +
+                   p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
                    p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0])) /
                   6;
     }
@@ -76,9 +81,11 @@ static double closed_volume(const mcv_scene *scene, uint32_t instance) {
         edge opposite = {{{0}}};
         memcpy(opposite.ends[0], edges[i].ends[1], sizeof opposite.ends[0]);
         memcpy(opposite.ends[1], edges[i].ends[0], sizeof opposite.ends[1]);
-        if (i && compare_edges(&edges[i - 1], &edges[i]) == 0) fail_msg("%s: an edge runs twice in the same direction", scene->path);
+        if (i && compare_edges(&edges[i - 1], &edges[i]) == 0)
+            fail_msg("%s: an edge runs twice in the same direction", scene->path);
         if (!bsearch(&opposite, edges, edge_count, sizeof *edges, compare_edges))
-            fail_msg("%s: the edge from (%g, %g, %g) is open", scene->path, edges[i].ends[0][0], edges[i].ends[0][1], edges[i].ends[0][2]);
+            fail_msg("%s: the edge from (%g, %g, %g) is open", scene->path, edges[i].ends[0][0],
+                     edges[i].ends[0][1], edges[i].ends[0][2]);
     }
     free(edges);
     return volume;
@@ -90,11 +97,12 @@ static void widen(double *worst, const double a[3], const double b[3]) {
 }
 
 /*
- * Vertices lie on the surfaces and carry their normals. A position is rounded to float32 in the lens's frame: each coordinate is at most
- * 0.014 there, so it is off by at most 2^-31 (half an ulp below 2^-6), and so is the surface's height computed from it (slopes are below
- * 0.05); adding `centre` in double adds nothing that counts: 2^-30. A normal's components are off by half an ulp below 1, 2^-25, before the
- * loader makes it unit again, and by the position's error times the curvature (10/m on the dent): 2^-27; in all, with the length's share,
- * below 2^-23.
+ * Vertices lie on the surfaces and carry their normals. A position is rounded to float32 in the
+ * lens's frame: each coordinate is at most 0.014 there, so it is off by at most 2^-31 (half an ulp
+ * below 2^-6), and so is the surface's height computed from it (slopes are below 0.05); adding
+ * `centre` in double adds nothing that counts: 2^-30. A normal's components are off by half an ulp
+ * below 1, 2^-25, before the loader makes it unit again, and by the position's error times the
+ * curvature (10/m on the dent): 2^-27; in all, with the length's share, below 2^-23.
  */
 static void check_lens(const mcv_scene *scene, bool dented) {
     const uint32_t lens = instance_named(scene, "lens");
@@ -117,9 +125,13 @@ static void check_lens(const mcv_scene *scene, bool dented) {
             ++faces[face];
             if (face < 2) {
                 const double side = face == 0 ? 1 : -1;
-                const double gauss = face == 0 && dented ? dent_depth * exp(-0.5 * r * r / (dent_sigma * dent_sigma)) : 0;
+                const double gauss =
+                    face == 0 && dented ? dent_depth * exp(-0.5 * r * r / (dent_sigma * dent_sigma))
+                                        : 0;
                 const double root = sqrt(radius * radius - r * r);
-                const double slope_over_r = -1 / root + gauss / (dent_sigma * dent_sigma); /* of the height, by x: slope_over_r x */
+                const double slope_over_r =
+                    -1 / root +
+                    gauss / (dent_sigma * dent_sigma); /* of the height, by x: slope_over_r x */
                 const double length = sqrt(1 + slope_over_r * slope_over_r * r * r);
                 off = side * z - (thickness / 2 - radius + root - gauss);
                 expected[0] = -slope_over_r * x / length;
@@ -131,17 +143,20 @@ static void check_lens(const mcv_scene *scene, bool dented) {
         }
     }
     assert_true(faces[0] && faces[1] && faces[2]);
-    if (worst_position > 0x1p-30) fail_msg("%s: a vertex lies %g m off the lens", scene->path, worst_position);
+    if (worst_position > 0x1p-30)
+        fail_msg("%s: a vertex lies %g m off the lens", scene->path, worst_position);
     if (worst_normal > 0x1p-23) fail_msg("%s: a normal is off by %g", scene->path, worst_normal);
 }
 
-/* The mount is closed against the lens: each of its inner corners is a corner of the lens, bit for bit. */
+/* The mount is closed against the lens: each of its inner corners is a corner of the lens, bit for
+ * bit. */
 static void check_mount(const mcv_scene *scene) {
     const uint32_t lens = instance_named(scene, "lens");
     const uint32_t mount = instance_named(scene, "mount");
     double worst = 0;
     uint32_t inner = 0;
-    assert_int_equal(scene->materials[scene->instances[mount].material].type, MCV_MATERIAL_ABSORBER);
+    assert_int_equal(scene->materials[scene->instances[mount].material].type,
+                     MCV_MATERIAL_ABSORBER);
     for (uint32_t t = 0; t < mesh_of(scene, mount)->triangle_count; ++t) {
         double p[3][3];
         mcv_scene_corners(scene, mount, t, p);
@@ -151,7 +166,9 @@ static void check_mount(const mcv_scene *scene) {
             const mcv_mesh *mesh = mesh_of(scene, lens);
             for (uint32_t k = 0; k < mesh->vertex_count; ++k) {
                 const float *v = mesh->positions + 3 * (size_t)k;
-                nearest = fmin(nearest, fmax(fabs(v[0] - p[i][0]), fmax(fabs(v[1] - p[i][1]), fabs(v[2] + centre - p[i][2]))));
+                nearest =
+                    fmin(nearest, fmax(fabs(v[0] - p[i][0]),
+                                       fmax(fabs(v[1] - p[i][1]), fabs(v[2] + centre - p[i][2]))));
             }
             worst = fmax(worst, nearest);
             ++inner;
@@ -166,8 +183,10 @@ static void check_panel_and_camera(const mcv_scene *scene) {
     assert_int_equal(scene->sensors[0].type, MCV_SENSOR_LIGHT_FIELD);
     const mcv_light_field_params *camera = &scene->sensors[0].as.light_field;
     /* A decimal with its unit is read with an error of an ulp or two. */
-    assert_true(fabs(camera->focalLength - 0.05) < 1e-16 && fabs(camera->imageDistance - 0.06) < 1e-16);
-    assert_true(fabs(camera->lensDiameter - 0.02) < 1e-16 && fabs(camera->pixelSize[0] - 4e-6) < 1e-20);
+    assert_true(fabs(camera->focalLength - 0.05) < 1e-16 &&
+                fabs(camera->imageDistance - 0.06) < 1e-16);
+    assert_true(fabs(camera->lensDiameter - 0.02) < 1e-16 &&
+                fabs(camera->pixelSize[0] - 4e-6) < 1e-20);
     const mcv_transform identity = mcv_transform_identity();
     for (int i = 0; i < 12; ++i) assert_true(scene->sensors[0].to_world.m[i] == identity.m[i]);
 
@@ -175,8 +194,10 @@ static void check_panel_and_camera(const mcv_scene *scene) {
     const mcv_emitter *panel = &scene->emitters[0];
     assert_int_equal(panel->type, MCV_EMITTER_PARALLEL);
     assert_true(fabs(panel->as.parallel.halfAngle - PI / 360) < 1e-17 && panel->radiance[0] == 1);
-    /* Corners are stored as float32 (0.03 m: 2^-30 off), the area is that off twice, relative to the side. */
-    if (fabs(panel->area - 0.0036) > 2 * 0.06 * 0x1p-29) fail_msg("%s: the panel's area is %.17g", scene->path, panel->area);
+    /* Corners are stored as float32 (0.03 m: 2^-30 off), the area is that off twice, relative to
+     * the side. */
+    if (fabs(panel->area - 0.0036) > 2 * 0.06 * 0x1p-29)
+        fail_msg("%s: the panel's area is %.17g", scene->path, panel->area);
     for (uint32_t t = 0; t < 2; ++t) {
         double p[3][3];
         double n[3][3];
@@ -184,7 +205,9 @@ static void check_panel_and_camera(const mcv_scene *scene) {
         mcv_scene_vertex_normals(scene, panel->instance, t, n);
         for (int i = 0; i < 3; ++i) {
             assert_true(fabs(p[i][2] + 0.384022) < 1e-16);
-            if (n[i][2] < 1 - 1e-15) fail_msg("%s: the panel faces (%g, %g, %g)", scene->path, n[i][0], n[i][1], n[i][2]);
+            if (n[i][2] < 1 - 1e-15)
+                fail_msg("%s: the panel faces (%g, %g, %g)", scene->path, n[i][0], n[i][1],
+                         n[i][2]);
         }
     }
 }
@@ -193,35 +216,43 @@ static void test_report(void **state) {
     (void)state;
     static const char *const names[] = {"report-clean.glb", "report-bubble.glb", "report-dent.glb"};
     /*
-     * A lens of two caps and a cylinder. The mesh is inscribed: its section is a 288-gon, smaller than the circle by 1 - sin(a)/a, a =
-     * 2π/288; facets of edge at most 0.31 mm lie at most h²/(6R) below each cap. The dent takes 2π σ² A.
+     * A lens of two caps and a cylinder. The mesh is inscribed: its section is a 288-gon, smaller
+     * than the circle by 1 - sin(a)/a, a = 2π/288; facets of edge at most 0.31 mm lie at most
+     * h²/(6R) below each cap. The dent takes 2π σ² A.
      */
-    const double cap = semi_diameter * semi_diameter / (radius + sqrt(radius * radius - semi_diameter * semi_diameter));
-    const double whole = PI * semi_diameter * semi_diameter * (thickness - 2 * cap) + 2 * PI * cap * cap * (3 * radius - cap) / 3;
+    const double cap = semi_diameter * semi_diameter /
+                       (radius + sqrt(radius * radius - semi_diameter * semi_diameter));
+    const double whole = PI * semi_diameter * semi_diameter * (thickness - 2 * cap) +
+                         2 * PI * cap * cap * (3 * radius - cap) / 3;
     const double angle = 2 * PI / 288;
-    const double below = whole * (1 - sin(angle) / angle) + 2 * PI * semi_diameter * semi_diameter * 0.31e-3 * 0.31e-3 / (6 * radius);
+    const double below = whole * (1 - sin(angle) / angle) +
+                         2 * PI * semi_diameter * semi_diameter * 0.31e-3 * 0.31e-3 / (6 * radius);
     for (int i = 0; i < 3; ++i) {
         mcv_scene *scene = load(names[i]);
         const bool dented = i == 2;
         const double exact = whole - (dented ? 2 * PI * dent_sigma * dent_sigma * dent_depth : 0);
         const double volume = closed_volume(scene, instance_named(scene, "lens"));
         if (volume > exact || volume < exact - below)
-            fail_msg("%s: the lens's volume is %.9g, not in [%.9g, %.9g]", names[i], volume, exact - below, exact);
+            fail_msg("%s: the lens's volume is %.9g, not in [%.9g, %.9g]", names[i], volume,
+                     exact - below, exact);
         check_lens(scene, dented);
         check_mount(scene);
         check_panel_and_camera(scene);
         if (i == 1) {
-            /* A ball of 0.5 mm, edges at most 21 µm: facets at most h²/(6R) below, on its surface. */
+            /* A ball of 0.5 mm, edges at most 21 µm: facets at most h²/(6R) below, on its surface.
+             */
             const double ball = 4 * PI / 3 * 0.5e-3 * 0.5e-3 * 0.5e-3;
             const double bubble = closed_volume(scene, instance_named(scene, "bubble"));
-            if (bubble > ball || bubble < ball - 4 * PI * 0.5e-3 * 0.5e-3 * 21e-6 * 21e-6 / (6 * 0.5e-3))
+            if (bubble > ball ||
+                bubble < ball - 4 * PI * 0.5e-3 * 0.5e-3 * 21e-6 * 21e-6 / (6 * 0.5e-3))
                 fail_msg("the bubble's volume is %.9g, not just below %.9g", bubble, ball);
         }
         mcv_scene_free(scene);
     }
 }
 
-/* The whole part lies in the camera's field, fills it to at least 85 % in one direction, and in depth stays clear of camera and lights. */
+/* The whole part lies in the camera's field, fills it to at least 85 % in one direction, and in
+ * depth stays clear of camera and lights. */
 static void test_part(void **state) {
     (void)state;
     static const char *const names[] = {"part-backlight.gltf", "part-arealight.gltf"};
@@ -241,21 +272,26 @@ static void test_part(void **state) {
                 for (int axis = 0; axis < 9; ++axis) {
                     const double *q = p[axis / 3];
                     const int a = axis % 3;
-                    const double v = m[a] * (q[0] - m[9]) + m[3 + a] * (q[1] - m[10]) + m[6 + a] * (q[2] - m[11]);
+                    const double v = m[a] * (q[0] - m[9]) + m[3 + a] * (q[1] - m[10]) +
+                                     m[6 + a] * (q[2] - m[11]);
                     low[a] = fmin(low[a], v);
                     high[a] = fmax(high[a], v);
                 }
             }
         }
         for (int a = 0; a < 2; ++a) {
-            const double half =
-                0.5 * camera->as.telecentric.resolution[a] * camera->as.telecentric.pixelSize[a] / camera->as.telecentric.magnification;
+            const double half = 0.5 * camera->as.telecentric.resolution[a] *
+                                camera->as.telecentric.pixelSize[a] /
+                                camera->as.telecentric.magnification;
             if (low[a] < -half || high[a] > half)
-                fail_msg("%s: the part spans [%g, %g] m, the field only ±%g m", names[i], low[a], high[a], half);
+                fail_msg("%s: the part spans [%g, %g] m, the field only ±%g m", names[i], low[a],
+                         high[a], half);
             if (a == 0 && high[a] - low[a] < 0.85 * 2 * half)
-                fail_msg("%s: the part is %g m wide in a field of %g m", names[i], high[a] - low[a], 2 * half);
+                fail_msg("%s: the part is %g m wide in a field of %g m", names[i], high[a] - low[a],
+                         2 * half);
         }
-        if (high[2] > -0.1 || low[2] < -0.2) fail_msg("%s: the part lies at depths %g to %g m", names[i], -high[2], -low[2]);
+        if (high[2] > -0.1 || low[2] < -0.2)
+            fail_msg("%s: the part lies at depths %g to %g m", names[i], -high[2], -low[2]);
         mcv_scene_free(scene);
     }
 }

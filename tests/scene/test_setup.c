@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What `mcvisi check` says about scenes that cannot work: emitters, open bodies, units, pupils that are not filled. */
+/* What `mcvisi check` says about scenes that cannot work: emitters, open bodies, units, pupils that
+ * are not filled. */
 #include "reference_checks.h"
 
 #include "check/findings.h"
@@ -10,14 +11,16 @@ static int findings(const mcv_scene *scene, const char *words) {
     int count = 0;
     mcv_findings found;
     BUILD(mcv_findings_of(scene, &found, &builder_error));
-    for (size_t i = 0; i < found.count; ++i) count += strstr(found.items[i].sentence, words) != NULL;
+    for (size_t i = 0; i < found.count; ++i)
+        count += strstr(found.items[i].sentence, words) != NULL;
     mcv_findings_free(&found);
     return count;
 }
 
 static void expect(mcv_scene *scene, const char *words, int expected, const char *what) {
     const int count = findings(scene, words);
-    if (count != expected) fail_msg("%s: \"%s\" was said %d times instead of %d", what, words, count, expected);
+    if (count != expected)
+        fail_msg("%s: \"%s\" was said %d times instead of %d", what, words, count, expected);
     mcv_scene_free(scene);
 }
 
@@ -41,19 +44,31 @@ static mcv_scene *with_camera(mcv_transform to_world) {
 }
 
 static void add_panel(mcv_scene *scene, mcv_transform to_world) {
-    add_emitter(scene, MCV_EMITTER_PARALLEL, add_rectangle(scene, 0.1, 0.1, add_absorber(scene), to_world), 1, 0.02);
+    add_emitter(scene, MCV_EMITTER_PARALLEL,
+                add_rectangle(scene, 0.1, 0.1, add_absorber(scene), to_world), 1, 0.02);
 }
 
-/* An emitter with an image of one white pixel, on a rectangle that faces the camera; the scene takes its other parameters from `values`. */
+/* An emitter with an image of one white pixel, on a rectangle that faces the camera; the scene
+ * takes its other parameters from `values`. */
 static mcv_scene *before_picture(mcv_emitter *values, double f_number) {
     static const uint8_t white[4] = {255, 255, 255, 255};
     mcv_scene *scene = mcv_scene_new("picture");
     const mcv_sensor sensor = telecentric(f_number);
-    const mcv_texture texture = {
-        .name = (char *)"white", .width = 1, .height = 1, .wrap_s = 33071, .wrap_t = 33071, .nearest = true, .rgba = (uint8_t *)white};
-    float positions[] = {-0.05f, -0.05f, 0, 0.05f, -0.05f, 0, 0.05f, 0.05f, 0, -0.05f, 0.05f, 0}, texcoords[] = {0, 1, 1, 1, 1, 0, 0, 0};
+    const mcv_texture texture = {.name = (char *)"white",
+                                 .width = 1,
+                                 .height = 1,
+                                 .wrap_s = 33071,
+                                 .wrap_t = 33071,
+                                 .nearest = true,
+                                 .rgba = (uint8_t *)white};
+    float positions[] = {-0.05f, -0.05f, 0, 0.05f, -0.05f, 0, 0.05f, 0.05f, 0, -0.05f, 0.05f, 0},
+          texcoords[] = {0, 1, 1, 1, 1, 0, 0, 0};
     uint32_t indices[] = {0, 2, 1, 0, 3, 2};
-    const mcv_mesh mesh = {.vertex_count = 4, .triangle_count = 2, .positions = positions, .texcoords = texcoords, .indices = indices};
+    const mcv_mesh mesh = {.vertex_count = 4,
+                           .triangle_count = 2,
+                           .positions = positions,
+                           .texcoords = texcoords,
+                           .indices = indices};
     add_sensor(scene, MCV_SENSOR_TELECENTRIC, &sensor, looking_down_z(0, 0, 0));
     BUILD(mcv_scene_add_texture(scene, &texture, &builder_error));
     values->name = (char *)"picture";
@@ -63,7 +78,8 @@ static mcv_scene *before_picture(mcv_emitter *values, double f_number) {
     return scene;
 }
 
-/* A projector of one square pixel of this side, 100 mm behind a lens of 100 mm, that throws it to a depth. */
+/* A projector of one square pixel of this side, 100 mm behind a lens of 100 mm, that throws it to a
+ * depth. */
 static mcv_emitter projector_of(double side, double depth) {
     mcv_emitter projector = {.type = MCV_EMITTER_PROJECTOR};
     mcv_params_set_defaults(mcv_emitter_table(projector.type), &projector.as);
@@ -93,44 +109,53 @@ static void test_emitter_that_lights_nothing(void **state) {
     expect(scene, "lights nothing", 0, "a panel that faces away from the camera, but to a part");
 
     /* The rim of the lens reaches before the plane, though its centre does not. */
-    scene = with_camera(looking((const double[3]){0, 0, 0.01}, (const double[3]){1, 0, 0}, (const double[3]){0, 1, 0}));
+    scene = with_camera(looking((const double[3]){0, 0, 0.01}, (const double[3]){1, 0, 0},
+                                (const double[3]){0, 1, 0}));
     add_panel(scene, looking_down_z(0, 0, 0));
     expect(scene, "lights nothing", 0, "a panel beside the lens");
 
-    /* A panel of 0.1 m, parallel light of 20 mrad: at 0.3 m it reaches 50 + 6 mm to the side. Half the box has 1 mm. */
+    /* A panel of 0.1 m, parallel light of 20 mrad: at 0.3 m it reaches 50 + 6 mm to the side. Half
+     * the box has 1 mm. */
     static const double asides[] = {0.0568, 0.0573};
     for (int i = 0; i < 2; ++i) {
-        scene = with_camera(looking((const double[3]){0, 0, 0.1}, (const double[3]){0, 0, 1}, (const double[3]){0, 1, 0}));
+        scene = with_camera(looking((const double[3]){0, 0, 0.1}, (const double[3]){0, 0, 1},
+                                    (const double[3]){0, 1, 0}));
         add_panel(scene, looking_down_z(0, 0, 0));
         add_box(scene, half, add_diffuse(scene, 0.5), looking_up_z(asides[i], 0, -0.3));
         expect(scene, "emitter \"emitter\" lights nothing", i, "a panel whose beam passes a part");
     }
 
     /*
-     * A projector throws a picture with half a diagonal of 2 / 20 from a lens of 100 mm: focused at 0.5 m, the edge adds 0.05 / 0.5. At
-     * 0.3 m it reaches 50 + 60 mm to the side. Half the box has 1 mm.
+     * A projector throws a picture with half a diagonal of 2 / 20 from a lens of 100 mm: focused at
+     * 0.5 m, the edge adds 0.05 / 0.5. At 0.3 m it reaches 50 + 60 mm to the side. Half the box has
+     * 1 mm.
      */
     for (int i = 0; i < 2; ++i) {
         mcv_emitter projector = projector_of(0.02 / sqrt(2), 0.5);
         scene = before_picture(&projector, 8);
-        scene->sensors[0].to_world = looking((const double[3]){0, 0, -1}, (const double[3]){0, 0, -1}, (const double[3]){0, 1, 0});
+        scene->sensors[0].to_world = looking(
+            (const double[3]){0, 0, -1}, (const double[3]){0, 0, -1}, (const double[3]){0, 1, 0});
         add_box(scene, half, add_diffuse(scene, 0.5), looking_up_z(i ? 0.1115 : 0.1109, 0, 0));
-        expect(scene, "emitter \"picture\" lights nothing", i, "a projector whose beam passes a part");
+        expect(scene, "emitter \"picture\" lights nothing", i,
+               "a projector whose beam passes a part");
     }
 
     scene = with_camera(looking_down_z(0, 0, 0));
-    add_emitter(scene, MCV_EMITTER_AREA, add_sphere(scene, 0.01, 8, add_absorber(scene), looking_up_z(0, 0, 0.2)), 1, 0);
+    add_emitter(scene, MCV_EMITTER_AREA,
+                add_sphere(scene, 0.01, 8, add_absorber(scene), looking_up_z(0, 0, 0.2)), 1, 0);
     expect(scene, "lights nothing", 0, "a sphere shines everywhere");
 }
 
 static void test_sensor_that_sees_nothing(void **state) {
     const double half[3] = {1e-3, 1e-3, 1e-3};
     (void)state;
-    /* Its lens has a diameter of 10 √2 mm + 2 · 0.25 m/64, NA 1/64: at 0.2 m it sees 14.1 mm from its axis. The box's ball has 1.7 mm. */
+    /* Its lens has a diameter of 10 √2 mm + 2 · 0.25 m/64, NA 1/64: at 0.2 m it sees 14.1 mm from
+     * its axis. The box's ball has 1.7 mm. */
     static const struct {
         double x, z;
         int expected;
-    } cases[] = {{0, -0.2, 0}, {0, 0.2, 1}, {0.0157, -0.2, 0}, {0.0159, -0.2, 1}, {0.0159, -0.9, 0}};
+    } cases[] = {
+        {0, -0.2, 0}, {0, 0.2, 1}, {0.0157, -0.2, 0}, {0.0159, -0.2, 1}, {0.0159, -0.9, 0}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         mcv_scene *scene = with_camera(looking_down_z(0, 0, 0));
         add_box(scene, half, add_diffuse(scene, 0.5), looking_up_z(cases[i].x, 0, cases[i].z));
@@ -152,11 +177,13 @@ static void test_sensor_that_sees_nothing(void **state) {
 
 /* A box without its last triangles, in two primitives of one node. */
 static mcv_scene *box_of(uint32_t triangles, uint32_t first_primitive, uint32_t material_type) {
-    static const float corners[24] = {-1, -1, -1, 1, -1, -1, -1, 1, -1, 1, 1, -1, -1, -1, 1, 1, -1, 1, -1, 1, 1, 1, 1, 1};
+    static const float corners[24] = {-1, -1, -1, 1, -1, -1, -1, 1, -1, 1, 1, -1,
+                                      -1, -1, 1,  1, -1, 1,  -1, 1, 1,  1, 1, 1};
     static const uint32_t indices[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                          2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
     mcv_scene *scene = mcv_scene_new("box");
-    const uint32_t material = material_type == MCV_MATERIAL_DIELECTRIC ? add_glass(scene, 1.5, 0, 0) : add_diffuse(scene, 0.5);
+    const uint32_t material = material_type == MCV_MATERIAL_DIELECTRIC ? add_glass(scene, 1.5, 0, 0)
+                                                                       : add_diffuse(scene, 0.5);
     for (int part = 0; part < 2; ++part) {
         const uint32_t from = part ? first_primitive : 0, to = part ? triangles : first_primitive;
         if (to > from)
@@ -172,17 +199,20 @@ static mcv_scene *box_of(uint32_t triangles, uint32_t first_primitive, uint32_t 
 
 static void test_open_bodies(void **state) {
     (void)state;
-    /* A triangle has three edges; the two of a face share the diagonal; a face's neighbours share its four sides. */
+    /* A triangle has three edges; the two of a face share the diagonal; a face's neighbours share
+     * its four sides. */
     static const struct {
         uint32_t triangles, first_primitive, edges;
     } cases[] = {{12, 12, 0}, {12, 7, 0}, {11, 11, 3}, {10, 10, 4}, {10, 3, 4}, {12, 0, 0}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        mcv_scene *scene = box_of(cases[i].triangles, cases[i].first_primitive, MCV_MATERIAL_DIELECTRIC);
+        mcv_scene *scene =
+            box_of(cases[i].triangles, cases[i].first_primitive, MCV_MATERIAL_DIELECTRIC);
         uint32_t edges;
         char words[64];
         BUILD(mcv_open_edges(scene, 0, scene->instance_count, &edges, &builder_error));
         if (edges != cases[i].edges)
-            fail_msg("box of %u triangles: %u open edges instead of %u", cases[i].triangles, edges, cases[i].edges);
+            fail_msg("box of %u triangles: %u open edges instead of %u", cases[i].triangles, edges,
+                     cases[i].edges);
         snprintf(words, sizeof words, "open at %u edges", cases[i].edges);
         expect(scene, words, cases[i].edges > 0, "a box of glass");
     }
@@ -200,11 +230,12 @@ static void test_units(void **state) {
         double half;
         const char *words;
         int expected;
-    } cases[] = {{12, "is 24 m wide in the 10 mm wide field of sensor \"sensor\": is its unit mm?", 1},
-                 {0.4, "is its unit", 0}, /* a table of 80 fields */
-                 {5e-3, "is its unit", 0},
-                 {30e-6, "is its unit", 0}, /* 60 um are more than the 40 um that a pixel sees */
-                 {15e-6, "is 30 µm wide, less than the 40 µm that a pixel of sensor \"sensor\" sees", 1}};
+    } cases[] = {
+        {12, "is 24 m wide in the 10 mm wide field of sensor \"sensor\": is its unit mm?", 1},
+        {0.4, "is its unit", 0}, /* a table of 80 fields */
+        {5e-3, "is its unit", 0},
+        {30e-6, "is its unit", 0}, /* 60 um are more than the 40 um that a pixel sees */
+        {15e-6, "is 30 µm wide, less than the 40 µm that a pixel of sensor \"sensor\" sees", 1}};
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         mcv_scene *scene = with_camera(looking_down_z(0, 0, 0));
@@ -214,7 +245,8 @@ static void test_units(void **state) {
     }
     /* The light may be as large as it likes. */
     mcv_scene *scene = with_camera(looking_down_z(0, 0, 0));
-    add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 20, 20, add_absorber(scene), looking_up_z(0, 0, -0.5)), 1, 0);
+    add_emitter(scene, MCV_EMITTER_AREA,
+                add_rectangle(scene, 20, 20, add_absorber(scene), looking_up_z(0, 0, -0.5)), 1, 0);
     expect(scene, "is its unit", 0, "a wide light");
 }
 
@@ -229,9 +261,9 @@ static double filling_of(const mcv_scene *scene) {
 }
 
 /*
- * A telecentric camera that faces the panel: places a on the stop see it under the angle |a|/f, so the share of the stop is
- * (f tanβ/(D_t/2))², 1 where that is more. Of 65536 rays the 4096 of one stratum straddle the edge: 5 standard errors are at most
- * 5 √(4096/4)/65536.
+ * A telecentric camera that faces the panel: places a on the stop see it under the angle |a|/f, so
+ * the share of the stop is (f tanβ/(D_t/2))², 1 where that is more. Of 65536 rays the 4096 of one
+ * stratum straddle the edge: 5 standard errors are at most 5 √(4096/4)/65536.
  */
 static void test_pupil(void **state) {
     static const double f_numbers[] = {4, 8, 16};
@@ -241,11 +273,12 @@ static void test_pupil(void **state) {
         mcv_scene *scene = mcv_scene_new("pupil");
         const mcv_sensor sensor = telecentric(f_numbers[i]);
         add_sensor(scene, MCV_SENSOR_TELECENTRIC, &sensor, looking_down_z(0, 0, 0));
-        add_emitter(scene, MCV_EMITTER_PARALLEL, add_rectangle(scene, 0.1, 0.1, add_absorber(scene), looking_up_z(0, 0, -0.3)), 1,
-                    half_angle);
+        add_emitter(scene, MCV_EMITTER_PARALLEL,
+                    add_rectangle(scene, 0.1, 0.1, add_absorber(scene), looking_up_z(0, 0, -0.3)),
+                    1, half_angle);
         const double aperture = 0.25 / (2 * f_numbers[i]); /* NA = m/(2N) = D_t/2/f */
-        check("share of the telecentric pupil", filling_of(scene), fmin(pow(tan(half_angle) / aperture, 2), 1),
-              5 * sqrt(4096 / 4.0) / 65536);
+        check("share of the telecentric pupil", filling_of(scene),
+              fmin(pow(tan(half_angle) / aperture, 2), 1), 5 * sqrt(4096 / 4.0) / 65536);
         mcv_scene_free(scene);
     }
     /* With a plate of glass between there is nothing to say. */
@@ -262,9 +295,11 @@ static void test_pupil(void **state) {
 }
 
 /*
- * A projector's cone fills a pupil as the parallel emitter's does. A light field emitter's directions are a square in the pupil, of
- * half-width a f for sines up to a (the tangents of NA 1/64 are longer by 1.2e-4): of the stop's area it takes (2 a/NA)²/π while its
- * corners lie inside. 65536 rays in 4096 strata, of which at most 4 · 64 + 1 of a pixel's 256 straddle an edge: bounds as above.
+ * A projector's cone fills a pupil as the parallel emitter's does. A light field emitter's
+ * directions are a square in the pupil, of half-width a f for sines up to a (the tangents of NA
+ * 1/64 are longer by 1.2e-4): of the stop's area it takes (2 a/NA)²/π while its corners lie inside.
+ * 65536 rays in 4096 strata, of which at most 4 · 64 + 1 of a pixel's 256 straddle an edge: bounds
+ * as above.
  */
 static void test_pupil_before_pictures(void **state) {
     const double aperture = 0.25 / 16, inside = 5 * sqrt(4096 / 4.0) / 65536;
@@ -277,13 +312,16 @@ static void test_pupil_before_pictures(void **state) {
     p->size[0] = p->size[1] = 0.1;
     for (int k = 0; k < 3; ++k) p->radiance[k] = 1;
     mcv_scene *scene = before_picture(&projector, 8);
-    check("share of the pupil before a projector", filling_of(scene), pow(tan(0.01) / aperture, 2), inside);
+    check("share of the pupil before a projector", filling_of(scene), pow(tan(0.01) / aperture, 2),
+          inside);
     mcv_scene_free(scene);
 
-    /* One with a lens that throws its picture to infinity fills a square of half-width 5 mrad in tangents, of which the pupil is a disk. */
+    /* One with a lens that throws its picture to infinity fills a square of half-width 5 mrad in
+     * tangents, of which the pupil is a disk. */
     mcv_emitter lens = projector_of(0.01 * 0.1, INFINITY);
     scene = before_picture(&lens, 8);
-    check("share of the pupil before a projector with a lens", filling_of(scene), pow(0.01 / aperture, 2) / M_PI, inside);
+    check("share of the pupil before a projector with a lens", filling_of(scene),
+          pow(0.01 / aperture, 2) / M_PI, inside);
     mcv_scene_free(scene);
 
     mcv_emitter display = {.type = MCV_EMITTER_LIGHT_FIELD_EMITTER};
@@ -295,13 +333,15 @@ static void test_pupil_before_pictures(void **state) {
     q->size[0] = q->size[1] = 0.1;
     for (int k = 0; k < 3; ++k) q->radiance[k] = 1;
     scene = before_picture(&display, 8);
-    check("share of the pupil before a light field emitter", filling_of(scene), 1.44 / M_PI, 2 * inside + 1.44 / M_PI * 3e-4);
+    check("share of the pupil before a light field emitter", filling_of(scene), 1.44 / M_PI,
+          2 * inside + 1.44 / M_PI * 3e-4);
     mcv_scene_free(scene);
 }
 
 /*
- * One macro pixel on the axis sees under κ|o|. A cone that reaches 1.1 directions from the middle lights the middle and its eight
- * neighbours (the sixteenth of a corner one nearest to the middle ends at 0.75 √2 < 1.1, the next direction begins at 1.5).
+ * One macro pixel on the axis sees under κ|o|. A cone that reaches 1.1 directions from the middle
+ * lights the middle and its eight neighbours (the sixteenth of a corner one nearest to the middle
+ * ends at 0.75 √2 < 1.1, the next direction begins at 1.5).
  */
 static void test_directions(void **state) {
     enum { J = 9 };
@@ -317,7 +357,8 @@ static void test_directions(void **state) {
     p->angularResolution[0] = p->angularResolution[1] = J;
     p->pixelSize[0] = p->pixelSize[1] = 4e-6;
     add_sensor(scene, MCV_SENSOR_LIGHT_FIELD, &sensor, looking_down_z(0, 0, 0));
-    add_emitter(scene, MCV_EMITTER_PARALLEL, add_rectangle(scene, 0.1, 0.1, add_absorber(scene), looking_up_z(0, 0, -0.2)), 1,
+    add_emitter(scene, MCV_EMITTER_PARALLEL,
+                add_rectangle(scene, 0.1, 0.1, add_absorber(scene), looking_up_z(0, 0, -0.2)), 1,
                 atan(1.1 * kappa * diameter / J));
     check("share of the J x K directions", filling_of(scene), 9.0 / (J * J), 1e-15);
     mcv_scene_free(scene);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Parts from STL files: binary and ASCII give the same triangles, in the stated unit; whatever is wrong is one sentence. */
+/* Parts from STL files: binary and ASCII give the same triangles, in the stated unit; whatever is
+ * wrong is one sentence. */
 #include "test.h"
 
 #include <locale.h>
@@ -12,14 +13,17 @@
 
 /* A tetrahedron, outwards; 30 x 20 x 10. */
 enum { TRIANGLES = 4, BYTES = 84 + 50 * TRIANGLES };
-static const float corners[TRIANGLES][9] = {
-    {0, 0, 0, 0, 20, 0, 30, 0, 0}, {0, 0, 0, 30, 0, 0, 0, 0, 10}, {0, 0, 0, 0, 0, 10, 0, 20, 0}, {30, 0, 0, 0, 20, 0, 0, 0, 10}};
+static const float corners[TRIANGLES][9] = {{0, 0, 0, 0, 20, 0, 30, 0, 0},
+                                            {0, 0, 0, 30, 0, 0, 0, 0, 10},
+                                            {0, 0, 0, 0, 0, 10, 0, 20, 0},
+                                            {30, 0, 0, 0, 20, 0, 0, 0, 10}};
 
 static void make_binary(unsigned char bytes[BYTES], const char *header) {
     memset(bytes, 0, BYTES);
     strcpy((char *)bytes, header);
     bytes[80] = TRIANGLES;
-    for (int t = 0; t < TRIANGLES; ++t) memcpy(bytes + 84 + 50 * t + 12, corners[t], sizeof corners[t]);
+    for (int t = 0; t < TRIANGLES; ++t)
+        memcpy(bytes + 84 + 50 * t + 12, corners[t], sizeof corners[t]);
 }
 
 /* With numbers as C programs, exponents and odd blanks write them. */
@@ -43,15 +47,20 @@ static char *make_ascii(void) {
 }
 
 static const char rig[] =
-    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],\"materials\":[{\"name\":\"brass.001\"},{\"name\":"
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],\"materials\":[{"
+    "\"name\":\"brass.001\"},{\"name\":"
     "\"lamp\","
-    "\"emissiveFactor\":[1,1,1]},{\"name\":\"twice\"},{\"name\":\"twice\"}],\"extensionsUsed\":[\"MCVISI_assets\"],\"extensions\":{"
-    "\"MCVISI_assets\":{\"assets\":[{\"uri\":\"stl_part.stl\"%s}]},\"MCVISI_sensors\":{\"sensors\":[{\"type\":\"telecentric\","
+    "\"emissiveFactor\":[1,1,1]},{\"name\":\"twice\"},{\"name\":\"twice\"}],\"extensionsUsed\":["
+    "\"MCVISI_assets\"],\"extensions\":{"
+    "\"MCVISI_assets\":{\"assets\":[{\"uri\":\"stl_part.stl\"%s}]},\"MCVISI_sensors\":{\"sensors\":"
+    "[{\"type\":\"telecentric\","
     "\"magnification\":0.2,"
-    "\"workingDistance\":0.1,\"fNumber\":8,\"resolution\":[100,100],\"pixelSize\":0.0001}]}},\"nodes\":[{\"name\":\"part\",\"extensions\":{"
+    "\"workingDistance\":0.1,\"fNumber\":8,\"resolution\":[100,100],\"pixelSize\":0.0001}]}},"
+    "\"nodes\":[{\"name\":\"part\",\"extensions\":{"
     "\"MCVISI_assets\":{\"asset\":0}}},{\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}}]}";
 
-static mcv_result load_part(const void *bytes, size_t size, const char *rest, mcv_scene **scene, mcv_error *error) {
+static mcv_result load_part(const void *bytes, size_t size, const char *rest, mcv_scene **scene,
+                            mcv_error *error) {
     char *text = text_of(rig, rest);
     free(write_bytes("stl_part.stl", bytes, size));
     const mcv_result result = load_text("stl_rig.gltf", text, NULL, scene, error);
@@ -76,7 +85,8 @@ static void expect_part(const mcv_scene *scene, const char *material) {
         double found[3][3];
         mcv_scene_corners(scene, 0, t, found);
         for (int i = 0; i < 9; ++i)
-            if (fabs(found[i / 3][i % 3] - 1e-3 * (double)corners[t][i]) > 1e-16) fail_msg("triangle %u: %g", t, found[i / 3][i % 3]);
+            if (fabs(found[i / 3][i % 3] - 1e-3 * (double)corners[t][i]) > 1e-16)
+                fail_msg("triangle %u: %g", t, found[i / 3][i % 3]);
     }
     uint32_t edges;
     mcv_error error;
@@ -112,7 +122,8 @@ static void test_ascii_in_a_foreign_locale(void **state) {
     expect_part(scene, "brass.001");
     mcv_scene_free(scene);
     setlocale(LC_ALL, "C");
-    if (system("rm -rf comma comma.definition comma.log") != 0) fail_msg("the locale is left behind");
+    if (system("rm -rf comma comma.definition comma.log") != 0)
+        fail_msg("the locale is left behind");
     free(text);
     if (!made) skip();
 }
@@ -120,7 +131,8 @@ static void test_ascii_in_a_foreign_locale(void **state) {
 static void expect_refused(const void *bytes, size_t size, const char *rest, const char *part) {
     mcv_scene *scene;
     mcv_error error;
-    if (load_part(bytes, size, rest, &scene, &error) == MCV_OK) fail_msg("loaded, but should say: %s", part);
+    if (load_part(bytes, size, rest, &scene, &error) == MCV_OK)
+        fail_msg("loaded, but should say: %s", part);
     if (!strstr(error.text, part)) fail_msg("\"%s\" is missing in: %s", part, error.text);
     assert_null(scene);
 }
@@ -135,7 +147,8 @@ static void test_bad_files(void **state) {
     (void)state;
     make_binary(bytes, "made by hand");
     expect_refused(bytes, 0, mm, "stl_part.stl: is empty");
-    for (size_t size = 1; size < BYTES; ++size) expect_refused(bytes, size, mm, size < 84 ? "are no STL file" : "it is truncated");
+    for (size_t size = 1; size < BYTES; ++size)
+        expect_refused(bytes, size, mm, size < 84 ? "are no STL file" : "it is truncated");
     bytes[BYTES] = 0;
     expect_refused(bytes, BYTES + 1, mm, "says 4 triangles, which take 284 bytes, but has 285");
     bytes[80] = 0;
@@ -161,14 +174,18 @@ static void test_bad_files(void **state) {
     free(text);
     static const char *const cases[][2] = {
         {"solid\nendsolid\n", "holds no triangle"},
-        {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 zero", "line 4: \"zero\" is no number"},
-        {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop", "line 6: \"endloop\" must be `vertex`"},
+        {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 zero",
+         "line 4: \"zero\" is no number"},
+        {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop",
+         "line 6: \"endloop\" must be `vertex`"},
         {"solid a\nface normal 0 0 1\n", "line 2: \"face\" must be `facet` or `endsolid`"},
-        {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 inf\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid",
+        {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 inf\nvertex 1 0 0\nvertex 0 1 "
+         "0\nendloop\nendfacet\nendsolid",
          "must be finite"},
         {"o cube\nv 1 2 3\n", "no STL file"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) expect_refused(cases[i][0], strlen(cases[i][0]), mm, cases[i][1]);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i)
+        expect_refused(cases[i][0], strlen(cases[i][0]), mm, cases[i][1]);
 }
 
 static void test_units_and_materials(void **state) {
@@ -179,7 +196,8 @@ static void test_units_and_materials(void **state) {
     expect_refused(bytes, BYTES, "", "assets/0/unit: is missing");
     expect_refused(bytes, BYTES, "", "30 x 20 x 10 of it");
     expect_refused(bytes, BYTES, ",\"unit\":\"foot\"", "must be one of nm, um, mm, cm, m, inch");
-    expect_refused(bytes, BYTES, ",\"unit\":\"mm\",\"material\":\"steel\"", "there is no material \"steel\"");
+    expect_refused(bytes, BYTES, ",\"unit\":\"mm\",\"material\":\"steel\"",
+                   "there is no material \"steel\"");
     expect_refused(bytes, BYTES, ",\"unit\":\"mm\",\"material\":\"twice\"", "ambiguous");
     expect_refused(bytes, BYTES, ",\"unit\":\"mm\",\"material\":7", "material: index 7");
     expect_refused(bytes, BYTES, ",\"unit\":\"mm\",\"material\":\"lamp\"", "emits light");
@@ -189,15 +207,16 @@ static void test_units_and_materials(void **state) {
     bool said = false;
     assert_int_equal(mcv_findings_of(scene, &findings, &error), MCV_OK);
     for (size_t i = 0; i < findings.count; ++i)
-        said =
-            said || (strstr(findings.items[i].sentence, "\"part\" is 30 m wide") && strstr(findings.items[i].sentence, "is its unit mm?"));
+        said = said || (strstr(findings.items[i].sentence, "\"part\" is 30 m wide") &&
+                        strstr(findings.items[i].sentence, "is its unit mm?"));
     mcv_findings_free(&findings);
     assert_true(said);
     mcv_scene_free(scene);
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_binary), cmocka_unit_test(test_ascii_in_a_foreign_locale),
-                                       cmocka_unit_test(test_bad_files), cmocka_unit_test(test_units_and_materials)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_binary), cmocka_unit_test(test_ascii_in_a_foreign_locale),
+        cmocka_unit_test(test_bad_files), cmocka_unit_test(test_units_and_materials)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

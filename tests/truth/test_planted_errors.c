@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* ctest: timeout 600 */
 /*
- * What a comparison is for: renders with an error planted in the kernels or in the scene are rejected, those of other seeds are accepted.
- * The kernels with an error are a copy of the sources in which one line is changed; tests/mutants has many more of these.
+ * What a comparison is for: renders with an error planted in the kernels or in the scene are
+ * rejected, those of other seeds are accepted. The kernels with an error are a copy of the sources
+ * in which one line is changed; tests/mutants has many more of these.
  */
 #include "scene_builder.h"
 
@@ -16,15 +17,16 @@
 
 enum { PIXELS = 32, REPLICATES = 16, DEPTH = 4 };
 
-/* Of seeds: for each planted error, and of renders without one. test_planted_errors_slow.c has more. */
+/* Of seeds: for each planted error, and of renders without one. test_planted_errors_slow.c has
+ * more. */
 #ifndef ERROR_PAIRS
 #define ERROR_PAIRS 1
 #define EQUAL_PAIRS 24
 #endif
 
 /*
- * A camera of wide aperture inside a block of glass looks at a floor in focus, dark and bright, beside a wall; a panel and a narrow
- * cone light it.
+ * A camera of wide aperture inside a block of glass looks at a floor in focus, dark and bright,
+ * beside a wall; a panel and a narrow cone light it.
  */
 typedef struct setup {
     double reflectance, half_angle, focal_length;
@@ -39,10 +41,15 @@ static mcv_scene *make_scene(const setup *s) {
     add_rectangle(scene, 1, 2, add_diffuse(scene, s->reflectance), looking_up_z(0.5002, 0, 0));
     add_rectangle(scene, 1, 2, add_diffuse(scene, 0.2), looking_up_z(-0.4998, 0, 0));
     add_rectangle(scene, 1, 2, add_diffuse(scene, s->reflectance),
-                  looking((const double[3]){-0.4, 0, 0.5}, (const double[3]){1, 0, 0}, (const double[3]){0, 1, 0}));
-    add_emitter(scene, MCV_EMITTER_AREA, add_rectangle(scene, 0.12, 0.2, add_absorber(scene), looking_down_z(-0.13, 0, 0.7)), 1, 0);
-    add_emitter(scene, MCV_EMITTER_PARALLEL, add_rectangle(scene, 0.4, 0.4, add_absorber(scene), looking_down_z(0.215, 0.1, 0.7)), 60,
-                s->half_angle);
+                  looking((const double[3]){-0.4, 0, 0.5}, (const double[3]){1, 0, 0},
+                          (const double[3]){0, 1, 0}));
+    add_emitter(scene, MCV_EMITTER_AREA,
+                add_rectangle(scene, 0.12, 0.2, add_absorber(scene), looking_down_z(-0.13, 0, 0.7)),
+                1, 0);
+    add_emitter(
+        scene, MCV_EMITTER_PARALLEL,
+        add_rectangle(scene, 0.4, 0.4, add_absorber(scene), looking_down_z(0.215, 0.1, 0.7)), 60,
+        s->half_angle);
     add_box(scene, block, add_glass(scene, 1.5, 0, 0), looking_down_z(0, 0, distance));
     mcv_sensor camera = sensor_defaults(MCV_SENSOR_THIN_LENS);
     mcv_thin_lens_params *p = &camera.as.thin_lens;
@@ -92,7 +99,8 @@ static int free_truths(void **state) {
     return 0;
 }
 
-/* 4 x 2.5e-4 of right pairs are rejected: with fixed seeds none of six. What the tests can see is part of them. */
+/* 4 x 2.5e-4 of right pairs are rejected: with fixed seeds none of six. What the tests can see is
+ * part of them. */
 static void test_other_seeds_are_accepted(void **state) {
     (void)state;
     for (uint32_t seed = 2; seed < (ERROR_PAIRS > 1 ? 8 : 4); ++seed) {
@@ -101,7 +109,8 @@ static void test_other_seeds_are_accepted(void **state) {
         if (seed == 2) print_message("  %s\n", c.reason);
         if (c.different) fail_msg("seed %u: %s", seed, c.reason);
         if (c.detectable > 0.005 || c.detectable_tile > 0.05)
-            fail_msg("seed %u: only %g of the mean and %g of a tile would be seen", seed, c.detectable, c.detectable_tile);
+            fail_msg("seed %u: only %g of the mean and %g of a tile would be seen", seed,
+                     c.detectable, c.detectable_tile);
         mcv_film_free(&other);
     }
 }
@@ -115,11 +124,13 @@ static int compare_doubles(const void *a, const void *b) {
 static double distance_from_uniform(double *values, int count) {
     double d = 0;
     qsort(values, (size_t)count, sizeof *values, compare_doubles);
-    for (int i = 0; i < count; ++i) d = fmax(d, fmax((i + 1.0) / count - values[i], values[i] - (double)i / count));
+    for (int i = 0; i < count; ++i)
+        d = fmax(d, fmax((i + 1.0) / count - values[i], values[i] - (double)i / count));
     return d;
 }
 
-/* How often a rank test of R against R replicates has a p-value in each tenth, where all come from one distribution: exactly. */
+/* How often a rank test of R against R replicates has a p-value in each tenth, where all come from
+ * one distribution: exactly. */
 static void share_bins(double shares[MCV_COMPARE_BINS]) {
     double *table = mcv_mann_whitney(REPLICATES, REPLICATES);
     assert_non_null(table);
@@ -127,16 +138,19 @@ static void share_bins(double shares[MCV_COMPARE_BINS]) {
     for (int u = 0, most = REPLICATES * REPLICATES; u <= most; ++u) {
         const int smaller = u < most - u ? u : most - u;
         const double p = 2 * smaller >= most ? 1 : fmin(1, 2 * table[smaller]);
-        shares[p < 1 ? (int)(p * MCV_COMPARE_BINS) : MCV_COMPARE_BINS - 1] += table[u] - (u > 0 ? table[u - 1] : 0);
+        shares[p < 1 ? (int)(p * MCV_COMPARE_BINS) : MCV_COMPARE_BINS - 1] +=
+            table[u] - (u > 0 ? table[u - 1] : 0);
     }
     free(table);
 }
 
 /*
- * Renders of other seeds, each of one pair alone. The verdict is wrong in at most 4 x 2.5e-4 of the pairs, and p-values of units are at
- * most 0.05 in at most 5 % of them; both as binomials say, to 1e-3. The p-values of image means are uniform: Kolmogorov and Smirnov's D is
- * above √(ln(2/p)/2n) with a probability p (Massart 1990), 1e-3. Those of tiles, which are independent of each other, fall into tenths
- * as the rank test's do: chi² of 9 degrees of freedom is above 27.88 with a probability of 1e-3.
+ * Renders of other seeds, each of one pair alone. The verdict is wrong in at most 4 x 2.5e-4 of the
+ * pairs, and p-values of units are at most 0.05 in at most 5 % of them; both as binomials say, to
+ * 1e-3. The p-values of image means are uniform: Kolmogorov and Smirnov's D is above √(ln(2/p)/2n)
+ * with a probability p (Massart 1990), 1e-3. Those of tiles, which are independent of each other,
+ * fall into tenths as the rank test's do: chi² of 9 degrees of freedom is above 27.88 with a
+ * probability of 1e-3.
  */
 static void test_p_values_without_an_error(void **state) {
     static double means[EQUAL_PAIRS];
@@ -157,7 +171,8 @@ static void test_p_values_without_an_error(void **state) {
             options.depth = DEPTH;
             options.seed = (uint32_t)(10000 + 2 * i + k);
             options.no_light_paths = true;
-            BUILD(mcv_renderer_render(renderer, scene, 0, &options, &films[k], &stats, &builder_error));
+            BUILD(mcv_renderer_render(renderer, scene, 0, &options, &films[k], &stats,
+                                      &builder_error));
         }
         const mcv_comparison c = compare(&films[0], &films[1]);
         rejected += c.different;
@@ -175,14 +190,17 @@ static void test_p_values_without_an_error(void **state) {
         chi2 += pow((double)histogram[b] - tiles * shares[b], 2) / (tiles * shares[b]);
         print_message(" %llu (%.0f)", (unsigned long long)histogram[b], tiles * shares[b]);
     }
-    const double d = distance_from_uniform(means, EQUAL_PAIRS), allowed = sqrt(log(2 / 1e-3) / (2.0 * EQUAL_PAIRS));
-    print_message("; chi2 %.1f\n  %d of %d pairs rejected; p of units <= 0.05 in %d; p of image means %.3f from uniform, allowed %.3f\n",
+    const double d = distance_from_uniform(means, EQUAL_PAIRS),
+                 allowed = sqrt(log(2 / 1e-3) / (2.0 * EQUAL_PAIRS));
+    print_message("; chi2 %.1f\n  %d of %d pairs rejected; p of units <= 0.05 in %d; p of image "
+                  "means %.3f from uniform, allowed %.3f\n",
                   chi2, rejected, EQUAL_PAIRS, small, d, allowed);
     if (mcv_binomial_upper((uint64_t)rejected, EQUAL_PAIRS, 4 * MCV_COMPARE_ALPHA) < 1e-3)
         fail_msg("%d of %d equal pairs are rejected", rejected, EQUAL_PAIRS);
     if (mcv_binomial_upper((uint64_t)small, EQUAL_PAIRS, 0.05) < 1e-3)
         fail_msg("p of units is at most 0.05 in %d of %d equal pairs", small, EQUAL_PAIRS);
-    if (d > allowed) fail_msg("p-values of image means are %g from uniform ones, allowed %g", d, allowed);
+    if (d > allowed)
+        fail_msg("p-values of image means are %g from uniform ones, allowed %g", d, allowed);
     if (chi2 > 27.88) fail_msg("p-values of tiles: chi2 of %g with 9 degrees of freedom", chi2);
 }
 
@@ -197,8 +215,10 @@ static void expect_rejected(const setup *s, const char *what) {
         if (i == 0 || !c.different) worst = c;
         mcv_film_free(&other);
     }
-    print_message("  %s: rejected in %u of %d; %s\n", what, ERROR_PAIRS - accepted, ERROR_PAIRS, worst.reason);
-    if (20 * accepted > ERROR_PAIRS) fail_msg("%s is accepted in %u of %d pairs: %s", what, accepted, ERROR_PAIRS, worst.reason);
+    print_message("  %s: rejected in %u of %d; %s\n", what, ERROR_PAIRS - accepted, ERROR_PAIRS,
+                  worst.reason);
+    if (20 * accepted > ERROR_PAIRS)
+        fail_msg("%s is accepted in %u of %d pairs: %s", what, accepted, ERROR_PAIRS, worst.reason);
 }
 
 static void test_wrong_scenes_are_rejected(void **state) {
@@ -231,14 +251,16 @@ static char *read_text(const char *path) {
     return text;
 }
 
-/* Replaces every occurrence; at least one is expected, so that a change of the sources is noticed. */
+/* Replaces every occurrence; at least one is expected, so that a change of the sources is noticed.
+ */
 static void plant(const char *folder, const planted *error) {
     char path[512];
     snprintf(path, sizeof path, "%s/%s", folder, error->file);
     char *text = read_text(path), *at = text;
     FILE *file = fopen(path, "w");
     assert_non_null(file);
-    if (!strstr(text, error->line)) fail_msg("%s: %s has no \"%s\" any more", error->what, error->file, error->line);
+    if (!strstr(text, error->line))
+        fail_msg("%s: %s has no \"%s\" any more", error->what, error->file, error->line);
     for (char *found; (found = strstr(at, error->line)); at = found + strlen(error->line)) {
         fwrite(at, 1, (size_t)(found - at), file);
         fputs(error->wrong, file);
@@ -251,18 +273,23 @@ static void plant(const char *folder, const planted *error) {
 static void test_wrong_kernels_are_rejected(void **state) {
     static const planted errors[] = {
         {"no error", "kernels/bsdf/bsdf.h", "response.density", "response.density"},
-        {"no cosine of the receiver", "kernels/bsdf/bsdf.h", "mcv_dim(reflectance, response.density)", "mcv_dim(reflectance, 0.31830989f)"},
-        {"no n^2 of the sensor's medium", "kernels/stage/accumulate_film.h", " * world.frame->sensor_index_squared[channel]", ""},
-        {"half a pixel aside", "kernels/stage/generate_rays.h", "film.x = inside.x;", "film.x = inside.x + 0.5f;"},
+        {"no cosine of the receiver", "kernels/bsdf/bsdf.h",
+         "mcv_dim(reflectance, response.density)", "mcv_dim(reflectance, 0.31830989f)"},
+        {"no n^2 of the sensor's medium", "kernels/stage/accumulate_film.h",
+         " * world.frame->sensor_index_squared[channel]", ""},
+        {"half a pixel aside", "kernels/stage/generate_rays.h", "film.x = inside.x;",
+         "film.x = inside.x + 0.5f;"},
         {"random numbers used twice", "kernels/path/sampler.h", "MCV_PAIR_CHOICE, MCV_PAIR_STRIDE",
          "MCV_PAIR_CHOICE = MCV_PAIR_EMITTER, MCV_PAIR_STRIDE"},
-        {"origins moved to the wrong side", "include/mcvisi/offset.h", "< 0.0f ? -reach : reach", "< 0.0f ? reach : -reach"},
+        {"origins moved to the wrong side", "include/mcvisi/offset.h", "< 0.0f ? -reach : reach",
+         "< 0.0f ? reach : -reach"},
     };
     char folder[] = "planted.XXXXXX", command[1024];
     (void)state;
     assert_non_null(mkdtemp(folder));
     for (size_t i = 0; i < sizeof errors / sizeof errors[0]; ++i) {
-        snprintf(command, sizeof command, "rm -rf %s/* && cp -r %s/kernels %s/include %s", folder, MCV_SOURCE_DIR, MCV_SOURCE_DIR, folder);
+        snprintf(command, sizeof command, "rm -rf %s/* && cp -r %s/kernels %s/include %s", folder,
+                 MCV_SOURCE_DIR, MCV_SOURCE_DIR, folder);
         assert_int_equal(system(command), 0);
         plant(folder, &errors[i]);
         assert_int_equal(setenv("MCVISI_KERNEL_DIR", folder, 1), 0);
@@ -281,8 +308,9 @@ static void test_wrong_kernels_are_rejected(void **state) {
 }
 
 /*
- * A film of plain floats, of 2^25 samples between 0.6 and 0.8: above 2^23 they count as 1, above 2^24 not at all. Beside it the film's own
- * sum over a tree of pairs of floats, in blocks of 64 and then in double.
+ * A film of plain floats, of 2^25 samples between 0.6 and 0.8: above 2^23 they count as 1, above
+ * 2^24 not at all. Beside it the film's own sum over a tree of pairs of floats, in blocks of 64 and
+ * then in double.
  */
 static void test_float_film_is_rejected(void **state) {
     enum { SAMPLES = 1 << 21 };
@@ -318,8 +346,10 @@ int main(void) {
         cmocka_unit_test(test_wrong_scenes_are_rejected),
     };
     const struct CMUnitTest long_tests[] = {
-        cmocka_unit_test(test_other_seeds_are_accepted),  cmocka_unit_test(test_p_values_without_an_error),
-        cmocka_unit_test(test_wrong_scenes_are_rejected), cmocka_unit_test(test_wrong_kernels_are_rejected),
+        cmocka_unit_test(test_other_seeds_are_accepted),
+        cmocka_unit_test(test_p_values_without_an_error),
+        cmocka_unit_test(test_wrong_scenes_are_rejected),
+        cmocka_unit_test(test_wrong_kernels_are_rejected),
         cmocka_unit_test(test_float_film_is_rejected),
     };
     return ERROR_PAIRS > 1 ? cmocka_run_group_tests(long_tests, render_truths, free_truths)
