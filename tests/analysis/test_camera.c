@@ -3,8 +3,6 @@
  * Seeds are fixed, so is the outcome. */
 #include "test.h"
 
-#include <stdbool.h>
-
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
