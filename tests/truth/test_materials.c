@@ -666,8 +666,12 @@ int main(void) {
     };
     const struct CMUnitTest images[] = {cmocka_unit_test(test_rough_images),
                                         cmocka_unit_test(test_textured_roughness)};
-    if (PART == PART_IMAGES) return cmocka_run_group_tests(images, NULL, NULL);
-    // NOLINTNEXTLINE(misc-redundant-expression): each program is one of the parts
-    return PART == PART_SMOOTH ? cmocka_run_group_tests(smooth, NULL, NULL)
-                               : cmocka_run_group_tests(rough, NULL, NULL);
+    switch (PART) {
+    case PART_IMAGES:
+        return cmocka_run_group_tests(images, NULL, NULL);
+    case PART_SMOOTH:
+        return cmocka_run_group_tests(smooth, NULL, NULL);
+    default:
+        return cmocka_run_group_tests(rough, NULL, NULL);
+    }
 }
