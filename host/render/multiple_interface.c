@@ -124,45 +124,69 @@ static void turn_by_facet(const interface *at, int start, walker *w, const doubl
 }
 
 /*
- * Light that walks from the direction of a row until it leaves (Heitz and others 2016): adds what
- * each meeting but the first sends to the goals. After the first it stays: what leaves by then is
- * counted elsewhere. Half the walks reflect first, half refract. Returns what goes on.
+ * A walk's numbers in (0, 1): of a lattice of rank 1 with Korobov's generator, which was searched for the
+ * least P2 in 12 dimensions; those beyond its dimensions at random.
  */
-static double walk(const interface *at, int start, uint32_t row, int walks, uint64_t *state, goals sums) {
-    enum { MEETINGS = 60 };
-    static const double steps[4] = {0.85667488385450, 0.73389185662717, 0.62870672103781, 0.53859725722361}; /* g^-k, g^5 = g + 1 */
+enum { LATTICE = 1021, GENERATOR = 58, DIMENSIONS = 15 };
+
+typedef struct numbers {
+    uint32_t point, power;
+    int used;
+    uint64_t state;
+} numbers;
+
+static double next(numbers *n) {
+    if (n->used++ >= DIMENSIONS) return unit(&n->state);
+    n->power = n->power * GENERATOR % LATTICE;
+    return fmod((n->point * n->power % LATTICE + 0.5) / LATTICE + 0.38 * n->used, 1);
+}
+
+/*
+ * Takes light on to the next microfacet, at the first time for certain: what leaves by then is counted
+ * elsewhere. False: it leaves.
+ */
+static bool go_on(const interface *at, walker *w, bool first, double chance) {
+    const double l = mcv_smith(at->alpha, fmax(fabs(w->back[2]), 1e-12));
+    const bool up = w->back[2] < 0;
+    if (first && up) {
+        const double leaves = pow(w->below, l);
+        w->weight *= 1 - leaves;
+        w->begun /= 1 - leaves;
+        chance = leaves + (1 - leaves) * chance;
+    }
+    const double left = up ? pow(chance, 1 / fmax(l, 1e-12)) : pow(chance, -1 / (1 + l));
+    if (up && w->below >= left && !first) return false;
+    w->below = fmin(w->below / left, 1);
+    return w->weight > 0 && w->begun > 0;
+}
+
+/*
+ * Light that walks from the direction of a row until it leaves (Heitz and others 2016): adds what each
+ * meeting but the first sends to the goals. Half the walks reflect first, half refract. Returns the
+ * share that goes on after one meeting.
+ */
+static double walk(const interface *at, int start, uint32_t row, goals sums) {
+    enum { MEETINGS = 60, WALKS = 2 * LATTICE };
     const node *from = &at->nodes[row];
     double goes_on = 0;
-    for (int number = 0; number < walks; ++number) {
-        double u[4];
-        for (int k = 0; k < 4; ++k) u[k] = fmod(0.5 + steps[k] * (number / 2 + 1), 1);
-        walker w = {.back = {from->sine, 0, from->cosine}, .below = pow(u[0], 1 / (1 + from->lambda))};
+    for (uint32_t number = 0; number < WALKS; ++number) {
+        numbers n = {.point = number / 2, .power = 1, .state = number};
+        double chances[3] = {0};
+        walker w = {.back = {from->sine, 0, from->cosine}, .below = pow(next(&n), 1 / (1 + from->lambda))};
         w.begun = pow(w.below, from->lambda) / from->cosine;
-        turn_by_facet(at, start, &w, u + 1, number & 1, true);
+        for (int k = 0; k < 2; ++k) chances[k] = next(&n);
+        turn_by_facet(at, start, &w, chances, number & 1, true);
         if (!(w.weight > 0)) continue;
         const double leaving[3] = {-w.back[0], -w.back[1], -w.back[2]};
         w.first_seen = mcv_visible_area(at->alpha, leaving);
-        for (int meeting = 1; meeting < MEETINGS; ++meeting) {
-            const double l = mcv_smith(at->alpha, fmax(fabs(w.back[2]), 1e-12));
-            const bool up = w.back[2] < 0;
-            double chance = meeting == 1 ? u[3] : unit(state);
-            if (meeting == 1 && up) {
-                const double leaves = pow(w.below, l);
-                w.weight *= 1 - leaves;
-                w.begun /= 1 - leaves;
-                chance = leaves + (1 - leaves) * chance;
-            }
-            const double left = up ? pow(chance, 1 / fmax(l, 1e-12)) : pow(chance, -1 / (1 + l));
-            if (up && w.below >= left && meeting > 1) break;
-            w.below = fmin(w.below / left, 1);
-            if (meeting == 1) goes_on += w.weight / walks;
-            if (!(w.weight > 0 && w.begun > 0)) break;
+        for (int meeting = 1; meeting < MEETINGS && go_on(at, &w, meeting == 1, next(&n)); ++meeting) {
+            if (meeting == 1) goes_on += w.weight / WALKS;
             connect(at, start, row, &w, sums);
-            const double next[3] = {unit(state), unit(state), unit(state)};
-            turn_by_facet(at, start, &w, next, 0, false);
+            for (int k = 0; k < 3; ++k) chances[k] = next(&n);
+            turn_by_facet(at, start, &w, chances, 0, false);
         }
     }
-    for (int k = 0; k < 2 * NODES * TURNS; ++k) (&sums[0][0][0])[k] /= walks;
+    for (int k = 0; k < 2 * NODES * TURNS; ++k) (&sums[0][0][0])[k] /= WALKS;
     return goes_on;
 }
 
@@ -290,18 +314,16 @@ static void prepare(interface *at, double coating) {
 uint32_t mcv_interface_words(void) { return WORDS * NODES * NODES * TURNS; }
 
 bool mcv_multiple_interface(double alpha, double n_outside, double n_inside, double coating, float *table) {
-    enum { WALKS = 2048 };
     interface *at = malloc(sizeof *at);
     goals(*sums)[NODES] = calloc(2, sizeof *sums);
     double(*all)[2][NODES][NODES][TURNS] = malloc(sizeof(entries));
     const bool made = at && sums && all;
     if (made) {
         double goes_on[2][NODES];
-        uint64_t state = 0;
         *at = (interface){.alpha = alpha, .n = {n_outside, n_inside}};
         prepare(at, coating);
         for (uint32_t k = 0; k < 2 * NODES; ++k)
-            goes_on[k / NODES][k % NODES] = walk(at, (int)(k / NODES), k % NODES, WALKS, &state, sums[k / NODES][k % NODES]);
+            goes_on[k / NODES][k % NODES] = walk(at, (int)(k / NODES), k % NODES, sums[k / NODES][k % NODES]);
         fill(at, sums, goes_on, all);
         for (uint32_t k = 0; k < 4 * NODES * NODES * TURNS; ++k) /* words: near from both sides, then far */
             table[k % (NODES * NODES * TURNS) * WORDS + k / (2 * NODES * NODES * TURNS) + 2 * (k / (NODES * NODES * TURNS) % 2)] =
