@@ -78,16 +78,18 @@ MCV_LOOP_FUNCTION float mcv_multiple_row(float z, uint cosines) {
     return root / (root + mcv_sqrt(1.0f - c)) * (float)(cosines - 1);
 }
 
+/* Where a table of multiple scattering is read: entries of azimuths, and what each of three corners counts. */
+typedef struct mcv_multiple_place {
+    uint first, edge, across; /* the near corner, words from it to the one beyond an edge and to the far one */
+    float near, middle, far;
+    float turn; /* to the next azimuth */
+} mcv_multiple_place;
+
 /*
- * What leaves towards i after two and more meetings with microfacets: on o's side over what white ones
- * send there by one, on the other (far) over 1/(o_z (1 + Λ(o)) (1 + Λ(i))). Both directions are given
- * as if they lay above. The table of an interface lies behind its albedos.
+ * In rows and columns by the triangles that the diagonal divides a cell into: light that comes and
+ * leaves at like angles is special. Both directions are given as if they lay above.
  */
-MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *tables,
-                                               mcv_color more, mcv_vec3 o, mcv_vec3 i, int far) {
-    const uint size = MCV_MULTIPLE_WORDS * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_AZIMUTHS;
-    const int dielectric = gloss->type == MCV_MATERIAL_DIELECTRIC;
-    const uint cosines = dielectric ? MCV_INTERFACE_COSINES : MCV_MULTIPLE_COSINES;
+MCV_LOOP_FUNCTION mcv_multiple_place mcv_find_multiple(uint cosines, mcv_vec3 o, mcv_vec3 i) {
     const float x = mcv_multiple_row(o.z, cosines);
     const float y = mcv_multiple_row(i.z, cosines);
     const float o_sine = mcv_sqrt(mcv_fma(o.x, o.x, o.y * o.y));
@@ -105,40 +107,74 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
     const uint entry = min((uint)z, (uint)(MCV_MULTIPLE_AZIMUTHS - 2));
     const float f = x - (float)row;
     const float g = y - (float)column;
-    const float h = z - (float)entry;
-    const float layer = gloss->layer * ((float)(MCV_MULTIPLE_ROUGHNESSES - 1) / (float)(MCV_ALBEDO_ROUGHNESSES - 1));
-    const uint low = m->roughnesses > 1 ? min((uint)layer, (uint)(MCV_MULTIPLE_ROUGHNESSES - 2)) : 0;
-    const float part = m->roughnesses > 1 ? layer - (float)low : 0.0f;
-    /* In rows and columns by the triangles that the diagonal divides a cell into: light that comes and leaves at like angles is special. */
     const float both = f < g ? f : g;
     const float either = f < g ? g : f;
-    const uint others = gloss->type == MCV_MATERIAL_CONDUCTOR ? MCV_CHANNELS : MCV_MULTIPLE_WORDS;
-    const uint count = dielectric ? 1 : others;
-    const uint first = gloss->inside + (far ? 2u : 0u); /* word */
-    const uint table = dielectric ? gloss->table + 2 + 2 * MCV_ALBEDO_COSINES + first : m->multiple;
-    float words[MCV_MULTIPLE_WORDS] = {0.0f, 0.0f, 0.0f, 0.0f};
-    const float ends[3] = {1.0f - either, either - both, both};
-    const uint edge = f > g ? cosines : 1u; /* from the near corner to the one beyond an edge, in entries of azimuths */
-    const uint corners[3] = {0u, edge, cosines + 1u};
-    for (uint level = 0; level < (m->roughnesses > 1 ? 2u : 1u); ++level) {
-        const float share = level ? part : 1.0f - part;
-        __global const float *from = tables + table + (low + level) * size +
-                                     MCV_MULTIPLE_WORDS * ((row * cosines + column) * MCV_MULTIPLE_AZIMUTHS + entry);
-#pragma unroll
-        for (uint corner = 0; corner < 3; ++corner) {
-            __global const float *near = from + MCV_MULTIPLE_WORDS * MCV_MULTIPLE_AZIMUTHS * corners[corner];
-#pragma unroll
-            for (uint word = 0; word < MCV_MULTIPLE_WORDS; ++word)
-                if (word < count)
-                    words[word] =
-                        mcv_fma(share * ends[corner], mcv_fma(h, near[word + MCV_MULTIPLE_WORDS] - near[word], near[word]), words[word]);
-        }
-    }
+    const uint step = MCV_MULTIPLE_WORDS * MCV_MULTIPLE_AZIMUTHS;
+    mcv_multiple_place place;
+    place.first = MCV_MULTIPLE_WORDS * ((row * cosines + column) * MCV_MULTIPLE_AZIMUTHS + entry);
+    place.edge = step * (f > g ? cosines : 1u);
+    place.across = step * (cosines + 1u);
+    place.near = 1.0f - either;
+    place.middle = either - both;
+    place.far = both;
+    place.turn = z - (float)entry;
+    return place;
+}
+
+/* A word there. */
+MCV_LOOP_FUNCTION float mcv_multiple_word(__global const float *table, mcv_multiple_place place) {
+    __global const float *at = table + place.first;
+    const float near = mcv_fma(place.turn, at[MCV_MULTIPLE_WORDS] - at[0], at[0]);
+    at += place.edge;
+    const float middle = mcv_fma(place.turn, at[MCV_MULTIPLE_WORDS] - at[0], at[0]);
+    at += place.across - place.edge;
+    const float far = mcv_fma(place.turn, at[MCV_MULTIPLE_WORDS] - at[0], at[0]);
+    return mcv_fma(place.far, far, mcv_fma(place.middle, middle, place.near * near));
+}
+
+/* A word of a metal at its roughness. */
+MCV_LOOP_FUNCTION float mcv_metal_word(const mcv_device_gloss *m, float layer, __global const float *table, mcv_multiple_place place) {
+    if (m->roughnesses == 1) return mcv_multiple_word(table, place);
+    const uint size = MCV_MULTIPLE_WORDS * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_AZIMUTHS;
+    const float at = layer * ((float)(MCV_MULTIPLE_ROUGHNESSES - 1) / (float)(MCV_ALBEDO_ROUGHNESSES - 1));
+    const uint low = min((uint)at, (uint)(MCV_MULTIPLE_ROUGHNESSES - 2));
+    const float below = mcv_multiple_word(table + low * size, place);
+    const float above = mcv_multiple_word(table + (low + 1) * size, place);
+    return mcv_fma(at - (float)low, above - below, below);
+}
+
+/*
+ * What leaves towards i after two and more meetings with microfacets: on o's side over what white ones
+ * send there by one, on the other (far) over 1/(o_z (1 + Λ(o)) (1 + Λ(i))). Both directions are given
+ * as if they lay above. The table of an interface lies behind its albedos.
+ */
+MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const mcv_gloss *gloss, __global const float *tables,
+                                               mcv_color more, mcv_vec3 o, mcv_vec3 i, int far) {
     mcv_color multiple;
+#if MCV_WITH_DIELECTRIC
+    if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
+        const uint words = gloss->inside + (far ? 2u : 0u) + 2u + 2u * MCV_ALBEDO_COSINES;
+        const uint known = gloss->table != MCV_NONE; /* else it is smooth, and what is read does not count */
+        mcv_multiple_place place = mcv_find_multiple(MCV_INTERFACE_COSINES, o, i);
+        place.first = known * (gloss->table + words + place.first);
+        place.edge *= known;
+        place.across *= known;
+        return mcv_grey(mcv_multiple_word(tables, place));
+    }
+#endif
+    const mcv_multiple_place place = mcv_find_multiple(MCV_MULTIPLE_COSINES, o, i);
+    __global const float *table = tables + m->multiple;
+    if (gloss->type == MCV_MATERIAL_CONDUCTOR) {
+        MCV_EACH_CHANNEL(c) multiple.c[c] = mcv_metal_word(m, gloss->layer, table + c, place);
+        return multiple;
+    }
+    const float square = mcv_metal_word(m, gloss->layer, table, place);
+    const float linear = mcv_metal_word(m, gloss->layer, table + 1, place);
+    const float least = mcv_metal_word(m, gloss->layer, table + 2, place);
+    const float rest = mcv_metal_word(m, gloss->layer, table + 3, place);
     MCV_EACH_CHANNEL(c) {
         const float b = gloss->base.c[c];
-        const float schlick = gloss->metallic * mcv_fma(more.c[c], words[3], mcv_fma(b, mcv_fma(b, words[0], words[1]), words[2]));
-        multiple.c[c] = dielectric ? words[0] : gloss->type == MCV_MATERIAL_CONDUCTOR ? words[c] : schlick;
+        multiple.c[c] = gloss->metallic * mcv_fma(more.c[c], rest, mcv_fma(b, mcv_fma(b, square, linear), least));
     }
     return multiple;
 }
@@ -295,7 +331,7 @@ MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, cons
     const float chance = mcv_gloss_reflects(m, gloss, lobes, cosine, reflected, &passed);
     const int multiplied = mcv_has_multiple(m, gloss);
     mcv_color multiple = mcv_grey(0.0f);
-    if (multiplied && (refracts || !far)) multiple = mcv_gloss_multiple(m, gloss, albedos, lobes->more, o, mirrored, far);
+    if (multiplied && (!far || refracts || gloss->type == MCV_MATERIAL_CONDUCTOR)) multiple = mcv_gloss_multiple(m, gloss, albedos, lobes->more, o, mirrored, far);
     MCV_EACH_CHANNEL(k) reflected.c[k] += multiple.c[k];
     const float facets = mcv_ggx_density(gloss->alpha, h) * cosine * jacobian / o.z;
     const float lambda = mcv_ggx_lambda(gloss->alpha, i);

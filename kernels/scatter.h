@@ -470,7 +470,8 @@ MCV_LOOP_FUNCTION mcv_gloss_meeting mcv_meet_gloss_of(mcv_world world, const mcv
         m.near_media = crossing.before;
         m.far_media = crossing.after;
         m.gloss.between = crossing.between;
-        m.gloss.table = crossing.albedos;
+        /* A body has none of its own, MCV_NONE. Of a choice between two places the loop over paths would not be vectorised. */
+        m.gloss.table &= crossing.albedos;
     } else {
         m.gloss.between.eta = mcv_sqrt(world.media[mcv_filling_medium(media)].inverse_index_squared);
     }

@@ -152,16 +152,26 @@ MCV_LOOP_FUNCTION void mcv_continue_path(mcv_world world, mcv_slot slot, const m
 #endif
     const mcv_vec3 direction = mcv_choose(skipped, meeting->direction, on.direction);
     MCV_STORE_3(slot, direction, direction);
+    /* Values are chosen among, not places in memory: of these a loop over paths would not be vectorised. */
 #if MCV_WITH_SURFACES
     const uint left = shading.exact ? mcv_leave_meeting(world, *meeting, on.direction) : MCV_NONE;
-    MCV_WORD(slot, left, 0) = skipped ? MCV_WORD(slot, left, 0) : left;
+    const uint left_before = MCV_WORD(slot, left, 0);
+    MCV_WORD(slot, left, 0) = skipped ? left_before : left;
 #endif
-    MCV_EACH_CHANNEL(i) MCV_STORE(slot, throughput, i, skipped ? MCV_LOAD(slot, throughput, i) : throughput.c[i]);
+    MCV_EACH_CHANNEL(i) {
+        const float before = MCV_LOAD(slot, throughput, i);
+        const float carried = throughput.c[i];
+        MCV_STORE(slot, throughput, i, skipped ? before : carried);
+    }
 #if MCV_WITH_DIELECTRIC
-    MCV_WORD(slot, media, 0) = skipped ? MCV_WORD(slot, media, 0) : on.media;
+    const uint media_before = MCV_WORD(slot, media, 0);
+    const uint media = on.media;
+    MCV_WORD(slot, media, 0) = skipped ? media_before : media;
 #endif
 #if MCV_WITH_NEXT_EVENT
-    MCV_STORE(slot, density, 0, skipped ? MCV_LOAD(slot, density, 0) : on.density);
+    const float density_before = MCV_LOAD(slot, density, 0);
+    const float density = on.density;
+    MCV_STORE(slot, density, 0, skipped ? density_before : density);
 #endif
 #if MCV_WITH_LIGHT_TRACING
     const uint trail = MCV_WORD(slot, trail, 0);
