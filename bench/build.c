@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Building the acceleration structure against Embree 3's builders, on all cores: bench_build [--quick] [OUTPUT.json].
+ * Building the acceleration structure against Embree 3's builders, on all cores: bench_build
+ * [--quick] [OUTPUT.json].
  *
- *   - Triangles per second against rtcCommitScene, which builds what Embree itself traces, of medium and of high quality (spatial splits),
- *     and against rtcBuildBVH, Embree's builder for structures of others, with eight children and leaves of four triangles;
- *   - the SAH cost, nodes and blocks of four triangles that a random line through the scene visits, of ours and of what rtcBuildBVH makes,
- *     and rays per second of our kernels through either, on one core by the processor's clock. High quality has as many spare references as
- *     ours; its calls back for each split make it so slow that it is built once, up to 500 000 triangles;
+ *   - Triangles per second against rtcCommitScene, which builds what Embree itself traces, of
+ * medium and of high quality (spatial splits), and against rtcBuildBVH, Embree's builder for
+ * structures of others, with eight children and leaves of four triangles;
+ *   - the SAH cost, nodes and blocks of four triangles that a random line through the scene visits,
+ * of ours and of what rtcBuildBVH makes, and rays per second of our kernels through either, on one
+ * core by the processor's clock. High quality has as many spare references as ours; its calls back
+ * for each split make it so slow that it is built once, up to 500 000 triangles;
  *   - bytes per triangle, against Embree's robust scene of high quality.
  */
 #include <math.h>
@@ -18,14 +21,16 @@
 
 enum { MEDIUM, HIGH, QUALITIES };
 enum { SPLIT_MOST = 500000 }; /* triangles for rtcBuildBVH of high quality: 30 µs each */
-static const enum RTCBuildQuality qualities[QUALITIES] = {RTC_BUILD_QUALITY_MEDIUM, RTC_BUILD_QUALITY_HIGH};
+static const enum RTCBuildQuality qualities[QUALITIES] = {RTC_BUILD_QUALITY_MEDIUM,
+                                                          RTC_BUILD_QUALITY_HIGH};
 static const char *const quality_names[QUALITIES] = {"medium", "high"};
 
 typedef struct means {
     bench_mean builder, commit[QUALITIES], cost[QUALITIES], rays[QUALITIES], bytes;
 } means;
 
-/* --- Embree's builder ------------------------------------------------------------------------------------------- */
+/* --- Embree's builder
+ * ------------------------------------------------------------------------------------------- */
 
 /* A node with `count` triangles, or an inner one. */
 typedef struct embree_node {
@@ -65,12 +70,14 @@ static void set_bounds(void *user, const struct RTCBounds **bounds, unsigned cou
     for (unsigned i = 0; i < count; ++i) node->bounds[i] = *bounds[i];
 }
 
-static void *create_leaf(RTCThreadLocalAllocator allocator, const struct RTCBuildPrimitive *primitives, size_t count, void *user) {
+static void *create_leaf(RTCThreadLocalAllocator allocator,
+                         const struct RTCBuildPrimitive *primitives, size_t count, void *user) {
     embree_node *leaf = create_node(allocator, 0, user);
     /* Two parts of one triangle may meet again. */
     for (size_t i = 0; i < count; ++i) {
         bool there = false;
-        for (uint32_t k = 0; k < leaf->triangle_count; ++k) there = there || leaf->triangles[k] == primitives[i].primID;
+        for (uint32_t k = 0; k < leaf->triangle_count; ++k)
+            there = there || leaf->triangles[k] == primitives[i].primID;
         if (!there) leaf->triangles[leaf->triangle_count++] = primitives[i].primID;
     }
     return leaf;
@@ -87,9 +94,10 @@ static void grow(float lower[3], float upper[3], const float p[3]) {
     }
 }
 
-/* The boxes of the parts of a triangle on both sides of a plane, within the box of what is split. */
-static void split_primitive(const struct RTCBuildPrimitive *primitive, unsigned axis, float plane, struct RTCBounds *left,
-                            struct RTCBounds *right, void *user) {
+/* The boxes of the parts of a triangle on both sides of a plane, within the box of what is split.
+ */
+static void split_primitive(const struct RTCBuildPrimitive *primitive, unsigned axis, float plane,
+                            struct RTCBounds *left, struct RTCBounds *right, void *user) {
     const embree_builder *b = user;
     const float lower[3] = {primitive->lower_x, primitive->lower_y, primitive->lower_z};
     const float upper[3] = {primitive->upper_x, primitive->upper_y, primitive->upper_z};
@@ -99,7 +107,8 @@ static void split_primitive(const struct RTCBuildPrimitive *primitive, unsigned 
         high[k / 3][k % 3] = -INFINITY;
     }
     for (int corner = 0; corner < 3; ++corner) {
-        const float *p = corner_of(b->mesh, primitive->primID, corner), *q = corner_of(b->mesh, primitive->primID, (corner + 1) % 3);
+        const float *p = corner_of(b->mesh, primitive->primID, corner),
+                    *q = corner_of(b->mesh, primitive->primID, (corner + 1) % 3);
         if (p[axis] <= plane) grow(low[0], high[0], p);
         if (p[axis] >= plane) grow(low[1], high[1], p);
         if ((p[axis] < plane) == (q[axis] < plane)) continue;
@@ -113,11 +122,14 @@ static void split_primitive(const struct RTCBuildPrimitive *primitive, unsigned 
         low[k / 3][k % 3] = fmaxf(low[k / 3][k % 3], lower[k % 3]);
         high[k / 3][k % 3] = fminf(high[k / 3][k % 3], upper[k % 3]);
     }
-    *left = (struct RTCBounds){low[0][0], low[0][1], low[0][2], 0, high[0][0], high[0][1], high[0][2], 0};
-    *right = (struct RTCBounds){low[1][0], low[1][1], low[1][2], 0, high[1][0], high[1][1], high[1][2], 0};
+    *left = (struct RTCBounds){low[0][0],  low[0][1],  low[0][2],  0,
+                               high[0][0], high[0][1], high[0][2], 0};
+    *right = (struct RTCBounds){low[1][0],  low[1][1],  low[1][2],  0,
+                                high[1][0], high[1][1], high[1][2], 0};
 }
 
-static mcv_result builder_open(RTCDevice device, const mesh *m, enum RTCBuildQuality quality, embree_builder *b, mcv_error *error) {
+static mcv_result builder_open(RTCDevice device, const mesh *m, enum RTCBuildQuality quality,
+                               embree_builder *b, mcv_error *error) {
     const uint32_t n = m->triangle_count;
     b->mesh = m;
     b->quality = quality;
@@ -125,11 +137,14 @@ static mcv_result builder_open(RTCDevice device, const mesh *m, enum RTCBuildQua
     b->all = malloc(n * sizeof *b->all);
     b->primitives = aligned_alloc(64, (b->capacity * sizeof *b->primitives + 63) / 64 * 64);
     b->bvh = rtcNewBVH(device);
-    if (!b->all || !b->primitives) return mcv_fail(error, MCV_FAILED, "no memory for Embree's builder");
+    if (!b->all || !b->primitives)
+        return mcv_fail(error, MCV_FAILED, "no memory for Embree's builder");
     for (uint32_t i = 0; i < n; ++i) {
-        float lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+        float lower[3] = {INFINITY, INFINITY, INFINITY},
+              upper[3] = {-INFINITY, -INFINITY, -INFINITY};
         for (int corner = 0; corner < 3; ++corner) grow(lower, upper, corner_of(m, i, corner));
-        b->all[i] = (struct RTCBuildPrimitive){lower[0], lower[1], lower[2], 0, upper[0], upper[1], upper[2], i};
+        b->all[i] = (struct RTCBuildPrimitive){lower[0], lower[1], lower[2], 0,
+                                               upper[0], upper[1], upper[2], i};
     }
     return MCV_OK;
 }
@@ -163,7 +178,8 @@ static mcv_result builder_run(void *user, mcv_error *error) {
     return b->root ? MCV_OK : mcv_fail(error, MCV_FAILED, "Embree built nothing");
 }
 
-/* --- the same in our layout ------------------------------------------------------------------------------------- */
+/* --- the same in our layout
+ * ------------------------------------------------------------------------------------- */
 
 static void count_nodes(const embree_node *node, uint32_t level, mcv_bvh *made, uint32_t *levels) {
     if (level > *levels) *levels = level;
@@ -180,7 +196,8 @@ static void place_leaf(const mesh *m, const embree_node *from, mcv_leaf *leaf) {
     *leaf = (mcv_leaf){.triangle = {MCV_NONE, MCV_NONE, MCV_NONE, MCV_NONE}};
     for (uint32_t lane = 0; lane < from->triangle_count; ++lane) {
         leaf->triangle[lane] = from->triangles[lane];
-        for (int i = 0; i < 9; ++i) leaf->vertex[i / 3][i % 3][lane] = corner_of(m, from->triangles[lane], i / 3)[i % 3];
+        for (int i = 0; i < 9; ++i)
+            leaf->vertex[i / 3][i % 3][lane] = corner_of(m, from->triangles[lane], i / 3)[i % 3];
     }
 }
 
@@ -192,15 +209,18 @@ static uint32_t place_node(const mesh *m, const embree_node *from, float extent,
     for (uint32_t i = 0; i < MCV_BVH_WIDTH; ++i) {
         node->child[i] = MCV_NONE;
         for (int axis = 0; axis < 3; ++axis) {
-            node->bounds[axis][0][i] = i < from->child_count ? (&from->bounds[i].lower_x)[axis] : INFINITY;
-            node->bounds[axis][1][i] = i < from->child_count ? (&from->bounds[i].upper_x)[axis] : -INFINITY;
+            node->bounds[axis][0][i] =
+                i < from->child_count ? (&from->bounds[i].lower_x)[axis] : INFINITY;
+            node->bounds[axis][1][i] =
+                i < from->child_count ? (&from->bounds[i].upper_x)[axis] : -INFINITY;
         }
         if (i >= from->child_count || from->children[i]->child_count > 0) continue;
         place_leaf(m, from->children[i], made->leaves + made->leaf_count);
         node->child[i] = MCV_CHILD_LEAF | made->leaf_count++;
     }
     for (uint32_t i = 0; i < from->child_count; ++i) {
-        if (from->children[i]->child_count > 0) node->child[i] = place_node(m, from->children[i], extent, made);
+        if (from->children[i]->child_count > 0)
+            node->child[i] = place_node(m, from->children[i], extent, made);
     }
     return here;
 }
@@ -211,10 +231,12 @@ static mcv_result builder_convert(embree_builder *b, float extent, mcv_error *er
     if (b->root->child_count == 0) return mcv_fail(error, MCV_FAILED, "Embree built a single leaf");
     count_nodes(b->root, 1, made, &levels);
     if (levels > MCV_BVH_LEVELS)
-        return mcv_fail(error, MCV_FAILED, "Embree's hierarchy has %u levels, ours at most %d", levels, MCV_BVH_LEVELS);
+        return mcv_fail(error, MCV_FAILED, "Embree's hierarchy has %u levels, ours at most %d",
+                        levels, MCV_BVH_LEVELS);
     made->nodes = aligned_alloc(128, made->node_count * sizeof *made->nodes);
     made->leaves = aligned_alloc(128, (made->leaf_count * sizeof *made->leaves + 127) / 128 * 128);
-    if (!made->nodes || !made->leaves) return mcv_fail(error, MCV_FAILED, "no memory for Embree's hierarchy");
+    if (!made->nodes || !made->leaves)
+        return mcv_fail(error, MCV_FAILED, "no memory for Embree's hierarchy");
     made->node_count = made->leaf_count = 0;
     place_node(b->mesh, b->root, extent, made);
     return MCV_OK;
@@ -223,7 +245,8 @@ static mcv_result builder_convert(embree_builder *b, float extent, mcv_error *er
 /* Half the surface of a child's box. */
 static double area_of(const mcv_node *node, uint32_t i) {
     double d[3];
-    for (int axis = 0; axis < 3; ++axis) d[axis] = (double)node->bounds[axis][1][i] - (double)node->bounds[axis][0][i];
+    for (int axis = 0; axis < 3; ++axis)
+        d[axis] = (double)node->bounds[axis][1][i] - (double)node->bounds[axis][0][i];
     return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
 }
 
@@ -235,8 +258,10 @@ static double sah_cost(const mcv_bvh *bvh) {
         whole.bounds[axis][0][0] = INFINITY;
         whole.bounds[axis][1][0] = -INFINITY;
         for (uint32_t i = 0; i < MCV_BVH_WIDTH; ++i) {
-            whole.bounds[axis][0][0] = fminf(whole.bounds[axis][0][0], bvh->nodes->bounds[axis][0][i]);
-            whole.bounds[axis][1][0] = fmaxf(whole.bounds[axis][1][0], bvh->nodes->bounds[axis][1][i]);
+            whole.bounds[axis][0][0] =
+                fminf(whole.bounds[axis][0][0], bvh->nodes->bounds[axis][0][i]);
+            whole.bounds[axis][1][0] =
+                fmaxf(whole.bounds[axis][1][0], bvh->nodes->bounds[axis][1][i]);
         }
     }
     for (uint32_t i = 0; i < bvh->node_count; ++i) {
@@ -248,10 +273,13 @@ static double sah_cost(const mcv_bvh *bvh) {
 }
 
 static double bytes_of(const mcv_bvh *bvh) {
-    return (double)bvh->node_count * sizeof *bvh->nodes + (double)bvh->leaf_count * sizeof *bvh->leaves;
+    return (double)bvh->node_count * sizeof *bvh->nodes +
+           (double)bvh->leaf_count * sizeof *bvh->leaves;
 }
 
-/* --- sides ------------------------------------------------------------------------------------------------------ */
+/* --- sides
+ * ------------------------------------------------------------------------------------------------------
+ */
 
 typedef struct our_build {
     const mesh *mesh;
@@ -261,7 +289,8 @@ typedef struct our_build {
 static mcv_result our_run(void *user, mcv_error *error) {
     our_build *b = user;
     mcv_bvh_free(&b->made);
-    return mcv_bvh_build(b->mesh->positions, b->mesh->indices, b->mesh->triangle_count, 0, &b->made, error);
+    return mcv_bvh_build(b->mesh->positions, b->mesh->indices, b->mesh->triangle_count, 0, &b->made,
+                         error);
 }
 
 /* Builds again, as after a change. */
@@ -298,15 +327,18 @@ typedef struct mesh_bench {
 } mesh_bench;
 
 static mcv_result bench_seconds_of(mesh_bench *m) {
-    bench_side sides[2 + QUALITIES] = {{our_run, &m->ours, {{{0}}}}, {builder_run, m->builders + MEDIUM, {{{0}}}}};
+    bench_side sides[2 + QUALITIES] = {{our_run, &m->ours, {{{0}}}},
+                                       {builder_run, m->builders + MEDIUM, {{{0}}}}};
     const double triangles = m->w->mesh.triangle_count;
-    for (int q = 0; q < QUALITIES; ++q) sides[2 + q] = (bench_side){.run = commit_run, .user = m->scenes[q]};
+    for (int q = 0; q < QUALITIES; ++q)
+        sides[2 + q] = (bench_side){.run = commit_run, .user = m->scenes[q]};
     MCV_TRY(bench_time(m->b, sides, 2 + QUALITIES, m->error));
-    bench_mean_add(&m->means->builder,
-                   bench_row(m->b, BENCH_WALL, sides, sides + 1, triangles, "Mtri/s", "%s, rtcBuildBVH medium", m->w->name));
+    bench_mean_add(&m->means->builder, bench_row(m->b, BENCH_WALL, sides, sides + 1, triangles,
+                                                 "Mtri/s", "%s, rtcBuildBVH medium", m->w->name));
     for (int q = 0; q < QUALITIES; ++q) {
-        bench_mean_add(&m->means->commit[q], bench_row(m->b, BENCH_WALL, sides, sides + 2 + q, triangles, "Mtri/s", "%s, rtcCommitScene %s",
-                                                       m->w->name, quality_names[q]));
+        bench_mean_add(&m->means->commit[q],
+                       bench_row(m->b, BENCH_WALL, sides, sides + 2 + q, triangles, "Mtri/s",
+                                 "%s, rtcCommitScene %s", m->w->name, quality_names[q]));
     }
     return MCV_OK;
 }
@@ -324,13 +356,16 @@ static mcv_result bench_rays(mesh_bench *m, int built, int kind) {
         mcv_hit *hits = i == 0 ? m->hits : m->others;
         MCV_TRY(mcv_cl_read(c->cl, c->out, 0, m->rays->count * sizeof *hits, hits, m->error));
         if (memcmp(hits, m->hits, m->rays->count * sizeof *hits) != 0)
-            return mcv_fail(m->error, MCV_FAILED, "%s: %s rays hit other triangles through Embree's hierarchy", m->w->name,
-                            ray_kind_names[kind]);
+            return mcv_fail(m->error, MCV_FAILED,
+                            "%s: %s rays hit other triangles through Embree's hierarchy",
+                            m->w->name, ray_kind_names[kind]);
     }
     MCV_TRY(bench_time(m->b, sides, 1 + (size_t)built, m->error));
     for (int q = 0; q < built; ++q) {
-        bench_mean_add(&m->means->rays[q], bench_row(m->b, BENCH_CPU, sides, sides + 1 + q, m->rays->count, "Mrays/s",
-                                                     "%s, closest %s, rtcBuildBVH %s", m->w->name, ray_kind_names[kind], quality_names[q]));
+        bench_mean_add(&m->means->rays[q],
+                       bench_row(m->b, BENCH_CPU, sides, sides + 1 + q, m->rays->count, "Mrays/s",
+                                 "%s, closest %s, rtcBuildBVH %s", m->w->name, ray_kind_names[kind],
+                                 quality_names[q]));
     }
     return MCV_OK;
 }
@@ -349,22 +384,28 @@ static mcv_result bench_opened(mesh_bench *m, RTCDevice device) {
     MCV_TRY(bench_seconds_of(m));
     const int built = t->triangle_count <= SPLIT_MOST ? 2 : 1;
     if (built > HIGH) MCV_TRY(builder_run(m->builders + HIGH, m->error));
-    const mcv_bvh *bvhs[1 + QUALITIES] = {&m->ours.made, &m->builders[MEDIUM].made, &m->builders[HIGH].made};
+    const mcv_bvh *bvhs[1 + QUALITIES] = {&m->ours.made, &m->builders[MEDIUM].made,
+                                          &m->builders[HIGH].made};
     for (int q = 0; q < built; ++q) {
         MCV_TRY(builder_convert(m->builders + q, m->ours.made.nodes->extent, m->error));
-        bench_mean_add(&m->means->cost[q], bench_number(m->b, sah_cost(&m->ours.made), sah_cost(bvhs[1 + q]), "SAH cost",
-                                                        "%s, rtcBuildBVH %s", m->w->name, quality_names[q]));
+        bench_mean_add(&m->means->cost[q],
+                       bench_number(m->b, sah_cost(&m->ours.made), sah_cost(bvhs[1 + q]),
+                                    "SAH cost", "%s, rtcBuildBVH %s", m->w->name,
+                                    quality_names[q]));
         bench_more(m->b, "peer_bytes", bytes_of(bvhs[1 + q]));
     }
-    bench_number(m->b, bytes_of(&m->ours.made) / triangles, bytes / triangles, "bytes/tri", "%s, Embree robust high", m->w->name);
+    bench_number(m->b, bytes_of(&m->ours.made) / triangles, bytes / triangles, "bytes/tri",
+                 "%s, Embree robust high", m->w->name);
     bench_mean_add(&m->means->bytes, bytes_of(&m->ours.made) / triangles);
-    for (int i = 0; i <= built; ++i) MCV_TRY(caster_open(m->core, t->triangle_count, bvhs[i], m->casters + i, m->error));
+    for (int i = 0; i <= built; ++i)
+        MCV_TRY(caster_open(m->core, t->triangle_count, bvhs[i], m->casters + i, m->error));
     workload_make_rays(m->b, t, m->scenes[HIGH], m->others, m->rays);
     for (int kind = 0; kind < RAY_KINDS; ++kind) MCV_TRY(bench_rays(m, built, kind));
     return MCV_OK;
 }
 
-static mcv_result bench_mesh(bench *b, mcv_cl *core, RTCDevice device, int i, means *all, mcv_error *error) {
+static mcv_result bench_mesh(bench *b, mcv_cl *core, RTCDevice device, int i, means *all,
+                             mcv_error *error) {
     workload_mesh w;
     MCV_TRY(workload_load(i, &w, error));
     mesh_bench m = {.b = b,
@@ -377,7 +418,8 @@ static mcv_result bench_mesh(bench *b, mcv_cl *core, RTCDevice device, int i, me
                     .means = all,
                     .error = error};
     const bool memory = m.rays && m.hits && m.others;
-    const mcv_result result = memory ? bench_opened(&m, device) : mcv_fail(error, MCV_FAILED, "no memory for the rays");
+    const mcv_result result =
+        memory ? bench_opened(&m, device) : mcv_fail(error, MCV_FAILED, "no memory for the rays");
     for (int k = 0; k <= QUALITIES; ++k) caster_close(m.casters + k);
     for (int q = 0; q < QUALITIES; ++q) {
         builder_close(m.builders + q);

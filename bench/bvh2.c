@@ -24,7 +24,9 @@ static void make_leaf(const maker *m, const mcv_record *content, bvh2_node *node
         const uint32_t *corners = m->splitter.indices + 3 * (size_t)triangle->number;
         for (int k = 0; k < 3; ++k) {
             triangle->corner[k] = m->splitter.positions[3 * (size_t)corners[0] + k];
-            for (int e = 0; e < 2; ++e) triangle->edges[e][k] = m->splitter.positions[3 * (size_t)corners[e + 1] + k] - triangle->corner[k];
+            for (int e = 0; e < 2; ++e)
+                triangle->edges[e][k] =
+                    m->splitter.positions[3 * (size_t)corners[e + 1] + k] - triangle->corner[k];
         }
     }
 }
@@ -48,9 +50,11 @@ static void make_node(const maker *m, const mcv_record *content, uint32_t level,
     for (uint32_t i = 0; i < 2; ++i) make_node(m, sides + i, level + 1, first + i);
 }
 
-mcv_result bvh2_build(const float *positions, const uint32_t *indices, uint32_t triangle_count, bvh2 *made, mcv_error *error) {
+mcv_result bvh2_build(const float *positions, const uint32_t *indices, uint32_t triangle_count,
+                      bvh2 *made, mcv_error *error) {
     const uint32_t capacity = triangle_count + triangle_count / 10 * SPARE_TENTHS;
-    maker m = {.splitter = {.positions = positions, .indices = indices, .threads = 1}, .made = made};
+    maker m = {.splitter = {.positions = positions, .indices = indices, .threads = 1},
+               .made = made};
     mcv_record all = mcv_record_empty(0, triangle_count, capacity);
     *made = (bvh2){.nodes = malloc(2 * (size_t)capacity * sizeof *made->nodes),
                    .triangles = malloc((size_t)capacity * sizeof *made->triangles),
@@ -63,7 +67,8 @@ mcv_result bvh2_build(const float *positions, const uint32_t *indices, uint32_t 
     }
     for (uint32_t i = 0; i < triangle_count; ++i) {
         mcv_reference *r = m.splitter.references + i;
-        *r = (mcv_reference){{INFINITY, INFINITY, INFINITY}, i, {-INFINITY, -INFINITY, -INFINITY}, 0};
+        *r = (mcv_reference){
+            {INFINITY, INFINITY, INFINITY}, i, {-INFINITY, -INFINITY, -INFINITY}, 0};
         for (int corner = 0; corner < 3; ++corner) {
             for (int k = 0; k < 3; ++k) {
                 const float p = positions[3 * (size_t)indices[3 * (size_t)i + corner] + k];
@@ -91,9 +96,12 @@ mcv_result bvh2_program(const mcv_cl *cl, cl_program *program, mcv_error *error)
     cl_int code;
     *program = clCreateProgramWithSource(cl->context, 1, &source, NULL, &code);
     MCV_TRY_CL(code, error);
-    code = clBuildProgram(*program, 1, &cl->device, "-cl-std=CL1.2 -I " MCV_SOURCE_DIR "/bench -I " MCV_SOURCE_DIR "/include", NULL, NULL);
+    code = clBuildProgram(*program, 1, &cl->device,
+                          "-cl-std=CL1.2 -I " MCV_SOURCE_DIR "/bench -I " MCV_SOURCE_DIR "/include",
+                          NULL, NULL);
     if (code == CL_SUCCESS) return MCV_OK;
     char log[2048] = "";
     clGetProgramBuildInfo(*program, cl->device, CL_PROGRAM_BUILD_LOG, sizeof log - 1, log, NULL);
-    return mcv_fail(error, MCV_DEVICE, "bench/bvh2.cl does not compile with %s:\n%s", cl->name, log);
+    return mcv_fail(error, MCV_DEVICE, "bench/bvh2.cl does not compile with %s:\n%s", cl->name,
+                    log);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A ray through a binary hierarchy as textbooks have it: slabs, the nearer child first, triangles by Möller and Trumbore (Fast, Minimum
- * Storage Ray-Triangle Intersection, 1997). Not watertight.
+ * A ray through a binary hierarchy as textbooks have it: slabs, the nearer child first, triangles
+ * by Möller and Trumbore (Fast, Minimum Storage Ray-Triangle Intersection, 1997). Not watertight.
  */
 #include "bvh2.h"
 #include "mcvisi/accel.h"
@@ -11,7 +11,8 @@ typedef struct bvh2_ray {
     float direction[3], unused;
 } bvh2_ray;
 
-static int bvh2_meet_triangle(__global const bvh2_triangle *triangle, const float *o, const float *d, mcv_hit *hit) {
+static int bvh2_meet_triangle(__global const bvh2_triangle *triangle, const float *o,
+                              const float *d, mcv_hit *hit) {
     float p[3], s[3], q[3];
     __global const float *e = triangle->edges[0], *f = triangle->edges[1];
     for (int k = 0; k < 3; ++k) {
@@ -40,18 +41,21 @@ static int bvh2_meet_triangle(__global const bvh2_triangle *triangle, const floa
 }
 
 /* Where the ray enters a box, or INFINITY. */
-static float bvh2_enter(__global const bvh2_node *node, const float *o, const float *inverse, float t_max) {
+static float bvh2_enter(__global const bvh2_node *node, const float *o, const float *inverse,
+                        float t_max) {
     float near = 0.0f, far = t_max;
     for (int k = 0; k < 3; ++k) {
-        const float a = (node->lower[k] - o[k]) * inverse[k], b = (node->upper[k] - o[k]) * inverse[k];
+        const float a = (node->lower[k] - o[k]) * inverse[k],
+                    b = (node->upper[k] - o[k]) * inverse[k];
         near = max(near, min(a, b));
         far = min(far, max(a, b));
     }
     return near <= far ? near : INFINITY;
 }
 
-static inline __attribute__((always_inline)) mcv_hit bvh2_traverse(__global const bvh2_node *nodes, __global const bvh2_triangle *triangles,
-                                                                   __global const bvh2_ray *ray, int any) {
+static inline __attribute__((always_inline)) mcv_hit
+bvh2_traverse(__global const bvh2_node *nodes, __global const bvh2_triangle *triangles,
+              __global const bvh2_ray *ray, int any) {
     float o[3], d[3], inverse[3], entries[BVH2_LEVELS];
     uint waiting[BVH2_LEVELS];
     uint count = 0, current = 0;
@@ -65,7 +69,8 @@ static inline __attribute__((always_inline)) mcv_hit bvh2_traverse(__global cons
         __global const bvh2_node *node = nodes + current;
         if (node->count > 0) {
             int found = 0;
-            for (uint i = 0; i < node->count; ++i) found |= bvh2_meet_triangle(triangles + node->first + i, o, d, &hit);
+            for (uint i = 0; i < node->count; ++i)
+                found |= bvh2_meet_triangle(triangles + node->first + i, o, d, &hit);
             if (any && found) return hit;
         } else {
             const float left = bvh2_enter(nodes + node->first, o, inverse, hit.t);
@@ -88,20 +93,19 @@ static inline __attribute__((always_inline)) mcv_hit bvh2_traverse(__global cons
     }
 }
 
-__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void bvh2_closest(__global const bvh2_node *nodes,
-                                                                          __global const bvh2_triangle *triangles,
-                                                                          __global const bvh2_ray *rays, __global mcv_hit *hits, uint count,
-                                                                          uint slice) {
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void
+bvh2_closest(__global const bvh2_node *nodes, __global const bvh2_triangle *triangles,
+             __global const bvh2_ray *rays, __global mcv_hit *hits, uint count, uint slice) {
     const uint first = (uint)get_group_id(0) * slice;
     const uint last = min(first + slice, count);
     for (uint i = first; i < last; ++i) hits[i] = bvh2_traverse(nodes, triangles, rays + i, 0);
 }
 
-__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void bvh2_any(__global const bvh2_node *nodes,
-                                                                      __global const bvh2_triangle *triangles,
-                                                                      __global const bvh2_ray *rays, __global int *found, uint count,
-                                                                      uint slice) {
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void
+bvh2_any(__global const bvh2_node *nodes, __global const bvh2_triangle *triangles,
+         __global const bvh2_ray *rays, __global int *found, uint count, uint slice) {
     const uint first = (uint)get_group_id(0) * slice;
     const uint last = min(first + slice, count);
-    for (uint i = first; i < last; ++i) found[i] = bvh2_traverse(nodes, triangles, rays + i, 1).triangle != MCV_NONE;
+    for (uint i = first; i < last; ++i)
+        found[i] = bvh2_traverse(nodes, triangles, rays + i, 1).triangle != MCV_NONE;
 }

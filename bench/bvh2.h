@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A plain peer of ours: a binary hierarchy of the same splits whose rays go alone, in scalar arithmetic. Shared with bvh2.cl. */
+/* A plain peer of ours: a binary hierarchy of the same splits whose rays go alone, in scalar
+ * arithmetic. Shared with bvh2.cl. */
 #ifndef MCVISI_BENCH_BVH2_H
 #define MCVISI_BENCH_BVH2_H
 
@@ -30,7 +31,8 @@ typedef struct bvh2 {
     uint32_t node_count, triangle_count; /* spatial splits count a triangle more than once */
 } bvh2;
 
-mcv_result bvh2_build(const float *positions, const uint32_t *indices, uint32_t triangle_count, bvh2 *made, mcv_error *error);
+mcv_result bvh2_build(const float *positions, const uint32_t *indices, uint32_t triangle_count,
+                      bvh2 *made, mcv_error *error);
 void bvh2_free(bvh2 *b);
 
 /* Builds bvh2.cl from its source. */

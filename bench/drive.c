@@ -17,25 +17,33 @@ const char *const stage_names[STAGE_COUNT] = {
 #undef MCV_X
 };
 
-/* --- scenes ----------------------------------------------------------------------------------------------------- */
+/* --- scenes
+ * -----------------------------------------------------------------------------------------------------
+ */
 
 static int is_scene(const struct dirent *entry) {
     const char *ending = strrchr(entry->d_name, '.');
     /* The part is no scene of its own. */
-    return ending && (strcmp(ending, ".gltf") == 0 || strcmp(ending, ".glb") == 0) && strcmp(entry->d_name, "2CylinderEngine.glb") != 0;
+    return ending && (strcmp(ending, ".gltf") == 0 || strcmp(ending, ".glb") == 0) &&
+           strcmp(entry->d_name, "2CylinderEngine.glb") != 0;
 }
 
-mcv_result shipped_scenes(const char *only, char *names[MAX_SCENES], size_t *count, mcv_error *error) {
+mcv_result shipped_scenes(const char *only, char *names[MAX_SCENES], size_t *count,
+                          mcv_error *error) {
     struct dirent **entries;
     *count = 0;
     const int found = scandir(MCV_SOURCE_DIR "/scenes", &entries, is_scene, alphasort);
-    if (found < 0) return mcv_fail(error, MCV_FAILED, "%s: cannot be read", MCV_SOURCE_DIR "/scenes");
+    if (found < 0)
+        return mcv_fail(error, MCV_FAILED, "%s: cannot be read", MCV_SOURCE_DIR "/scenes");
     for (int i = 0; i < found; ++i) {
-        if (*count < MAX_SCENES && (!only || strstr(entries[i]->d_name, only))) names[(*count)++] = strdup(entries[i]->d_name);
+        if (*count < MAX_SCENES && (!only || strstr(entries[i]->d_name, only)))
+            names[(*count)++] = strdup(entries[i]->d_name);
         free(entries[i]);
     }
     free(entries);
-    return *count > 0 ? MCV_OK : mcv_fail(error, MCV_USAGE, "no scene has \"%s\" in its name", only ? only : "");
+    return *count > 0
+               ? MCV_OK
+               : mcv_fail(error, MCV_USAGE, "no scene has \"%s\" in its name", only ? only : "");
 }
 
 mcv_result load_shipped(const char *name, double pixels, mcv_scene **scene, mcv_error *error) {
@@ -43,7 +51,8 @@ mcv_result load_shipped(const char *name, double pixels, mcv_scene **scene, mcv_
     uint32_t film[2];
     snprintf(path, sizeof path, "%s/scenes/%s", MCV_SOURCE_DIR, name);
     MCV_TRY(mcv_scene_load(path, (mcv_overrides){NULL, 0}, scene, error));
-    if ((*scene)->sensor_count == 0) return mcv_fail(error, MCV_BAD_INPUT, "%s: has no sensor", path);
+    if ((*scene)->sensor_count == 0)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: has no sensor", path);
     mcv_sensor *sensor = (*scene)->sensors;
     mcv_sensor_film_size(sensor, film, film + 1);
     const mcv_readout readout = mcv_sensor_readout(sensor);
@@ -53,23 +62,32 @@ mcv_result load_shipped(const char *name, double pixels, mcv_scene **scene, mcv_
                              (uint64_t)lround(fmax(1, readout.size[1] * factor)), *scene, error);
 }
 
-/* --- launches --------------------------------------------------------------------------------------------------- */
+/* --- launches
+ * ---------------------------------------------------------------------------------------------------
+ */
 
 drive_options drive_defaults(uint32_t schedule) {
-    return (drive_options){.schedule = schedule, .log2_samples = 2, .first_sample = 4, .depth = mcv_render_defaults().depth};
+    return (drive_options){.schedule = schedule,
+                           .log2_samples = 2,
+                           .first_sample = 4,
+                           .depth = mcv_render_defaults().depth};
 }
 
 /*
- * All that has no cost where it is not met. Precision, whether rays take turns, pupils aim, paths split, roulette is early, light paths are
- * traced and emitters are weighed at each surface is a choice, not an element; an environment's image and emitters there must be to look
- * for; in glass that disperses a path follows one channel only.
+ * All that has no cost where it is not met. Precision, whether rays take turns, pupils aim, paths
+ * split, roulette is early, light paths are traced and emitters are weighed at each surface is a
+ * choice, not an element; an environment's image and emitters there must be to look for; in glass
+ * that disperses a path follows one channel only.
  */
 static uint32_t all_features(const mcv_packed *packed) {
-    const uint32_t not_elements = 1u << MCV_FEATURE_INTERLEAVE | 1u << MCV_FEATURE_AIM | 1u << MCV_FEATURE_LIGHT_TRACING |
-                                  1u << MCV_FEATURE_ENVIRONMENT_IMAGE | 1u << MCV_FEATURE_DISPERSION | 1u << MCV_FEATURE_REACH |
-                                  1u << MCV_FEATURE_SPLIT | 1u << MCV_FEATURE_EARLY_ROULETTE | 1u << MCV_FEATURE_MIXED;
+    const uint32_t not_elements =
+        1u << MCV_FEATURE_INTERLEAVE | 1u << MCV_FEATURE_AIM | 1u << MCV_FEATURE_LIGHT_TRACING |
+        1u << MCV_FEATURE_ENVIRONMENT_IMAGE | 1u << MCV_FEATURE_DISPERSION |
+        1u << MCV_FEATURE_REACH | 1u << MCV_FEATURE_SPLIT | 1u << MCV_FEATURE_EARLY_ROULETTE |
+        1u << MCV_FEATURE_MIXED;
     uint32_t features = ((1u << MCV_FEATURE_COUNT) - 1) & ~not_elements;
-    if (packed->emitter_count == 0) features &= ~(1u << MCV_FEATURE_NEXT_EVENT | 1u << MCV_FEATURE_RECTANGLE);
+    if (packed->emitter_count == 0)
+        features &= ~(1u << MCV_FEATURE_NEXT_EVENT | 1u << MCV_FEATURE_RECTANGLE);
     return features | packed->features;
 }
 
@@ -81,20 +99,23 @@ static mcv_result add_buffers(mcv_cl *cl, mcv_device_scene *device, mcv_error *e
     if (!nothing) return mcv_fail(error, MCV_FAILED, "no memory for the buffers of all features");
     mcv_result result = MCV_OK;
     /* MCV_NONE: smooth, as they are where nothing glossy is. */
-    if (!device->interface_albedos) memset(packed->interface_albedos, 0xff, sizeof packed->interface_albedos);
+    if (!device->interface_albedos)
+        memset(packed->interface_albedos, 0xff, sizeof packed->interface_albedos);
     const struct {
         cl_mem *buffer;
         size_t bytes;
         const void *data;
-    } needed[] = {{&device->normals, 12 * vertices, nothing},
-                  {&device->texcoords, 8 * vertices, nothing},
-                  {&device->tangents, 16 * vertices, nothing},
-                  {&device->media, sizeof packed->media, packed->media},
-                  {&device->interfaces, sizeof packed->interfaces, packed->interfaces},
-                  {&device->interface_albedos, sizeof packed->interface_albedos, packed->interface_albedos}};
+    } needed[] = {
+        {&device->normals, 12 * vertices, nothing},
+        {&device->texcoords, 8 * vertices, nothing},
+        {&device->tangents, 16 * vertices, nothing},
+        {&device->media, sizeof packed->media, packed->media},
+        {&device->interfaces, sizeof packed->interfaces, packed->interfaces},
+        {&device->interface_albedos, sizeof packed->interface_albedos, packed->interface_albedos}};
     for (size_t i = 0; i < sizeof needed / sizeof needed[0] && result == MCV_OK; ++i) {
         if (!*needed[i].buffer)
-            result = mcv_cl_buffer(cl, "a buffer of all features", needed[i].bytes, needed[i].data, needed[i].buffer, error);
+            result = mcv_cl_buffer(cl, "a buffer of all features", needed[i].bytes, needed[i].data,
+                                   needed[i].buffer, error);
     }
     free(nothing);
     return result;
@@ -105,7 +126,8 @@ static mcv_result add_clock(drive *d, const mcv_render_options *options, mcv_err
     char defines[1024];
     mcv_schedule *s = &d->schedule;
     const mcv_packed *packed = &d->device.packed;
-    mcv_feature_options(packed->features, packed->channels, d->scene->sensors[0].type, options->sampler, s->slice, defines, sizeof defines);
+    mcv_feature_options(packed->features, packed->channels, d->scene->sensors[0].type,
+                        options->sampler, s->slice, defines, sizeof defines);
     strncat(defines, " -DMCV_CLOCK", sizeof defines - strlen(defines) - 1);
     for (int i = 0; i < MCV_STREAM_KERNEL_COUNT; ++i) {
         if (s->kernels[i]) clReleaseKernel(s->kernels[i]);
@@ -114,15 +136,19 @@ static mcv_result add_clock(drive *d, const mcv_render_options *options, mcv_err
     clReleaseProgram(s->program);
     s->program = NULL;
     mcv_cl_release(&s->counters);
-    MCV_TRY(mcv_cl_build(d->cl, "tile", defines, &s->program, error));
+    MCV_TRY(mcv_cl_build(d->cl, "schedule/tile", defines, &s->program, error));
     if (packed->features >> MCV_FEATURE_AIM & 1)
-        MCV_TRY(mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
+        MCV_TRY(
+            mcv_cl_kernel(s->program, "guide_pupil", &s->kernels[MCV_KERNEL_guide_pupil], error));
     MCV_TRY(mcv_cl_kernel(s->program, "render_tile", &s->kernels[MCV_KERNEL_generate_rays], error));
     const size_t slices = s->capacity / s->slice;
-    return mcv_cl_buffer(d->cl, "the counters", sizeof(cl_uint) * slices * (MCV_COUNTER_COUNT + STAGE_COUNT), NULL, &s->counters, error);
+    return mcv_cl_buffer(d->cl, "the counters",
+                         sizeof(cl_uint) * slices * (MCV_COUNTER_COUNT + STAGE_COUNT), NULL,
+                         &s->counters, error);
 }
 
-mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options, drive *d, mcv_error *error) {
+mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options, drive *d,
+                      mcv_error *error) {
     mcv_render_options render = mcv_render_defaults();
     render.schedule = options.schedule;
     render.depth = options.depth;
@@ -131,14 +157,16 @@ mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options,
     d->scene = scene;
     MCV_TRY(mcv_device_scene_open(cl, scene, 0, &d->device, error));
     mcv_packed *packed = &d->device.packed;
-    packed->features = mcv_sensor_features(packed, scene->sensors) & ~(1u << MCV_FEATURE_LIGHT_TRACING | 1u << MCV_FEATURE_SPLIT);
+    packed->features = mcv_sensor_features(packed, scene->sensors) &
+                       ~(1u << MCV_FEATURE_LIGHT_TRACING | 1u << MCV_FEATURE_SPLIT);
     if (options.all_features) {
         packed->features = all_features(packed);
         packed->channels = 3;
         MCV_TRY(add_buffers(cl, &d->device, error));
     }
     const bench_seconds begun = bench_now();
-    MCV_TRY(mcv_schedule_open(cl, &d->device, scene->sensors[0].type, &render, &d->schedule, error));
+    MCV_TRY(
+        mcv_schedule_open(cl, &d->device, scene->sensors[0].type, &render, &d->schedule, error));
     d->seconds_program = bench_since(begun).by[BENCH_WALL];
     if (options.clock) MCV_TRY(add_clock(d, &render, error));
     d->clock = options.clock;
@@ -154,8 +182,10 @@ mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options,
                            .path_count = sets << options.log2_samples,
                            .depth = options.depth};
     if (d->frame.path_count > d->schedule.capacity)
-        return mcv_fail(error, MCV_FAILED, "%s: %u paths are more than a launch holds", scene->path, d->frame.path_count);
-    const uint32_t block = 1u << options.log2_samples < MCV_BLOCK ? 1u << options.log2_samples : MCV_BLOCK;
+        return mcv_fail(error, MCV_FAILED, "%s: %u paths are more than a launch holds", scene->path,
+                        d->frame.path_count);
+    const uint32_t block =
+        1u << options.log2_samples < MCV_BLOCK ? 1u << options.log2_samples : MCV_BLOCK;
     d->sum_count = (size_t)2 * d->frame.path_count / block * packed->channels;
     d->sums = malloc(d->sum_count * sizeof *d->sums);
     if (!d->sums) return mcv_fail(error, MCV_FAILED, "no memory for the sums of a launch");
@@ -185,13 +215,15 @@ static mcv_result clock_seconds(drive *d, double seconds[STAGE_COUNT], mcv_error
     cl_uint *ticks = malloc(count * sizeof *ticks);
     if (!ticks) return mcv_fail(error, MCV_FAILED, "no memory for the ticks");
     const mcv_result result =
-        mcv_cl_read(d->cl, d->schedule.counters, sizeof *ticks * slices * MCV_COUNTER_COUNT, count * sizeof *ticks, ticks, error);
+        mcv_cl_read(d->cl, d->schedule.counters, sizeof *ticks * slices * MCV_COUNTER_COUNT,
+                    count * sizeof *ticks, ticks, error);
     double total = 0;
     for (size_t i = 0; result == MCV_OK && i < count; ++i) {
         seconds[i % STAGE_COUNT] += ticks[i];
         total += ticks[i];
     }
-    for (int i = 0; i < STAGE_COUNT && total > 0; ++i) seconds[i] *= d->stats.stages[0].seconds / total;
+    for (int i = 0; i < STAGE_COUNT && total > 0; ++i)
+        seconds[i] *= d->stats.stages[0].seconds / total;
     free(ticks);
     return result;
 }
@@ -201,7 +233,8 @@ mcv_result drive_stage_seconds(drive *d, double seconds[STAGE_COUNT], mcv_error 
     if (d->clock) return clock_seconds(d, seconds, error);
     for (uint32_t i = 0; i < d->stats.stage_count; ++i) {
         for (int k = 0; k < STAGE_COUNT; ++k) {
-            if (strcmp(d->stats.stages[i].name, stage_names[k]) == 0) seconds[k] = d->stats.stages[i].seconds;
+            if (strcmp(d->stats.stages[i].name, stage_names[k]) == 0)
+                seconds[k] = d->stats.stages[i].seconds;
         }
     }
     return MCV_OK;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Launches of a scene by hand, for the benchmarks that look inside a render: any schedule, any features, one frame again and again. */
+/* Launches of a scene by hand, for the benchmarks that look inside a render: any schedule, any
+ * features, one frame again and again. */
 #ifndef MCVISI_BENCH_DRIVE_H
 #define MCVISI_BENCH_DRIVE_H
 
@@ -7,13 +8,17 @@
 
 enum { DRIVE_REPLICATES = 4, MAX_SCENES = 64 };
 
-/* The scenes that ship, by name, or those whose names contain `only` unless it is NULL; the caller frees names[0 … count - 1]. */
-mcv_result shipped_scenes(const char *only, char *names[MAX_SCENES], size_t *count, mcv_error *error);
+/* The scenes that ship, by name, or those whose names contain `only` unless it is NULL; the caller
+ * frees names[0 … count - 1]. */
+mcv_result shipped_scenes(const char *only, char *names[MAX_SCENES], size_t *count,
+                          mcv_error *error);
 
-/* Loads scenes/NAME and gives its first sensor about so many pixels; one with a region of interest or binning keeps its own. */
+/* Loads scenes/NAME and gives its first sensor about so many pixels; one with a region of interest
+ * or binning keeps its own. */
 mcv_result load_shipped(const char *name, double pixels, mcv_scene **scene, mcv_error *error);
 
-/* One launch of DRIVE_REPLICATES * 2^log2_samples samples of all pixels of the first sensor, without the light paths of caustics. */
+/* One launch of DRIVE_REPLICATES * 2^log2_samples samples of all pixels of the first sensor,
+ * without the light paths of caustics. */
 typedef struct drive {
     mcv_cl *cl;
     const mcv_scene *scene;
@@ -24,7 +29,7 @@ typedef struct drive {
     float *sums;            /* of the last run */
     size_t sum_count;
     double seconds_program; /* to build it */
-    bool clock;             /* the program counts ticks: see kernels/clock.h */
+    bool clock;             /* the program counts ticks: see kernels/schedule/clock.h */
 } drive;
 
 typedef struct drive_options {
@@ -35,11 +40,13 @@ typedef struct drive_options {
     bool clock;        /* tile schedule only */
 } drive_options;
 
-/* Samples [first, 2 first) of each replicate, which is how most of a render's launches look; depth as usual. */
+/* Samples [first, 2 first) of each replicate, which is how most of a render's launches look; depth
+ * as usual. */
 drive_options drive_defaults(uint32_t schedule);
 
 /* Close it even after a failure. */
-mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options, drive *d, mcv_error *error);
+mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options, drive *d,
+                      mcv_error *error);
 void drive_close(drive *d);
 
 /* As a bench_side runs it: start, wait, read the sums. */

@@ -1,20 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Error against time: bench_error [--quick] [--only TEXT] [OUTPUT.json], by default beside the program; the plot stands beside it as
- * .png. The quick one has 1 to 256 samples and leaves out the reference.
+ * Error against time: bench_error [--quick] [--only TEXT] [OUTPUT.json], by default beside the
+ * program; the plot stands beside it as .png. The quick one has 1 to 256 samples and leaves out the
+ * reference.
  *
- * Five scenes at few pixels, 1 to 16384 samples a pixel: as the device renders them unless told otherwise, with each of its means left
- * out or put in place, with none, and by the reference, which has random points only. The truth is the device's image of 16 times the
- * most samples with another seed. Seconds are those of rendering alone, kernels compiled; one image a point. The summary holds the slopes
- * of RMSE over samples: -1/2 for random numbers.
+ * Five scenes at few pixels, 1 to 16384 samples a pixel: as the device renders them unless told
+ * otherwise, with each of its means left out or put in place, with none, and by the reference,
+ * which has random points only. The truth is the device's image of 16 times the most samples with
+ * another seed. Seconds are those of rendering alone, kernels compiled; one image a point. The
+ * summary holds the slopes of RMSE over samples: -1/2 for random numbers.
  *
- * Then what a measuring user pays for: how far off an edge is found in telecentric views, against the samples' seconds. Where it is follows
- * from the geometry.
+ * Then what a measuring user pays for: how far off an edge is found in telecentric views, against
+ * the samples' seconds. Where it is follows from the geometry.
  */
 #include "analysis/edge.h"
 #include "convergence.h"
 #include "harness.h"
-#include "output/figure.h"
+#include "io/figure.h"
 
 #include <ctype.h>
 #include <stdarg.h>
@@ -22,7 +24,8 @@
 
 enum { SCENES = 5 };
 
-static const char *const scene_files[SCENES] = {"report-clean.glb", "part-backlight.gltf", "caustic.gltf", "glasses.gltf",
+static const char *const scene_files[SCENES] = {"report-clean.glb", "part-backlight.gltf",
+                                                "caustic.gltf", "glasses.gltf",
                                                 "telecentric-edge.gltf"};
 
 enum { SOBOL, RANDOM, NO_SPLIT, NO_LIGHT_PATHS, ADAPTIVE, MIXED, NONE, REFERENCE, SERIES };
@@ -36,10 +39,18 @@ static const struct {
 } series[SERIES] = {
     [SOBOL] = {.name = "sobol", .green = 0.45, .blue = 0.7},
     [RANDOM] = {.name = "random", .sampler = MCV_SAMPLER_RANDOM, .red = 0.84, .green = 0.37},
-    [NO_SPLIT] = {.name = "no splitting", .no_split = true, .red = 0.8, .green = 0.47, .blue = 0.65},
-    [NO_LIGHT_PATHS] = {.name = "no light paths", .no_light_paths = true, .red = 0.34, .green = 0.71, .blue = 0.91},
+    [NO_SPLIT] =
+        {.name = "no splitting", .no_split = true, .red = 0.8, .green = 0.47, .blue = 0.65},
+    [NO_LIGHT_PATHS] = {.name = "no light paths",
+                        .no_light_paths = true,
+                        .red = 0.34,
+                        .green = 0.71,
+                        .blue = 0.91},
     [ADAPTIVE] = {.name = "adaptive", .adaptive = true, .red = 0.2, .green = 0.2, .blue = 0.2},
-    [MIXED] = {.name = "mixed precision", .precision = MCV_PRECISION_MIXED, .green = 0.62, .blue = 0.45},
+    [MIXED] = {.name = "mixed precision",
+               .precision = MCV_PRECISION_MIXED,
+               .green = 0.62,
+               .blue = 0.45},
     [NONE] = {.name = "none of these",
               .sampler = MCV_SAMPLER_RANDOM,
               .no_split = true,
@@ -47,7 +58,11 @@ static const struct {
               .red = 0.6,
               .green = 0.6,
               .blue = 0.6},
-    [REFERENCE] = {.name = "reference", .precision = MCV_PRECISION_DOUBLE, .sampler = MCV_SAMPLER_RANDOM, .red = 0.9, .green = 0.62}};
+    [REFERENCE] = {.name = "reference",
+                   .precision = MCV_PRECISION_DOUBLE,
+                   .sampler = MCV_SAMPLER_RANDOM,
+                   .red = 0.9,
+                   .green = 0.62}};
 
 typedef struct curve {
     int steps;
@@ -85,16 +100,20 @@ static double seconds_to(const curve *c, double target) {
     const double *x = c->x[1], *y = c->y;
     int i = 1;
     while (i < c->steps && y[i] > target) ++i;
-    if (i < c->steps && y[i - 1] > target) return x[i - 1] * pow(x[i] / x[i - 1], log(target / y[i - 1]) / log(y[i] / y[i - 1]));
+    if (i < c->steps && y[i - 1] > target)
+        return x[i - 1] * pow(x[i] / x[i - 1], log(target / y[i - 1]) / log(y[i] / y[i - 1]));
     const law l = law_of(c, true);
     return exp(l.x + (log(target) - l.y) / l.slope);
 }
 
-/* Which earlier one has the same images, or s: what it leaves out or puts in place the scene has no use for. */
+/* Which earlier one has the same images, or s: what it leaves out or puts in place the scene has no
+ * use for. */
 static int first_like(const plot *p, int s) {
     const curve *c = p->curves;
     int like = 0;
-    while (like < s && (c[like].steps != c[s].steps || memcmp(c[like].y, c[s].y, sizeof *c->y * (size_t)c[s].steps) != 0)) ++like;
+    while (like < s && (c[like].steps != c[s].steps ||
+                        memcmp(c[like].y, c[s].y, sizeof *c->y * (size_t)c[s].steps) != 0))
+        ++like;
     return like;
 }
 
@@ -109,14 +128,18 @@ static mcv_render_options options_of(int s) {
     return o;
 }
 
-/* --- plot ------------------------------------------------------------------------------------------------------- */
+/* --- plot
+ * -------------------------------------------------------------------------------------------------------
+ */
 
 typedef struct axes {
     double x, y, width, height; /* of the frame */
     double low[2], high[2];     /* decades */
 } axes;
 
-static double place_x(const axes *a, double value) { return a->x + a->width * (log10(value) - a->low[0]) / (a->high[0] - a->low[0]); }
+static double place_x(const axes *a, double value) {
+    return a->x + a->width * (log10(value) - a->low[0]) / (a->high[0] - a->low[0]);
+}
 static double place_y(const axes *a, double value) {
     return a->y + a->height * (1 - (log10(value) - a->low[1]) / (a->high[1] - a->low[1]));
 }
@@ -133,7 +156,8 @@ static void draw_axes(cairo_t *page, const axes *a, const char *title, const cha
             cairo_stroke(page);
             cairo_set_source_rgb(page, 0, 0, 0);
             snprintf(text, sizeof text, "1e%.0f", decade);
-            mcv_page_text(page, k == 0 ? at : a->x - 6, k == 0 ? a->y + a->height + 16 : at + 4, k == 0 ? 0.5 : 1, text);
+            mcv_page_text(page, k == 0 ? at : a->x - 6, k == 0 ? a->y + a->height + 16 : at + 4,
+                          k == 0 ? 0.5 : 1, text);
         }
     }
     cairo_rectangle(page, a->x, a->y, a->width, a->height);
@@ -160,7 +184,8 @@ static void draw_plot(cairo_t *page, const plot *p, bool over_time, double x, do
         const curve *c = &p->curves[s];
         cairo_set_source_rgb(page, series[s].red, series[s].green, series[s].blue);
         cairo_set_line_width(page, s == 0 ? 3 : 1.5);
-        for (int i = 0; i < c->steps; ++i) cairo_line_to(page, place_x(&a, c->x[over_time][i]), place_y(&a, c->y[i]));
+        for (int i = 0; i < c->steps; ++i)
+            cairo_line_to(page, place_x(&a, c->x[over_time][i]), place_y(&a, c->y[i]));
         cairo_stroke(page);
     }
     cairo_set_source_rgb(page, 0, 0, 0);
@@ -175,7 +200,8 @@ static void draw_legend(cairo_t *page, const plot *p, double x, double y) {
         cairo_rectangle(page, x, y - 9, 10, 10);
         cairo_fill(page);
         cairo_set_source_rgb(page, 0, 0, 0);
-        snprintf(text, sizeof text, "%s: slope %.2f", series[s].name, law_of(&p->curves[s], false).slope);
+        snprintf(text, sizeof text, "%s: slope %.2f", series[s].name,
+                 law_of(&p->curves[s], false).slope);
         mcv_page_text(page, x + 16, y, 0, text);
         y += 18;
     }
@@ -185,16 +211,20 @@ static mcv_result draw(const plot *plots, int count, const char *path, mcv_error
     cairo_t *page;
     MCV_TRY(mcv_page_new(&page, 1120, 40 + 350 * (uint32_t)count, 12, error));
     for (int i = 0; i < count; ++i) {
-        for (int over_time = 0; over_time < 2; ++over_time) draw_plot(page, plots + i, over_time, 60 + 420 * over_time, 40 + 350 * i);
+        for (int over_time = 0; over_time < 2; ++over_time)
+            draw_plot(page, plots + i, over_time, 60 + 420 * over_time, 40 + 350 * i);
         draw_legend(page, plots + i, 880, 60 + 350 * i);
     }
     return mcv_page_write(page, path, error);
 }
 
-/* --- images ------------------------------------------------------------------------------------------------------- */
+/* --- images
+ * -------------------------------------------------------------------------------------------------------
+ */
 
 /* A key of the summary: the words with _ between them. */
-static void note_key(bench *b, double value, const char *format, ...) __attribute__((format(printf, 3, 4)));
+static void note_key(bench *b, double value, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 static void note_key(bench *b, double value, const char *format, ...) {
     char key[96];
     va_list words;
@@ -214,11 +244,14 @@ static void note_curve(bench *b, plot *p, const char *what, int s, const char *u
         c->steps = 0;
     }
     for (int i = 0; i < c->steps; ++i) {
-        bench_number(b, c->y[i], NAN, unit, "%s, %s, %.0f samples", what, series[s].name, c->x[0][i]);
+        bench_number(b, c->y[i], NAN, unit, "%s, %s, %.0f samples", what, series[s].name,
+                     c->x[0][i]);
         bench_more(b, "samples", c->x[0][i]);
         bench_more(b, "seconds", c->x[1][i]);
     }
-    if (c->steps) note_key(b, law_of(c, false).slope, "slope %.*s %s", (int)strcspn(what, "."), what, series[s].name);
+    if (c->steps)
+        note_key(b, law_of(c, false).slope, "slope %.*s %s", (int)strcspn(what, "."), what,
+                 series[s].name);
 }
 
 /* Compiles what the first measurement would have to wait for. */
@@ -233,7 +266,8 @@ static mcv_result warm(const mcv_scene *scene, int s, mcv_error *error) {
     return MCV_OK;
 }
 
-static mcv_result measure_series(bench *b, plot *p, const mcv_scene *scene, const char *file, const mcv_film *truth, mcv_error *error) {
+static mcv_result measure_series(bench *b, plot *p, const mcv_scene *scene, const char *file,
+                                 const mcv_film *truth, mcv_error *error) {
     const int steps = b->quick ? 5 : CONVERGENCE_STEPS;
     for (int s = 0; s < SERIES; ++s) {
         convergence_point points[CONVERGENCE_STEPS];
@@ -256,11 +290,15 @@ static mcv_result measure_scene(bench *b, plot *p, const char *file, mcv_error *
     mcv_film truth;
     mcv_render_stats stats;
     MCV_TRY(load_small(file, &scene, error));
-    mcv_result result = render_truth(scene, b->quick ? 5 : CONVERGENCE_STEPS, &truth, &stats, error);
+    mcv_result result =
+        render_truth(scene, b->quick ? 5 : CONVERGENCE_STEPS, &truth, &stats, error);
     if (result == MCV_OK) {
-        printf("%-20s truth: %u x %u pixels, %llu samples, mean %.4g, standard error %.2g, %.1f s, %s\n", file, truth.width, truth.height,
+        printf("%-20s truth: %u x %u pixels, %llu samples, mean %.4g, standard error %.2g, %.1f s, "
+               "%s\n",
+               file, truth.width, truth.height,
                (unsigned long long)truth.samples * truth.replicates, mcv_film_mean(&truth),
-               mcv_film_relative_error(&truth) * mcv_film_mean(&truth), stats.seconds_render, stats.device);
+               mcv_film_relative_error(&truth) * mcv_film_mean(&truth), stats.seconds_render,
+               stats.device);
         snprintf(p->title, sizeof p->title, "%s: RMSE / mean", file);
         result = measure_series(b, p, scene, file, &truth, error);
     }
@@ -269,11 +307,14 @@ static mcv_result measure_scene(bench *b, plot *p, const char *file, mcv_error *
     return result;
 }
 
-/* --- an edge ------------------------------------------------------------------------------------------------------ */
+/* --- an edge
+ * ------------------------------------------------------------------------------------------------------
+ */
 
 /*
- * telecentric-edge, moved by 1.3 µm so that nothing is symmetric: at the magnification of 1/2 and pixels of 4.8 µm the edge passes the
- * middle line 0.135 pixels right of the middle of 96 columns, in focus or not, for what blurs it is symmetric.
+ * telecentric-edge, moved by 1.3 µm so that nothing is symmetric: at the magnification of 1/2 and
+ * pixels of 4.8 µm the edge passes the middle line 0.135 pixels right of the middle of 96 columns,
+ * in focus or not, for what blurs it is symmetric.
  */
 enum { EDGE_STEPS = 6, EDGE_IMAGES = 8 };
 static const char *const edge_file = "telecentric-edge.gltf", *const edge_box = "12,4,72,56";
@@ -284,8 +325,10 @@ static mcv_result edge_error(const mcv_film *film, double *off, mcv_error *error
     mcv_readings readings = {{0}, {0}};
     mcv_edge edge;
     mcv_result result = mcv_film_develop(film, &readings.values, NULL, error);
-    if (result == MCV_OK) result = mcv_image_new(&readings.deviation, film->width, film->height, 1, error);
-    for (size_t i = 0; result == MCV_OK && i < film_values(film); ++i) readings.deviation.pixels[i] = 1e-6f * readings.values.pixels[i];
+    if (result == MCV_OK)
+        result = mcv_image_new(&readings.deviation, film->width, film->height, 1, error);
+    for (size_t i = 0; result == MCV_OK && i < film_values(film); ++i)
+        readings.deviation.pixels[i] = 1e-6f * readings.values.pixels[i];
     if (result == MCV_OK) result = mcv_edge_parse(edge_box, 1, &readings.values, &edge, error);
     if (result == MCV_OK) result = mcv_edge_find(&readings, &edge, error);
     if (result == MCV_OK) *off = edge.position.value - true_edge;
@@ -295,7 +338,8 @@ static mcv_result edge_error(const mcv_film *film, double *off, mcv_error *error
 }
 
 /* The root mean square over images of other seeds, and the mean of their seconds. */
-static mcv_result measure_edge(const mcv_scene *scene, mcv_render_options options, double *rms, double *seconds, mcv_error *error) {
+static mcv_result measure_edge(const mcv_scene *scene, mcv_render_options options, double *rms,
+                               double *seconds, mcv_error *error) {
     double squares = 0;
     *seconds = 0;
     for (options.seed = 1; options.seed <= EDGE_IMAGES; ++options.seed) {
@@ -316,7 +360,8 @@ static mcv_result measure_edge(const mcv_scene *scene, mcv_render_options option
 /* And the seconds until the edge is off by a thousandth of a pixel. */
 static void note_edge_curve(bench *b, plot *p, int s) {
     note_curve(b, p, "telecentric-edge position", s, "pixel");
-    if (p->curves[s].steps > 0) note_key(b, seconds_to(&p->curves[s], 1e-3), "edge seconds %s", series[s].name);
+    if (p->curves[s].steps > 0)
+        note_key(b, seconds_to(&p->curves[s], 1e-3), "edge seconds %s", series[s].name);
 }
 
 static mcv_result measure_edges(bench *b, plot *p, mcv_error *error) {
@@ -329,7 +374,8 @@ static mcv_result measure_edges(bench *b, plot *p, mcv_error *error) {
     snprintf(p->title, sizeof p->title, "%s: the edge is off by [pixel]", edge_file);
     MCV_TRY(mcv_scene_load(path, (mcv_overrides){moved, 1}, &scene, error));
     for (int s = 0; s < SERIES && result == MCV_OK; ++s) {
-        if (s > RANDOM && s != ADAPTIVE) continue; /* the scene has nothing that splits, bends light or needs precision */
+        if (s > RANDOM && s != ADAPTIVE)
+            continue; /* the scene has nothing that splits, bends light or needs precision */
         curve *c = &p->curves[s];
         mcv_render_options options = options_of(s);
         result = warm(scene, s, error);
@@ -354,7 +400,8 @@ static mcv_result run(bench *b, mcv_error *error) {
     snprintf(path, sizeof path, "%s.png", b->stem);
     bench_title("Error");
     for (int scene = 0; scene < SCENES; ++scene)
-        if (!b->only || strstr(scene_files[scene], b->only)) MCV_TRY(measure_scene(b, plots + count++, scene_files[scene], error));
+        if (!b->only || strstr(scene_files[scene], b->only))
+            MCV_TRY(measure_scene(b, plots + count++, scene_files[scene], error));
     if (!b->only || strstr(edge_file, b->only)) MCV_TRY(measure_edges(b, plots + count++, error));
     return draw(plots, count, path, error);
 }

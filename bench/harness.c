@@ -15,11 +15,14 @@ static double seconds_of(clockid_t clock) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-bench_seconds bench_now(void) { return (bench_seconds){{seconds_of(CLOCK_MONOTONIC), seconds_of(CLOCK_PROCESS_CPUTIME_ID)}}; }
+bench_seconds bench_now(void) {
+    return (bench_seconds){{seconds_of(CLOCK_MONOTONIC), seconds_of(CLOCK_PROCESS_CPUTIME_ID)}};
+}
 
 bench_seconds bench_since(bench_seconds start) {
     const bench_seconds now = bench_now();
-    return (bench_seconds){{now.by[BENCH_WALL] - start.by[BENCH_WALL], now.by[BENCH_CPU] - start.by[BENCH_CPU]}};
+    return (bench_seconds){
+        {now.by[BENCH_WALL] - start.by[BENCH_WALL], now.by[BENCH_CPU] - start.by[BENCH_CPU]}};
 }
 
 mcv_result bench_time(const bench *b, bench_side *sides, size_t count, mcv_error *error) {
@@ -36,7 +39,9 @@ mcv_result bench_time(const bench *b, bench_side *sides, size_t count, mcv_error
     return MCV_OK;
 }
 
-/* --- figures ---------------------------------------------------------------------------------------------------- */
+/* --- figures
+ * ----------------------------------------------------------------------------------------------------
+ */
 
 static int by_value(const void *a, const void *b) {
     const double x = *(const double *)a, y = *(const double *)b;
@@ -50,13 +55,15 @@ static double quantile(const double *values, int count, double share) {
     qsort(sorted, (size_t)count, sizeof *sorted, by_value);
     const double at = share * (count - 1);
     const int below = (int)at;
-    return below + 1 < count ? sorted[below] + (at - below) * (sorted[below + 1] - sorted[below]) : sorted[below];
+    return below + 1 < count ? sorted[below] + (at - below) * (sorted[below + 1] - sorted[below])
+                             : sorted[below];
 }
 
 double bench_median(const double *values, int count) { return quantile(values, count, 0.5); }
 
 double bench_spread(const double *values, int count) {
-    return 0.5 * (quantile(values, count, 0.75) - quantile(values, count, 0.25)) / fabs(bench_median(values, count));
+    return 0.5 * (quantile(values, count, 0.75) - quantile(values, count, 0.25)) /
+           fabs(bench_median(values, count));
 }
 
 static void take(const bench *b, const bench_side *side, bench_clock clock, double *values) {
@@ -76,13 +83,17 @@ void bench_mean_add(bench_mean *mean, double value) {
 
 double bench_mean_value(const bench_mean *mean) { return exp(mean->log_sum / mean->count); }
 
-/* --- table and JSON --------------------------------------------------------------------------------------------- */
+/* --- table and JSON
+ * --------------------------------------------------------------------------------------------- */
 
 void bench_title(const char *text) {
-    printf("\n%s\n%-52s %-10s %10s %10s %7s %7s\n", text, "case", "unit", "ours", "peer", "ratio", "spread");
+    printf("\n%s\n%-52s %-10s %10s %10s %7s %7s\n", text, "case", "unit", "ours", "peer", "ratio",
+           "spread");
 }
 
-static json_t *number_or_null(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+static json_t *number_or_null(double value) {
+    return isfinite(value) ? json_real(value) : json_null();
+}
 
 static void print_number(double value) {
     if (isfinite(value))
@@ -91,7 +102,8 @@ static void print_number(double value) {
         printf(" %10s", "");
 }
 
-static void put_row(bench *b, const char *unit, double ours, double peer, double ratio, double spread, const char *format, va_list words) {
+static void put_row(bench *b, const char *unit, double ours, double peer, double ratio,
+                    double spread, const char *format, va_list words) {
     char what[160];
     vsnprintf(what, sizeof what, format, words);
     printf("%-52s %-10s", what, unit);
@@ -104,13 +116,14 @@ static void put_row(bench *b, const char *unit, double ours, double peer, double
     if (isfinite(spread)) printf(" %5.1f %%", 100 * spread);
     putchar('\n');
     fflush(stdout);
-    json_array_append_new(b->rows,
-                          json_pack("{s:s, s:s, s:o, s:o, s:o, s:o}", "case", what, "unit", unit, "ours", number_or_null(ours), "peer",
-                                    number_or_null(peer), "ratio", number_or_null(ratio), "spread", number_or_null(spread)));
+    json_array_append_new(b->rows, json_pack("{s:s, s:s, s:o, s:o, s:o, s:o}", "case", what, "unit",
+                                             unit, "ours", number_or_null(ours), "peer",
+                                             number_or_null(peer), "ratio", number_or_null(ratio),
+                                             "spread", number_or_null(spread)));
 }
 
-double bench_row(bench *b, bench_clock clock, const bench_side *ours, const bench_side *peer, double work, const char *unit,
-                 const char *format, ...) {
+double bench_row(bench *b, bench_clock clock, const bench_side *ours, const bench_side *peer,
+                 double work, const char *unit, const char *format, ...) {
     double mine[BENCH_REPETITIONS], theirs[BENCH_REPETITIONS], ratios[BENCH_REPETITIONS];
     double ratio = NAN, other = NAN;
     take(b, ours, clock, mine);
@@ -125,7 +138,8 @@ double bench_row(bench *b, bench_clock clock, const bench_side *ours, const benc
     const double own = bench_median(mine, b->repetitions);
     va_list words;
     va_start(words, format);
-    put_row(b, unit, work > 0 ? 1e-6 * work / own : own, work > 0 ? 1e-6 * work / other : other, ratio, spread, format, words);
+    put_row(b, unit, work > 0 ? 1e-6 * work / own : own, work > 0 ? 1e-6 * work / other : other,
+            ratio, spread, format, words);
     va_end(words);
     return ratio;
 }
@@ -139,7 +153,8 @@ double bench_number(bench *b, double ours, double peer, const char *unit, const 
 }
 
 void bench_more(bench *b, const char *key, double value) {
-    json_object_set_new(json_array_get(b->rows, json_array_size(b->rows) - 1), key, number_or_null(value));
+    json_object_set_new(json_array_get(b->rows, json_array_size(b->rows) - 1), key,
+                        number_or_null(value));
 }
 
 void bench_summary(bench *b, const char *key, double value) {
@@ -152,10 +167,12 @@ void bench_summary_text(bench *b, const char *key, const char *text) {
     json_object_set_new(b->summary, key, json_string(text));
 }
 
-/* --- device and main -------------------------------------------------------------------------------------------- */
+/* --- device and main
+ * -------------------------------------------------------------------------------------------- */
 
 mcv_result bench_cores(const mcv_cl *all, cl_uint count, mcv_cl *cl, mcv_error *error) {
-    const cl_device_partition_property by_count[] = {CL_DEVICE_PARTITION_BY_COUNTS, count, CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
+    const cl_device_partition_property by_count[] = {CL_DEVICE_PARTITION_BY_COUNTS, count,
+                                                     CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
     cl_int code;
     *cl = *all;
     cl->context = NULL;
@@ -186,27 +203,32 @@ static json_t *report_of(const bench *b, const char *name) {
     char platform[256] = "";
     getloadavg(load, 1);
     clGetPlatformInfo(b->cl.platform, CL_PLATFORM_VERSION, sizeof platform, platform, NULL);
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:o, s:i, s:b, s:i, s:o, s:O, s:O}", "name", name, "device", b->cl.name, "driver",
-                     b->cl.version, "platform", platform, "compiler", __VERSION__, "commit",
-                     line_of("git -C '" MCV_SOURCE_DIR "' describe --always --dirty 2>/dev/null"), "cores",
-                     (int)sysconf(_SC_NPROCESSORS_ONLN), "quick", b->quick, "repetitions", b->repetitions, "load_before",
-                     number_or_null(load[0]), "rows", b->rows, "summary", b->summary);
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:o, s:i, s:b, s:i, s:o, s:O, s:O}", "name", name,
+                     "device", b->cl.name, "driver", b->cl.version, "platform", platform,
+                     "compiler", __VERSION__, "commit",
+                     line_of("git -C '" MCV_SOURCE_DIR "' describe --always --dirty 2>/dev/null"),
+                     "cores", (int)sysconf(_SC_NPROCESSORS_ONLN), "quick", b->quick, "repetitions",
+                     b->repetitions, "load_before", number_or_null(load[0]), "rows", b->rows,
+                     "summary", b->summary);
 }
 
-static mcv_result run_and_write(bench *b, const char *name, mcv_result (*run)(bench *b, mcv_error *error), mcv_error *error) {
+static mcv_result run_and_write(bench *b, const char *name,
+                                mcv_result (*run)(bench *b, mcv_error *error), mcv_error *error) {
     char path[sizeof b->stem + 8];
     snprintf(path, sizeof path, "%s.json", b->stem);
     MCV_TRY(mcv_cl_open(NULL, &b->cl, error));
     json_t *report = report_of(b, name);
     mcv_result result = run(b, error);
-    if (result == MCV_OK && json_dump_file(report, path, JSON_INDENT(1) | JSON_REAL_PRECISION(6)) != 0)
+    if (result == MCV_OK &&
+        json_dump_file(report, path, JSON_INDENT(1) | JSON_REAL_PRECISION(6)) != 0)
         result = mcv_fail(error, MCV_FAILED, "%s: cannot be written", path);
     json_decref(report);
     mcv_cl_close(&b->cl);
     return result;
 }
 
-int bench_main(int argc, char **argv, const char *name, mcv_result (*run)(bench *b, mcv_error *error)) {
+int bench_main(int argc, char **argv, const char *name,
+               mcv_result (*run)(bench *b, mcv_error *error)) {
     bench b = {.repetitions = BENCH_REPETITIONS, .rows = json_array(), .summary = json_object()};
     mcv_error error = {""};
     const char *output = argv[0];

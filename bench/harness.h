@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What the benchmarks share. A benchmark checks a result first and times it then; the sides that it compares take turns, one repetition
- * each, so that what else the machine does meets all of them. Figures are medians; the spread is half the distance of the quartiles over
- * the median. A ratio is above 1 where ours is better; that of a timing is the median over the repetitions of the peer's seconds over ours.
+ * What the benchmarks share. A benchmark checks a result first and times it then; the sides that it
+ * compares take turns, one repetition each, so that what else the machine does meets all of them.
+ * Figures are medians; the spread is half the distance of the quartiles over the median. A ratio is
+ * above 1 where ours is better; that of a timing is the median over the repetitions of the peer's
+ * seconds over ours.
  */
 #ifndef MCVISI_BENCH_HARNESS_H
 #define MCVISI_BENCH_HARNESS_H
@@ -14,8 +16,8 @@
 enum { BENCH_REPETITIONS = 7, BENCH_QUICK_REPETITIONS = 5 };
 
 /*
- * Seconds of the wall, or of the processor in all threads together: on one core other programs do not count, on several what
- * waits does not either.
+ * Seconds of the wall, or of the processor in all threads together: on one core other programs do
+ * not count, on several what waits does not either.
  */
 typedef enum bench_clock { BENCH_WALL, BENCH_CPU } bench_clock;
 
@@ -40,10 +42,12 @@ typedef struct bench_side {
 } bench_side;
 
 /*
- * main of a benchmark: PROGRAM [--quick] [--only TEXT] [OUTPUT.json], by default beside the program. Opens the device, runs, and writes
- * rows, summary, device, driver, compiler, commit, cores and the load that the machine had at the beginning.
+ * main of a benchmark: PROGRAM [--quick] [--only TEXT] [OUTPUT.json], by default beside the
+ * program. Opens the device, runs, and writes rows, summary, device, driver, compiler, commit,
+ * cores and the load that the machine had at the beginning.
  */
-int bench_main(int argc, char **argv, const char *name, mcv_result (*run)(bench *b, mcv_error *error));
+int bench_main(int argc, char **argv, const char *name,
+               mcv_result (*run)(bench *b, mcv_error *error));
 
 bench_seconds bench_now(void);
 bench_seconds bench_since(bench_seconds start);
@@ -59,14 +63,16 @@ double bench_side_median(const bench *b, const bench_side *side, bench_clock clo
 void bench_title(const char *text);
 
 /*
- * A row of two timings, or of one where the peer is NULL: work per second in millions, or seconds where work is 0. Returns the ratio (NaN
- * without a peer). The case is printf style.
+ * A row of two timings, or of one where the peer is NULL: work per second in millions, or seconds
+ * where work is 0. Returns the ratio (NaN without a peer). The case is printf style.
  */
-double bench_row(bench *b, bench_clock clock, const bench_side *ours, const bench_side *peer, double work, const char *unit,
-                 const char *format, ...) __attribute__((format(printf, 7, 8)));
+double bench_row(bench *b, bench_clock clock, const bench_side *ours, const bench_side *peer,
+                 double work, const char *unit, const char *format, ...)
+    __attribute__((format(printf, 7, 8)));
 
 /* A row of numbers of which the smaller is the better; the peer may be NaN. Returns the ratio. */
-double bench_number(bench *b, double ours, double peer, const char *unit, const char *format, ...) __attribute__((format(printf, 5, 6)));
+double bench_number(bench *b, double ours, double peer, const char *unit, const char *format, ...)
+    __attribute__((format(printf, 5, 6)));
 
 /* More of the last row. */
 void bench_more(bench *b, const char *key, double value);

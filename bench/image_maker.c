@@ -10,17 +10,21 @@
 
 enum { REFERENCE_REPLICATES = 16, REFERENCE_FACTOR = 64, REFERENCE_SEED = 100000, SURFACES = 32 };
 
-/* --- Mitsuba ------------------------------------------------------------------------------------------------------ */
+/* --- Mitsuba
+ * ------------------------------------------------------------------------------------------------------
+ */
 
 mcv_result peer_open(const char *variant, const char *mesh_path, peer *p, mcv_error *error) {
     int to[2], from[2];
-    if (pipe2(to, O_CLOEXEC) != 0 || pipe2(from, O_CLOEXEC) != 0) return mcv_fail(error, MCV_FAILED, "no pipe to Mitsuba");
+    if (pipe2(to, O_CLOEXEC) != 0 || pipe2(from, O_CLOEXEC) != 0)
+        return mcv_fail(error, MCV_FAILED, "no pipe to Mitsuba");
     p->process = fork();
     if (p->process < 0) return mcv_fail(error, MCV_FAILED, "no process for Mitsuba");
     if (p->process == 0) {
         dup2(to[0], STDIN_FILENO);
         dup2(from[1], STDOUT_FILENO);
-        execl(PYTHON, PYTHON, MCV_SOURCE_DIR "/bench/render_peer.py", variant, mesh_path, (char *)NULL);
+        execl(PYTHON, PYTHON, MCV_SOURCE_DIR "/bench/render_peer.py", variant, mesh_path,
+              (char *)NULL);
         _exit(127);
     }
     close(to[0]);
@@ -36,13 +40,16 @@ void peer_close(peer *p) {
     if (p->process > 0) waitpid(p->process, NULL, 0);
 }
 
-/* --- one image of one renderer ------------------------------------------------------------------------------------- */
+/* --- one image of one renderer
+ * ------------------------------------------------------------------------------------- */
 
 static mcv_result peer_image(const image_maker *m, double *values, size_t count, mcv_error *error) {
-    fprintf(m->peer->to, "%u %s %s %u %u %s\n", m->pixels, m->integrator, m->sampler, m->samples, m->seed, m->scene_name);
+    fprintf(m->peer->to, "%u %s %s %u %u %s\n", m->pixels, m->integrator, m->sampler, m->samples,
+            m->seed, m->scene_name);
     fflush(m->peer->to);
     if (fread(values, sizeof *values, count, m->peer->from) != count)
-        return mcv_fail(error, MCV_FAILED, "%s: Mitsuba's %s with %s gave no image", m->scene_name, m->integrator, m->sampler);
+        return mcv_fail(error, MCV_FAILED, "%s: Mitsuba's %s with %s gave no image", m->scene_name,
+                        m->integrator, m->sampler);
     return MCV_OK;
 }
 
@@ -54,7 +61,8 @@ static mcv_result peer_film(const image_maker *m, mcv_film *film, mcv_error *err
     return result;
 }
 
-static mcv_result our_image(const image_maker *m, uint32_t replicates, mcv_film *film, mcv_error *error) {
+static mcv_result our_image(const image_maker *m, uint32_t replicates, mcv_film *film,
+                            mcv_error *error) {
     mcv_render_options options = mcv_render_defaults();
     mcv_render_stats stats;
     options.replicates = replicates;
@@ -87,7 +95,9 @@ mcv_result make_image(void *user, mcv_error *error) {
 
 double rmse_of(const image_maker *m) { return sqrt(fmax(m->squares / m->images, 0)); }
 
-/* --- truths ------------------------------------------------------------------------------------------------------- */
+/* --- truths
+ * -------------------------------------------------------------------------------------------------------
+ */
 
 mcv_result make_truth(image_maker maker, mcv_film *film, mcv_error *error) {
     maker.samples = maker.samples * REFERENCE_FACTOR / REFERENCE_REPLICATES;

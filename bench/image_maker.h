@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* For bench_render: images of one scene, by ours or by Mitsuba 3, and how far they are from the truth. */
+/* For bench_render: images of one scene, by ours or by Mitsuba 3, and how far they are from the
+ * truth. */
 #ifndef MCVISI_BENCH_IMAGE_MAKER_H
 #define MCVISI_BENCH_IMAGE_MAKER_H
 

@@ -1,21 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Time to an image of a given error against Mitsuba 3: bench_render [--quick] [--only TEXT] [OUTPUT.json]. Where Mitsuba is not
+ * Time to an image of a given error against Mitsuba 3: bench_render [--quick] [--only TEXT]
+ * [OUTPUT.json]. Where Mitsuba is not
  * (`./run deps peers`), it says so, and only `sampling_gain` and `adaptive_gain` are measured.
  *
- * Scenes that both describe (tests/peer_scenes.h, tests/mitsuba_peer.py), three channels, 32 surfaces a path, all cores, wall clock; scene
- * loaded and kernels compiled before. Mitsuba takes part with each variant, sampler and integrator that fits, of which the best
- * counts: for `samples_per_second` the fastest, for `time_to_rmse` the one that reaches the error first. A sample of Mitsuba's is one path
- * from the camera; in `paths_per_second` ours is, too, without the light paths and branches that a usual sample has.
+ * Scenes that both describe (tests/common/peer_scenes.h, tests/peers/mitsuba_peer.py), three
+ * channels, 32 surfaces a path, all cores, wall clock; scene loaded and kernels compiled before.
+ * Mitsuba takes part with each variant, sampler and integrator that fits, of which the best counts:
+ * for `samples_per_second` the fastest, for `time_to_rmse` the one that reaches the error first. A
+ * sample of Mitsuba's is one path from the camera; in `paths_per_second` ours is, too, without the
+ * light paths and branches that a usual sample has.
  *
- * Each renderer's truth is its own, of 64 times the samples and another seed, after mcv_compare_films has found no difference between
- * both; the truth's own variance is taken off the mean squared error. The error that both are to reach is the geometric mean of
- * both errors at the same number of samples, and the time is that of the samples that the renderer's own power law asks for, with what
- * each image takes besides.
+ * Each renderer's truth is its own, of 64 times the samples and another seed, after
+ * mcv_compare_films has found no difference between both; the truth's own variance is taken off the
+ * mean squared error. The error that both are to reach is the geometric mean of both errors at the
+ * same number of samples, and the time is that of the samples that the renderer's own power law
+ * asks for, with what each image takes besides.
  *
- * `sampling_gain` has no peer: RMSE x √seconds of report-clean with random numbers, one way on from each surface and without light paths,
- * over that of a usual render;
- * `adaptive_gain`: of part-backlight (128 x 96 pixels, 64 samples of 4 replicates) without adaptive sampling, over that with it.
+ * `sampling_gain` has no peer: RMSE x √seconds of report-clean with random numbers, one way on from
+ * each surface and without light paths, over that of a usual render; `adaptive_gain`: of
+ * part-backlight (128 x 96 pixels, 64 samples of 4 replicates) without adaptive sampling, over that
+ * with it.
  */
 #include <math.h>
 #include <signal.h>
@@ -29,9 +34,9 @@
 #include "convergence.h"
 #include "harness.h"
 #include "image_maker.h"
-#include "output/png.h"
+#include "io/png.h"
 #include "peer_scenes.h"
-#include "render/albedo.h"
+#include "device/albedo.h"
 
 #include "workload.h" /* after the scenes, whose parameters are called like its mesh */
 
@@ -61,7 +66,9 @@ static const char *const variants[VARIANTS] = {"llvm_ad_rgb", "scalar_rgb"};
 static const char *const samplers[] = {"independent", "multijitter", "ldsampler"};
 enum { SAMPLERS = 3 };
 
-/* --- one scene ---------------------------------------------------------------------------------------------------- */
+/* --- one scene
+ * ----------------------------------------------------------------------------------------------------
+ */
 
 /* Images of a 64th, a 16th, a quarter and all of the samples; of the quick one's few no 64th. */
 enum { POINTS = 4, FIRST_LOOK = 2 };
@@ -84,20 +91,26 @@ typedef struct race {
 /* Our ways, then Mitsuba's. */
 enum { UNIFORM, ADAPTIVE, SINGLE, MOST_RACERS = SINGLE + 1 + VARIANTS * (SAMPLERS + 1) };
 
-/* The exponent of RMSE ~ samples^-exponent between a quarter of the samples and all. It cannot be below that of random numbers: what
- * seems to be is the noise of rare paths. */
-static double exponent_of(const racer *x) { return fmin(fmax(log(x->rmse[POINTS - 2] / x->rmse[POINTS - 1]) / log(4), 0.5), 1); }
+/* The exponent of RMSE ~ samples^-exponent between a quarter of the samples and all. It cannot be
+ * below that of random numbers: what seems to be is the noise of rare paths. */
+static double exponent_of(const racer *x) {
+    return fmin(fmax(log(x->rmse[POINTS - 2] / x->rmse[POINTS - 1]) / log(4), 0.5), 1);
+}
 
 /* Of so many times all samples: what each image takes, and what each sample does. */
 static double seconds_of(const racer *x, double samples) {
-    const double all = x->seconds[POINTS - 1], slope = fmin(fmax((all - x->seconds[POINTS - 2]) / 0.75, 0), all);
+    const double all = x->seconds[POINTS - 1],
+                 slope = fmin(fmax((all - x->seconds[POINTS - 2]) / 0.75, 0), all);
     return all - slope + slope * samples;
 }
 
-static double seconds_to(const racer *x, double rmse) { return seconds_of(x, pow(x->rmse[POINTS - 1] / rmse, 1 / exponent_of(x))); }
+static double seconds_to(const racer *x, double rmse) {
+    return seconds_of(x, pow(x->rmse[POINTS - 1] / rmse, 1 / exponent_of(x)));
+}
 
 /* Times all that are not out in turns. sides[i] is that of racers[i], or was before it went out. */
-static mcv_result measure_point(const bench *b, racer *racers, bench_side *sides, size_t count, int point, mcv_error *error) {
+static mcv_result measure_point(const bench *b, racer *racers, bench_side *sides, size_t count,
+                                int point, mcv_error *error) {
     image_maker makers[MOST_RACERS];
     bench_side taking_part[MOST_RACERS];
     size_t place[MOST_RACERS], n = 0;
@@ -123,43 +136,53 @@ static void send_out(const bench *b, racer *racers, const bench_side *sides, siz
     for (size_t i = 0; i < count; ++i)
         for (size_t k = 0; k < count; ++k) {
             const image_maker *x = &racers[i].maker, *y = &racers[k].maker;
-            if (!x->peer || !y->peer || x->integrator != y->integrator || x->sampler != y->sampler) continue;
-            if (bench_side_median(b, sides + i, BENCH_WALL) > 1.5 * bench_side_median(b, sides + k, BENCH_WALL)) racers[i].is_out = true;
+            if (!x->peer || !y->peer || x->integrator != y->integrator || x->sampler != y->sampler)
+                continue;
+            if (bench_side_median(b, sides + i, BENCH_WALL) >
+                1.5 * bench_side_median(b, sides + k, BENCH_WALL))
+                racers[i].is_out = true;
         }
 }
 
-/* A first look at all samples, after which those that are too slow go out, with a row of their own. Last all samples again, whose times the
- * sides keep. */
-static mcv_result measure_all(bench *b, racer *racers, bench_side *sides, size_t count, mcv_error *error) {
+/* A first look at all samples, after which those that are too slow go out, with a row of their own.
+ * Last all samples again, whose times the sides keep. */
+static mcv_result measure_all(bench *b, racer *racers, bench_side *sides, size_t count,
+                              mcv_error *error) {
     bench look = *b;
-    const double values = (double)racers->maker.samples * racers->maker.pixels * racers->maker.pixels;
+    const double values =
+        (double)racers->maker.samples * racers->maker.pixels * racers->maker.pixels;
     look.repetitions = FIRST_LOOK;
     MCV_TRY(measure_point(&look, racers, sides, count, POINTS - 1, error));
     send_out(&look, racers, sides, count);
     for (size_t i = 0; i < count; ++i) {
         if (!racers[i].is_out) continue;
-        bench_row(&look, BENCH_WALL, sides, sides + i, values, "Msamples/s", "%s, %s", racers->maker.scene_name, racers[i].name);
+        bench_row(&look, BENCH_WALL, sides, sides + i, values, "Msamples/s", "%s, %s",
+                  racers->maker.scene_name, racers[i].name);
         bench_more(b, "samples", racers->maker.samples);
         bench_more(b, "turns", FIRST_LOOK);
     }
     for (int point = 0; point < POINTS; ++point)
-        if (racers->maker.samples >> 2 * (POINTS - 1 - point)) MCV_TRY(measure_point(b, racers, sides, count, point, error));
+        if (racers->maker.samples >> 2 * (POINTS - 1 - point))
+            MCV_TRY(measure_point(b, racers, sides, count, point, error));
     return MCV_OK;
 }
 
 /* The error that both are to reach is the geometric mean of both errors. */
-static double equal_error(const racer *x, const racer *y) { return sqrt(x->rmse[POINTS - 1] * y->rmse[POINTS - 1]); }
+static double equal_error(const racer *x, const racer *y) {
+    return sqrt(x->rmse[POINTS - 1] * y->rmse[POINTS - 1]);
+}
 static double time_ratio(const racer *ours, const racer *other) {
     const double rmse = equal_error(ours, other);
     return seconds_to(other, rmse) / seconds_to(ours, rmse);
 }
 
 /* Someone beside our two: how fast ours is that is not adaptive, and the time of ours that is. */
-static void note_racer(bench *b, const racer *ours, const bench_side *our_sides, const racer *other, const bench_side *side) {
+static void note_racer(bench *b, const racer *ours, const bench_side *our_sides, const racer *other,
+                       const bench_side *side) {
     const racer *adaptive = ours + ADAPTIVE;
     const image_maker *m = &adaptive->maker;
-    bench_row(b, BENCH_WALL, our_sides + UNIFORM, side, (double)m->samples * m->pixels * m->pixels, "Msamples/s", "%s, %s", m->scene_name,
-              other->name);
+    bench_row(b, BENCH_WALL, our_sides + UNIFORM, side, (double)m->samples * m->pixels * m->pixels,
+              "Msamples/s", "%s, %s", m->scene_name, other->name);
     bench_more(b, "samples", m->samples);
     bench_more(b, "seconds", adaptive->seconds[POINTS - 1]);
     bench_more(b, "peer_seconds", other->seconds[POINTS - 1]);
@@ -176,13 +199,14 @@ static void note_curve(bench *b, const racer *x) {
     for (int point = 0; point < POINTS; ++point) {
         const uint32_t samples = x->maker.samples >> 2 * (POINTS - 1 - point);
         if (samples == 0) continue;
-        bench_number(b, x->rmse[point] / mcv_film_mean(x->maker.truth), NAN, "RMSE/mean", "%s, %s, %u samples", x->maker.scene_name,
-                     x->name, samples);
+        bench_number(b, x->rmse[point] / mcv_film_mean(x->maker.truth), NAN, "RMSE/mean",
+                     "%s, %s, %u samples", x->maker.scene_name, x->name, samples);
         bench_more(b, "curve_seconds", x->seconds[point]);
     }
 }
 
-/* --- pictures at equal time ---------------------------------------------------------------------------------------- */
+/* --- pictures at equal time
+ * ---------------------------------------------------------------------------------------- */
 
 enum { ZOOM = 2, GAP = 8, PICTURES = 3, MOST_TIMES = 16 };
 static const double LOOK_SECONDS = 0.05;
@@ -192,12 +216,14 @@ static void paste(const mcv_film *film, int place, mcv_image *page) {
     for (uint32_t c = 0; c < 3; ++c)
         for (uint32_t y = 0; y < size; ++y)
             for (uint32_t x = 0; x < size; ++x)
-                page->pixels[(c * page->height + y) * page->width + (size + GAP) * (uint32_t)place + x] =
+                page->pixels[(c * page->height + y) * page->width + (size + GAP) * (uint32_t)place +
+                             x] =
                     (float)film_value(film, (c * film->height + y / ZOOM) * film->width + x / ZOOM);
 }
 
 /* Ours, theirs and the truth side by side, equally bright, as STEM-SCENE.png. */
-static mcv_result write_pictures(const bench *b, const char *name, const mcv_film films[PICTURES], mcv_error *error) {
+static mcv_result write_pictures(const bench *b, const char *name, const mcv_film films[PICTURES],
+                                 mcv_error *error) {
     const uint32_t size = films->width * ZOOM, width = PICTURES * size + (PICTURES - 1) * GAP;
     char path[sizeof b->stem + 64];
     mcv_image truth = {0}, page;
@@ -218,7 +244,8 @@ static mcv_result write_pictures(const bench *b, const char *name, const mcv_fil
     return result;
 }
 
-static mcv_result time_film(const image_maker *m, mcv_film *film, double *seconds, mcv_error *error) {
+static mcv_result time_film(const image_maker *m, mcv_film *film, double *seconds,
+                            mcv_error *error) {
     const bench_seconds start = bench_now();
     MCV_TRY(make_film(m, film, error));
     *seconds = bench_since(start).by[BENCH_WALL];
@@ -228,23 +255,28 @@ static mcv_result time_film(const image_maker *m, mcv_film *film, double *second
 /* As many samples as take so long, one at least. */
 static double samples_in(const racer *x, double seconds) {
     const double all = x->maker.samples, fixed = seconds_of(x, 0), slope = seconds_of(x, 1) - fixed;
-    return fmin(fmax((seconds - fixed) / fmax(slope, 0.1 * x->seconds[POINTS - 1]) * all, 1), MOST_TIMES * all);
+    return fmin(fmax((seconds - fixed) / fmax(slope, 0.1 * x->seconds[POINTS - 1]) * all, 1),
+                MOST_TIMES * all);
 }
 
-/* The first power of two of ours that takes LOOK_SECONDS, and one of theirs too, and as many of theirs as fit into that. */
+/* The first power of two of ours that takes LOOK_SECONDS, and one of theirs too, and as many of
+ * theirs as fit into that. */
 static mcv_result draw_pictures(bench *b, const racer *ours, const racer *best, mcv_error *error) {
     image_maker makers[2] = {ours->maker, best->maker};
     mcv_film films[PICTURES] = {{0}, {0}, *ours->maker.truth};
     double seconds[2] = {0, 0};
-    const double all = ours->maker.samples, least = samples_in(ours, fmax(LOOK_SECONDS, seconds_of(best, 1 / all)));
+    const double all = ours->maker.samples,
+                 least = samples_in(ours, fmax(LOOK_SECONDS, seconds_of(best, 1 / all)));
     makers[0].samples = 1u << (unsigned)ceil(log2(least));
     makers[1].samples = (uint32_t)samples_in(best, seconds_of(ours, makers[0].samples / all));
     mcv_result result = MCV_OK;
-    for (int i = 0; i < 2 && result == MCV_OK; ++i) result = time_film(makers + i, films + i, seconds + i, error);
+    for (int i = 0; i < 2 && result == MCV_OK; ++i)
+        result = time_film(makers + i, films + i, seconds + i, error);
     if (result == MCV_OK) {
-        bench_number(b, errors_against(films, makers[0].truth).rmse / mcv_film_mean(makers[0].truth),
-                     errors_against(films + 1, makers[1].truth).rmse / mcv_film_mean(makers[1].truth), "RMSE/mean", "%s, at equal time",
-                     ours->maker.scene_name);
+        bench_number(
+            b, errors_against(films, makers[0].truth).rmse / mcv_film_mean(makers[0].truth),
+            errors_against(films + 1, makers[1].truth).rmse / mcv_film_mean(makers[1].truth),
+            "RMSE/mean", "%s, at equal time", ours->maker.scene_name);
         for (int i = 0; i < 2; ++i) {
             bench_more(b, i ? "peer_picture_samples" : "picture_samples", makers[i].samples);
             bench_more(b, i ? "peer_picture_seconds" : "picture_seconds", seconds[i]);
@@ -255,13 +287,16 @@ static mcv_result draw_pictures(bench *b, const racer *ours, const racer *best, 
     return result;
 }
 
-/* --- the race ------------------------------------------------------------------------------------------------------ */
+/* --- the race
+ * ------------------------------------------------------------------------------------------------------
+ */
 
 /*
- * For an image of a given error ours is adaptive, in all scenes, as the README advises; samples per second are those of the render that is
- * not.
+ * For an image of a given error ours is adaptive, in all scenes, as the README advises; samples per
+ * second are those of the render that is not.
  */
-static mcv_result race_all_sides(bench *b, race *r, int scene, racer *racers, size_t count, mcv_error *error) {
+static mcv_result race_all_sides(bench *b, race *r, int scene, racer *racers, size_t count,
+                                 mcv_error *error) {
     bench_side sides[MOST_RACERS];
     const racer *uniform = racers + UNIFORM, *adaptive = racers + ADAPTIVE;
     size_t fastest = 0, first = 0, uniform_first = 0;
@@ -273,18 +308,22 @@ static mcv_result race_all_sides(bench *b, race *r, int scene, racer *racers, si
         if (!x->maker.peer) continue;
         if (!fastest || x->seconds[POINTS - 1] < racers[fastest].seconds[POINTS - 1]) fastest = i;
         if (!first || time_ratio(adaptive, x) < time_ratio(adaptive, racers + first)) first = i;
-        if (!uniform_first || time_ratio(uniform, x) < time_ratio(uniform, racers + uniform_first)) uniform_first = i;
+        if (!uniform_first || time_ratio(uniform, x) < time_ratio(uniform, racers + uniform_first))
+            uniform_first = i;
     }
     const racer *best = racers + first;
     const double rmse = equal_error(adaptive, best);
     for (size_t i = 0; i < count; ++i)
         if (!racers[i].maker.peer || i == first) note_curve(b, racers + i);
-    bench_number(b, seconds_to(adaptive, rmse), seconds_to(best, rmse), "s", "%s, time to RMSE %.2g %%", adaptive->maker.scene_name,
+    bench_number(b, seconds_to(adaptive, rmse), seconds_to(best, rmse), "s",
+                 "%s, time to RMSE %.2g %%", adaptive->maker.scene_name,
                  100 * rmse / mcv_film_mean(adaptive->maker.truth));
     bench_mean_add(&r->time_of[scenes[scene].group], time_ratio(adaptive, best));
     if (scenes[scene].group != CONE) {
-        bench_mean_add(&r->speed, racers[fastest].seconds[POINTS - 1] / uniform->seconds[POINTS - 1]);
-        bench_mean_add(&r->single_speed, racers[fastest].seconds[POINTS - 1] / racers[SINGLE].seconds[POINTS - 1]);
+        bench_mean_add(&r->speed,
+                       racers[fastest].seconds[POINTS - 1] / uniform->seconds[POINTS - 1]);
+        bench_mean_add(&r->single_speed,
+                       racers[fastest].seconds[POINTS - 1] / racers[SINGLE].seconds[POINTS - 1]);
         bench_mean_add(&r->time, time_ratio(adaptive, best));
         bench_mean_add(&r->uniform_time, time_ratio(uniform, racers + uniform_first));
     }
@@ -292,11 +331,14 @@ static mcv_result race_all_sides(bench *b, race *r, int scene, racer *racers, si
     return draw_pictures(b, uniform, best, error);
 }
 
-/* --- who takes part ------------------------------------------------------------------------------------------------ */
+/* --- who takes part
+ * ------------------------------------------------------------------------------------------------
+ */
 
-static void add_racer(racer *racers, size_t *count, const image_maker *maker, const char *format, ...)
-    __attribute__((format(printf, 4, 5)));
-static void add_racer(racer *racers, size_t *count, const image_maker *maker, const char *format, ...) {
+static void add_racer(racer *racers, size_t *count, const image_maker *maker, const char *format,
+                      ...) __attribute__((format(printf, 4, 5)));
+static void add_racer(racer *racers, size_t *count, const image_maker *maker, const char *format,
+                      ...) {
     racer *x = &racers[(*count)++];
     va_list words;
     *x = (racer){.maker = *maker};
@@ -307,7 +349,8 @@ static void add_racer(racer *racers, size_t *count, const image_maker *maker, co
 
 static void add_peer(const race *r, int variant, image_maker maker, racer *racers, size_t *count) {
     maker.peer = (peer *)r->peers + variant;
-    add_racer(racers, count, &maker, "%s %s %s", maker.integrator, variant == LLVM ? "llvm" : "scalar", maker.sampler);
+    add_racer(racers, count, &maker, "%s %s %s", maker.integrator,
+              variant == LLVM ? "llvm" : "scalar", maker.sampler);
 }
 
 /* The panel's light is a plugin in Python, which a scalar variant would ask anew for each ray. */
@@ -324,7 +367,8 @@ static void add_peers(const race *r, int scene, image_maker maker, racer *racers
     }
 }
 
-/* The share of light from all sides that rough microfacets of a scene lose where what they send on to each other is not given back. */
+/* The share of light from all sides that rough microfacets of a scene lose where what they send on
+ * to each other is not given back. */
 static double share_lost(const char *name) {
     enum { OUTSIDE, INSIDE, MEANS };
     const double alpha = PEER_SATIN * PEER_SATIN;
@@ -340,30 +384,36 @@ static double share_lost(const char *name) {
 }
 
 /*
- * Mitsuba starts rays (1 + |p|) 1500 roundings off surfaces, so that its light is not the same at each scale: the assembly's mean is
- * 0.046979, 0.046997 and 0.047064 at 1, 1/10 and 1/50 of its size (each ± 0.000002), which without an offset, by a line, would be 0.046974
- * to 0.046975: ours. That bends its means at most so much, twice what was found at size 1.
+ * Mitsuba starts rays (1 + |p|) 1500 roundings off surfaces, so that its light is not the same at
+ * each scale: the assembly's mean is 0.046979, 0.046997 and 0.047064 at 1, 1/10 and 1/50 of its
+ * size (each ± 0.000002), which without an offset, by a line, would be 0.046974 to 0.046975: ours.
+ * That bends its means at most so much, twice what was found at size 1.
  */
 static const double OFFSETS = 2e-4;
 
 /*
- * Whether both pictures are the same: by their noise, or by their means but for what offsets bring, and where microfacets are rough, which
- * give the light back that they send on to each other here and lose it there, as if all light had met such a surface once.
+ * Whether both pictures are the same: by their noise, or by their means but for what offsets bring,
+ * and where microfacets are rough, which give the light back that they send on to each other here
+ * and lose it there, as if all light had met such a surface once.
  */
-static mcv_result compare_truths(bench *b, const char *name, const mcv_film truths[2], bool *agree, mcv_error *error) {
+static mcv_result compare_truths(bench *b, const char *name, const mcv_film truths[2], bool *agree,
+                                 mcv_error *error) {
     const double lost = share_lost(name);
     char words[64] = "pictures differ";
     mcv_comparison c;
     MCV_TRY(mcv_compare_films(truths, truths + 1, &c, error));
     printf("%s: means %.6g and %.6g; %s\n", name, c.mean_x, c.mean_y, c.reason);
-    *agree = !c.different || (c.mean_y <= (1 + OFFSETS) * c.mean_x && c.mean_y >= (1 - lost - OFFSETS) * c.mean_x);
+    *agree = !c.different ||
+             (c.mean_y <= (1 + OFFSETS) * c.mean_x && c.mean_y >= (1 - lost - OFFSETS) * c.mean_x);
     if (!c.different) snprintf(words, sizeof words, "pictures agree");
-    if (c.different && *agree) snprintf(words, sizeof words, "means agree but for %.2g %%", 100 * (lost + OFFSETS));
+    if (c.different && *agree)
+        snprintf(words, sizeof words, "means agree but for %.2g %%", 100 * (lost + OFFSETS));
     bench_number(b, c.mean_x, c.mean_y, "mean", "%s, %s", name, words);
     return MCV_OK;
 }
 
-static mcv_result race_scene(bench *b, race *r, int scene, const image_maker *base, mcv_film truths[2], mcv_error *error) {
+static mcv_result race_scene(bench *b, race *r, int scene, const image_maker *base,
+                             mcv_film truths[2], mcv_error *error) {
     racer racers[MOST_RACERS];
     image_maker ours = *base, theirs = *base;
     bool agree;
@@ -377,7 +427,8 @@ static mcv_result race_scene(bench *b, race *r, int scene, const image_maker *ba
     MCV_TRY(compare_truths(b, base->scene_name, truths, &agree, error));
     if (!agree) {
         const size_t length = strlen(r->left_out);
-        snprintf(r->left_out + length, sizeof r->left_out - length, "%s%s", length ? ", " : "", base->scene_name);
+        snprintf(r->left_out + length, sizeof r->left_out - length, "%s%s", length ? ", " : "",
+                 base->scene_name);
         return MCV_OK;
     }
     ours.truth = truths;
@@ -396,23 +447,28 @@ static mcv_result race_scene(bench *b, race *r, int scene, const image_maker *ba
 
 static mcv_result open_scene(bench *b, race *r, int i, mcv_error *error) {
     const bool is_assembly = strcmp(scenes[i].name, "assembly") == 0;
-    image_maker base = {.scene_name = scenes[i].name, .pixels = b->quick ? 64 : 96, .samples = b->quick ? 16 : 256};
-    mcv_scene *scene = make_peer_scene(scenes[i].name, base.pixels, true, is_assembly ? &r->assembly : NULL);
+    image_maker base = {
+        .scene_name = scenes[i].name, .pixels = b->quick ? 64 : 96, .samples = b->quick ? 16 : 256};
+    mcv_scene *scene =
+        make_peer_scene(scenes[i].name, base.pixels, true, is_assembly ? &r->assembly : NULL);
     mcv_film truths[2] = {{0}, {0}};
     base.scene = scene;
     base.replicates = 1;
     base.renderer = mcv_renderer_new();
-    mcv_result result = base.renderer ? race_scene(b, r, i, &base, truths, error) : mcv_fail(error, MCV_FAILED, "no memory for a renderer");
+    mcv_result result = base.renderer ? race_scene(b, r, i, &base, truths, error)
+                                      : mcv_fail(error, MCV_FAILED, "no memory for a renderer");
     for (int k = 0; k < 2; ++k) mcv_film_free(truths + k);
     mcv_renderer_free(base.renderer);
     mcv_scene_free(scene);
     return result;
 }
 
-/* --- sampling alone --------------------------------------------------------------------------------------------- */
+/* --- sampling alone
+ * --------------------------------------------------------------------------------------------- */
 
 /* RMSE x √seconds of the other way to sample over that of the usual one. */
-static mcv_result measure_gain(bench *b, image_maker *usual, image_maker *other, const char *what, const char *key, mcv_error *error) {
+static mcv_result measure_gain(bench *b, image_maker *usual, image_maker *other, const char *what,
+                               const char *key, mcv_error *error) {
     const double truth_variance = variance_of(usual->truth);
     usual->truth_variance = other->truth_variance = truth_variance;
     other->truth = usual->truth;
@@ -423,18 +479,21 @@ static mcv_result measure_gain(bench *b, image_maker *usual, image_maker *other,
     mcv_renderer_free(other->renderer);
     if (result != MCV_OK) return result;
     bench_row(b, BENCH_WALL, sides, sides + 1, 0, "s", "%s, %s", usual->scene_name, what);
-    const double gain = bench_number(b, rmse_of(usual) * sqrt(bench_side_median(b, sides, BENCH_WALL)),
-                                     rmse_of(other) * sqrt(bench_side_median(b, sides + 1, BENCH_WALL)), "RMSE √s", "%s, sampling alone",
-                                     usual->scene_name);
+    const double gain =
+        bench_number(b, rmse_of(usual) * sqrt(bench_side_median(b, sides, BENCH_WALL)),
+                     rmse_of(other) * sqrt(bench_side_median(b, sides + 1, BENCH_WALL)), "RMSE √s",
+                     "%s, sampling alone", usual->scene_name);
     bench_summary(b, key, gain);
     return MCV_OK;
 }
 
-static mcv_result measure_gain_on(bench *b, mcv_scene *scene, image_maker usual, const char *what, const char *key, mcv_error *error) {
+static mcv_result measure_gain_on(bench *b, mcv_scene *scene, image_maker usual, const char *what,
+                                  const char *key, mcv_error *error) {
     mcv_film truth = {0};
     usual.scene = scene;
     usual.renderer = mcv_renderer_new();
-    mcv_result result = usual.renderer ? make_truth(usual, &truth, error) : mcv_fail(error, MCV_FAILED, "no memory for a renderer");
+    mcv_result result = usual.renderer ? make_truth(usual, &truth, error)
+                                       : mcv_fail(error, MCV_FAILED, "no memory for a renderer");
     usual.truth = &truth;
     image_maker other = usual;
     other.is_random = other.is_single = !usual.is_adaptive;
@@ -447,32 +506,44 @@ static mcv_result measure_gain_on(bench *b, mcv_scene *scene, image_maker usual,
 }
 
 static mcv_result gain(bench *b, mcv_error *error) {
-    const image_maker usual = {.scene_name = "report-clean", .samples = b->quick ? 256 : 1024, .replicates = 1};
+    const image_maker usual = {
+        .scene_name = "report-clean", .samples = b->quick ? 256 : 1024, .replicates = 1};
     mcv_scene *scene;
     MCV_TRY(load_small("report-clean.glb", &scene, error));
-    return measure_gain_on(b, scene, usual, "random points without light paths", "sampling_gain", error);
+    return measure_gain_on(b, scene, usual, "random points without light paths", "sampling_gain",
+                           error);
 }
 
 static mcv_result adaptive_gain(bench *b, mcv_error *error) {
-    const image_maker adaptive = {.scene_name = "part-backlight", .samples = 64, .replicates = 4, .is_adaptive = true};
+    const image_maker adaptive = {
+        .scene_name = "part-backlight", .samples = 64, .replicates = 4, .is_adaptive = true};
     mcv_scene *scene;
     MCV_TRY(load_small("part-backlight.gltf", &scene, error));
     mcv_telecentric_params *p = &scene->sensors[0].as.telecentric;
     shrink_film(p->resolution, p->pixelSize, b->quick ? 64 : 128, b->quick ? 48 : 96);
-    return measure_gain_on(b, scene, adaptive, "the same samples for all pixels", "adaptive_gain", error);
+    return measure_gain_on(b, scene, adaptive, "the same samples for all pixels", "adaptive_gain",
+                           error);
 }
 
-/* --- all -------------------------------------------------------------------------------------------------------- */
+/* --- all
+ * --------------------------------------------------------------------------------------------------------
+ */
 
 static mcv_result write_ply(const mesh *m, const char *path, mcv_error *error) {
     FILE *file = fopen(path, "w");
     if (!file) return mcv_fail(error, MCV_FAILED, "%s: cannot be written", path);
-    fprintf(file, "ply\nformat ascii 1.0\nelement vertex %u\nproperty float x\nproperty float y\nproperty float z\n", m->vertex_count);
-    fprintf(file, "element face %u\nproperty list uchar int vertex_indices\nend_header\n", m->triangle_count);
+    fprintf(file,
+            "ply\nformat ascii 1.0\nelement vertex %u\nproperty float x\nproperty float "
+            "y\nproperty float z\n",
+            m->vertex_count);
+    fprintf(file, "element face %u\nproperty list uchar int vertex_indices\nend_header\n",
+            m->triangle_count);
     for (uint32_t i = 0; i < m->vertex_count; ++i)
-        fprintf(file, "%.9g %.9g %.9g\n", (double)m->positions[3 * i], (double)m->positions[3 * i + 1], (double)m->positions[3 * i + 2]);
+        fprintf(file, "%.9g %.9g %.9g\n", (double)m->positions[3 * i],
+                (double)m->positions[3 * i + 1], (double)m->positions[3 * i + 2]);
     for (uint32_t i = 0; i < m->triangle_count; ++i)
-        fprintf(file, "3 %u %u %u\n", m->indices[3 * i], m->indices[3 * i + 1], m->indices[3 * i + 2]);
+        fprintf(file, "3 %u %u %u\n", m->indices[3 * i], m->indices[3 * i + 1],
+                m->indices[3 * i + 2]);
     return fclose(file) == 0 ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: cannot be written", path);
 }
 

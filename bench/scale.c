@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * How the cost grows with the work: bench_scale [--quick] [OUTPUT.json]. Wall clock, all cores unless said otherwise.
+ * How the cost grows with the work: bench_scale [--quick] [OUTPUT.json]. Wall clock, all cores
+ * unless said otherwise.
  *
- *   - triangles: the inside of a bumpy diffuse sphere of 1 k to 10 M, where every path meets six surfaces: rays per second of a launch,
- *     seconds to set the scene up, bytes of its hierarchy;
+ *   - triangles: the inside of a bumpy diffuse sphere of 1 k to 10 M, where every path meets six
+ * surfaces: rays per second of a launch, seconds to set the scene up, bytes of its hierarchy;
  *   - bounces: the same with 10 k triangles, 1 to 32 surfaces a path: rays per second;
- *   - pixels and samples: report-clean, samples per second of rendering alone; a few pixels or samples do not fill the cores;
+ *   - pixels and samples: report-clean, samples per second of rendering alone; a few pixels or
+ * samples do not fill the cores;
  *   - threads: report-clean on 1 to all cores, samples per second and, as ratio, the speed-up.
  */
 #include <math.h>
@@ -19,7 +21,9 @@
 
 enum { MOST_POINTS = 16, SPHERE_PIXELS = 64, SPHERE_DEPTH = 6 };
 
-/* --- scenes ----------------------------------------------------------------------------------------------------- */
+/* --- scenes
+ * -----------------------------------------------------------------------------------------------------
+ */
 
 /* A camera in the middle of a sphere of 12 squares² diffuse triangles. */
 static mcv_result add_sphere(mcv_scene *scene, uint32_t squares, mcv_error *error) {
@@ -31,14 +35,18 @@ static mcv_result add_sphere(mcv_scene *scene, uint32_t squares, mcv_error *erro
                              .triangle_count = m.triangle_count,
                              .positions = m.positions,
                              .indices = m.indices};
-    const mcv_material grey = {
-        .name = (char *)"grey", .type = MCV_MATERIAL_DIFFUSE, .texture = MCV_NONE, .as.diffuse.reflectance = {0.5, 0.5, 0.5}};
+    const mcv_material grey = {.name = (char *)"grey",
+                               .type = MCV_MATERIAL_DIFFUSE,
+                               .texture = MCV_NONE,
+                               .as.diffuse.reflectance = {0.5, 0.5, 0.5}};
     memcpy(here.m, identity, sizeof identity);
     mcv_result result = mcv_scene_add_mesh(scene, &sphere, error);
     mesh_free(&m);
     MCV_TRY(result);
     MCV_TRY(mcv_scene_add_material(scene, &grey, error));
-    MCV_TRY(mcv_scene_add_instance(scene, &(mcv_instance){.name = (char *)"sphere", .emitter = MCV_NONE, .to_world = here}, error));
+    MCV_TRY(mcv_scene_add_instance(
+        scene, &(mcv_instance){.name = (char *)"sphere", .emitter = MCV_NONE, .to_world = here},
+        error));
     mcv_sensor sensor = {.name = (char *)"camera", .type = MCV_SENSOR_PINHOLE, .to_world = here};
     mcv_params_set_defaults(mcv_sensor_table(MCV_SENSOR_PINHOLE), &sensor.as);
     mcv_pinhole_params *p = &sensor.as.pinhole;
@@ -52,14 +60,17 @@ static mcv_result add_sphere(mcv_scene *scene, uint32_t squares, mcv_error *erro
 
 static mcv_result make_sphere(uint32_t squares, mcv_scene **scene, mcv_error *error) {
     *scene = mcv_scene_new("sphere");
-    return *scene ? add_sphere(*scene, squares, error) : mcv_fail(error, MCV_FAILED, "no memory for a scene");
+    return *scene ? add_sphere(*scene, squares, error)
+                  : mcv_fail(error, MCV_FAILED, "no memory for a scene");
 }
 
-/* --- triangles and threads: the same launch again and again ----------------------------------------------------------- */
+/* --- triangles and threads: the same launch again and again
+ * ----------------------------------------------------------- */
 
 static double rays_of(const drive *d) { return (double)(d->stats.rays + d->stats.shadow_rays); }
 
-static mcv_result bench_triangles_of(bench *b, uint32_t squares, double *nanoseconds, mcv_error *error) {
+static mcv_result bench_triangles_of(bench *b, uint32_t squares, double *nanoseconds,
+                                     mcv_error *error) {
     mcv_scene *scene;
     drive d = {0};
     bench_side side = {.run = drive_run, .user = &d};
@@ -88,8 +99,10 @@ static mcv_result bench_triangles(bench *b, mcv_error *error) {
     static const uint32_t squares[] = {9, 29, 91, 289, 913};
     const int count = b->quick ? 3 : 5;
     double nanoseconds[5];
-    for (int i = 0; i < count; ++i) MCV_TRY(bench_triangles_of(b, squares[i], nanoseconds + i, error));
-    bench_summary(b, "cost_per_decade_of_triangles", pow(nanoseconds[count - 1] / nanoseconds[0], 1.0 / (count - 1)));
+    for (int i = 0; i < count; ++i)
+        MCV_TRY(bench_triangles_of(b, squares[i], nanoseconds + i, error));
+    bench_summary(b, "cost_per_decade_of_triangles",
+                  pow(nanoseconds[count - 1] / nanoseconds[0], 1.0 / (count - 1)));
     return MCV_OK;
 }
 
@@ -102,7 +115,9 @@ static mcv_result bench_threads(bench *b, const mcv_scene *scene, mcv_error *err
     mcv_result result = MCV_OK;
     while (result == MCV_OK && count < MOST_POINTS) {
         result = bench_cores(&b->cl, threads, cores + count, error);
-        if (result == MCV_OK) result = drive_open(cores + count, scene, drive_defaults(MCV_SCHEDULE_TILE), drives + count, error);
+        if (result == MCV_OK)
+            result = drive_open(cores + count, scene, drive_defaults(MCV_SCHEDULE_TILE),
+                                drives + count, error);
         sides[count] = (bench_side){.run = drive_run, .user = drives + count};
         ++count;
         if (threads == b->cl.units) break;
@@ -113,7 +128,8 @@ static mcv_result bench_threads(bench *b, const mcv_scene *scene, mcv_error *err
     for (int i = 0; i < count; ++i) {
         if (result == MCV_OK) {
             const double paths = (double)drives[i].stats.paths;
-            speedup = bench_row(b, BENCH_WALL, sides + i, sides, paths, "Msamples/s", "threads %u", cores[i].units);
+            speedup = bench_row(b, BENCH_WALL, sides + i, sides, paths, "Msamples/s", "threads %u",
+                                cores[i].units);
             bench_more(b, "threads", cores[i].units);
         }
         drive_close(drives + i);
@@ -123,7 +139,9 @@ static mcv_result bench_threads(bench *b, const mcv_scene *scene, mcv_error *err
     return result;
 }
 
-/* --- renders ---------------------------------------------------------------------------------------------------- */
+/* --- renders
+ * ----------------------------------------------------------------------------------------------------
+ */
 
 /* A render with its options, timed by itself. */
 typedef struct point {
@@ -142,16 +160,21 @@ static mcv_result run_point(point *p, bench_seconds *seconds, mcv_error *error) 
     return MCV_OK;
 }
 
-/* Renders of all points in turns; a row each, of rays or of samples. Returns the first's nanoseconds over the last's. */
-static mcv_result bench_points(bench *b, const char *what, bool rays, point *points, int count, double *first_over_last, mcv_error *error) {
+/* Renders of all points in turns; a row each, of rays or of samples. Returns the first's
+ * nanoseconds over the last's. */
+static mcv_result bench_points(bench *b, const char *what, bool rays, point *points, int count,
+                               double *first_over_last, mcv_error *error) {
     bench_side sides[MOST_POINTS] = {{0}};
     double nanoseconds[MOST_POINTS];
     for (int r = -1; r < b->repetitions; ++r) { /* the first does not count */
-        for (int i = 0; i < count; ++i) MCV_TRY(run_point(points + i, &sides[i].seconds[r < 0 ? 0 : r], error));
+        for (int i = 0; i < count; ++i)
+            MCV_TRY(run_point(points + i, &sides[i].seconds[r < 0 ? 0 : r], error));
     }
     for (int i = 0; i < count; ++i) {
-        const double work = (double)(rays ? points[i].stats.rays + points[i].stats.shadow_rays : points[i].stats.paths);
-        bench_row(b, BENCH_WALL, sides + i, NULL, work, rays ? "Mrays/s" : "Msamples/s", "%s %.0f", what, points[i].x);
+        const double work = (double)(rays ? points[i].stats.rays + points[i].stats.shadow_rays
+                                          : points[i].stats.paths);
+        bench_row(b, BENCH_WALL, sides + i, NULL, work, rays ? "Mrays/s" : "Msamples/s", "%s %.0f",
+                  what, points[i].x);
         nanoseconds[i] = 1e9 * bench_side_median(b, sides + i, BENCH_WALL) / work;
         bench_more(b, what, points[i].x);
         bench_more(b, "nanoseconds", nanoseconds[i]);
@@ -212,7 +235,8 @@ static mcv_result bench_bounces(bench *b, mcv_error *error) {
 
 static mcv_result bench_report(bench *b, mcv_error *error) {
     mcv_scene *scene = NULL;
-    mcv_result result = load_shipped("report-clean.glb", b->quick ? 1 << 10 : 1 << 14, &scene, error);
+    mcv_result result =
+        load_shipped("report-clean.glb", b->quick ? 1 << 10 : 1 << 14, &scene, error);
     if (result == MCV_OK) result = bench_threads(b, scene, error);
     mcv_scene_free(scene);
     MCV_TRY(result);
@@ -223,7 +247,8 @@ static mcv_result bench_report(bench *b, mcv_error *error) {
 }
 
 static mcv_result run(bench *b, mcv_error *error) {
-    bench_title("Scale: rays and samples per second against triangles, bounces, pixels, samples and threads");
+    bench_title("Scale: rays and samples per second against triangles, bounces, pixels, samples "
+                "and threads");
     MCV_TRY(bench_triangles(b, error));
     MCV_TRY(bench_bounces(b, error));
     MCV_TRY(bench_pixels(b, error));

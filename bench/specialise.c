@@ -2,9 +2,11 @@
 /*
  * What it brings to compile only what a scene needs: bench_specialise [--quick] [OUTPUT.json].
  *
- * Each scene that ships against the program with all elements and three channels (the peer): seconds of a launch, bytes of a path's state,
- * seconds to build and first launch the program with PoCL's cache empty (cold) and filled (warm). And the seconds from the start of a
- * process to the first sample of the report's scene, cold and warm: each in a process of its own with a cache folder of its own.
+ * Each scene that ships against the program with all elements and three channels (the peer):
+ * seconds of a launch, bytes of a path's state, seconds to build and first launch the program with
+ * PoCL's cache empty (cold) and filled (warm). And the seconds from the start of a process to the
+ * first sample of the report's scene, cold and warm: each in a process of its own with a cache
+ * folder of its own.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -17,16 +19,19 @@
 
 static const char first_sample_scene[] = "report-clean.glb";
 
-/* --- in a process of its own ------------------------------------------------------------------------------------ */
+/* --- in a process of its own
+ * ------------------------------------------------------------------------------------ */
 
 /* And those of the processor: of this process and of those it ran. */
 static void tell_seconds(double wall) {
     struct rusage self, children;
     getrusage(RUSAGE_SELF, &self);
     getrusage(RUSAGE_CHILDREN, &children);
-    const struct timeval *times[] = {&self.ru_utime, &self.ru_stime, &children.ru_utime, &children.ru_stime};
+    const struct timeval *times[] = {&self.ru_utime, &self.ru_stime, &children.ru_utime,
+                                     &children.ru_stime};
     double processor = 0;
-    for (int i = 0; i < 4; ++i) processor += (double)times[i]->tv_sec + 1e-6 * (double)times[i]->tv_usec;
+    for (int i = 0; i < 4; ++i)
+        processor += (double)times[i]->tv_sec + 1e-6 * (double)times[i]->tv_usec;
     printf("%.6f %.6f\n", wall, processor);
     fflush(stdout);
 }
@@ -71,18 +76,22 @@ static mcv_result compile(const char *name, bool all, mcv_error *error) {
 static int child(char **arguments) {
     mcv_error error = {""};
     const bool first = strcmp(arguments[0], "first") == 0;
-    const mcv_result result = first ? first_sample(arguments[1], strtod(arguments[2], NULL), &error)
-                                    : compile(arguments[1], strcmp(arguments[2], "all") == 0, &error);
+    const mcv_result result = first
+                                  ? first_sample(arguments[1], strtod(arguments[2], NULL), &error)
+                                  : compile(arguments[1], strcmp(arguments[2], "all") == 0, &error);
     if (result != MCV_OK) fprintf(stderr, "bench_specialise: %s\n", error.text);
     return result;
 }
 
-static mcv_result ask_child(const char *program, const char *what, const char *scene, const char *argument, const char *cache,
-                            bench_seconds *seconds, mcv_error *error) {
+static mcv_result ask_child(const char *program, const char *what, const char *scene,
+                            const char *argument, const char *cache, bench_seconds *seconds,
+                            mcv_error *error) {
     char command[4096];
-    snprintf(command, sizeof command, "POCL_CACHE_DIR='%s' exec '%s' --child %s '%s' %s", cache, program, what, scene, argument);
+    snprintf(command, sizeof command, "POCL_CACHE_DIR='%s' exec '%s' --child %s '%s' %s", cache,
+             program, what, scene, argument);
     FILE *pipe = popen(command, "r");
-    const bool told = pipe && fscanf(pipe, "%lf %lf", seconds->by + BENCH_WALL, seconds->by + BENCH_CPU) == 2;
+    const bool told =
+        pipe && fscanf(pipe, "%lf %lf", seconds->by + BENCH_WALL, seconds->by + BENCH_CPU) == 2;
     if (pipe) pclose(pipe);
     return told ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s failed", command);
 }
@@ -111,10 +120,13 @@ static const char *this_program(void) {
     return path;
 }
 
-/* --- measurements ----------------------------------------------------------------------------------------------- */
+/* --- measurements
+ * -----------------------------------------------------------------------------------------------
+ */
 
 /* Grey has one channel here and three equal ones there. */
-static mcv_result check_sums(const char *name, const drive *own, const drive *all, mcv_error *error) {
+static mcv_result check_sums(const char *name, const drive *own, const drive *all,
+                             mcv_error *error) {
     const size_t channels = own->device.packed.channels;
     double sum = 0, difference = 0;
     for (size_t block = 0; block < own->sum_count / (2 * channels); ++block) {
@@ -125,11 +137,12 @@ static mcv_result check_sums(const char *name, const drive *own, const drive *al
         }
     }
     if (difference == 0) return MCV_OK;
-    return mcv_fail(error, MCV_FAILED, "%s: the images differ by %g of their mean", name, difference / sum);
+    return mcv_fail(error, MCV_FAILED, "%s: the images differ by %g of their mean", name,
+                    difference / sum);
 }
 
-static mcv_result bench_launches(bench *b, const char *name, const mcv_scene *scene, bench_mean *mean, bench_mean *of_processor,
-                                 mcv_error *error) {
+static mcv_result bench_launches(bench *b, const char *name, const mcv_scene *scene,
+                                 bench_mean *mean, bench_mean *of_processor, mcv_error *error) {
     drive own = {0}, all = {0};
     drive_options options = drive_defaults(MCV_SCHEDULE_AUTO);
     mcv_result result = drive_open(&b->cl, scene, options, &own, error);
@@ -143,10 +156,13 @@ static mcv_result bench_launches(bench *b, const char *name, const mcv_scene *sc
     if (result == MCV_OK) {
         const mcv_packed *mine = &own.device.packed, *theirs = &all.device.packed;
         const double paths = (double)own.stats.paths;
-        bench_mean_add(mean, bench_row(b, BENCH_WALL, sides, sides + 1, paths, "Mpaths/s", "%s, launch", name));
-        bench_mean_add(of_processor, bench_row(b, BENCH_CPU, sides, sides + 1, paths, "Mpaths/s", "%s, launch, processor time", name));
-        bench_number(b, 4 * mcv_path_words(mine->features, mine->channels), 4 * mcv_path_words(theirs->features, theirs->channels), "bytes",
-                     "%s, path", name);
+        bench_mean_add(mean, bench_row(b, BENCH_WALL, sides, sides + 1, paths, "Mpaths/s",
+                                       "%s, launch", name));
+        bench_mean_add(of_processor, bench_row(b, BENCH_CPU, sides, sides + 1, paths, "Mpaths/s",
+                                               "%s, launch, processor time", name));
+        bench_number(b, 4 * mcv_path_words(mine->features, mine->channels),
+                     4 * mcv_path_words(theirs->features, theirs->channels), "bytes", "%s, path",
+                     name);
     }
     drive_close(&own);
     drive_close(&all);
@@ -162,8 +178,11 @@ static mcv_result bench_compile(const bench *b, const char *name, mcv_error *err
     for (int p = 0; p < 2; ++p) {
         char cache[1100];
         MCV_TRY(make_cache(b, cache, sizeof cache, error));
-        mcv_result result = ask_child(this_program(), "compile", name, programs[p], cache, cold[p].seconds, error);
-        if (result == MCV_OK) result = ask_child(this_program(), "compile", name, programs[p], cache, warm[p].seconds, error);
+        mcv_result result =
+            ask_child(this_program(), "compile", name, programs[p], cache, cold[p].seconds, error);
+        if (result == MCV_OK)
+            result = ask_child(this_program(), "compile", name, programs[p], cache, warm[p].seconds,
+                               error);
         remove_cache(cache);
         MCV_TRY(result);
     }
@@ -181,7 +200,8 @@ static mcv_result bench_first_sample(bench *b, mcv_error *error) {
         for (int k = 0; k < 2 && result == MCV_OK; ++k) {
             char start[32];
             snprintf(start, sizeof start, "%.6f", bench_now().by[BENCH_WALL]);
-            result = ask_child(this_program(), "first", first_sample_scene, start, cache, (k ? &warm : &cold)->seconds + r, error);
+            result = ask_child(this_program(), "first", first_sample_scene, start, cache,
+                               (k ? &warm : &cold)->seconds + r, error);
         }
         remove_cache(cache);
         MCV_TRY(result);
@@ -189,15 +209,18 @@ static mcv_result bench_first_sample(bench *b, mcv_error *error) {
     const bench_side *const sides[2] = {&cold, &warm};
     static const char *const names[2] = {"cold", "warm"};
     for (int k = 0; k < 2; ++k) {
-        bench_row(b, BENCH_WALL, sides[k], NULL, 0, "s", "%s, start to first sample, %s", first_sample_scene, names[k]);
-        bench_row(b, BENCH_CPU, sides[k], NULL, 0, "s", "%s, start to first sample, %s, processor time", first_sample_scene, names[k]);
+        bench_row(b, BENCH_WALL, sides[k], NULL, 0, "s", "%s, start to first sample, %s",
+                  first_sample_scene, names[k]);
+        bench_row(b, BENCH_CPU, sides[k], NULL, 0, "s",
+                  "%s, start to first sample, %s, processor time", first_sample_scene, names[k]);
     }
     bench_summary(b, "cold_s", bench_side_median(b, &cold, BENCH_WALL));
     bench_summary(b, "warm_s", bench_side_median(b, &warm, BENCH_WALL));
     return MCV_OK;
 }
 
-static mcv_result bench_scene(bench *b, const char *name, bench_mean *mean, bench_mean *of_processor, mcv_error *error) {
+static mcv_result bench_scene(bench *b, const char *name, bench_mean *mean,
+                              bench_mean *of_processor, mcv_error *error) {
     mcv_scene *scene = NULL;
     mcv_result result = load_shipped(name, b->quick ? 1 << 12 : 1 << 14, &scene, error);
     if (result == MCV_OK) result = bench_launches(b, name, scene, mean, of_processor, error);

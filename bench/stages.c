@@ -2,19 +2,22 @@
 /*
  * Where the time of a render goes: bench_stages [--quick] [OUTPUT.json].
  *
- * For each scene that ships, at fewer pixels on the same field of view, one launch of the samples 4 … 7 of four replicates:
- *   - seconds, items and bytes of path state of each stage, in the tile schedule (ticks of the processor, kernels/clock.h) and as its
- *     peer in the stream schedule (one launch a stage);
- *   - the rays of that launch, taken from the stream schedule, in the order and the way (kernels/ways.h) of the tile
- * schedule, through kernels/intersect.cl and nothing else: rays per second as the peer of the stages that intersect;
- *   - the second half of a render of eight samples, which begins those very paths, with all that the host does then: its rays per second
- *     over those of the bare traversal are the share of the time that the render has for what it is about. All cores.
+ * For each scene that ships, at fewer pixels on the same field of view, one launch of the samples 4
+ * … 7 of four replicates:
+ *   - seconds, items and bytes of path state of each stage, in the tile schedule (ticks of the
+ * processor, kernels/schedule/clock.h) and as its peer in the stream schedule (one launch a stage);
+ *   - the rays of that launch, taken from the stream schedule, in the order and the way
+ * (kernels/traverse/policy.h) of the tile schedule, through kernels/test/intersect.cl and nothing
+ * else: rays per second as the peer of the stages that intersect;
+ *   - the second half of a render of eight samples, which begins those very paths, with all that
+ * the host does then: its rays per second over those of the bare traversal are the share of the
+ * time that the render has for what it is about. All cores.
  */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../kernels/path.h"
+#include "kernels/path/camera_path.h"
 #include "drive.h"
 #include "harness.h"
 #include "rays.h"
@@ -22,7 +25,8 @@
 /* The first rays, the later ones, shadow rays to a point and those that must meet their emitter. */
 enum { FIRST, LATER, SHADOW_ANY, SHADOW_CLOSEST, KINDS };
 
-/* --- layout of the state ------------------------------------------------------------------------------------------ */
+/* --- layout of the state
+ * ------------------------------------------------------------------------------------------ */
 
 #define MCV_X(field, words) FIELD_##field,
 enum { FIELD_END, MCV_PATH_FIELDS(MCV_X) FIELD_COUNT };
@@ -64,15 +68,18 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 
 /* What each stage reads and writes of a path (the heads of kernels/<stage>.cl). */
 static const int traffic[STAGE_COUNT][16] = {
-    [STAGE_generate_rays] = {FIELD_origin, FIELD_direction, FIELD_weight, FIELD_throughput, FIELD_radiance, FIELD_media, FIELD_density,
-                             FIELD_left},
+    [STAGE_generate_rays] = {FIELD_origin, FIELD_direction, FIELD_weight, FIELD_throughput,
+                             FIELD_radiance, FIELD_media, FIELD_density, FIELD_left},
     [STAGE_intersect_closest] = {FIELD_origin, FIELD_direction, FIELD_left, FIELD_hit},
-    [STAGE_sample_emitters] = {FIELD_hit, FIELD_direction, FIELD_throughput, FIELD_media, FIELD_shadow_origin, FIELD_shadow_direction,
-                               FIELD_shadow_target, FIELD_shadow_left, FIELD_shadow_light},
-    [STAGE_intersect_shadow] = {FIELD_shadow_origin, FIELD_shadow_direction, FIELD_shadow_target, FIELD_shadow_left, FIELD_shadow_light,
-                                FIELD_radiance, FIELD_radiance},
-    [STAGE_shade_surfaces] = {FIELD_hit, FIELD_origin, FIELD_direction, FIELD_direction, FIELD_throughput, FIELD_throughput, FIELD_radiance,
-                              FIELD_radiance, FIELD_media, FIELD_media, FIELD_density, FIELD_density, FIELD_left},
+    [STAGE_sample_emitters] = {FIELD_hit, FIELD_direction, FIELD_throughput, FIELD_media,
+                               FIELD_shadow_origin, FIELD_shadow_direction, FIELD_shadow_target,
+                               FIELD_shadow_left, FIELD_shadow_light},
+    [STAGE_intersect_shadow] = {FIELD_shadow_origin, FIELD_shadow_direction, FIELD_shadow_target,
+                                FIELD_shadow_left, FIELD_shadow_light, FIELD_radiance,
+                                FIELD_radiance},
+    [STAGE_shade_surfaces] = {FIELD_hit, FIELD_origin, FIELD_direction, FIELD_direction,
+                              FIELD_throughput, FIELD_throughput, FIELD_radiance, FIELD_radiance,
+                              FIELD_media, FIELD_media, FIELD_density, FIELD_density, FIELD_left},
     [STAGE_accumulate_film] = {FIELD_weight, FIELD_radiance},
 };
 
@@ -83,7 +90,8 @@ static double bytes_per_item(const mcv_packed *packed, int stage) {
     return 4.0 * sum;
 }
 
-/* --- the rays of a launch ------------------------------------------------------------------------------------------ */
+/* --- the rays of a launch
+ * ------------------------------------------------------------------------------------------ */
 
 typedef struct ray_list {
     batch_ray *rays;
@@ -94,14 +102,17 @@ typedef struct ray_list {
 
 static mcv_result list_reserve(ray_list *list, size_t more, mcv_error *error) {
     if (list->count + more <= list->capacity) return MCV_OK;
-    list->capacity = 2 * list->capacity > list->count + more ? 2 * list->capacity : list->count + more;
+    list->capacity =
+        2 * list->capacity > list->count + more ? 2 * list->capacity : list->count + more;
     batch_ray *rays = realloc(list->rays, list->capacity * sizeof *rays);
     if (rays) list->rays = rays;
     mcv_hit *hits = realloc(list->hits, list->capacity * sizeof *hits);
     if (hits) list->hits = hits;
     uint32_t *paths = realloc(list->paths, list->capacity * sizeof *paths);
     if (paths) list->paths = paths;
-    return rays && hits && paths ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the rays of a launch");
+    return rays && hits && paths
+               ? MCV_OK
+               : mcv_fail(error, MCV_FAILED, "no memory for the rays of a launch");
 }
 
 static void list_free(ray_list *list) {
@@ -145,10 +156,12 @@ static mcv_result run_stage(const recorder *r, uint32_t kernel, cl_uint depth) {
     mcv_schedule *s = &r->d->schedule;
     mcv_arg arguments[MCV_SCENE_ARGUMENTS + 7];
     mcv_device_scene_arguments(s->scene, arguments);
-    const mcv_arg own[] = {MCV_ARG(s->paths),   MCV_ARG(s->sums),     MCV_ARG(s->counters), MCV_ARG(s->queues),
-                           MCV_ARG(s->lengths), MCV_ARG(s->capacity), MCV_ARG(depth)};
+    const mcv_arg own[] = {MCV_ARG(s->paths),  MCV_ARG(s->sums),    MCV_ARG(s->counters),
+                           MCV_ARG(s->queues), MCV_ARG(s->lengths), MCV_ARG(s->capacity),
+                           MCV_ARG(depth)};
     memcpy(arguments + MCV_SCENE_ARGUMENTS, own, sizeof own);
-    return mcv_cl_launch(s->cl, s->kernels[kernel], r->d->frame.path_count, 64, arguments, MCV_SCENE_ARGUMENTS + 7, NULL, r->error);
+    return mcv_cl_launch(s->cl, s->kernels[kernel], r->d->frame.path_count, 64, arguments,
+                         MCV_SCENE_ARGUMENTS + 7, NULL, r->error);
 }
 
 static int by_number(const void *a, const void *b) {
@@ -157,10 +170,13 @@ static int by_number(const void *a, const void *b) {
 }
 
 /* The paths of a queue, in their order. */
-static mcv_result read_queue(const recorder *r, uint32_t queue, uint32_t length_at, uint32_t *count) {
+static mcv_result read_queue(const recorder *r, uint32_t queue, uint32_t length_at,
+                             uint32_t *count) {
     const mcv_schedule *s = &r->d->schedule;
-    MCV_TRY(mcv_cl_read(s->cl, s->lengths, sizeof *count * length_at, sizeof *count, count, r->error));
-    MCV_TRY(mcv_cl_read(s->cl, s->queues, sizeof(cl_uint) * queue * s->capacity, sizeof(cl_uint) * *count, r->queue, r->error));
+    MCV_TRY(
+        mcv_cl_read(s->cl, s->lengths, sizeof *count * length_at, sizeof *count, count, r->error));
+    MCV_TRY(mcv_cl_read(s->cl, s->queues, sizeof(cl_uint) * queue * s->capacity,
+                        sizeof(cl_uint) * *count, r->queue, r->error));
     qsort(r->queue, *count, sizeof *r->queue, by_number);
     return MCV_OK;
 }
@@ -169,13 +185,15 @@ static mcv_result read_rows(const recorder *r, int field, uint32_t words, uint32
     const mcv_schedule *s = &r->d->schedule;
     const size_t paths = r->d->frame.path_count;
     for (uint32_t k = 0; k < words; ++k) {
-        MCV_TRY(mcv_cl_read(s->cl, s->paths, sizeof(cl_uint) * (r->offsets[field] + k) * s->capacity, sizeof(cl_uint) * paths,
-                            r->rows + (row + k) * paths, r->error));
+        MCV_TRY(mcv_cl_read(s->cl, s->paths,
+                            sizeof(cl_uint) * (r->offsets[field] + k) * s->capacity,
+                            sizeof(cl_uint) * paths, r->rows + (row + k) * paths, r->error));
     }
     return MCV_OK;
 }
 
-/* Appends the rays that rows 0 … 5 hold for the paths in the queue. Shadow rays with the target in row 6 are of two kinds. */
+/* Appends the rays that rows 0 … 5 hold for the paths in the queue. Shadow rays with the target in
+ * row 6 are of two kinds. */
 static mcv_result append_rays(const recorder *r, uint32_t count, bool shadow, int kind) {
     const size_t paths = r->d->frame.path_count;
     for (int k = 0; k < KINDS; ++k) MCV_TRY(list_reserve(r->lists + k, count, r->error));
@@ -237,17 +255,25 @@ static mcv_result record(recorder *r) {
     field_words(&r->d->device.packed, words);
     for (int i = 0; i < FIELD_COUNT; offset += words[i++]) r->offsets[i] = offset;
     MCV_TRY(mcv_cl_write(s->cl, s->scene->frame, 0, sizeof r->d->frame, &r->d->frame, r->error));
-    MCV_TRY_CL(clEnqueueFillBuffer(s->cl->queue, s->lengths, &nothing, sizeof nothing, 0, lengths, 0, NULL, NULL), r->error);
+    MCV_TRY_CL(clEnqueueFillBuffer(s->cl->queue, s->lengths, &nothing, sizeof nothing, 0, lengths,
+                                   0, NULL, NULL),
+               r->error);
     MCV_TRY(run_stage(r, MCV_KERNEL_generate_rays, 0));
-    for (uint32_t depth = 0; depth < s->depth && count > 0; ++depth) MCV_TRY(record_depth(r, depth, &count));
+    for (uint32_t depth = 0; depth < s->depth && count > 0; ++depth)
+        MCV_TRY(record_depth(r, depth, &count));
     return MCV_OK;
 }
 
 /* The rays of a stream drive's frame as a tile schedule with these slices would follow them. */
 static mcv_result record_rays(drive *d, uint32_t slice, ray_list lists[KINDS], mcv_error *error) {
     const size_t paths = d->frame.path_count;
-    recorder r = {.d = d, .lists = lists, .error = error, .queue = malloc(4 * paths), .rows = malloc(7 * 4 * paths)};
-    mcv_result result = r.queue && r.rows ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory to record rays");
+    recorder r = {.d = d,
+                  .lists = lists,
+                  .error = error,
+                  .queue = malloc(4 * paths),
+                  .rows = malloc(7 * 4 * paths)};
+    mcv_result result =
+        r.queue && r.rows ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory to record rays");
     if (result == MCV_OK) result = record(&r);
     free(r.queue);
     free(r.rows);
@@ -256,7 +282,8 @@ static mcv_result record_rays(drive *d, uint32_t slice, ray_list lists[KINDS], m
     return result;
 }
 
-/* --- bare traversal --------------------------------------------------------------------------------------------- */
+/* --- bare traversal
+ * --------------------------------------------------------------------------------------------- */
 
 typedef struct replay {
     mcv_cl *cl;
@@ -268,18 +295,23 @@ typedef struct replay {
     int only; /* of the stages: 0 the closest, 1 the shadow rays */
 } replay;
 
-static const char *const kernel_names[KINDS] = {"closest_many", "closest_many", "any_many", "closest_many"};
+static const char *const kernel_names[KINDS] = {"closest_many", "closest_many", "any_many",
+                                                "closest_many"};
 
-static mcv_result replay_open(const drive *d, const ray_list lists[KINDS], replay *r, mcv_error *error) {
+static mcv_result replay_open(const drive *d, const ray_list lists[KINDS], replay *r,
+                              mcv_error *error) {
     char way[32];
-    snprintf(way, sizeof way, "-DMCV_WITH_INTERLEAVE=%u", d->device.packed.features >> MCV_FEATURE_INTERLEAVE & 1);
+    snprintf(way, sizeof way, "-DMCV_WITH_INTERLEAVE=%u",
+             d->device.packed.features >> MCV_FEATURE_INTERLEAVE & 1);
     *r = (replay){.cl = d->cl, .scene = &d->device};
-    MCV_TRY(mcv_cl_build(r->cl, "intersect", way, &r->program, error));
+    MCV_TRY(mcv_cl_build(r->cl, "test/intersect", way, &r->program, error));
     for (int k = 0; k < KINDS; ++k) {
         r->counts[k] = (cl_uint)lists[k].count;
         MCV_TRY(mcv_cl_kernel(r->program, kernel_names[k], &r->kernels[k], error));
-        MCV_TRY(mcv_cl_buffer(r->cl, "the rays", lists[k].count * sizeof(batch_ray), lists[k].rays, &r->rays[k], error));
-        MCV_TRY(mcv_cl_buffer(r->cl, "the hits", lists[k].count * sizeof(mcv_hit), NULL, &r->hits[k], error));
+        MCV_TRY(mcv_cl_buffer(r->cl, "the rays", lists[k].count * sizeof(batch_ray), lists[k].rays,
+                              &r->rays[k], error));
+        MCV_TRY(mcv_cl_buffer(r->cl, "the hits", lists[k].count * sizeof(mcv_hit), NULL,
+                              &r->hits[k], error));
     }
     return MCV_OK;
 }
@@ -298,8 +330,9 @@ static mcv_result replay_run(void *user, mcv_error *error) {
     const cl_uint slice = RAYS_PER_GROUP;
     for (int k = 0; k < KINDS; ++k) {
         if (r->counts[k] == 0 || (r->only == 0 ? k >= SHADOW_ANY : k < SHADOW_ANY)) continue;
-        MCV_TRY(MCV_LAUNCH(r->cl, r->kernels[k], (r->counts[k] + slice - 1) / slice, 1, error, MCV_ARG(r->scene->nodes),
-                           MCV_ARG(r->scene->leaves), MCV_ARG(r->rays[k]), MCV_ARG(r->hits[k]), MCV_ARG(r->counts[k]), MCV_ARG(slice)));
+        MCV_TRY(MCV_LAUNCH(r->cl, r->kernels[k], (r->counts[k] + slice - 1) / slice, 1, error,
+                           MCV_ARG(r->scene->nodes), MCV_ARG(r->scene->leaves), MCV_ARG(r->rays[k]),
+                           MCV_ARG(r->hits[k]), MCV_ARG(r->counts[k]), MCV_ARG(slice)));
     }
     return mcv_cl_finish(r->cl, error);
 }
@@ -311,12 +344,15 @@ static mcv_result replay_check(replay *r, const ray_list lists[KINDS], mcv_error
     for (int k = FIRST; k <= LATER; ++k) {
         mcv_hit *hits = malloc((lists[k].count + 1) * sizeof *hits);
         if (!hits) return mcv_fail(error, MCV_FAILED, "no memory to compare hits");
-        mcv_result result = mcv_cl_read(r->cl, r->hits[k], 0, lists[k].count * sizeof *hits, hits, error);
+        mcv_result result =
+            mcv_cl_read(r->cl, r->hits[k], 0, lists[k].count * sizeof *hits, hits, error);
         for (size_t i = 0; result == MCV_OK && i < lists[k].count; ++i) {
             if (memcmp(hits + i, lists[k].hits + i, sizeof *hits) != 0)
-                result =
-                    mcv_fail(error, MCV_FAILED, "ray %zu of path %u hits triangle %u at %a in the render, %u at %a by itself", i,
-                             lists[k].paths[i], lists[k].hits[i].triangle, (double)lists[k].hits[i].t, hits[i].triangle, (double)hits[i].t);
+                result = mcv_fail(
+                    error, MCV_FAILED,
+                    "ray %zu of path %u hits triangle %u at %a in the render, %u at %a by itself",
+                    i, lists[k].paths[i], lists[k].hits[i].triangle, (double)lists[k].hits[i].t,
+                    hits[i].triangle, (double)hits[i].t);
         }
         free(hits);
         MCV_TRY(result);
@@ -324,7 +360,8 @@ static mcv_result replay_check(replay *r, const ray_list lists[KINDS], mcv_error
     return MCV_OK;
 }
 
-/* --- a whole render --------------------------------------------------------------------------------------------- */
+/* --- a whole render
+ * --------------------------------------------------------------------------------------------- */
 
 /* The second half of it: from when half of the samples are there. */
 typedef struct half_render {
@@ -352,7 +389,8 @@ static mcv_result render_half(half_render *h, bench_seconds *seconds, mcv_error 
     options.replicates = DRIVE_REPLICATES;
     options.no_light_paths = options.no_split = true; /* as the launches */
     options.last = h->samples;
-    options.seconds = 1e6; /* never; a render that samples alone may end would make one round of both halves */
+    options.seconds =
+        1e6; /* never; a render that samples alone may end would make one round of both halves */
     options.progress = note_progress;
     options.user = h;
     MCV_TRY(mcv_render(h->scene, 0, &options, &film, &h->stats, error));
@@ -361,7 +399,9 @@ static mcv_result render_half(half_render *h, bench_seconds *seconds, mcv_error 
     return MCV_OK;
 }
 
-/* --- a scene ---------------------------------------------------------------------------------------------------- */
+/* --- a scene
+ * ----------------------------------------------------------------------------------------------------
+ */
 
 /* A drive whose stages are timed each by itself. */
 typedef struct staged {
@@ -375,7 +415,8 @@ static mcv_result run_staged(void *user, mcv_error *error) {
     double seconds[STAGE_COUNT];
     MCV_TRY(drive_run(&s->drive, error));
     MCV_TRY(drive_stage_seconds(&s->drive, seconds, error));
-    for (int i = 0; i < STAGE_COUNT && s->runs > 0; ++i) s->stages[i].seconds[s->runs - 1].by[BENCH_WALL] = seconds[i];
+    for (int i = 0; i < STAGE_COUNT && s->runs > 0; ++i)
+        s->stages[i].seconds[s->runs - 1].by[BENCH_WALL] = seconds[i];
     ++s->runs;
     return MCV_OK;
 }
@@ -392,7 +433,8 @@ typedef struct scene_bench {
 
 static void items_of(const mcv_render_stats *stats, double items[STAGE_COUNT]) {
     items[STAGE_generate_rays] = items[STAGE_accumulate_film] = (double)stats->paths;
-    items[STAGE_intersect_closest] = items[STAGE_sample_emitters] = items[STAGE_shade_surfaces] = (double)stats->rays;
+    items[STAGE_intersect_closest] = items[STAGE_sample_emitters] = items[STAGE_shade_surfaces] =
+        (double)stats->rays;
     items[STAGE_intersect_shadow] = (double)stats->shadow_rays;
 }
 
@@ -408,51 +450,65 @@ static mcv_result bench_schedules(scene_bench *s) {
     items_of(&tile->stats, items);
     for (int i = 0; i < STAGE_COUNT; ++i) {
         /* The stages come first and in this order. Pupils are aimed once and not in each launch. */
-        if (!stream->schedule.kernels[i] || i == STAGE_aim_pupils) continue;
-        bench_row(s->b, BENCH_WALL, s->tile.stages + i, s->stream.stages + i, 0, "s", "%s, %s", s->name, stage_names[i]);
+        if (!stream->schedule.kernels[i] || i == STAGE_guide_pupil) continue;
+        bench_row(s->b, BENCH_WALL, s->tile.stages + i, s->stream.stages + i, 0, "s", "%s, %s",
+                  s->name, stage_names[i]);
         bench_more(s->b, "items", items[i]);
         bench_more(s->b, "bytes", items[i] * bytes_per_item(&tile->device.packed, i));
-        bench_more(s->b, "nanoseconds", 1e9 * bench_side_median(s->b, s->tile.stages + i, BENCH_WALL) / items[i]);
+        bench_more(s->b, "nanoseconds",
+                   1e9 * bench_side_median(s->b, s->tile.stages + i, BENCH_WALL) / items[i]);
     }
     bench_row(s->b, BENCH_WALL, sides, sides + 1, 0, "s", "%s, whole launch", s->name);
     bench_more(s->b, "items", (double)tile->stats.paths);
-    bench_more(s->b, "bytes", (double)tile->stats.paths * 4 * mcv_path_words(tile->device.packed.features, tile->device.packed.channels));
+    bench_more(s->b, "bytes",
+               (double)tile->stats.paths * 4 *
+                   mcv_path_words(tile->device.packed.features, tile->device.packed.channels));
     return MCV_OK;
 }
 
 /* Renders and bare traversals in turns. */
 static mcv_result bench_share(scene_bench *s) {
     bench *b = s->b;
-    half_render half = {.scene = s->tile.drive.scene, .samples = 2 * s->tile.drive.frame.first_sample};
+    half_render half = {.scene = s->tile.drive.scene,
+                        .samples = 2 * s->tile.drive.frame.first_sample};
     bench_side render = {0}, bare = {0}, bare_stages[2] = {0};
     const double closest = (double)s->lists[FIRST].count + (double)s->lists[LATER].count;
-    const double shadow = (double)s->lists[SHADOW_ANY].count + (double)s->lists[SHADOW_CLOSEST].count;
+    const double shadow =
+        (double)s->lists[SHADOW_ANY].count + (double)s->lists[SHADOW_CLOSEST].count;
     MCV_TRY(replay_check(&s->replay, s->lists, s->error));
     for (int r = -1; r < b->repetitions; ++r) { /* the first does not count */
         const int at = r < 0 ? 0 : r;
         MCV_TRY(render_half(&half, &render.seconds[at], s->error));
         if ((double)(half.rays_at_end - half.rays_at_begin) != closest + shadow)
-            return mcv_fail(s->error, MCV_FAILED, "%s: %.0f rays were recorded, the render followed %.0f", s->name, closest + shadow,
-                            (double)(half.rays_at_end - half.rays_at_begin));
+            return mcv_fail(s->error, MCV_FAILED,
+                            "%s: %.0f rays were recorded, the render followed %.0f", s->name,
+                            closest + shadow, (double)(half.rays_at_end - half.rays_at_begin));
         for (int stage = 0; stage < 2; ++stage) {
             s->replay.only = stage;
             const bench_seconds start = bench_now();
             MCV_TRY(replay_run(&s->replay, s->error));
             bare_stages[stage].seconds[at] = bench_since(start);
         }
-        for (int c = 0; c < 2; ++c) bare.seconds[at].by[c] = bare_stages[0].seconds[at].by[c] + bare_stages[1].seconds[at].by[c];
+        for (int c = 0; c < 2; ++c)
+            bare.seconds[at].by[c] =
+                bare_stages[0].seconds[at].by[c] + bare_stages[1].seconds[at].by[c];
     }
-    bench_row(b, BENCH_WALL, s->tile.stages + STAGE_intersect_closest, bare_stages, closest, "Mrays/s", "%s, closest, bare", s->name);
+    bench_row(b, BENCH_WALL, s->tile.stages + STAGE_intersect_closest, bare_stages, closest,
+              "Mrays/s", "%s, closest, bare", s->name);
     if (shadow > 0)
-        bench_row(b, BENCH_WALL, s->tile.stages + STAGE_intersect_shadow, bare_stages + 1, shadow, "Mrays/s", "%s, shadow, bare", s->name);
-    bench_mean_add(s->share, bench_row(b, BENCH_WALL, &render, &bare, closest + shadow, "Mrays/s", "%s, render share", s->name));
+        bench_row(b, BENCH_WALL, s->tile.stages + STAGE_intersect_shadow, bare_stages + 1, shadow,
+                  "Mrays/s", "%s, shadow, bare", s->name);
+    bench_mean_add(s->share, bench_row(b, BENCH_WALL, &render, &bare, closest + shadow, "Mrays/s",
+                                       "%s, render share", s->name));
     bench_mean_add(s->share_of_processor,
-                   bench_row(b, BENCH_CPU, &render, &bare, closest + shadow, "Mrays/s", "%s, render share of processor time", s->name));
+                   bench_row(b, BENCH_CPU, &render, &bare, closest + shadow, "Mrays/s",
+                             "%s, render share of processor time", s->name));
     return MCV_OK;
 }
 
 static mcv_result bench_loaded(scene_bench *s, const mcv_scene *scene) {
-    drive_options tile = drive_defaults(MCV_SCHEDULE_TILE), stream = drive_defaults(MCV_SCHEDULE_STREAM);
+    drive_options tile = drive_defaults(MCV_SCHEDULE_TILE),
+                  stream = drive_defaults(MCV_SCHEDULE_STREAM);
     tile.clock = true;
     MCV_TRY(drive_open(&s->b->cl, scene, tile, &s->tile.drive, s->error));
     MCV_TRY(drive_open(&s->b->cl, scene, stream, &s->stream.drive, s->error));
@@ -464,11 +520,16 @@ static mcv_result bench_loaded(scene_bench *s, const mcv_scene *scene) {
     return bench_share(s);
 }
 
-static mcv_result bench_scene(bench *b, const char *name, bench_mean *share, bench_mean *share_of_processor, mcv_error *error) {
+static mcv_result bench_scene(bench *b, const char *name, bench_mean *share,
+                              bench_mean *share_of_processor, mcv_error *error) {
     mcv_scene *scene = NULL;
     scene_bench *s = calloc(1, sizeof *s);
     if (!s) return mcv_fail(error, MCV_FAILED, "no memory");
-    *s = (scene_bench){.b = b, .name = name, .share = share, .share_of_processor = share_of_processor, .error = error};
+    *s = (scene_bench){.b = b,
+                       .name = name,
+                       .share = share,
+                       .share_of_processor = share_of_processor,
+                       .error = error};
     mcv_result result = load_shipped(name, b->quick ? 1 << 12 : 1 << 14, &scene, error);
     if (result == MCV_OK) result = bench_loaded(s, scene);
     replay_close(&s->replay);
@@ -485,7 +546,8 @@ static mcv_result run(bench *b, mcv_error *error) {
     size_t count;
     bench_mean share = {0}, share_of_processor = {0};
     MCV_TRY(shipped_scenes(b->only, names, &count, error));
-    bench_title("Stages: tile (ours) and stream schedule (peer); rays in a render (ours) and bare (peer)");
+    bench_title(
+        "Stages: tile (ours) and stream schedule (peer); rays in a render (ours) and bare (peer)");
     mcv_result result = MCV_OK;
     for (size_t i = 0; i < count; ++i) {
         if (result == MCV_OK) result = bench_scene(b, names[i], &share, &share_of_processor, error);

@@ -14,33 +14,45 @@
 
 const char *const ray_kind_names[RAY_KINDS] = {"primary", "diffuse", "random"};
 
-/* --- meshes ----------------------------------------------------------------------------------------------------- */
+/* --- meshes
+ * -----------------------------------------------------------------------------------------------------
+ */
 
 static const struct {
     const char *name;
     uint32_t squares; /* of a sphere's side; 0: the assembly */
     bool quick;
-} meshes[WORKLOAD_MESHES] = {
-    {"sphere 10k", 29, true}, {"sphere 69k", 76, true}, {"sphere 300k", 158, false}, {"sphere 1998k", 408, false}, {"CAD 121k", 0, true}};
+} meshes[WORKLOAD_MESHES] = {{"sphere 10k", 29, true},
+                             {"sphere 69k", 76, true},
+                             {"sphere 300k", 158, false},
+                             {"sphere 1998k", 408, false},
+                             {"CAD 121k", 0, true}};
 
-bool workload_wanted(const bench *b, int i) { return b->only ? strstr(meshes[i].name, b->only) != NULL : meshes[i].quick || !b->quick; }
+bool workload_wanted(const bench *b, int i) {
+    return b->only ? strstr(meshes[i].name, b->only) != NULL : meshes[i].quick || !b->quick;
+}
 
 /* The CAD assembly, moved and scaled into the cube [-1, 1]³. */
 static mcv_result load_assembly(mesh *m, mcv_error *error) {
     mcv_scene *scene;
-    MCV_TRY(mcv_scene_load(MCV_SOURCE_DIR "/scenes/2CylinderEngine.glb", (mcv_overrides){0}, &scene, error));
+    MCV_TRY(mcv_scene_load(MCV_SOURCE_DIR "/scenes/2CylinderEngine.glb", (mcv_overrides){0}, &scene,
+                           error));
     *m = mesh_new(3 * scene->triangle_count, scene->triangle_count);
-    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY}, half = 0.0;
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY},
+           half = 0.0;
     for (int pass = 0; pass < 2; ++pass) {
         for (uint32_t i = 0; i < m->triangle_count; ++i) {
             const uint32_t instance = mcv_scene_instance_of(scene, i);
             double corners[3][3];
-            mcv_scene_corners(scene, instance, i - scene->instances[instance].first_triangle, corners);
+            mcv_scene_corners(scene, instance, i - scene->instances[instance].first_triangle,
+                              corners);
             for (uint32_t k = 0; k < 9; ++k) {
                 const double x = corners[k / 3][k % 3];
                 lower[k % 3] = fmin(lower[k % 3], x);
                 upper[k % 3] = fmax(upper[k % 3], x);
-                if (pass) m->positions[9 * (size_t)i + k] = (float)((x - 0.5 * (lower[k % 3] + upper[k % 3])) / half);
+                if (pass)
+                    m->positions[9 * (size_t)i + k] =
+                        (float)((x - 0.5 * (lower[k % 3] + upper[k % 3])) / half);
             }
         }
         for (int k = 0; k < 3; ++k) half = fmax(half, 0.5 * (upper[k] - lower[k]));
@@ -57,7 +69,9 @@ mcv_result workload_load(int i, workload_mesh *made, mcv_error *error) {
     return MCV_OK;
 }
 
-/* --- rays ------------------------------------------------------------------------------------------------------- */
+/* --- rays
+ * -------------------------------------------------------------------------------------------------------
+ */
 
 /* The pixels of a square image in Morton order. */
 static void make_primary(uint32_t side, batch_ray *rays) {
@@ -67,12 +81,14 @@ static void make_primary(uint32_t side, batch_ray *rays) {
             x |= (i >> 2 * bit & 1) << bit;
             y |= (i >> (2 * bit + 1) & 1) << bit;
         }
-        const float at[2] = {((float)x + 0.5f) / (float)side - 0.5f, ((float)y + 0.5f) / (float)side - 0.5f};
+        const float at[2] = {((float)x + 0.5f) / (float)side - 0.5f,
+                             ((float)y + 0.5f) / (float)side - 0.5f};
         rays[i] = (batch_ray){{0.3f, 0.4f, 3.0f}, INFINITY, {1.1f * at[0], 1.1f * at[1], -1.0f}, 0};
     }
 }
 
-static void make_diffuse(const mesh *m, uint32_t count, const batch_ray *primary, const mcv_hit *hits, batch_ray *rays) {
+static void make_diffuse(const mesh *m, uint32_t count, const batch_ray *primary,
+                         const mcv_hit *hits, batch_ray *rays) {
     uint64_t seed = 1;
     for (uint32_t i = 0; i < count; ++i) {
         mcv_hit hit = hits[i];
@@ -85,19 +101,24 @@ static void make_diffuse(const mesh *m, uint32_t count, const batch_ray *primary
                 hit.v = 0.5f * (float)random_unit(&seed);
             }
             for (int k = 0; k < 3; ++k) {
-                const float *q = m->positions + 3 * (size_t)m->indices[3 * (size_t)hit.triangle + k];
+                const float *q =
+                    m->positions + 3 * (size_t)m->indices[3 * (size_t)hit.triangle + k];
                 p[k] = mcv_vec(q[0], q[1], q[2]);
             }
             normal = mcv_normalize(mcv_cross(mcv_sub(p[1], p[0]), mcv_sub(p[2], p[0])));
             if (mcv_dot(normal, normal) > 0.5f) break;
             hit.triangle = MCV_NONE;
         }
-        const mcv_vec3 incoming = mcv_vec(primary[i].direction[0], primary[i].direction[1], primary[i].direction[2]);
+        const mcv_vec3 incoming =
+            mcv_vec(primary[i].direction[0], primary[i].direction[1], primary[i].direction[2]);
         if (mcv_dot(normal, incoming) > 0.0f) normal = mcv_scale(normal, -1.0f);
-        /* Half of them towards the inside, as into glass: outside a sphere most bounces would leave the scene. */
+        /* Half of them towards the inside, as into glass: outside a sphere most bounces would leave
+         * the scene. */
         if (i % 2) normal = mcv_scale(normal, -1.0f);
-        const mcv_vec3 d = mcv_from_frame(mcv_sample_cosine((float)random_unit(&seed), (float)random_unit(&seed)), normal);
-        /* Far enough from the surface that Embree, which has no error bounds, does not hit it again. */
+        const mcv_vec3 d = mcv_from_frame(
+            mcv_sample_cosine((float)random_unit(&seed), (float)random_unit(&seed)), normal);
+        /* Far enough from the surface that Embree, which has no error bounds, does not hit it
+         * again. */
         mcv_vec3 o = mcv_scale(p[0], 1.0f - hit.u - hit.v);
         o = mcv_along(mcv_along(o, hit.u, p[1]), hit.v, p[2]);
         o = mcv_along(o, 1e-4f, normal);
@@ -110,11 +131,13 @@ static void make_random(uint32_t count, batch_ray *rays) {
     for (uint32_t i = 0; i < count; ++i) {
         rays[i].t_max = INFINITY;
         for (int k = 0; k < 3; ++k) rays[i].origin[k] = (float)(2.4 * random_unit(&seed) - 1.2);
-        for (int k = 0; k < 3; ++k) rays[i].direction[k] = (float)(2.4 * random_unit(&seed) - 1.2) - rays[i].origin[k];
+        for (int k = 0; k < 3; ++k)
+            rays[i].direction[k] = (float)(2.4 * random_unit(&seed) - 1.2) - rays[i].origin[k];
     }
 }
 
-void workload_make_rays(const bench *b, const mesh *m, RTCScene scene, mcv_hit *hits, workload_rays *made) {
+void workload_make_rays(const bench *b, const mesh *m, RTCScene scene, mcv_hit *hits,
+                        workload_rays *made) {
     const uint32_t side = b->quick ? 128 : 512;
     made->count = side * side;
     make_primary(side, made->rays[PRIMARY]);
@@ -127,22 +150,29 @@ double share_that_differs(const mcv_hit *a, const mcv_hit *b, uint32_t count) {
     uint32_t different = 0;
     for (uint32_t i = 0; i < count; ++i) {
         const bool same_miss = a[i].triangle == MCV_NONE && b[i].triangle == MCV_NONE;
-        different += !(same_miss || a[i].triangle == b[i].triangle || fabsf(a[i].t - b[i].t) < 1e-5f * fabsf(a[i].t));
+        different += !(same_miss || a[i].triangle == b[i].triangle ||
+                       fabsf(a[i].t - b[i].t) < 1e-5f * fabsf(a[i].t));
     }
     return (double)different / count;
 }
 
-/* --- ours ------------------------------------------------------------------------------------------------------- */
+/* --- ours
+ * -------------------------------------------------------------------------------------------------------
+ */
 
-mcv_result caster_open(mcv_cl *cl, uint32_t triangle_count, const mcv_bvh *bvh, caster *c, mcv_error *error) {
+mcv_result caster_open(mcv_cl *cl, uint32_t triangle_count, const mcv_bvh *bvh, caster *c,
+                       mcv_error *error) {
     static const char *const names[CASTER_KERNELS] = {"closest_many", "any_many"};
     char way[32];
     *c = (caster){.cl = cl};
     snprintf(way, sizeof way, "-DMCV_WITH_INTERLEAVE=%d", triangle_count >= MCV_MANY_TRIANGLES);
-    MCV_TRY(mcv_cl_build(cl, "intersect", way, &c->program, error));
-    for (int i = 0; i < CASTER_KERNELS; ++i) MCV_TRY(mcv_cl_kernel(c->program, names[i], &c->kernels[i], error));
-    MCV_TRY(mcv_cl_buffer(cl, "the nodes", bvh->node_count * sizeof *bvh->nodes, bvh->nodes, &c->nodes, error));
-    return mcv_cl_buffer(cl, "the leaves", bvh->leaf_count * sizeof *bvh->leaves, bvh->leaves, &c->leaves, error);
+    MCV_TRY(mcv_cl_build(cl, "test/intersect", way, &c->program, error));
+    for (int i = 0; i < CASTER_KERNELS; ++i)
+        MCV_TRY(mcv_cl_kernel(c->program, names[i], &c->kernels[i], error));
+    MCV_TRY(mcv_cl_buffer(cl, "the nodes", bvh->node_count * sizeof *bvh->nodes, bvh->nodes,
+                          &c->nodes, error));
+    return mcv_cl_buffer(cl, "the leaves", bvh->leaf_count * sizeof *bvh->leaves, bvh->leaves,
+                         &c->leaves, error);
 }
 
 void caster_close(caster *c) {
@@ -168,21 +198,27 @@ mcv_result cast_run(void *user, mcv_error *error) {
     const cast *k = user;
     const caster *c = k->caster;
     const cl_uint slice = RAYS_PER_GROUP;
-    MCV_TRY(MCV_LAUNCH(c->cl, k->kernel, (c->count + slice - 1) / slice, 1, error, MCV_ARG(c->nodes), MCV_ARG(c->leaves), MCV_ARG(c->rays),
-                       MCV_ARG(c->out), MCV_ARG(c->count), MCV_ARG(slice)));
+    MCV_TRY(MCV_LAUNCH(c->cl, k->kernel, (c->count + slice - 1) / slice, 1, error,
+                       MCV_ARG(c->nodes), MCV_ARG(c->leaves), MCV_ARG(c->rays), MCV_ARG(c->out),
+                       MCV_ARG(c->count), MCV_ARG(slice)));
     return mcv_cl_finish(c->cl, error);
 }
 
-/* --- Embree ----------------------------------------------------------------------------------------------------- */
+/* --- Embree
+ * -----------------------------------------------------------------------------------------------------
+ */
 
-RTCScene embree_scene(RTCDevice device, const mesh *m, enum RTCSceneFlags flags, enum RTCBuildQuality quality) {
+RTCScene embree_scene(RTCDevice device, const mesh *m, enum RTCSceneFlags flags,
+                      enum RTCBuildQuality quality) {
     RTCScene scene = rtcNewScene(device);
     rtcSetSceneFlags(scene, flags);
     rtcSetSceneBuildQuality(scene, quality);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetGeometryBuildQuality(geometry, quality);
-    void *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, m->vertex_count);
-    void *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, m->triangle_count);
+    void *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                             12, m->vertex_count);
+    void *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                            12, m->triangle_count);
     memcpy(vertices, m->positions, 12 * (size_t)m->vertex_count);
     memcpy(indices, m->indices, 12 * (size_t)m->triangle_count);
     rtcCommitGeometry(geometry);
@@ -206,10 +242,12 @@ static void cast_closest(const embree_cast *c, uint32_t first, uint32_t last) {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     for (uint32_t i = first; i < last; ++i) {
-        struct RTCRayHit query = {.ray = embree_ray(c->rays + i), .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
+        struct RTCRayHit query = {.ray = embree_ray(c->rays + i),
+                                  .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
         rtcIntersect1(c->scene, &context, &query);
         const bool hit = query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
-        c->hits[i] = (mcv_hit){query.ray.tfar, query.hit.u, query.hit.v, hit ? query.hit.primID : MCV_NONE};
+        c->hits[i] =
+            (mcv_hit){query.ray.tfar, query.hit.u, query.hit.v, hit ? query.hit.primID : MCV_NONE};
     }
 }
 
@@ -246,8 +284,11 @@ mcv_result embree_run(void *user, mcv_error *error) {
     const uint32_t threads = work.cast->threads < MOST_THREADS ? work.cast->threads : MOST_THREADS;
     pthread_t handles[MOST_THREADS];
     uint32_t started = 1;
-    while (started < threads && pthread_create(handles + started, NULL, take_slices, &work) == 0) ++started;
+    while (started < threads && pthread_create(handles + started, NULL, take_slices, &work) == 0)
+        ++started;
     take_slices(&work);
     for (uint32_t i = 1; i < started; ++i) pthread_join(handles[i], NULL);
-    return started == threads ? MCV_OK : mcv_fail(error, MCV_FAILED, "%u threads for Embree could not be started", threads);
+    return started == threads
+               ? MCV_OK
+               : mcv_fail(error, MCV_FAILED, "%u threads for Embree could not be started", threads);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the benchmarks of the acceleration structure follow through what, and Embree's part of it. */
+/* What the benchmarks of the acceleration structure follow through what, and Embree's part of it.
+ */
 #ifndef MCVISI_BENCH_WORKLOAD_H
 #define MCVISI_BENCH_WORKLOAD_H
 
@@ -9,7 +10,8 @@
 #include "mesh.h"
 #include "rays.h"
 
-/* Bumpy spheres of 10, 69, 300 and 1998 thousand triangles and the CAD assembly, about the cube [-1, 1]³. */
+/* Bumpy spheres of 10, 69, 300 and 1998 thousand triangles and the CAD assembly, about the cube
+ * [-1, 1]³. */
 enum { WORKLOAD_MESHES = 5 };
 typedef struct workload_mesh {
     char name[32];
@@ -23,8 +25,9 @@ mcv_result workload_load(int i, workload_mesh *made, mcv_error *error);
 bool workload_wanted(const bench *b, int i);
 
 /*
- * Primary rays from a camera outside, in the order of the renderer's tiles; diffuse ones from the points that those hit, in
- * cosine-distributed directions, half of them into the inside; random ones between points of the bounding cube.
+ * Primary rays from a camera outside, in the order of the renderer's tiles; diffuse ones from the
+ * points that those hit, in cosine-distributed directions, half of them into the inside; random
+ * ones between points of the bounding cube.
  */
 enum { PRIMARY, DIFFUSE, RANDOM, RAY_KINDS };
 extern const char *const ray_kind_names[RAY_KINDS];
@@ -34,10 +37,13 @@ typedef struct workload_rays {
     batch_ray rays[RAY_KINDS][MOST_RAYS];
 } workload_rays;
 
-/* Of a mesh as its surfaces were diffuse. `hits` are room for those of the primary rays, by Embree. */
-void workload_make_rays(const bench *b, const mesh *m, RTCScene scene, mcv_hit *hits, workload_rays *made);
+/* Of a mesh as its surfaces were diffuse. `hits` are room for those of the primary rays, by Embree.
+ */
+void workload_make_rays(const bench *b, const mesh *m, RTCScene scene, mcv_hit *hits,
+                        workload_rays *made);
 
-/* Ours: a hierarchy on a device and the kernels of kernels/intersect.cl, those that the renderer would take for so many triangles. */
+/* Ours: a hierarchy on a device and the kernels of kernels/test/intersect.cl, those that the
+ * renderer would take for so many triangles. */
 enum { CLOSEST_MANY, ANY_MANY, CASTER_KERNELS };
 typedef struct caster {
     mcv_cl *cl;
@@ -46,7 +52,8 @@ typedef struct caster {
     cl_mem nodes, leaves, rays, out;
     cl_uint count; /* of the rays */
 } caster;
-mcv_result caster_open(mcv_cl *cl, uint32_t triangle_count, const mcv_bvh *bvh, caster *c, mcv_error *error);
+mcv_result caster_open(mcv_cl *cl, uint32_t triangle_count, const mcv_bvh *bvh, caster *c,
+                       mcv_error *error);
 void caster_close(caster *c);
 mcv_result caster_take(caster *c, const batch_ray *rays, uint32_t count, mcv_error *error);
 
@@ -58,7 +65,8 @@ typedef struct cast {
 mcv_result cast_run(void *cast, mcv_error *error);
 
 /* Embree's: a scene of a build quality; triangles are shared with the mesh. */
-RTCScene embree_scene(RTCDevice device, const mesh *m, enum RTCSceneFlags flags, enum RTCBuildQuality quality);
+RTCScene embree_scene(RTCDevice device, const mesh *m, enum RTCSceneFlags flags,
+                      enum RTCBuildQuality quality);
 typedef struct embree_cast {
     RTCScene scene;
     const batch_ray *rays;
@@ -69,7 +77,8 @@ typedef struct embree_cast {
 } embree_cast;
 mcv_result embree_run(void *cast, mcv_error *error);
 
-/* The share of the rays whose hits differ: other triangles count where distances are not within 1e-5 as well. Fast tests do lose edges. */
+/* The share of the rays whose hits differ: other triangles count where distances are not within
+ * 1e-5 as well. Fast tests do lose edges. */
 double share_that_differs(const mcv_hit *a, const mcv_hit *b, uint32_t count);
 
 #endif

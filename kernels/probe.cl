@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Does the device compute as IEEE 754 says? The host compares the bits (host/cl/cl.c). It is part of every program: one of its own would
- * have to be compiled besides.
+ * Does the device compute as IEEE 754 says? The host compares the bits (host/cl/cl.c). It is part
+ * of every program: one of its own would have to be compiled besides.
  */
 #include "mcvisi/dialect.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What every stage reads: the pass, the sensor and the tables of the scene, as kernel arguments from one list.
- * Features that a scene lacks leave their buffers NULL.
+ * What every stage reads: the pass, the sensor and the tables of the scene, as kernel arguments
+ * from one list. Features that a scene lacks leave their buffers NULL.
  */
 #ifndef MCVISI_KERNELS_WORLD_H
 #define MCVISI_KERNELS_WORLD_H
@@ -13,7 +13,7 @@
 #include "mcvisi/sensors/sensor.h"
 #include "mcvisi/emitters/emitter.h"
 #include "mcvisi/materials/material.h"
-#include "traverse.h"
+#include "traverse/bvh8.h"
 
 #define MCV_JOIN_3(a, b, c) a##b##c
 #define MCV_JOIN(a, b, c) MCV_JOIN_3(a, b, c)
@@ -93,17 +93,19 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
     X(__global const float, albedos) \
     X(__global const mcv_device_medium, media) \
     X(__global const mcv_device_interface, interfaces) \
-    X(__global const uint, interface_albedos) /* where the albedos of a rough interface begin, or MCV_NONE: smooth */ \
+    X(__global const uint, \
+      interface_albedos) /* where the albedos of a rough interface begin, or MCV_NONE: smooth */ \
     X(__global const mcv_device_emitter, emitters) \
     X(__global const uint, emitter_cdf) \
     X(__global const mcv_device_texture, textures) \
-    X(__global const uint, texels)         /* RGBA, 8 bits each */ \
-    X(__global const mcv_device_aim, aims) /* of the pixels, row by row */ \
-    X(__global const uint, listed)         /* where the frame has them listed: the pixels */ \
+    X(__global const uint, texels)                         /* RGBA, 8 bits each */ \
+    X(__global const mcv_device_pupil_guide, pupil_guides) /* of the pixels, row by row */ \
+    X(__global const uint, listed) /* where the frame has them listed: the pixels */ \
     X(__global const MCV_SOLID, solids) \
     X(__global const MCV_PRECISE_SOLID, precise_solids) \
-    X(__global const float, position_rests) /* what rounding leaves of the positions and the normals */ \
-    X(__global const float, normal_rests) \
+    X(__global const float, \
+      position_lows) /* what rounding leaves of the positions and the normals */ \
+    X(__global const float, normal_lows) \
     X(__global const MCV_DOUBLE, refractive_indices) /* of the media */
 
 #define MCV_WORLD_FIELD(type, name) type *name;
@@ -158,7 +160,9 @@ MCV_FUNCTION float mcv_average(mcv_color a) {
 /* The one channel that goes on at a body that refracts them differently, by what a path carries. */
 MCV_FUNCTION uint mcv_choose_channel(mcv_color carried, float xi, float *chance) {
     const float sum = carried.c[0] + carried.c[1] + carried.c[2];
-    const uint channel = xi * sum < carried.c[0] ? 0u : xi * sum < carried.c[0] + carried.c[1] ? 1u : 2u;
+    const uint channel = xi * sum < carried.c[0]                  ? 0u
+                         : xi * sum < carried.c[0] + carried.c[1] ? 1u
+                                                                  : 2u;
     *chance = carried.c[channel] > 0.0f ? carried.c[channel] / sum : 1.0f;
     return channel;
 }
@@ -169,7 +173,9 @@ MCV_FUNCTION mcv_color mcv_keep_channel(mcv_color color, uint channel, float cha
 }
 
 /* The channel of a path that carries only one: nothing else needs to tell. */
-MCV_FUNCTION uint mcv_kept_channel(mcv_color carried) { return carried.c[1] > 0.0f ? 1u : carried.c[2] > 0.0f ? 2u : 0u; }
+MCV_FUNCTION uint mcv_kept_channel(mcv_color carried) {
+    return carried.c[1] > 0.0f ? 1u : carried.c[2] > 0.0f ? 2u : 0u;
+}
 
 /* The world as light of a channel meets it: with its indices of refraction. */
 MCV_FUNCTION mcv_world mcv_in_channel(mcv_world world, uint channel) {

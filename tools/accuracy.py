@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Gathers what the tests have found beside closed forms: tools/accuracy.py FOLDER reads FOLDER/rows.jsonl, which tests write where
-MCVISI_ACCURACY names it (tests/truths.h), prints a table, truth by truth, and writes FOLDER/accuracy.json and FOLDER/report.html with plots.
+MCVISI_ACCURACY names it (tests/common/truths.h), prints a table, truth by truth, and writes FOLDER/accuracy.json and FOLDER/report.html with plots.
 Exits with 1 where a truth is missed or no test has asked for it. Standard library only."""
 
 import html

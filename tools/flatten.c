@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Build-time tool: flatten OUTPUT.c ROOT PROGRAM… writes the programs as strings of the library (host/cl/programs.h). */
+/* Build-time tool: flatten OUTPUT.c ROOT PROGRAM… writes the programs as strings of the library
+ * (host/cl/programs.h). */
 #include "cl/flatten.h"
 
 #include <stdio.h>

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The report's figure from the three light field images of its experiment: what a plain camera sees above the Earth Mover's
- * gradient, one scale a row, with the peak-to-noise ratios of the defect, and the same ratios as JSON.
+ * The report's figure from the three light field images of its experiment: what a plain camera sees
+ * above the Earth Mover's gradient, one scale a row, with the peak-to-noise ratios of the defect,
+ * and the same ratios as JSON.
  */
 #include "analysis/contrast.h"
 #include "analysis/lightfield_file.h"
-#include "output/figure.h"
-#include "output/file.h"
-#include "output/png.h"
+#include "io/figure.h"
+#include "core/output_file.h"
+#include "io/png.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -18,7 +19,8 @@
 enum { IMAGES = 3 };
 static const char *const names[IMAGES] = {"clean", "bubble", "dent"};
 
-/* Distances from the axis in the plane in focus, where the lens is [m]: the defect, and what it is compared with. */
+/* Distances from the axis in the plane in focus, where the lens is [m]: the defect, and what it is
+ * compared with. */
 static const double region_radius = 1.5e-3, background_inner = 2.5e-3, background_outer = 10e-3;
 
 typedef struct result {
@@ -27,10 +29,11 @@ typedef struct result {
 } result;
 
 /*
- * The distance between the points that neighbouring macro pixels look at, in the plane in focus: J l_x f/(b - f), the pitch of
- * the macro pixels over the magnification b/w_z = (b - f)/f.
+ * The distance between the points that neighbouring macro pixels look at, in the plane in focus: J
+ * l_x f/(b - f), the pitch of the macro pixels over the magnification b/w_z = (b - f)/f.
  */
-static mcv_result focused_pitch(const char *path, const mcv_light_field_file *file, double pitch[2], mcv_error *error) {
+static mcv_result focused_pitch(const char *path, const mcv_light_field_file *file, double pitch[2],
+                                mcv_error *error) {
     double f, b, pixel[2];
     MCV_TRY(mcv_light_field_attribute(path, &file->exr, "mcvisi:focalLength", &f, 1, error));
     MCV_TRY(mcv_light_field_attribute(path, &file->exr, "mcvisi:imageDistance", &b, 1, error));
@@ -48,20 +51,25 @@ static void crop(mcv_image *image, const double pitch[2], double outer) {
         kept[i] = size[i] - 2 * first[i];
     }
     for (uint32_t row = 0; row < kept[1]; ++row)
-        memmove(image->pixels + (size_t)row * kept[0], image->pixels + (size_t)(first[1] + row) * size[0] + first[0],
+        memmove(image->pixels + (size_t)row * kept[0],
+                image->pixels + (size_t)(first[1] + row) * size[0] + first[0],
                 kept[0] * sizeof *image->pixels);
     image->width = kept[0];
     image->height = kept[1];
 }
 
-static mcv_result analyse_file(const char *path, const mcv_light_field_file *file, result *r, mcv_error *error) {
+static mcv_result analyse_file(const char *path, const mcv_light_field_file *file, result *r,
+                               mcv_error *error) {
     double pitch[2];
     MCV_TRY(focused_pitch(path, file, pitch, error));
     const mcv_ring region = {.outer = region_radius, .pitch = {pitch[0], pitch[1]}};
-    const mcv_ring background = {.inner = background_inner, .outer = background_outer, .pitch = {pitch[0], pitch[1]}};
+    const mcv_ring background = {
+        .inner = background_inner, .outer = background_outer, .pitch = {pitch[0], pitch[1]}};
     MCV_TRY(mcv_light_field_plain(&file->image, file->angular, &r->plain, error));
-    MCV_TRY(mcv_light_field_gradient(&file->image, file->angular, MCV_EMD_NORMALIZED, 0, &r->emd, error));
-    MCV_TRY(mcv_light_field_gradient(&file->image, file->angular, MCV_EMD_MASS, 0, &r->emd_mass, error));
+    MCV_TRY(mcv_light_field_gradient(&file->image, file->angular, MCV_EMD_NORMALIZED, 0, &r->emd,
+                                     error));
+    MCV_TRY(mcv_light_field_gradient(&file->image, file->angular, MCV_EMD_MASS, 0, &r->emd_mass,
+                                     error));
     r->peak_plain = mcv_peak_to_noise(&r->plain, &region, &background);
     r->peak_emd = mcv_peak_to_noise(&r->emd, &region, &background);
     r->peak_emd_mass = mcv_peak_to_noise(&r->emd_mass, &region, &background);
@@ -78,11 +86,14 @@ static mcv_result analyse(const char *path, result *r, mcv_error *error) {
     return analysed;
 }
 
-/* --- the figure -------------------------------------------------------------------------------------------------- */
+/* --- the figure
+ * --------------------------------------------------------------------------------------------------
+ */
 
 enum { ZOOM = 4, MARGIN = 16, TITLE = 32, LINE = 20 };
 
-/* The second largest of the three images' largest values: the bubble's must not drown the dent's. */
+/* The second largest of the three images' largest values: the bubble's must not drown the dent's.
+ */
 static double scale_end(const result *results) {
     double largest[IMAGES];
     for (int i = 0; i < IMAGES; ++i) largest[i] = mcv_image_spread(&results[i].emd, NULL).largest;
@@ -97,33 +108,41 @@ static mcv_result draw(const char *path, const result *results, mcv_error *error
     cairo_t *page;
     char line[128];
     for (int i = 0; i < IMAGES; ++i) {
-        if (results[i].plain.width != results->plain.width || results[i].plain.height != results->plain.height)
-            return mcv_fail(error, MCV_BAD_INPUT, "%s: the three images must have the same macro pixels", path);
+        if (results[i].plain.width != results->plain.width ||
+            results[i].plain.height != results->plain.height)
+            return mcv_fail(error, MCV_BAD_INPUT,
+                            "%s: the three images must have the same macro pixels", path);
         plain.high = fmax(plain.high, mcv_preview_white(&results[i].plain));
     }
     const int bar = MARGIN + IMAGES * (width + MARGIN);
-    MCV_TRY(mcv_page_new(&page, (uint32_t)(bar + MCV_COLOR_BAR_WIDTH + MARGIN), (uint32_t)(text + LINE + MARGIN), 14, error));
+    MCV_TRY(mcv_page_new(&page, (uint32_t)(bar + MCV_COLOR_BAR_WIDTH + MARGIN),
+                         (uint32_t)(text + LINE + MARGIN), 14, error));
     for (int i = 0; i < IMAGES; ++i) {
         const int x = MARGIN + i * (width + MARGIN);
         const double centre = x + 0.5 * width;
         mcv_page_text(page, centre, TITLE - 10, 0.5, names[i]);
         mcv_page_image(page, x, TITLE, &results[i].plain, ZOOM, &plain);
         mcv_page_image(page, x, second, &results[i].emd, ZOOM, &emd);
-        snprintf(line, sizeof line, "peak to noise: plain %.3g, gradient %.3g", results[i].peak_plain, results[i].peak_emd);
+        snprintf(line, sizeof line, "peak to noise: plain %.3g, gradient %.3g",
+                 results[i].peak_plain, results[i].peak_emd);
         mcv_page_text(page, centre, text, 0.5, line);
         snprintf(line, sizeof line, "(its form `mass`: %.3g)", results[i].peak_emd_mass);
         mcv_page_text(page, centre, text + LINE, 0.5, line);
     }
     mcv_page_color_bar(page, bar, TITLE, height, "plain image (sum over macro pixels)", &plain);
-    mcv_page_color_bar(page, bar, second, height, "Earth Mover's gradient (fraction of the pupil)", &emd);
+    mcv_page_color_bar(page, bar, second, height, "Earth Mover's gradient (fraction of the pupil)",
+                       &emd);
     return mcv_page_write(page, path, error);
 }
 
-/* --- the summary ------------------------------------------------------------------------------------------------- */
+/* --- the summary
+ * -------------------------------------------------------------------------------------------------
+ */
 
 static json_t *number(double value) { return isfinite(value) ? json_real(value) : json_null(); }
 
-static mcv_result summarise(const char *path, const result *results, double seconds, mcv_error *error) {
+static mcv_result summarise(const char *path, const result *results, double seconds,
+                            mcv_error *error) {
     json_t *root = json_object();
     for (int i = 0; i < IMAGES; ++i) {
         json_t *object = json_object();
@@ -162,7 +181,8 @@ int main(int argc, char **argv) {
               stderr);
         return MCV_USAGE;
     }
-    for (int i = 0; i < IMAGES && done == MCV_OK; ++i) done = analyse(argv[1 + i], results + i, &error);
+    for (int i = 0; i < IMAGES && done == MCV_OK; ++i)
+        done = analyse(argv[1 + i], results + i, &error);
     if (done == MCV_OK) done = draw(argv[4], results, &error);
     if (done == MCV_OK) done = summarise(argv[5], results, seconds, &error);
     for (int i = 0; i < IMAGES; ++i) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Maintainer's tool: schema DIRECTORY writes the JSON schemas of the extensions (include/mcvisi/schema). */
+/* Maintainer's tool: schema DIRECTORY writes the JSON schemas of the extensions
+ * (include/mcvisi/schema). */
 #include "scene/schema.h"
 
 int main(int argc, char **argv) {

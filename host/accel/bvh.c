@@ -16,7 +16,8 @@ enum {
     MOST_TRIANGLES = 1 << 28,
 };
 
-/* A node to be made: its place among the drafts, its level (the root's is 1) and what lies under it. */
+/* A node to be made: its place among the drafts, its level (the root's is 1) and what lies under
+ * it. */
 typedef struct task {
     uint32_t draft, level;
     mcv_record content;
@@ -26,7 +27,8 @@ typedef struct builder {
     mcv_splitter splitter;
     uint32_t triangle_count, threads;
     uint32_t capacity; /* references, those of spatial splits included */
-    /* Draft nodes are numbered in the order in which the threads happen to make them; `order` renumbers them. */
+    /* Draft nodes are numbered in the order in which the threads happen to make them; `order`
+     * renumbers them. */
     mcv_node **chunks;
     uint32_t chunk_count;
     uint32_t node_count, leaf_count;
@@ -52,29 +54,34 @@ typedef struct worker {
 /* Levels that n triangles need if every node halves them evenly. */
 static uint32_t levels_needed(uint32_t n) {
     uint32_t levels = 1;
-    for (; n > MCV_BVH_WIDTH * MCV_LEAF_TRIANGLES; n = (n + MCV_BVH_WIDTH - 1) / MCV_BVH_WIDTH) ++levels;
+    for (; n > MCV_BVH_WIDTH * MCV_LEAF_TRIANGLES; n = (n + MCV_BVH_WIDTH - 1) / MCV_BVH_WIDTH)
+        ++levels;
     return levels;
 }
 
-/* Of two children that could be opened, the one of larger area, or of more triangles where areas say nothing. */
+/* Of two children that could be opened, the one of larger area, or of more triangles where areas
+ * say nothing. */
 static bool opens_before(const mcv_record *a, const mcv_record *b, bool halve) {
     const float area_a = mcv_box_area(&a->bounds), area_b = mcv_box_area(&b->bounds);
     return halve || area_a == area_b ? mcv_record_count(a) > mcv_record_count(b) : area_a > area_b;
 }
 
 /*
- * Opens the content of a node into at most 8 children. Where the levels left suffice only just, it is halved evenly, so
- * that the depth stays within MCV_BVH_LEVELS: an uneven split costs a level and needs one to spare.
+ * Opens the content of a node into at most 8 children. Where the levels left suffice only just, it
+ * is halved evenly, so that the depth stays within MCV_BVH_LEVELS: an uneven split costs a level
+ * and needs one to spare.
  */
 static uint32_t open_record(builder *b, const task *t, mcv_record children[MCV_BVH_WIDTH]) {
-    const bool halve = t->level + levels_needed(t->content.limit - t->content.begin) - 1 >= MCV_BVH_LEVELS;
+    const bool halve =
+        t->level + levels_needed(t->content.limit - t->content.begin) - 1 >= MCV_BVH_LEVELS;
     uint32_t count = 1;
     children[0] = t->content;
     while (count < MCV_BVH_WIDTH) {
         uint32_t chosen = MCV_BVH_WIDTH;
         for (uint32_t i = 0; i < count; ++i) {
             if (mcv_record_count(children + i) <= MCV_LEAF_TRIANGLES) continue;
-            if (chosen == MCV_BVH_WIDTH || opens_before(children + i, children + chosen, halve)) chosen = i;
+            if (chosen == MCV_BVH_WIDTH || opens_before(children + i, children + chosen, halve))
+                chosen = i;
         }
         if (chosen == MCV_BVH_WIDTH) break;
         const mcv_record opened = children[chosen];
@@ -84,16 +91,21 @@ static uint32_t open_record(builder *b, const task *t, mcv_record children[MCV_B
     for (uint32_t i = 1; i < count; ++i) {
         const mcv_record moved = children[i];
         uint32_t place = i;
-        for (; place > 0 && mcv_record_count(children + place - 1) > mcv_record_count(&moved); --place)
+        for (; place > 0 && mcv_record_count(children + place - 1) > mcv_record_count(&moved);
+             --place)
             children[place] = children[place - 1];
         children[place] = moved;
     }
     return count;
 }
 
-/* ---- drafts ----------------------------------------------------------------------------------------------------- */
+/* ---- drafts
+ * -----------------------------------------------------------------------------------------------------
+ */
 
-static mcv_node *draft_node(const builder *b, uint32_t draft) { return b->chunks[draft / CHUNK] + draft % CHUNK; }
+static mcv_node *draft_node(const builder *b, uint32_t draft) {
+    return b->chunks[draft / CHUNK] + draft % CHUNK;
+}
 
 /* A place for one more draft node; MCV_NONE without memory. */
 static uint32_t add_draft(worker *w) {
@@ -117,7 +129,9 @@ static uint32_t add_draft(worker *w) {
 }
 
 /* A draft's leaf child: the bit, the first reference, their number - 1. */
-static uint32_t pack_leaf(const mcv_record *r) { return MCV_CHILD_LEAF | r->begin * MCV_LEAF_TRIANGLES | (mcv_record_count(r) - 1); }
+static uint32_t pack_leaf(const mcv_record *r) {
+    return MCV_CHILD_LEAF | r->begin * MCV_LEAF_TRIANGLES | (mcv_record_count(r) - 1);
+}
 
 static void set_child(mcv_node *node, uint32_t slot, const mcv_box *bounds, uint32_t child) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -164,7 +178,8 @@ static bool make_node(worker *w, const task *t) {
         const task under = {add_draft(w), t->level + 1, children[i]};
         if (under.draft == MCV_NONE) return false;
         set_child(node, i, &children[i].bounds, under.draft);
-        if (!(mcv_record_count(children + i) > GRAIN ? push_task(b, &under) : make_node(w, &under))) return false;
+        if (!(mcv_record_count(children + i) > GRAIN ? push_task(b, &under) : make_node(w, &under)))
+            return false;
     }
     return true;
 }
@@ -173,7 +188,8 @@ static void make_nodes(worker *w) {
     builder *b = w->builder;
     pthread_mutex_lock(&b->lock);
     for (;;) {
-        while (b->task_count == 0 && b->busy && !b->failed) pthread_cond_wait(&b->changed, &b->lock);
+        while (b->task_count == 0 && b->busy && !b->failed)
+            pthread_cond_wait(&b->changed, &b->lock);
         if (b->task_count == 0 || b->failed) break;
         const task next = b->tasks[--b->task_count];
         ++b->busy;
@@ -188,7 +204,8 @@ static void make_nodes(worker *w) {
     pthread_mutex_unlock(&b->lock);
 }
 
-/* ---- before and after ------------------------------------------------------------------------------------------- */
+/* ---- before and after
+ * ------------------------------------------------------------------------------------------- */
 
 /* This worker's part of n things. */
 static void share(const worker *w, uint32_t n, uint32_t *begin, uint32_t *end) {
@@ -203,9 +220,11 @@ static void make_references(worker *w) {
     mcv_record all = mcv_record_empty(begin, end, end);
     for (uint32_t i = begin; i < end; ++i) {
         mcv_reference *r = b->splitter.references + i;
-        *r = (mcv_reference){{INFINITY, INFINITY, INFINITY}, i, {-INFINITY, -INFINITY, -INFINITY}, 0};
+        *r = (mcv_reference){
+            {INFINITY, INFINITY, INFINITY}, i, {-INFINITY, -INFINITY, -INFINITY}, 0};
         for (int corner = 0; corner < 3; ++corner) {
-            const float *p = b->splitter.positions + 3 * (size_t)b->splitter.indices[3 * (size_t)i + corner];
+            const float *p =
+                b->splitter.positions + 3 * (size_t)b->splitter.indices[3 * (size_t)i + corner];
             for (int axis = 0; axis < 3; ++axis) {
                 r->lower[axis] = p[axis] < r->lower[axis] ? p[axis] : r->lower[axis];
                 r->upper[axis] = p[axis] > r->upper[axis] ? p[axis] : r->upper[axis];
@@ -224,18 +243,21 @@ static void fill_leaves(worker *w) {
     for (uint32_t i = begin; i < end; ++i) {
         mcv_leaf *leaf = b->bvh->leaves + i;
         const uint32_t content = b->leaf_contents[i] & ~MCV_CHILD_LEAF;
-        const uint32_t first = content / MCV_LEAF_TRIANGLES, count = content % MCV_LEAF_TRIANGLES + 1;
+        const uint32_t first = content / MCV_LEAF_TRIANGLES,
+                       count = content % MCV_LEAF_TRIANGLES + 1;
         *leaf = (mcv_leaf){.triangle = {MCV_NONE, MCV_NONE, MCV_NONE, MCV_NONE}};
         uint32_t lane = 0;
         for (uint32_t k = first; k < first + count; ++k) {
             const uint32_t triangle = b->splitter.references[k].triangle;
             /* Two parts of one triangle may meet again. */
             bool there = false;
-            for (uint32_t before = 0; before < lane; ++before) there = there || leaf->triangle[before] == triangle;
+            for (uint32_t before = 0; before < lane; ++before)
+                there = there || leaf->triangle[before] == triangle;
             if (there) continue;
             leaf->triangle[lane] = triangle;
             for (int corner = 0; corner < 3; ++corner) {
-                const float *p = b->splitter.positions + 3 * (size_t)b->splitter.indices[3 * (size_t)triangle + corner];
+                const float *p = b->splitter.positions +
+                                 3 * (size_t)b->splitter.indices[3 * (size_t)triangle + corner];
                 for (int axis = 0; axis < 3; ++axis) leaf->vertex[corner][axis][lane] = p[axis];
             }
             ++lane;
@@ -244,8 +266,8 @@ static void fill_leaves(worker *w) {
 }
 
 /*
- * Numbers nodes depth first and leaves in the order of their parents, siblings side by side: the same for any number of
- * threads, and near in memory what is near in space.
+ * Numbers nodes depth first and leaves in the order of their parents, siblings side by side: the
+ * same for any number of threads, and near in memory what is near in space.
  */
 static void order(builder *b) {
     struct {
@@ -317,7 +339,8 @@ static bool build(builder *b, launch *launches) {
         mcv_box_add(&root.content.centroids, &launches[i].worker.centroids);
     }
     for (int axis = 0; axis < 3 && b->triangle_count; ++axis) {
-        b->extent = fmaxf(b->extent, fmaxf(fabsf(root.content.bounds.lower[axis]), fabsf(root.content.bounds.upper[axis])));
+        b->extent = fmaxf(b->extent, fmaxf(fabsf(root.content.bounds.lower[axis]),
+                                           fabsf(root.content.bounds.upper[axis])));
     }
 
     b->splitter.root_area = mcv_box_area(&root.content.bounds);
@@ -340,12 +363,13 @@ static bool build(builder *b, launch *launches) {
     return true;
 }
 
-mcv_result mcv_bvh_build(const float *positions, const uint32_t *indices, uint32_t triangle_count, uint32_t threads, mcv_bvh *bvh,
-                         mcv_error *error) {
+mcv_result mcv_bvh_build(const float *positions, const uint32_t *indices, uint32_t triangle_count,
+                         uint32_t threads, mcv_bvh *bvh, mcv_error *error) {
     *bvh = (mcv_bvh){0};
     if (triangle_count > MOST_TRIANGLES) {
-        return mcv_fail(error, MCV_BAD_INPUT, "the scene has %u triangles; the acceleration structure holds at most %d", triangle_count,
-                        MOST_TRIANGLES);
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "the scene has %u triangles; the acceleration structure holds at most %d",
+                        triangle_count, MOST_TRIANGLES);
     }
     if (threads == 0) {
         const long processors = sysconf(_SC_NPROCESSORS_ONLN);
@@ -370,8 +394,10 @@ mcv_result mcv_bvh_build(const float *positions, const uint32_t *indices, uint32
     pthread_cond_destroy(&b.changed);
     if (built) return MCV_OK;
     mcv_bvh_free(bvh);
-    return mcv_fail(error, MCV_FAILED, "no memory for the acceleration structure of %u triangles: it needs about %.0f MB", triangle_count,
-                    110e-6 * triangle_count);
+    return mcv_fail(
+        error, MCV_FAILED,
+        "no memory for the acceleration structure of %u triangles: it needs about %.0f MB",
+        triangle_count, 110e-6 * triangle_count);
 }
 
 void mcv_bvh_free(mcv_bvh *bvh) {

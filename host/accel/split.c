@@ -12,9 +12,10 @@ enum {
 };
 
 /*
- * Spatial splits are looked for where the sides of the best other split overlap by this share of the root's area, of the node's own
- * and, since large triangles reach far over the plane, of its width. Stich et al. have 1e-5 for the first only: the cost of the
- * trees is the same to 1e-2, and a smooth mesh takes a fifth of the time.
+ * Spatial splits are looked for where the sides of the best other split overlap by this share of
+ * the root's area, of the node's own and, since large triangles reach far over the plane, of its
+ * width. Stich et al. have 1e-5 for the first only: the cost of the trees is the same to 1e-2, and
+ * a smooth mesh takes a fifth of the time.
  */
 static const float least_overlap = 1e-4f, least_own_overlap = 0.1f, least_width_overlap = 0.05f;
 
@@ -36,14 +37,18 @@ typedef struct candidate {
     uint32_t left_count, right_count;
 } candidate;
 
-mcv_box mcv_box_empty(void) { return (mcv_box){{INFINITY, INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY, -INFINITY}}; }
+mcv_box mcv_box_empty(void) {
+    return (mcv_box){{INFINITY, INFINITY, INFINITY, INFINITY},
+                     {-INFINITY, -INFINITY, -INFINITY, -INFINITY}};
+}
 
 mcv_record mcv_record_empty(uint32_t begin, uint32_t end, uint32_t limit) {
     return (mcv_record){begin, end, limit, mcv_box_empty(), mcv_box_empty()};
 }
 
 static inline mcv_box reference_box(const mcv_reference *r) {
-    return (mcv_box){{r->lower[0], r->lower[1], r->lower[2], 0.0f}, {r->upper[0], r->upper[1], r->upper[2], 0.0f}};
+    return (mcv_box){{r->lower[0], r->lower[1], r->lower[2], 0.0f},
+                     {r->upper[0], r->upper[1], r->upper[2], 0.0f}};
 }
 
 static binning bin_axis(const mcv_box *range, int axis, uint32_t bins) {
@@ -62,8 +67,10 @@ static inline float side_cost(const mcv_box *bounds, uint32_t count) {
     return mcv_box_area(bounds) * (float)blocks;
 }
 
-/* The cheapest plane between bins that begin `entries` and end `exits` references; keeps *best if that is cheaper. */
-static void sweep(const binning *plane, const mcv_box *bounds, const uint32_t *entries, const uint32_t *exits, candidate *best) {
+/* The cheapest plane between bins that begin `entries` and end `exits` references; keeps *best if
+ * that is cheaper. */
+static void sweep(const binning *plane, const mcv_box *bounds, const uint32_t *entries,
+                  const uint32_t *exits, candidate *best) {
     mcv_box right[MOST_BINS];
     uint32_t right_count[MOST_BINS];
     mcv_box side = mcv_box_empty();
@@ -155,7 +162,8 @@ static candidate find_object_split(const mcv_splitter *s, const mcv_record *r) {
     const uint32_t count = mcv_record_count(r), wanted = 4 + count / 16;
     binning axes[3];
     candidate best = {.cost = INFINITY};
-    for (int axis = 0; axis < 3; ++axis) axes[axis] = bin_axis(&r->centroids, axis, wanted < MOST_BINS ? wanted : MOST_BINS);
+    for (int axis = 0; axis < 3; ++axis)
+        axes[axis] = bin_axis(&r->centroids, axis, wanted < MOST_BINS ? wanted : MOST_BINS);
     object_bins all;
     all.splitter = s;
     all.axes = axes;
@@ -167,11 +175,13 @@ static candidate find_object_split(const mcv_splitter *s, const mcv_record *r) {
         fill_bins_together(&all, threads < MOST_BINNERS ? threads : MOST_BINNERS);
     else
         fill_bins(&all);
-    for (int axis = 0; axis < 3; ++axis) sweep(&axes[axis], all.bounds[axis], all.counts[axis], all.counts[axis], &best);
+    for (int axis = 0; axis < 3; ++axis)
+        sweep(&axes[axis], all.bounds[axis], all.counts[axis], all.counts[axis], &best);
     return best;
 }
 
-/* ---- through space ---------------------------------------------------------------------------------------------- */
+/* ---- through space
+ * ---------------------------------------------------------------------------------------------- */
 
 /* Between bins i - 1 and i. */
 static float plane_of(const binning *b, uint32_t i) { return b->origin + (float)i / b->scale; }
@@ -181,8 +191,12 @@ static uint32_t spatial_bin(const binning *b, float x) {
     return bin > 0.0f ? bin < (float)(b->bins - 1) ? (uint32_t)bin : b->bins - 1 : 0;
 }
 
-static float round_down(double x) { return (double)(float)x > x ? nextafterf((float)x, -INFINITY) : (float)x; }
-static float round_up(double x) { return (double)(float)x < x ? nextafterf((float)x, INFINITY) : (float)x; }
+static float round_down(double x) {
+    return (double)(float)x > x ? nextafterf((float)x, -INFINITY) : (float)x;
+}
+static float round_up(double x) {
+    return (double)(float)x < x ? nextafterf((float)x, INFINITY) : (float)x;
+}
 
 static bool clip_to(mcv_reference *part, const mcv_reference *whole, const mcv_box *bounds) {
     bool some = true;
@@ -197,12 +211,15 @@ static bool clip_to(mcv_reference *part, const mcv_reference *whole, const mcv_b
 }
 
 /*
- * The parts of a reference on either side of a plane: boxes around the triangle's part on that side, within the reference's box. A
- * side may have none, and is said so; never both. Corners on the plane are rounded outwards from double, whose own error, 2^-29 of the
- * float's, is nothing to the margin of traversal (kernels/traverse.h): what is in the box lies in one part or the other.
+ * The parts of a reference on either side of a plane: boxes around the triangle's part on that
+ * side, within the reference's box. A side may have none, and is said so; never both. Corners on
+ * the plane are rounded outwards from double, whose own error, 2^-29 of the float's, is nothing to
+ * the margin of traversal (kernels/traverse/bvh8.h): what is in the box lies in one part or the
+ * other.
  */
-static void split_reference(const mcv_splitter *s, const mcv_reference *whole, int axis, float plane, mcv_reference *left, bool *has_left,
-                            mcv_reference *right, bool *has_right) {
+static void split_reference(const mcv_splitter *s, const mcv_reference *whole, int axis,
+                            float plane, mcv_reference *left, bool *has_left, mcv_reference *right,
+                            bool *has_right) {
     mcv_box bounds[2] = {mcv_box_empty(), mcv_box_empty()};
     const uint32_t *corners = s->indices + 3 * (size_t)whole->triangle;
     const float *a = s->positions + 3 * (size_t)corners[2];
@@ -235,13 +252,17 @@ static void split_reference(const mcv_splitter *s, const mcv_reference *whole, i
     *has_left = true;
 }
 
-static inline mcv_box point_box(const float *p) { return (mcv_box){{p[0], p[1], p[2], 0.0f}, {p[0], p[1], p[2], 0.0f}}; }
+static inline mcv_box point_box(const float *p) {
+    return (mcv_box){{p[0], p[1], p[2], 0.0f}, {p[0], p[1], p[2], 0.0f}};
+}
 
 /*
- * Adds the boxes of a reference's parts in bins first … last: those of the pieces of its triangle's edges. They only serve to choose a
- * plane, so float will do, and for a triangle that crosses just one, so will the halves of its box.
+ * Adds the boxes of a reference's parts in bins first … last: those of the pieces of its triangle's
+ * edges. They only serve to choose a plane, so float will do, and for a triangle that crosses just
+ * one, so will the halves of its box.
  */
-static void add_parts(const mcv_splitter *s, const mcv_reference *whole, const binning *b, uint32_t first, uint32_t last, mcv_box *bounds) {
+static void add_parts(const mcv_splitter *s, const mcv_reference *whole, const binning *b,
+                      uint32_t first, uint32_t last, mcv_box *bounds) {
     const int axis = b->axis;
     const mcv_box box = reference_box(whole);
     if (last <= first + 1) {
@@ -258,14 +279,19 @@ static void add_parts(const mcv_splitter *s, const mcv_reference *whole, const b
     for (uint32_t i = first; i <= last; ++i) parts[i] = mcv_box_empty();
     const uint32_t *corners = s->indices + 3 * (size_t)whole->triangle;
     for (int corner = 0; corner < 3; ++corner) {
-        const float *p = s->positions + 3 * (size_t)corners[corner], *q = s->positions + 3 * (size_t)corners[(corner + 1) % 3];
+        const float *p = s->positions + 3 * (size_t)corners[corner],
+                    *q = s->positions + 3 * (size_t)corners[(corner + 1) % 3];
         const float *low = p[axis] <= q[axis] ? p : q, *high = low == p ? q : p;
-        const uint32_t bin = spatial_bin(b, p[axis]), from = spatial_bin(b, low[axis]), to = spatial_bin(b, high[axis]);
+        const uint32_t bin = spatial_bin(b, p[axis]), from = spatial_bin(b, low[axis]),
+                       to = spatial_bin(b, high[axis]);
         const mcv_box here = point_box(p);
         if (bin >= first && bin <= last) mcv_box_add(&parts[bin], &here);
         for (uint32_t i = from < first ? first : from; i < to && i < last; ++i) {
-            const float plane = plane_of(b, i + 1), t = (plane - low[axis]) / (high[axis] - low[axis]);
-            const float crossing[3] = {low[0] + t * (high[0] - low[0]), low[1] + t * (high[1] - low[1]), low[2] + t * (high[2] - low[2])};
+            const float plane = plane_of(b, i + 1),
+                        t = (plane - low[axis]) / (high[axis] - low[axis]);
+            const float crossing[3] = {low[0] + t * (high[0] - low[0]),
+                                       low[1] + t * (high[1] - low[1]),
+                                       low[2] + t * (high[2] - low[2])};
             const mcv_box there = point_box(crossing);
             mcv_box_add(&parts[i], &there);
             mcv_box_add(&parts[i + 1], &there);
@@ -277,7 +303,8 @@ static void add_parts(const mcv_splitter *s, const mcv_reference *whole, const b
             part.lower[k] = larger(parts[i].lower[k], box.lower[k]);
             part.upper[k] = smaller(parts[i].upper[k], box.upper[k]);
         }
-        if (part.lower[0] <= part.upper[0] && part.lower[1] <= part.upper[1] && part.lower[2] <= part.upper[2])
+        if (part.lower[0] <= part.upper[0] && part.lower[1] <= part.upper[1] &&
+            part.lower[2] <= part.upper[2])
             mcv_box_add(&bounds[i], &part);
     }
 }
@@ -292,7 +319,8 @@ static candidate find_spatial_split(const mcv_splitter *s, const mcv_record *r) 
         for (uint32_t i = 0; i < SPATIAL_BINS; ++i) bounds[i] = mcv_box_empty();
         for (uint32_t i = r->begin; i < r->end; ++i) {
             const mcv_reference *here = s->references + i;
-            const uint32_t first = spatial_bin(&bins, here->lower[axis]), last = spatial_bin(&bins, here->upper[axis]);
+            const uint32_t first = spatial_bin(&bins, here->lower[axis]),
+                           last = spatial_bin(&bins, here->upper[axis]);
             add_parts(s, here, &bins, first, last, bounds);
             ++entries[first];
             ++exits[last];
@@ -309,10 +337,11 @@ static float area_with(const mcv_box *a, const mcv_reference *r) {
 }
 
 /*
- * Sorts the references into both sides. One that lies on both is split while there is room, unless it costs less on one side as a
- * whole. False if a side stays empty.
+ * Sorts the references into both sides. One that lies on both is split while there is room, unless
+ * it costs less on one side as a whole. False if a side stays empty.
  */
-static bool split_space(const mcv_splitter *s, const mcv_record *r, const candidate *by, mcv_record *left, mcv_record *right) {
+static bool split_space(const mcv_splitter *s, const mcv_record *r, const candidate *by,
+                        mcv_record *left, mcv_record *right) {
     const int axis = by->plane.axis;
     const float plane = plane_of(&by->plane, by->plane.split);
     const float area_left = mcv_box_area(&by->left), area_right = mcv_box_area(&by->right);
@@ -323,17 +352,21 @@ static bool split_space(const mcv_splitter *s, const mcv_record *r, const candid
     *left = *right = mcv_record_empty(0, 0, 0);
     while (i < j) {
         mcv_reference part_left = references[i], part_right = part_left;
-        bool has_left = part_left.lower[axis] < plane || part_left.upper[axis] <= plane, has_right = part_left.upper[axis] > plane;
+        bool has_left = part_left.lower[axis] < plane || part_left.upper[axis] <= plane,
+             has_right = part_left.upper[axis] > plane;
         if (has_left && has_right) {
             const mcv_reference whole = part_left;
             const float both = area_left * count_left + area_right * count_right;
-            const float only_left = area_with(&by->left, &whole) * count_left + area_right * (count_right - 1.0f);
-            const float only_right = area_left * (count_left - 1.0f) + area_with(&by->right, &whole) * count_right;
+            const float only_left =
+                area_with(&by->left, &whole) * count_left + area_right * (count_right - 1.0f);
+            const float only_right =
+                area_left * (count_left - 1.0f) + area_with(&by->right, &whole) * count_right;
             if (end == r->limit || smaller(only_left, only_right) <= both) {
                 has_left = only_left <= only_right;
                 has_right = !has_left;
             } else {
-                split_reference(s, &whole, axis, plane, &part_left, &has_left, &part_right, &has_right);
+                split_reference(s, &whole, axis, plane, &part_left, &has_left, &part_right,
+                                &has_right);
             }
         }
         if (has_left) {
@@ -355,9 +388,12 @@ static bool split_space(const mcv_splitter *s, const mcv_record *r, const candid
     return left->end > left->begin && right->end > right->begin;
 }
 
-/* ---- both ------------------------------------------------------------------------------------------------------- */
+/* ---- both
+ * -------------------------------------------------------------------------------------------------------
+ */
 
-static void split_objects(const mcv_splitter *s, const mcv_record *r, const binning *plane, mcv_record *left, mcv_record *right) {
+static void split_objects(const mcv_splitter *s, const mcv_record *r, const binning *plane,
+                          mcv_record *left, mcv_record *right) {
     uint32_t i = r->begin, j = r->end;
     *left = *right = mcv_record_empty(0, 0, 0);
     while (i < j) {
@@ -377,7 +413,8 @@ static void split_objects(const mcv_splitter *s, const mcv_record *r, const binn
     right->end = r->end;
 }
 
-static void split_halves(const mcv_splitter *s, const mcv_record *r, mcv_record *left, mcv_record *right) {
+static void split_halves(const mcv_splitter *s, const mcv_record *r, mcv_record *left,
+                         mcv_record *right) {
     const uint32_t middle = r->begin + mcv_record_count(r) / 2;
     *left = mcv_record_empty(r->begin, middle, middle);
     *right = mcv_record_empty(middle, r->end, r->end);
@@ -386,12 +423,14 @@ static void split_halves(const mcv_splitter *s, const mcv_record *r, mcv_record 
 }
 
 /* Shares what room is left in proportion to the numbers of references: the right side moves up. */
-static void share_room(const mcv_splitter *s, const mcv_record *r, mcv_record *left, mcv_record *right) {
+static void share_room(const mcv_splitter *s, const mcv_record *r, mcv_record *left,
+                       mcv_record *right) {
     const uint32_t count_left = mcv_record_count(left), count_right = mcv_record_count(right);
     const uint64_t room = r->limit - right->end;
     const uint32_t shift = (uint32_t)(room * count_left / (count_left + count_right));
     const uint32_t moved = shift < count_right ? shift : count_right;
-    for (uint32_t i = 0; i < moved; ++i) s->references[right->end + shift - 1 - i] = s->references[right->begin + i];
+    for (uint32_t i = 0; i < moved; ++i)
+        s->references[right->end + shift - 1 - i] = s->references[right->begin + i];
     right->begin += shift;
     right->end += shift;
     left->limit = right->begin;
@@ -406,11 +445,14 @@ static bool overlaps(const mcv_splitter *s, const mcv_record *r, const candidate
         both.upper[i] = smaller(split->left.upper[i], split->right.upper[i]);
     }
     const float area = mcv_box_area(&both);
-    return area > least_overlap * s->root_area && area > least_own_overlap * mcv_box_area(&r->bounds) &&
-           both.upper[axis] - both.lower[axis] > least_width_overlap * (r->bounds.upper[axis] - r->bounds.lower[axis]);
+    return area > least_overlap * s->root_area &&
+           area > least_own_overlap * mcv_box_area(&r->bounds) &&
+           both.upper[axis] - both.lower[axis] >
+               least_width_overlap * (r->bounds.upper[axis] - r->bounds.lower[axis]);
 }
 
-void mcv_record_split(const mcv_splitter *s, const mcv_record *r, bool halve, mcv_record *left, mcv_record *right) {
+void mcv_record_split(const mcv_splitter *s, const mcv_record *r, bool halve, mcv_record *left,
+                      mcv_record *right) {
     candidate best = {.cost = INFINITY};
     if (!halve) best = find_object_split(s, r);
     if (!(best.cost < INFINITY)) {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Splitting the content of a node in two: by the surface area heuristic over binned centroids (Wald, On fast Construction of
- * SAH-based Bounding Volume Hierarchies, 2007), or through space, which puts a triangle that lies on both sides into
- * both (Stich, Friedrich and Dietrich, Spatial Splits in Bounding Volume Hierarchies, HPG 2009).
+ * Splitting the content of a node in two: by the surface area heuristic over binned centroids
+ * (Wald, On fast Construction of SAH-based Bounding Volume Hierarchies, 2007), or through space,
+ * which puts a triangle that lies on both sides into both (Stich, Friedrich and Dietrich, Spatial
+ * Splits in Bounding Volume Hierarchies, HPG 2009).
  */
 #ifndef MCVISI_HOST_ACCEL_SPLIT_H
 #define MCVISI_HOST_ACCEL_SPLIT_H
@@ -24,8 +25,8 @@ typedef struct mcv_reference {
 } mcv_reference;
 
 /*
- * References begin … end - 1, their box and the box of their doubled centroids (lower + upper). The places up to `limit`
- * are free for what spatial splits add.
+ * References begin … end - 1, their box and the box of their doubled centroids (lower + upper). The
+ * places up to `limit` are free for what spatial splits add.
  */
 typedef struct mcv_record {
     uint32_t begin, end, limit;
@@ -53,7 +54,8 @@ static inline void mcv_box_add(mcv_box *a, const mcv_box *b) {
 
 /* Half the surface; 0 for an empty box. */
 static inline float mcv_box_area(const mcv_box *b) {
-    const float x = b->upper[0] - b->lower[0], y = b->upper[1] - b->lower[1], z = b->upper[2] - b->lower[2];
+    const float x = b->upper[0] - b->lower[0], y = b->upper[1] - b->lower[1],
+                z = b->upper[2] - b->lower[2];
     return x < 0.0f || y < 0.0f || z < 0.0f ? 0.0f : x * y + y * z + z * x;
 }
 
@@ -70,10 +72,12 @@ static inline void mcv_record_add(mcv_record *r, const mcv_reference *added) {
 }
 
 /*
- * Splits by whichever heuristic is cheaper or, if none finds anything or must be asked (halve), into halves. Both sides get
- * at least one reference. Large records are binned by several of the threads, which changes nothing: counts and boxes do not depend on
- * the order in which they are added up.
+ * Splits by whichever heuristic is cheaper or, if none finds anything or must be asked (halve),
+ * into halves. Both sides get at least one reference. Large records are binned by several of the
+ * threads, which changes nothing: counts and boxes do not depend on the order in which they are
+ * added up.
  */
-void mcv_record_split(const mcv_splitter *s, const mcv_record *r, bool halve, mcv_record *left, mcv_record *right);
+void mcv_record_split(const mcv_splitter *s, const mcv_record *r, bool halve, mcv_record *left,
+                      mcv_record *right);
 
 #endif

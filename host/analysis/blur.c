@@ -9,14 +9,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- modulation ------------------------------------------------------------------------------------------------- */
+/* --- modulation
+ * -------------------------------------------------------------------------------------------------
+ */
 
 double mcv_lens_modulation(const mcv_lens_mtf *mtf, double frequency) {
     if (mtf->row_count == 0) {
         const double s = frequency * mtf->wavelength * mtf->f_number;
         return s < 1 ? 2 / M_PI * (acos(s) - s * sqrt(1 - s * s)) : 0;
     }
-    size_t i = 1, end = mtf->row_count; /* the first row from 1 on that is not below lies in i … end */
+    size_t i = 1,
+           end = mtf->row_count; /* the first row from 1 on that is not below lies in i … end */
     while (i < end) {
         const size_t middle = (i + end) / 2;
         if (mtf->rows[middle].frequency < frequency)
@@ -26,18 +29,25 @@ double mcv_lens_modulation(const mcv_lens_mtf *mtf, double frequency) {
     }
     if (i == mtf->row_count) return mtf->rows[i - 1].modulation;
     const mcv_mtf_row a = mtf->rows[i - 1], b = mtf->rows[i];
-    return a.modulation + (b.modulation - a.modulation) * (frequency - a.frequency) / (b.frequency - a.frequency);
+    return a.modulation +
+           (b.modulation - a.modulation) * (frequency - a.frequency) / (b.frequency - a.frequency);
 }
 
-static mcv_result check_row(const char *path, unsigned line, const mcv_mtf_row *rows, size_t count, mcv_error *error) {
+static mcv_result check_row(const char *path, unsigned line, const mcv_mtf_row *rows, size_t count,
+                            mcv_error *error) {
     const mcv_mtf_row *row = rows + count;
     if (!(row->modulation >= 0 && row->modulation <= 1))
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: line %u: a modulation of %g: must be from 0 to 1", path, line, row->modulation);
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: line %u: a modulation of %g: must be from 0 to 1", path, line,
+                        row->modulation);
     if (count == 0 && !(row->frequency == 0 && row->modulation == 1))
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: line %u: the first row must be 0, 1: full modulation at frequency 0", path, line);
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: line %u: the first row must be 0, 1: full modulation at frequency 0",
+                        path, line);
     if (count > 0 && !(row->frequency > row[-1].frequency && isfinite(row->frequency)))
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: line %u: frequencies must ascend, but %g follows %g", path, line, row->frequency * 1e-3,
-                        row[-1].frequency * 1e-3);
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: line %u: frequencies must ascend, but %g follows %g", path, line,
+                        row->frequency * 1e-3, row[-1].frequency * 1e-3);
     return MCV_OK;
 }
 
@@ -48,13 +58,15 @@ mcv_result mcv_mtf_read(const char *path, mcv_mtf_row **rows, size_t *count, mcv
     FILE *file = fopen(path, "r");
     *count = 0;
     *rows = NULL;
-    if (!file) return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+    if (!file)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
     *rows = malloc(MAX_ROWS * sizeof **rows);
     if (!*rows) {
         fclose(file);
         return mcv_fail(error, MCV_FAILED, "%s: no memory for it", path);
     }
-    for (unsigned line = 1; result == MCV_OK && *count < MAX_ROWS && fgets(text, sizeof text, file); ++line) {
+    for (unsigned line = 1; result == MCV_OK && *count < MAX_ROWS && fgets(text, sizeof text, file);
+         ++line) {
         mcv_mtf_row *row = *rows + *count;
         if (text[strspn(text, " \t\r\n")] == '\0' || text[0] == '#') continue;
         char *end, *start = text;
@@ -63,15 +75,19 @@ mcv_result mcv_mtf_read(const char *path, mcv_mtf_row **rows, size_t *count, mcv
         const bool first = end != text;
         row->modulation = strtod(start, &end);
         if (!first || end == start || end[strspn(end, " \t\r\n")] != '\0')
-            result = mcv_fail(error, MCV_BAD_INPUT, "%s: line %u must be `cycles per mm, modulation`, as in 40, 0.62", path, line);
+            result = mcv_fail(error, MCV_BAD_INPUT,
+                              "%s: line %u must be `cycles per mm, modulation`, as in 40, 0.62",
+                              path, line);
         else
             result = check_row(path, line, *rows, *count, error);
         ++*count;
     }
     if (result == MCV_OK && *count == MAX_ROWS)
-        result = mcv_fail(error, MCV_BAD_INPUT, "%s: has %d rows or more: thin it out", path, MAX_ROWS);
+        result =
+            mcv_fail(error, MCV_BAD_INPUT, "%s: has %d rows or more: thin it out", path, MAX_ROWS);
     if (result == MCV_OK && *count < 2)
-        result = mcv_fail(error, MCV_BAD_INPUT, "%s: %zu rows make no MTF: at least 2 are needed", path, *count);
+        result = mcv_fail(error, MCV_BAD_INPUT, "%s: %zu rows make no MTF: at least 2 are needed",
+                          path, *count);
     fclose(file);
     if (result == MCV_OK) return MCV_OK;
     free(*rows);
@@ -79,18 +95,22 @@ mcv_result mcv_mtf_read(const char *path, mcv_mtf_row **rows, size_t *count, mcv
     return result;
 }
 
-/* --- filter ----------------------------------------------------------------------------------------------------- */
+/* --- filter
+ * -----------------------------------------------------------------------------------------------------
+ */
 
 /*
- * A periodic grid around the image. Light is its real part, the light's variance its imaginary part, so that both are transformed at once:
- * a number of the spectrum and the conjugate of that at the negative frequency tell their spectra apart.
+ * A periodic grid around the image. Light is its real part, the light's variance its imaginary
+ * part, so that both are transformed at once: a number of the spectrum and the conjugate of that at
+ * the negative frequency tell their spectra apart.
  */
 typedef struct grid {
     size_t size[2];
     double *values; /* [row][column][re, im] */
     double *roots[2];
     /* At the frequencies 0 … size/2 in both directions, real: no phase is turned. */
-    double *response, *squared; /* that of light, and that whose kernel is the square: what becomes of variances */
+    double *response, *squared; /* that of light, and that whose kernel is the square: what becomes
+                                   of variances */
     const mcv_image *image;
     float *light, *light_error; /* of one channel; the latter may be NULL */
     const mcv_lens_mtf *mtf;
@@ -123,7 +143,8 @@ static bool grid_new(grid *g, const mcv_image *image) {
     return g->values && g->response && g->squared && g->roots[0] && g->roots[1];
 }
 
-/* The index of the pixel that a place of the grid continues: half of what is beyond the image lies before its first pixel. */
+/* The index of the pixel that a place of the grid continues: half of what is beyond the image lies
+ * before its first pixel. */
 static size_t nearest(size_t place, size_t side, size_t length) {
     if (place < side) return place;
     return place - side < (length - side) / 2 ? side - 1 : 0;
@@ -134,55 +155,64 @@ static void set_response_row(void *user, size_t y) {
     const size_t width = half_of(g->size[0]);
     const double down = (double)y / (double)g->size[1] / g->pitch[1];
     for (size_t x = 0; x < width; ++x)
-        g->response[y * width + x] = mcv_lens_modulation(g->mtf, hypot((double)x / (double)g->size[0] / g->pitch[0], down));
+        g->response[y * width + x] =
+            mcv_lens_modulation(g->mtf, hypot((double)x / (double)g->size[0] / g->pitch[0], down));
 }
 
 /* How often a frequency 0 … n/2 stands among the n. */
 static double weight(size_t k, size_t n) { return k == 0 || 2 * k == n ? 1 : 2; }
 
-/* --- what becomes of errors ------------------------------------------------------------------------------------- */
+/* --- what becomes of errors
+ * ------------------------------------------------------------------------------------- */
 
 /* [k][d]: cos(2π kd/n). */
-static void fill_cosines(double *table, size_t rows, size_t columns, const double *roots, size_t n) {
+static void fill_cosines(double *table, size_t rows, size_t columns, const double *roots,
+                         size_t n) {
     for (size_t k = 0; k < rows; ++k)
         for (size_t d = 0; d < columns; ++d) table[k * columns + d] = roots[2 * (k * d % n)];
 }
 
-/* to[j][i] = sum over y and x of from[y][x] across[x][i] down[y][j]; `half` has room for [y][i]. All sizes are width, height. */
-static void transform_even(const double *from, const size_t size[2], const double *across, const double *down, double *half, double *to,
-                           const size_t to_size[2]) {
+/* to[j][i] = sum over y and x of from[y][x] across[x][i] down[y][j]; `half` has room for [y][i].
+ * All sizes are width, height. */
+static void transform_even(const double *from, const size_t size[2], const double *across,
+                           const double *down, double *half, double *to, const size_t to_size[2]) {
     memset(half, 0, size[1] * to_size[0] * sizeof *half);
     memset(to, 0, to_size[1] * to_size[0] * sizeof *to);
     for (size_t y = 0; y < size[1]; ++y)
         for (size_t x = 0; x < size[0]; ++x)
-            for (size_t i = 0; i < to_size[0]; ++i) half[y * to_size[0] + i] += from[y * size[0] + x] * across[x * to_size[0] + i];
+            for (size_t i = 0; i < to_size[0]; ++i)
+                half[y * to_size[0] + i] += from[y * size[0] + x] * across[x * to_size[0] + i];
     for (size_t y = 0; y < size[1]; ++y)
         for (size_t j = 0; j < to_size[1]; ++j)
-            for (size_t i = 0; i < to_size[0]; ++i) to[j * to_size[0] + i] += half[y * to_size[0] + i] * down[y * to_size[1] + j];
+            for (size_t i = 0; i < to_size[0]; ++i)
+                to[j * to_size[0] + i] += half[y * to_size[0] + i] * down[y * to_size[1] + j];
 }
 
 /*
- * The kernel within REACH pixels, beyond which its square is nothing, squared, and the response that this has. The transform of what is
- * even in both directions is a sum of cosines.
+ * The kernel within REACH pixels, beyond which its square is nothing, squared, and the response
+ * that this has. The transform of what is even in both directions is a sum of cosines.
  */
 static bool square_response(grid *g) {
     enum { REACH = 64 };
     const size_t half[2] = {half_of(g->size[0]), half_of(g->size[1])};
     const size_t near[2] = {half[0] < REACH ? half[0] : REACH, half[1] < REACH ? half[1] : REACH};
     const double count = (double)g->size[0] * (double)g->size[1];
-    double *all = malloc((half[0] * half[1] + REACH * (REACH + 2 * half[0] + 2 * half[1])) * sizeof *all);
+    double *all =
+        malloc((half[0] * half[1] + REACH * (REACH + 2 * half[0] + 2 * half[1])) * sizeof *all);
     if (!all) return false;
     double *even = all, *kernel = even + half[0] * half[1], *rows = kernel + REACH * REACH;
     double *across = rows + REACH * (half[0] + half[1]), *down = across + REACH * half[0];
     for (size_t y = 0; y < half[1]; ++y)
         for (size_t x = 0; x < half[0]; ++x)
-            even[y * half[0] + x] = g->response[y * half[0] + x] * weight(x, g->size[0]) * weight(y, g->size[1]) / count;
+            even[y * half[0] + x] = g->response[y * half[0] + x] * weight(x, g->size[0]) *
+                                    weight(y, g->size[1]) / count;
     fill_cosines(across, half[0], near[0], g->roots[0], g->size[0]);
     fill_cosines(down, half[1], near[1], g->roots[1], g->size[1]);
     transform_even(even, half, across, down, rows, kernel, near);
     for (size_t y = 0; y < near[1]; ++y)
         for (size_t x = 0; x < near[0]; ++x)
-            kernel[y * near[0] + x] *= kernel[y * near[0] + x] * weight(x, g->size[0]) * weight(y, g->size[1]);
+            kernel[y * near[0] + x] *=
+                kernel[y * near[0] + x] * weight(x, g->size[0]) * weight(y, g->size[1]);
     fill_cosines(across, near[0], half[0], g->roots[0], g->size[0]);
     fill_cosines(down, near[1], half[1], g->roots[1], g->size[1]);
     transform_even(kernel, near, across, down, rows, g->squared, half);
@@ -191,8 +221,9 @@ static bool square_response(grid *g) {
 }
 
 /*
- * The correlation's spectrum is the square of the response over its mean: at frequency 0 the response is 1. The stencil of second
- * differences in both directions, whose sum of squares is 36, has the spectrum (2 - 2 cos)² of each.
+ * The correlation's spectrum is the square of the response over its mean: at frequency 0 the
+ * response is 1. The stencil of second differences in both directions, whose sum of squares is 36,
+ * has the spectrum (2 - 2 cos)² of each.
  */
 static void add_correlation(const grid *g, double share, mcv_correlation *to) {
     const size_t w = half_of(g->size[0]), h = half_of(g->size[1]);
@@ -201,7 +232,8 @@ static void add_correlation(const grid *g, double share, mcv_correlation *to) {
     for (size_t y = 0; y < h; ++y) {
         const double down = 2 - 2 * g->roots[1][2 * y];
         for (size_t x = 0; x < w; ++x) {
-            const double h2 = pow(g->response[y * w + x], 2), times = weight(x, g->size[0]) * weight(y, g->size[1]);
+            const double h2 = pow(g->response[y * w + x], 2),
+                         times = weight(x, g->size[0]) * weight(y, g->size[1]);
             second += times * h2;
             fourth += times * h2 * h2;
             stencil += times * h2 * pow(down * (2 - 2 * g->roots[0][2 * x]), 2);
@@ -214,7 +246,9 @@ static void add_correlation(const grid *g, double share, mcv_correlation *to) {
     to->shares += share * shares / count;
 }
 
-/* --- transforms ------------------------------------------------------------------------------------------------- */
+/* --- transforms
+ * -------------------------------------------------------------------------------------------------
+ */
 
 enum { LINES = MCV_FFT_LINES };
 
@@ -241,14 +275,17 @@ static void transform_rows(void *user, size_t block) {
     const size_t width = g->size[0];
     double *lines = lines_new(g, width);
     if (!lines) return;
-    for (size_t l = 0; l < LINES; ++l) put_row(g, block * LINES + l < g->size[1] ? block * LINES + l : g->size[1] - 1, lines, l);
+    for (size_t l = 0; l < LINES; ++l)
+        put_row(g, block * LINES + l < g->size[1] ? block * LINES + l : g->size[1] - 1, lines, l);
     const double *out = mcv_fft(lines, lines + 2 * LINES * width, width, g->roots[0]);
     for (size_t l = 0; l < LINES && block * LINES + l < g->size[1]; ++l)
-        for (size_t i = 0; i < 2 * width; ++i) g->values[2 * width * (block * LINES + l) + i] = out[i * LINES + l];
+        for (size_t i = 0; i < 2 * width; ++i)
+            g->values[2 * width * (block * LINES + l) + i] = out[i * LINES + l];
     free(lines);
 }
 
-/* What a number of the spectrum, z, and the one at the negative frequency become: see `grid`. Conjugates, for what inverts. */
+/* What a number of the spectrum, z, and the one at the negative frequency become: see `grid`.
+ * Conjugates, for what inverts. */
 static void pass(double response, double squared, double *z, double *other) {
     const double even = 0.5 * (response + squared), odd = 0.5 * (response - squared);
     const double re = z[0], im = z[LINES], other_re = other[0], other_im = other[LINES];
@@ -273,8 +310,9 @@ static void set_column(grid *g, size_t x, const double *lines, size_t l) {
 }
 
 /*
- * Columns of some frequencies and those of the negative ones: transformed, filtered and transformed back. An inverse transform is the
- * conjugate of the transform of the conjugate, over n; the second conjugate is left to be taken.
+ * Columns of some frequencies and those of the negative ones: transformed, filtered and transformed
+ * back. An inverse transform is the conjugate of the transform of the conjugate, over n; the second
+ * conjugate is left to be taken.
  */
 static void filter_columns(void *user, size_t block) {
     grid *g = user;
@@ -293,10 +331,12 @@ static void filter_columns(void *user, size_t block) {
         for (size_t l = 0; l < LINES; ++l) {
             const size_t x = block * LINES + l < half ? block * LINES + l : half - 1;
             const size_t at = (2 * y < height ? y : height - y) * half + x;
-            pass(g->response[at], g->squared[at], a + 2 * y * LINES + l, b + 2 * ((height - y) % height) * LINES + l);
+            pass(g->response[at], g->squared[at], a + 2 * y * LINES + l,
+                 b + 2 * ((height - y) % height) * LINES + l);
         }
     own = mcv_fft(a, a == own ? own + 2 * LINES * height : own, height, g->roots[1]);
-    mirrored = mcv_fft(b, b == mirrored ? mirrored + 2 * LINES * height : mirrored, height, g->roots[1]);
+    mirrored =
+        mcv_fft(b, b == mirrored ? mirrored + 2 * LINES * height : mirrored, height, g->roots[1]);
     for (size_t l = 0; l < LINES && block * LINES + l < half; ++l) {
         const size_t x = block * LINES + l;
         set_column(g, x, own, l);
@@ -313,7 +353,8 @@ static void extract_rows(void *user, size_t block) {
     double *lines = lines_new(g, width);
     if (!lines) return;
     for (size_t l = 0; l < LINES; ++l) {
-        const size_t y = block * LINES + l < g->image->height ? block * LINES + l : g->image->height - 1;
+        const size_t y =
+            block * LINES + l < g->image->height ? block * LINES + l : g->image->height - 1;
         for (size_t i = 0; i < 2 * width; ++i) lines[i * LINES + l] = g->values[2 * width * y + i];
     }
     const double *out = mcv_fft(lines, lines + 2 * LINES * width, width, g->roots[0]);
@@ -321,7 +362,8 @@ static void extract_rows(void *user, size_t block) {
         for (size_t x = 0; x < g->image->width; ++x) {
             const size_t i = (block * LINES + l) * g->image->width + x;
             g->light[i] = (float)fmax(0, out[2 * x * LINES + l] * scale);
-            if (g->light_error) g->light_error[i] = (float)sqrt(fmax(0, -out[(2 * x + 1) * LINES + l] * scale));
+            if (g->light_error)
+                g->light_error[i] = (float)sqrt(fmax(0, -out[(2 * x + 1) * LINES + l] * scale));
         }
     free(lines);
 }
@@ -334,18 +376,21 @@ static void blur_channel(grid *g) {
     mcv_in_parallel(blocks_of(g->image->height), extract_rows, g);
 }
 
-static mcv_result blur_channels(grid *g, mcv_image *light, mcv_image *light_error, const mcv_lens_mtf mtf[3],
-                                mcv_correlation *correlation) {
+static mcv_result blur_channels(grid *g, mcv_image *light, mcv_image *light_error,
+                                const mcv_lens_mtf mtf[3], mcv_correlation *correlation) {
     for (uint32_t channel = 0; channel < light->channels; ++channel) {
         const size_t first = (size_t)channel * light->width * light->height;
         const mcv_lens_mtf *before = g->mtf;
         g->mtf = mtf + (channel < 3 ? channel : 2);
         g->light = light->pixels + first;
         g->light_error = light_error ? light_error->pixels + first : NULL;
-        if (!before || before->wavelength != g->mtf->wavelength || before->f_number != g->mtf->f_number || before->rows != g->mtf->rows) {
+        if (!before || before->wavelength != g->mtf->wavelength ||
+            before->f_number != g->mtf->f_number || before->rows != g->mtf->rows) {
             mcv_in_parallel(half_of(g->size[1]), set_response_row, g);
             if (light_error && !square_response(g)) return MCV_FAILED;
-            if (!light_error) memcpy(g->squared, g->response, half_of(g->size[0]) * half_of(g->size[1]) * sizeof *g->squared);
+            if (!light_error)
+                memcpy(g->squared, g->response,
+                       half_of(g->size[0]) * half_of(g->size[1]) * sizeof *g->squared);
         }
         if (correlation && light_error) add_correlation(g, 1.0 / light->channels, correlation);
         blur_channel(g);
@@ -353,13 +398,16 @@ static mcv_result blur_channels(grid *g, mcv_image *light, mcv_image *light_erro
     return g->failed ? MCV_FAILED : MCV_OK;
 }
 
-mcv_result mcv_blur(mcv_image *light, mcv_image *light_error, const mcv_lens_mtf mtf[3], const double pitch[2],
-                    mcv_correlation *correlation, mcv_error *error) {
+mcv_result mcv_blur(mcv_image *light, mcv_image *light_error, const mcv_lens_mtf mtf[3],
+                    const double pitch[2], mcv_correlation *correlation, mcv_error *error) {
     grid g = {.pitch = {pitch[0], pitch[1]}};
     if (correlation) *correlation = (mcv_correlation){0};
-    mcv_result result = grid_new(&g, light) ? blur_channels(&g, light, light_error, mtf, correlation) : MCV_FAILED;
+    mcv_result result =
+        grid_new(&g, light) ? blur_channels(&g, light, light_error, mtf, correlation) : MCV_FAILED;
     grid_free(&g);
     if (result == MCV_OK) return MCV_OK;
-    return mcv_fail(error, result, "the lens MTF needs %.3g GB of memory, which is not there: leave it out by --lens-mtf none",
-                    24e-9 * (double)g.size[0] * (double)g.size[1]);
+    return mcv_fail(
+        error, result,
+        "the lens MTF needs %.3g GB of memory, which is not there: leave it out by --lens-mtf none",
+        24e-9 * (double)g.size[0] * (double)g.size[1]);
 }

@@ -6,7 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-double mcv_camera_electrons_per_irradiance(double exposure_time, double quantum_efficiency, double wavelength, double pixel_area) {
+double mcv_camera_electrons_per_irradiance(double exposure_time, double quantum_efficiency,
+                                           double wavelength, double pixel_area) {
     const double planck = 6.62607015e-34; /* [J s], exact in the SI of 2019, as is c [m/s] */
     const double light_speed = 299792458;
     return quantum_efficiency * pixel_area * exposure_time * wavelength / (planck * light_speed);
@@ -22,23 +23,31 @@ static bool is_amount(double value) { return value >= 0 && isfinite(value); }
 
 static mcv_result check_camera(const mcv_camera *c, mcv_error *error) {
     if (c->bits < 1 || c->bits > MCV_CAMERA_MAX_BITS)
-        return mcv_fail(error, MCV_USAGE, "a camera of %u bits: must be 1 to %d", c->bits, MCV_CAMERA_MAX_BITS);
+        return mcv_fail(error, MCV_USAGE, "a camera of %u bits: must be 1 to %d", c->bits,
+                        MCV_CAMERA_MAX_BITS);
     if (c->black_level >= 1u << c->bits) {
-        return mcv_fail(error, MCV_USAGE, "a black level of %u DN: must be below %u, the grey values of %u bits", c->black_level,
-                        1u << c->bits, c->bits);
+        return mcv_fail(error, MCV_USAGE,
+                        "a black level of %u DN: must be below %u, the grey values of %u bits",
+                        c->black_level, 1u << c->bits, c->bits);
     }
     if (!(c->full_well > 0 && c->full_well <= 1e12 && c->gain > 0 && isfinite(c->gain))) {
-        return mcv_fail(error, MCV_USAGE, "a full well of %g e- and a gain of %g DN/e-: must be above 0 and at most 1e12, and above 0",
+        return mcv_fail(error, MCV_USAGE,
+                        "a full well of %g e- and a gain of %g DN/e-: must be above 0 and at most "
+                        "1e12, and above 0",
                         c->full_well, c->gain);
     }
-    if (!is_amount(c->read_noise) || !is_amount(c->dark_electrons) || !is_amount(c->dsnu) || !is_amount(c->prnu)) {
+    if (!is_amount(c->read_noise) || !is_amount(c->dark_electrons) || !is_amount(c->dsnu) ||
+        !is_amount(c->prnu)) {
         return mcv_fail(error, MCV_USAGE,
-                        "a read noise of %g e-, %g dark electrons, a DSNU of %g e- and a PRNU of %g: must be at least 0 and finite",
+                        "a read noise of %g e-, %g dark electrons, a DSNU of %g e- and a PRNU of "
+                        "%g: must be at least 0 and finite",
                         c->read_noise, c->dark_electrons, c->dsnu, c->prnu);
     }
     for (int i = 0; i < 3; ++i) {
         if (is_amount(c->electrons_per_unit[i])) continue;
-        return mcv_fail(error, MCV_USAGE, "a scale of %g e- per unit: must be at least 0 and finite", c->electrons_per_unit[i]);
+        return mcv_fail(error, MCV_USAGE,
+                        "a scale of %g e- per unit: must be at least 0 and finite",
+                        c->electrons_per_unit[i]);
     }
     return MCV_OK;
 }
@@ -47,13 +56,18 @@ mcv_result mcv_camera_check_light(const mcv_image *light, mcv_error *error) {
     const size_t plane = (size_t)light->width * light->height;
     for (size_t i = 0; i < plane * light->channels; ++i) {
         if (light->pixels[i] >= 0 && isfinite(light->pixels[i])) continue;
-        return mcv_fail(error, MCV_BAD_INPUT, "the pixel in column %zu, row %zu, channel %zu, is %g: light must be finite and not negative",
-                        i % plane % light->width, i % plane / light->width, i / plane, light->pixels[i]);
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "the pixel in column %zu, row %zu, channel %zu, is %g: light must be "
+                        "finite and not negative",
+                        i % plane % light->width, i % plane / light->width, i / plane,
+                        light->pixels[i]);
     }
     return MCV_OK;
 }
 
-/* --- the level -------------------------------------------------------------------------------------------------- */
+/* --- the level
+ * --------------------------------------------------------------------------------------------------
+ */
 
 enum { SQUARE = 16, LATTICE = 4, LATTICES = LATTICE * LATTICE };
 
@@ -64,10 +78,11 @@ typedef struct powers {
 } powers;
 
 /* Adds a square: of μ^15 and μ^16 the means of products of 15 and of 16 different lattices. */
-static void add_square(const mcv_image *light, const mcv_image *light_error, uint32_t channel, const uint32_t x[2], const uint32_t y[2],
-                       double scale, powers *sums) {
+static void add_square(const mcv_image *light, const mcv_image *light_error, uint32_t channel,
+                       const uint32_t x[2], const uint32_t y[2], double scale, powers *sums) {
     const size_t first = (size_t)channel * light->width * light->height;
-    double means[LATTICES] = {0}, counts[LATTICES] = {0}, products[LATTICES + 1] = {1}, mean = 0, variance = 0;
+    double means[LATTICES] = {0}, counts[LATTICES] = {0}, products[LATTICES + 1] = {1}, mean = 0,
+           variance = 0;
     for (uint32_t row = y[0]; row < y[1]; ++row)
         for (uint32_t column = x[0]; column < x[1]; ++column) {
             const uint32_t k = row % LATTICE * LATTICE + column % LATTICE;
@@ -86,8 +101,9 @@ static void add_square(const mcv_image *light, const mcv_image *light_error, uin
     sums->low += products[LATTICES - 1] / LATTICES;
     sums->high += products[LATTICES];
     /*
-     * The noise of the mean makes the mean of its power p too large by about exp(p (p - 1) s²/2), s its share of the mean. One factor for
-     * the three powers: level_of_squares takes their difference.
+     * The noise of the mean makes the mean of its power p too large by about exp(p (p - 1) s²/2), s
+     * its share of the mean. One factor for the three powers: level_of_squares takes their
+     * difference.
      */
     enum { MIDDLE = 2 * LATTICES - 3 };
     const double own = variance / (pixels * pixels), share = mean > 0 ? own / (mean * mean) : 0;
@@ -96,8 +112,8 @@ static void add_square(const mcv_image *light, const mcv_image *light_error, uin
 }
 
 /* H/L of the sums H of μ^16 and L of μ^15: dμ moves it by (16 μ^15 - 15 μ^14 H/L)/L. */
-static mcv_quantity level_of_squares(const mcv_image *light, const mcv_image *light_error, const double electrons_per_unit[3],
-                                     double mean) {
+static mcv_quantity level_of_squares(const mcv_image *light, const mcv_image *light_error,
+                                     const double electrons_per_unit[3], double mean) {
     const uint32_t across = light->width / SQUARE, down = light->height / SQUARE;
     powers p = {0};
     for (uint32_t c = 0; c < light->channels; ++c)
@@ -105,40 +121,51 @@ static mcv_quantity level_of_squares(const mcv_image *light, const mcv_image *li
             for (uint32_t i = 0; i < across; ++i) {
                 const uint32_t x[] = {(uint32_t)((uint64_t)light->width * i / across),
                                       (uint32_t)((uint64_t)light->width * (i + 1) / across)};
-                const uint32_t y[] = {(uint32_t)((uint64_t)light->height * j / down), (uint32_t)((uint64_t)light->height * (j + 1) / down)};
-                add_square(light, light_error, c, x, y, electrons_per_unit[c < 3 ? c : 2] / mean, &p);
+                const uint32_t y[] = {(uint32_t)((uint64_t)light->height * j / down),
+                                      (uint32_t)((uint64_t)light->height * (j + 1) / down)};
+                add_square(light, light_error, c, x, y, electrons_per_unit[c < 3 ? c : 2] / mean,
+                           &p);
             }
     if (!(p.low > 0)) return (mcv_quantity){0, NAN};
     const double level = p.high / p.low, a = LATTICES, b = (LATTICES - 1) * level;
-    const double variance = (a * a * p.errors[2] - 2 * a * b * p.errors[1] + b * b * p.errors[0]) / (p.low * p.low);
+    const double variance =
+        (a * a * p.errors[2] - 2 * a * b * p.errors[1] + b * b * p.errors[0]) / (p.low * p.low);
     return (mcv_quantity){mean * level, mean * sqrt(fmax(0, variance))};
 }
 
-mcv_quantity mcv_camera_level(const mcv_image *light, const mcv_image *light_error, const double electrons_per_unit[3]) {
+mcv_quantity mcv_camera_level(const mcv_image *light, const mcv_image *light_error,
+                              const double electrons_per_unit[3]) {
     const size_t plane = (size_t)light->width * light->height;
     double sum = 0, squares = 0, slanted = 0;
     for (size_t i = 0; i < plane * light->channels; ++i) {
-        const double e = electrons_per_unit[i / plane < 3 ? i / plane : 2], y = e * (double)light->pixels[i];
+        const double e = electrons_per_unit[i / plane < 3 ? i / plane : 2],
+                     y = e * (double)light->pixels[i];
         const double u = light_error ? e * (double)light_error->pixels[i] : 0;
         sum += y;
         squares += y * y - u * u;
     }
     if (!(sum > 0)) return (mcv_quantity){0, NAN};
-    const double mean = sum / ((double)plane * light->channels), level = squares / sum; /* by the mean, powers stay small */
+    const double mean = sum / ((double)plane * light->channels),
+                 level = squares / sum; /* by the mean, powers stay small */
     mcv_quantity of_squares = level_of_squares(light, light_error, electrons_per_unit, mean);
     if (!light_error) of_squares.uncertainty = NAN;
     if (of_squares.value > 0 && (!light_error || of_squares.value > level)) return of_squares;
-    /* dy moves it by (2 y - level)/sum. The noise of y adds 4 u^4 to its mean square, more than the squares' own noise is. */
+    /* dy moves it by (2 y - level)/sum. The noise of y adds 4 u^4 to its mean square, more than the
+     * squares' own noise is. */
     for (size_t i = 0; light_error && i < plane * light->channels; ++i) {
         const double e = electrons_per_unit[i / plane < 3 ? i / plane : 2];
-        slanted += pow(e * (double)light_error->pixels[i] * (2 * e * (double)light->pixels[i] - level), 2);
+        slanted +=
+            pow(e * (double)light_error->pixels[i] * (2 * e * (double)light->pixels[i] - level), 2);
     }
     return (mcv_quantity){level, light_error ? sqrt(slanted) / sum : NAN};
 }
 
-/* --- the pixels ------------------------------------------------------------------------------------------------- */
+/* --- the pixels
+ * -------------------------------------------------------------------------------------------------
+ */
 
-/* Which channel of the light a pixel of a channel of the grey values reads, and with which colour's sensitivity. */
+/* Which channel of the light a pixel of a channel of the grey values reads, and with which colour's
+ * sensitivity. */
 typedef struct site {
     uint32_t channel, colour;
 } site;
@@ -146,7 +173,8 @@ typedef struct site {
 static site site_of(const mcv_camera *c, const mcv_image *light, uint32_t channel, size_t pixel) {
     uint32_t colour = light->channels == 1 || channel > 2 ? 0 : channel;
     if (c->bayer != MCV_BAYER_NONE) {
-        const char letter = mcv_bayer_patterns[c->bayer][pixel / light->width % 2 * 2 + pixel % light->width % 2];
+        const char letter =
+            mcv_bayer_patterns[c->bayer][pixel / light->width % 2 * 2 + pixel % light->width % 2];
         colour = letter == 'R' ? 0 : letter == 'G' ? 1 : 2;
         channel = light->channels > colour ? colour : 0;
     }
@@ -154,7 +182,8 @@ static site site_of(const mcv_camera *c, const mcv_image *light, uint32_t channe
 }
 
 /* The pixel's own offset [e-] and sensitivity; drawn apart from every exposure. */
-static void draw_pattern(const mcv_camera *c, uint32_t channel, size_t pixel, double *offset, double *sensitivity) {
+static void draw_pattern(const mcv_camera *c, uint32_t channel, size_t pixel, double *offset,
+                         double *sensitivity) {
     *offset = 0;
     *sensitivity = 1;
     if (c->noise_free || (c->dsnu == 0 && c->prnu == 0)) return;
@@ -166,16 +195,19 @@ static void draw_pattern(const mcv_camera *c, uint32_t channel, size_t pixel, do
 
 /* Electrons that are read from a pixel. */
 static double collect(const mcv_camera *c, double mean, mcv_noise *noise) {
-    /* Far above any full well the noise does not matter, and its doubles are no whole numbers any more. */
+    /* Far above any full well the noise does not matter, and its doubles are no whole numbers any
+     * more. */
     if (c->noise_free || mean > 0x1p50) return fmin(mean, c->full_well);
     return fmin(mcv_noise_poisson(noise, mean), c->full_well);
 }
 
-/* Standard uncertainty of a grey value as a measure of mu_e: noise, fixed pattern, rounding, and the light's own error. */
+/* Standard uncertainty of a grey value as a measure of mu_e: noise, fixed pattern, rounding, and
+ * the light's own error. */
 static double uncertainty_of(const mcv_camera *c, double light_electrons, double error_electrons) {
     const double electrons = fmin(light_electrons + c->dark_electrons, c->full_well);
     const double temporal = electrons + c->read_noise * c->read_noise;
-    const double spatial = c->dsnu * c->dsnu + pow(c->prnu * fmin(light_electrons, c->full_well), 2);
+    const double spatial =
+        c->dsnu * c->dsnu + pow(c->prnu * fmin(light_electrons, c->full_well), 2);
     const double own = c->noise_free ? 0 : temporal + spatial;
     return sqrt(c->gain * c->gain * (own + error_electrons * error_electrons) + 1.0 / 12);
 }
@@ -186,23 +218,27 @@ typedef struct tally {
     uint64_t saturated, below_zero;
 } tally;
 
-static void expose_pixel(const mcv_camera *c, const mcv_image *light, const mcv_image *light_error, uint32_t channel, size_t pixel,
-                         const mcv_exposure *exposure, tally *row) {
+static void expose_pixel(const mcv_camera *c, const mcv_image *light, const mcv_image *light_error,
+                         uint32_t channel, size_t pixel, const mcv_exposure *exposure, tally *row) {
     const size_t plane = (size_t)light->width * light->height, to = channel * plane + pixel;
     const site s = site_of(c, light, channel, pixel);
     const size_t from = s.channel * plane + pixel;
-    const double per_unit = c->electrons_per_unit[s.colour], mean = per_unit * (double)light->pixels[from];
+    const double per_unit = c->electrons_per_unit[s.colour],
+                 mean = per_unit * (double)light->pixels[from];
     const double largest = (double)((1u << c->bits) - 1);
     double offset, sensitivity;
     draw_pattern(c, channel, pixel, &offset, &sensitivity);
     mcv_noise noise = mcv_noise_begin(c->seed, channel, pixel);
     const double electrons = collect(c, sensitivity * mean + c->dark_electrons, &noise);
-    const double dark = c->noise_free || c->read_noise == 0 ? 0 : c->read_noise * mcv_noise_normal(&noise);
+    const double dark =
+        c->noise_free || c->read_noise == 0 ? 0 : c->read_noise * mcv_noise_normal(&noise);
     const double grey = floor(c->black_level + c->gain * (electrons + offset + dark) + 0.5);
     const double error = light_error ? per_unit * (double)light_error->pixels[from] : 0;
     exposure->grey.pixels[to] = (float)fmin(fmax(grey, 0), largest);
     exposure->uncertainty.pixels[to] = (float)uncertainty_of(c, mean, error);
-    if (light_error) exposure->render.pixels[to] = electrons >= c->full_well || grey >= largest ? 0 : (float)(c->gain * error);
+    if (light_error)
+        exposure->render.pixels[to] =
+            electrons >= c->full_well || grey >= largest ? 0 : (float)(c->gain * error);
     row->electrons += mean;
     row->brightest = fmax(row->brightest, mean);
     row->saturated += electrons >= c->full_well || grey >= largest;
@@ -222,25 +258,31 @@ static void expose_row(void *user, size_t row) {
     const uint32_t width = r->light->width, channel = (uint32_t)(row / r->light->height);
     const size_t first = row % r->light->height * width;
     for (size_t pixel = first; pixel < first + width; ++pixel)
-        expose_pixel(r->camera, r->light, r->light_error, channel, pixel, r->exposure, r->rows + row);
+        expose_pixel(r->camera, r->light, r->light_error, channel, pixel, r->exposure,
+                     r->rows + row);
 }
 
-static mcv_result make_images(const mcv_image *light, uint32_t channels, bool error_known, mcv_exposure *exposure, mcv_error *error) {
+static mcv_result make_images(const mcv_image *light, uint32_t channels, bool error_known,
+                              mcv_exposure *exposure, mcv_error *error) {
     mcv_image *images[] = {&exposure->grey, &exposure->uncertainty, &exposure->render};
-    for (int i = 0; i < 2 + error_known; ++i) MCV_TRY(mcv_image_new(images[i], light->width, light->height, channels, error));
+    for (int i = 0; i < 2 + error_known; ++i)
+        MCV_TRY(mcv_image_new(images[i], light->width, light->height, channels, error));
     return MCV_OK;
 }
 
-mcv_result mcv_camera_expose(const mcv_camera *camera, const mcv_image *light, const mcv_image *light_error, mcv_exposure *exposure,
+mcv_result mcv_camera_expose(const mcv_camera *camera, const mcv_image *light,
+                             const mcv_image *light_error, mcv_exposure *exposure,
                              mcv_error *error) {
     *exposure = (mcv_exposure){0};
     MCV_TRY(check_camera(camera, error));
     MCV_TRY(mcv_camera_check_light(light, error));
     const uint32_t channels = camera->bayer == MCV_BAYER_NONE ? light->channels : 1;
     const size_t rows = (size_t)channels * light->height;
-    readout r = {.camera = camera, .light = light, .light_error = light_error, .exposure = exposure};
+    readout r = {
+        .camera = camera, .light = light, .light_error = light_error, .exposure = exposure};
     mcv_result result = make_images(light, channels, light_error, exposure, error);
-    if (result == MCV_OK && !(r.rows = calloc(rows, sizeof *r.rows))) result = mcv_fail(error, MCV_FAILED, "no memory for %zu rows", rows);
+    if (result == MCV_OK && !(r.rows = calloc(rows, sizeof *r.rows)))
+        result = mcv_fail(error, MCV_FAILED, "no memory for %zu rows", rows);
     if (result != MCV_OK) {
         mcv_exposure_free(exposure);
         return result;

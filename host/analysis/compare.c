@@ -9,8 +9,9 @@
 #define ALL_CHANNELS UINT32_MAX
 
 /*
- * Without replicate values, a tile's p-value is near uniform where its noise is nearly normal: they are counted from 25 effective
- * samples of light per replicate on (relative variance at most 1/25, as of a Poisson count of 25).
+ * Without replicate values, a tile's p-value is near uniform where its noise is nearly normal: they
+ * are counted from 25 effective samples of light per replicate on (relative variance at most 1/25,
+ * as of a Poisson count of 25).
  */
 enum { MIN_EVENTS = 25 };
 
@@ -39,12 +40,14 @@ typedef struct outcome {
     double variance; /* of the difference of the means */
 } outcome;
 
-static void channel_range(const mcv_region *region, uint32_t channels, uint32_t *first, uint32_t *last) {
+static void channel_range(const mcv_region *region, uint32_t channels, uint32_t *first,
+                          uint32_t *last) {
     *first = region->channel == ALL_CHANNELS ? 0 : region->channel;
     *last = region->channel == ALL_CHANNELS ? channels : region->channel + 1;
 }
 
-/* The mean over the region in every replicate, then their spread: correlations between pixels are in it. */
+/* The mean over the region in every replicate, then their spread: correlations between pixels are
+ * in it. */
 static void view_film(const mcv_film *film, const mcv_region *region, view *v) {
     uint32_t first, last;
     channel_range(region, film->channels, &first, &last);
@@ -53,8 +56,10 @@ static void view_film(const mcv_film *film, const mcv_region *region, view *v) {
         double sum = 0;
         for (uint32_t c = first; c < last; ++c) {
             for (uint32_t row = region->row; row < region->row + region->height; ++row) {
-                const size_t line = (((size_t)r * film->channels + c) * film->height + row) * film->width;
-                for (uint32_t column = 0; column < region->width; ++column) sum += film->sums[line + region->column + column];
+                const size_t line =
+                    (((size_t)r * film->channels + c) * film->height + row) * film->width;
+                for (uint32_t column = 0; column < region->width; ++column)
+                    sum += film->sums[line + region->column + column];
             }
         }
         v->means[r] = sum / ((double)v->pixels * (double)film->samples);
@@ -62,8 +67,10 @@ static void view_film(const mcv_film *film, const mcv_region *region, view *v) {
     v->estimate = mcv_estimate_replicates(v->means, film->replicates);
 }
 
-/* Standard errors of a pixel's channels add up (full correlation), variances of pixels do (independence). */
-static void view_measured(const mcv_measured *m, const mcv_measured *other, const mcv_region *region, view *v) {
+/* Standard errors of a pixel's channels add up (full correlation), variances of pixels do
+ * (independence). */
+static void view_measured(const mcv_measured *m, const mcv_measured *other,
+                          const mcv_region *region, view *v) {
     const mcv_image *image = m->mean;
     const size_t plane = (size_t)image->width * image->height;
     uint32_t first, last;
@@ -77,7 +84,8 @@ static void view_measured(const mcv_measured *m, const mcv_measured *other, cons
             for (uint32_t c = first; c < last; ++c) {
                 value += image->pixels[c * plane + at];
                 deviation += m->error->pixels[c * plane + at];
-                check += (double)other->mean->pixels[c * plane + at] + other->error->pixels[c * plane + at];
+                check += (double)other->mean->pixels[c * plane + at] +
+                         other->error->pixels[c * plane + at];
             }
             if (!isfinite(value + deviation + check)) continue;
             mean += value;
@@ -87,9 +95,11 @@ static void view_measured(const mcv_measured *m, const mcv_measured *other, cons
         }
     }
     const double count = (double)v->pixels;
-    v->estimate = (mcv_estimate){.mean = mean / count,
-                                 .variance = variance / (count * count),
-                                 .freedom = squares > 0 ? variance * variance / squares * (m->replicates - 1) : m->replicates - 1};
+    v->estimate =
+        (mcv_estimate){.mean = mean / count,
+                       .variance = variance / (count * count),
+                       .freedom = squares > 0 ? variance * variance / squares * (m->replicates - 1)
+                                              : m->replicates - 1};
 }
 
 static void look(const side *s, const side *other, const mcv_region *region, view *v) {
@@ -100,23 +110,29 @@ static void look(const side *s, const side *other, const mcv_region *region, vie
     }
 }
 
-/* Welch's difference: the variance of x - y and its degrees of freedom (Welch 1947, Satterthwaite 1946). */
+/* Welch's difference: the variance of x - y and its degrees of freedom (Welch 1947, Satterthwaite
+ * 1946). */
 static mcv_estimate subtract(const mcv_estimate *x, const mcv_estimate *y) {
     const double a = x->variance, b = y->variance;
     return (mcv_estimate){.mean = x->mean - y->mean,
                           .variance = a + b,
-                          .freedom = a + b > 0 ? (a + b) * (a + b) / (a * a / x->freedom + b * b / y->freedom) : x->freedom + y->freedom};
+                          .freedom = a + b > 0 ? (a + b) * (a + b) /
+                                                     (a * a / x->freedom + b * b / y->freedom)
+                                               : x->freedom + y->freedom};
 }
 
 static double welch(const mcv_estimate *difference) {
-    return mcv_student_two_sided(difference->mean / sqrt(difference->variance), difference->freedom);
+    return mcv_student_two_sided(difference->mean / sqrt(difference->variance),
+                                 difference->freedom);
 }
 
 /*
- * The two-sided rank test of the replicate means; -1 where all are equal. Values closer than rounding are ties, which are ordered as
- * speaks least for a difference: no chance order of them has a larger p-value, so that ties cannot raise a false alarm.
+ * The two-sided rank test of the replicate means; -1 where all are equal. Values closer than
+ * rounding are ties, which are ordered as speaks least for a difference: no chance order of them
+ * has a larger p-value, so that ties cannot raise a false alarm.
  */
-static double rank_test(const side *x, const view *vx, const side *y, const view *vy, double rounding) {
+static double rank_test(const side *x, const view *vx, const side *y, const view *vy,
+                        double rounding) {
     uint32_t greater = 0, ties = 0;
     for (uint32_t i = 0; i < x->replicates; ++i) {
         for (uint32_t j = 0; j < y->replicates; ++j) {
@@ -132,14 +148,17 @@ static double rank_test(const side *x, const view *vx, const side *y, const view
     return 2 * smaller >= pairs ? 1 : fmin(1, 2 * x->rank_table[smaller]);
 }
 
-static bool enough_events(const side *s, const mcv_estimate *e) { return e->variance * s->replicates * MIN_EVENTS <= e->mean * e->mean; }
+static bool enough_events(const side *s, const mcv_estimate *e) {
+    return e->variance * s->replicates * MIN_EVENTS <= e->mean * e->mean;
+}
 
 static outcome test_unit(const side *x, const side *y, const mcv_region *region) {
     view vx, vy;
     look(x, y, region, &vx);
     look(y, x, region, &vy);
     if (vx.pixels == 0) return (outcome){0};
-    const double rounding = MCV_COMPARE_ROUNDING * fmax(fabs(vx.estimate.mean), fabs(vy.estimate.mean));
+    const double rounding =
+        MCV_COMPARE_ROUNDING * fmax(fabs(vx.estimate.mean), fabs(vy.estimate.mean));
     const mcv_estimate difference = subtract(&vx.estimate, &vy.estimate);
     const bool equal = fabs(difference.mean) <= rounding;
     const bool constant = difference.variance == 0;
@@ -153,10 +172,12 @@ static outcome test_unit(const side *x, const side *y, const mcv_region *region)
         if (constant && equal) return o;
         /* Without noise all that is known of the replicates is that each side has one value. */
         o.uniform = constant ? 2 * x->rank_table[0] : welch(&difference);
-        o.counts = sqrt(difference.variance) > rounding && enough_events(x, &vx.estimate) && enough_events(y, &vy.estimate);
+        o.counts = sqrt(difference.variance) > rounding && enough_events(x, &vx.estimate) &&
+                   enough_events(y, &vy.estimate);
         /*
-         * The replicates of one pixel may be alike by chance, as at an edge where each counts the same samples: their deviation tells
-         * little. No rank test of them could say more than this.
+         * The replicates of one pixel may be alike by chance, as at an edge where each counts the
+         * same samples: their deviation tells little. No rank test of them could say more than
+         * this.
          */
         const bool pixel = region->width == 1 && region->height == 1;
         o.p = equal ? 1 : fmax(o.uniform, pixel ? 2 * x->rank_table[0] : 0);
@@ -166,13 +187,15 @@ static outcome test_unit(const side *x, const side *y, const mcv_region *region)
 }
 
 /* The unit test: all pixels and tiles, channel by channel. */
-static void test_units(const side *x, const side *y, uint32_t width, uint32_t height, uint32_t channels, mcv_comparison *c) {
+static void test_units(const side *x, const side *y, uint32_t width, uint32_t height,
+                       uint32_t channels, mcv_comparison *c) {
     double smallest = 1;
     for (uint32_t size = 1; size <= MCV_COMPARE_TILE; size *= MCV_COMPARE_TILE) {
         for (uint32_t channel = 0; channel < channels; ++channel) {
             for (uint32_t row = 0; row < height; row += size) {
                 for (uint32_t column = 0; column < width; column += size) {
-                    const mcv_region region = {channel, column, row, width - column < size ? width - column : size,
+                    const mcv_region region = {channel, column, row,
+                                               width - column < size ? width - column : size,
                                                height - row < size ? height - row : size};
                     const outcome o = test_unit(x, y, &region);
                     c->units += o.tested;
@@ -187,37 +210,49 @@ static void test_units(const side *x, const side *y, uint32_t width, uint32_t he
     c->p_unit = smallest == 1 ? 1 : mcv_sidak(smallest, (double)c->units);
 }
 
-/* KS and count: one p-value per tile, over all channels (they share their paths and are no independent cases). */
-static mcv_result test_tiles(const side *x, const side *y, uint32_t width, uint32_t height, mcv_comparison *c, mcv_error *error) {
-    const uint64_t most = (uint64_t)(width / MCV_COMPARE_TILE + 1) * (height / MCV_COMPARE_TILE + 1);
+/* KS and count: one p-value per tile, over all channels (they share their paths and are no
+ * independent cases). */
+static mcv_result test_tiles(const side *x, const side *y, uint32_t width, uint32_t height,
+                             mcv_comparison *c, mcv_error *error) {
+    const uint64_t most =
+        (uint64_t)(width / MCV_COMPARE_TILE + 1) * (height / MCV_COMPARE_TILE + 1);
     double *p = malloc(most * sizeof *p);
-    if (!p) return mcv_fail(error, MCV_FAILED, "no memory to compare %llu tiles", (unsigned long long)most);
+    if (!p)
+        return mcv_fail(error, MCV_FAILED, "no memory to compare %llu tiles",
+                        (unsigned long long)most);
     double variance = 0;
     uint64_t seen = 0;
     for (uint32_t row = 0; row < height; row += MCV_COMPARE_TILE) {
         for (uint32_t column = 0; column < width; column += MCV_COMPARE_TILE) {
-            const mcv_region region = {ALL_CHANNELS, column, row, width - column < MCV_COMPARE_TILE ? width - column : MCV_COMPARE_TILE,
-                                       height - row < MCV_COMPARE_TILE ? height - row : MCV_COMPARE_TILE};
+            const mcv_region region = {
+                ALL_CHANNELS, column, row,
+                width - column < MCV_COMPARE_TILE ? width - column : MCV_COMPARE_TILE,
+                height - row < MCV_COMPARE_TILE ? height - row : MCV_COMPARE_TILE};
             const outcome o = test_unit(x, y, &region);
             variance += o.variance;
             seen += o.seen;
             if (!o.counts) continue;
             p[c->tiles++] = o.uniform;
             c->small_tiles += o.uniform < 0.01;
-            c->histogram[o.uniform < 1 ? (int)(o.uniform * MCV_COMPARE_BINS) : MCV_COMPARE_BINS - 1] += 1;
+            c->histogram[o.uniform < 1 ? (int)(o.uniform * MCV_COMPARE_BINS)
+                                       : MCV_COMPARE_BINS - 1] += 1;
         }
     }
     c->p_tiles = mcv_smaller_than_uniform(p, c->tiles);
     c->p_count = mcv_binomial_upper(c->small_tiles, c->tiles, 0.01);
     free(p);
-    /* Seen in 9 of 10 cases: above the threshold by the t that is exceeded downwards in one of ten. */
+    /* Seen in 9 of 10 cases: above the threshold by the t that is exceeded downwards in one of ten.
+     */
     const double freedom = x->replicates + y->replicates - 2;
-    const double level = c->units > 0 ? mcv_sidak(MCV_COMPARE_ALPHA, 1 / (double)c->units) : MCV_COMPARE_ALPHA;
-    c->detectable_tile = sqrt(variance / (double)seen) * (mcv_student_quantile(level, freedom) + mcv_student_quantile(0.2, freedom));
+    const double level =
+        c->units > 0 ? mcv_sidak(MCV_COMPARE_ALPHA, 1 / (double)c->units) : MCV_COMPARE_ALPHA;
+    c->detectable_tile = sqrt(variance / (double)seen) * (mcv_student_quantile(level, freedom) +
+                                                          mcv_student_quantile(0.2, freedom));
     return MCV_OK;
 }
 
-static void test_image(const side *x, const side *y, uint32_t width, uint32_t height, uint32_t channels, mcv_comparison *c) {
+static void test_image(const side *x, const side *y, uint32_t width, uint32_t height,
+                       uint32_t channels, mcv_comparison *c) {
     view vx, vy;
     double smallest = 1;
     for (uint32_t channel = 0; channel < channels; ++channel) {
@@ -226,7 +261,8 @@ static void test_image(const side *x, const side *y, uint32_t width, uint32_t he
         look(y, x, &whole, &vy);
         if (vx.pixels == 0) continue;
         const mcv_estimate difference = subtract(&vx.estimate, &vy.estimate);
-        const double rounding = MCV_COMPARE_ROUNDING * fmax(fabs(vx.estimate.mean), fabs(vy.estimate.mean));
+        const double rounding =
+            MCV_COMPARE_ROUNDING * fmax(fabs(vx.estimate.mean), fabs(vy.estimate.mean));
         /* Without any variance a difference is certain: welch() is 0. */
         if (fabs(difference.mean) > rounding) smallest = fmin(smallest, welch(&difference));
     }
@@ -242,42 +278,54 @@ static void test_image(const side *x, const side *y, uint32_t width, uint32_t he
     if (vx.pixels == 0 || mean == 0) return;
     const double level = mcv_sidak(MCV_COMPARE_ALPHA, 1.0 / channels);
     c->detectable = sqrt(difference.variance) / mean *
-                    (mcv_student_quantile(level, difference.freedom) + mcv_student_quantile(0.2, difference.freedom));
+                    (mcv_student_quantile(level, difference.freedom) +
+                     mcv_student_quantile(0.2, difference.freedom));
     c->detectable_tile /= mean;
 }
 
 static void judge(const side *x, const side *y, mcv_comparison *c) {
     c->different = true;
     if (c->p_image < MCV_COMPARE_ALPHA) {
-        snprintf(c->reason, sizeof c->reason, "the image means %.6g and %.6g differ by %.3g %% (p = %.2g)", c->mean_x, c->mean_y,
+        snprintf(c->reason, sizeof c->reason,
+                 "the image means %.6g and %.6g differ by %.3g %% (p = %.2g)", c->mean_x, c->mean_y,
                  100 * (c->mean_y / c->mean_x - 1), c->p_image);
     } else if (c->p_unit < MCV_COMPARE_ALPHA) {
         view vx, vy;
         look(x, y, &c->worst, &vx);
         look(y, x, &c->worst, &vy);
         snprintf(c->reason, sizeof c->reason,
-                 "the %u x %u pixels from column %u, row %u on, channel %u, are %.6g and %.6g on average (p = %.2g among %llu units)",
-                 c->worst.width, c->worst.height, c->worst.column, c->worst.row, c->worst.channel, vx.estimate.mean, vy.estimate.mean,
-                 c->p_unit, (unsigned long long)c->units);
+                 "the %u x %u pixels from column %u, row %u on, channel %u, are %.6g and %.6g on "
+                 "average (p = %.2g among %llu units)",
+                 c->worst.width, c->worst.height, c->worst.column, c->worst.row, c->worst.channel,
+                 vx.estimate.mean, vy.estimate.mean, c->p_unit, (unsigned long long)c->units);
     } else if (c->p_tiles < MCV_COMPARE_ALPHA || c->p_count < MCV_COMPARE_ALPHA) {
         snprintf(c->reason, sizeof c->reason,
-                 "%llu of %llu tiles have a p-value below 0.01 (p = %.2g), and all of them are too small (Kolmogorov-Smirnov p = %.2g)",
-                 (unsigned long long)c->small_tiles, (unsigned long long)c->tiles, c->p_count, c->p_tiles);
+                 "%llu of %llu tiles have a p-value below 0.01 (p = %.2g), and all of them are too "
+                 "small (Kolmogorov-Smirnov p = %.2g)",
+                 (unsigned long long)c->small_tiles, (unsigned long long)c->tiles, c->p_count,
+                 c->p_tiles);
     } else {
         c->different = false;
         snprintf(c->reason, sizeof c->reason,
-                 "no difference beyond the noise; %.2g %% of the image mean, or %.2g %% of it in one tile, would have been seen",
+                 "no difference beyond the noise; %.2g %% of the image mean, or %.2g %% of it in "
+                 "one tile, would have been seen",
                  100 * c->detectable, 100 * c->detectable_tile);
     }
 }
 
-static mcv_result compare(side *x, side *y, uint32_t width, uint32_t height, uint32_t channels, mcv_comparison *c, mcv_error *error) {
-    if (x->replicates < 2 || y->replicates < 2 || x->replicates > MCV_MAX_REPLICATES || y->replicates > MCV_MAX_REPLICATES) {
-        return mcv_fail(error, MCV_BAD_INPUT, "renders of %u and %u replicates cannot be compared: 2 to %d are needed, 16 wanted",
-                        x->replicates, y->replicates, MCV_MAX_REPLICATES);
+static mcv_result compare(side *x, side *y, uint32_t width, uint32_t height, uint32_t channels,
+                          mcv_comparison *c, mcv_error *error) {
+    if (x->replicates < 2 || y->replicates < 2 || x->replicates > MCV_MAX_REPLICATES ||
+        y->replicates > MCV_MAX_REPLICATES) {
+        return mcv_fail(
+            error, MCV_BAD_INPUT,
+            "renders of %u and %u replicates cannot be compared: 2 to %d are needed, 16 wanted",
+            x->replicates, y->replicates, MCV_MAX_REPLICATES);
     }
     double *rank_table = mcv_mann_whitney(x->replicates, y->replicates);
-    if (!rank_table) return mcv_fail(error, MCV_FAILED, "no memory to compare %u and %u replicates", x->replicates, y->replicates);
+    if (!rank_table)
+        return mcv_fail(error, MCV_FAILED, "no memory to compare %u and %u replicates",
+                        x->replicates, y->replicates);
     x->rank_table = y->rank_table = rank_table;
     test_units(x, y, width, height, channels, c);
     const mcv_result result = test_tiles(x, y, width, height, c, error);
@@ -289,20 +337,26 @@ static mcv_result compare(side *x, side *y, uint32_t width, uint32_t height, uin
     return result;
 }
 
-static mcv_result sizes_differ(uint32_t w1, uint32_t h1, uint32_t c1, uint32_t w2, uint32_t h2, uint32_t c2, mcv_error *error) {
+static mcv_result sizes_differ(uint32_t w1, uint32_t h1, uint32_t c1, uint32_t w2, uint32_t h2,
+                               uint32_t c2, mcv_error *error) {
     return mcv_fail(error, MCV_BAD_INPUT,
-                    "pictures of %u x %u pixels, %u channels and of %u x %u, %u cannot be compared: sizes must be the same", w1, h1, c1, w2,
-                    h2, c2);
+                    "pictures of %u x %u pixels, %u channels and of %u x %u, %u cannot be "
+                    "compared: sizes must be the same",
+                    w1, h1, c1, w2, h2, c2);
 }
 
-mcv_result mcv_compare_films(const mcv_film *x, const mcv_film *y, mcv_comparison *comparison, mcv_error *error) {
+mcv_result mcv_compare_films(const mcv_film *x, const mcv_film *y, mcv_comparison *comparison,
+                             mcv_error *error) {
     *comparison = (mcv_comparison){0};
     if (x->width != y->width || x->height != y->height || x->channels != y->channels) {
-        return sizes_differ(x->width, x->height, x->channels, y->width, y->height, y->channels, error);
+        return sizes_differ(x->width, x->height, x->channels, y->width, y->height, y->channels,
+                            error);
     }
     if (x->samples == 0 || y->samples == 0)
-        return mcv_fail(error, MCV_FAILED, "a film without samples cannot be compared: nothing was rendered");
-    side sx = {.film = x, .replicates = x->replicates}, sy = {.film = y, .replicates = y->replicates};
+        return mcv_fail(error, MCV_FAILED,
+                        "a film without samples cannot be compared: nothing was rendered");
+    side sx = {.film = x, .replicates = x->replicates},
+         sy = {.film = y, .replicates = y->replicates};
     return compare(&sx, &sy, x->width, x->height, x->channels, comparison, error);
 }
 
@@ -315,10 +369,13 @@ static bool differ_in_finiteness(const mcv_image *x, const mcv_image *y, mcv_com
     const size_t plane = (size_t)x->width * x->height;
     for (size_t i = 0; i < plane * x->channels; ++i) {
         if (!isfinite(x->pixels[i]) == !isfinite(y->pixels[i])) continue;
-        c->worst = (mcv_region){(uint32_t)(i / plane), (uint32_t)(i % x->width), (uint32_t)(i % plane / x->width), 1, 1};
+        c->worst = (mcv_region){(uint32_t)(i / plane), (uint32_t)(i % x->width),
+                                (uint32_t)(i % plane / x->width), 1, 1};
         c->different = true;
-        snprintf(c->reason, sizeof c->reason, "the pixel in column %u, row %u, channel %u, is %g and %g: finite in one image alone",
-                 c->worst.column, c->worst.row, c->worst.channel, x->pixels[i], y->pixels[i]);
+        snprintf(
+            c->reason, sizeof c->reason,
+            "the pixel in column %u, row %u, channel %u, is %g and %g: finite in one image alone",
+            c->worst.column, c->worst.row, c->worst.channel, x->pixels[i], y->pixels[i]);
         return true;
     }
     return false;
@@ -328,21 +385,24 @@ static mcv_result check_sizes(const mcv_measured *x, const mcv_measured *y, mcv_
     const mcv_image *const others[] = {x->error, y->mean, y->error};
     for (int i = 0; i < 3; ++i) {
         if (same_size(x->mean, others[i])) continue;
-        return sizes_differ(x->mean->width, x->mean->height, x->mean->channels, others[i]->width, others[i]->height, others[i]->channels,
-                            error);
+        return sizes_differ(x->mean->width, x->mean->height, x->mean->channels, others[i]->width,
+                            others[i]->height, others[i]->channels, error);
     }
     return MCV_OK;
 }
 
-mcv_result mcv_compare_images(const mcv_measured *x, const mcv_measured *y, mcv_comparison *comparison, mcv_error *error) {
+mcv_result mcv_compare_images(const mcv_measured *x, const mcv_measured *y,
+                              mcv_comparison *comparison, mcv_error *error) {
     *comparison = (mcv_comparison){0};
     MCV_TRY(check_sizes(x, y, error));
     if (differ_in_finiteness(x->mean, y->mean, comparison)) return MCV_OK;
-    side sx = {.measured = x, .replicates = x->replicates}, sy = {.measured = y, .replicates = y->replicates};
+    side sx = {.measured = x, .replicates = x->replicates},
+         sy = {.measured = y, .replicates = y->replicates};
     return compare(&sx, &sy, x->mean->width, x->mean->height, x->mean->channels, comparison, error);
 }
 
-mcv_result mcv_compare_difference(const mcv_measured *x, const mcv_measured *y, mcv_image *difference, mcv_error *error) {
+mcv_result mcv_compare_difference(const mcv_measured *x, const mcv_measured *y,
+                                  mcv_image *difference, mcv_error *error) {
     MCV_TRY(check_sizes(x, y, error));
     MCV_TRY(mcv_image_new(difference, x->mean->width, x->mean->height, 1, error));
     const size_t plane = (size_t)difference->width * difference->height;

@@ -5,7 +5,8 @@
 
 static bool is_inside(const mcv_image *image, const mcv_ring *ring, uint32_t column, uint32_t row) {
     if (!ring) return true;
-    const double r = hypot((column + 0.5 - 0.5 * image->width) * ring->pitch[0], (row + 0.5 - 0.5 * image->height) * ring->pitch[1]);
+    const double r = hypot((column + 0.5 - 0.5 * image->width) * ring->pitch[0],
+                           (row + 0.5 - 0.5 * image->height) * ring->pitch[1]);
     return r >= ring->inner && r <= ring->outer;
 }
 
@@ -37,11 +38,13 @@ mcv_spread mcv_image_spread(const mcv_image *image, const mcv_ring *ring) {
     const moments second = sum_powers(image, ring, mean, 2);
     return (mcv_spread){.count = first.count,
                         .mean = mean,
-                        .deviation = first.count > 1 ? sqrt(second.sum / ((double)first.count - 1)) : NAN,
+                        .deviation =
+                            first.count > 1 ? sqrt(second.sum / ((double)first.count - 1)) : NAN,
                         .largest = first.largest};
 }
 
-double mcv_peak_to_noise(const mcv_image *image, const mcv_ring *region, const mcv_ring *background) {
+double mcv_peak_to_noise(const mcv_image *image, const mcv_ring *region,
+                         const mcv_ring *background) {
     const mcv_spread b = mcv_image_spread(image, background);
     return sum_powers(image, region, b.mean, 1).farthest / b.deviation;
 }

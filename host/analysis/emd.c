@@ -8,14 +8,16 @@
 #include <string.h>
 
 /*
- * A spanning tree of the flow network: sources, sinks and an artificial root, which takes from sources and gives to sinks at a cost
- * that the best plan does not pay. Every arc leaves a source (or the root) for a sink (or the root), so the arc between a node and
- * its parent runs upwards for a source and downwards for a sink.
+ * A spanning tree of the flow network: sources, sinks and an artificial root, which takes from
+ * sources and gives to sinks at a cost that the best plan does not pay. Every arc leaves a source
+ * (or the root) for a sink (or the root), so the arc between a node and its parent runs upwards for
+ * a source and downwards for a sink.
  */
 typedef struct node {
     int32_t parent, first_child, next, previous; /* siblings form a list; -1: none */
     int32_t depth;
-    int32_t bin;      /* -1: the left-over of the larger histogram, which moves for nothing; and the root */
+    int32_t
+        bin; /* -1: the left-over of the larger histogram, which moves for nothing; and the root */
     int64_t flow;     /* on the arc to the parent */
     double potential; /* π_head = π_tail + c along the tree's arcs */
 } node;
@@ -35,10 +37,12 @@ struct mcv_emd {
 mcv_result mcv_emd_new(mcv_emd **emd, uint32_t columns, uint32_t rows, mcv_error *error) {
     *emd = NULL;
     if (columns == 0 || rows == 0 || (uint64_t)columns * rows > MCV_EMD_MAX_BINS)
-        return mcv_fail(error, MCV_BAD_INPUT, "Earth Mover's Distance of %u x %u bins: must be 1 to %d bins", columns, rows,
-                        MCV_EMD_MAX_BINS);
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "Earth Mover's Distance of %u x %u bins: must be 1 to %d bins", columns,
+                        rows, MCV_EMD_MAX_BINS);
     const size_t bins = (size_t)columns * rows;
-    const size_t nodes = bins + 2;                   /* each bin is a source, a sink or neither; the left-over, the root */
+    const size_t nodes =
+        bins + 2; /* each bin is a source, a sink or neither; the left-over, the root */
     const size_t arcs = (bins + 1) * (bins + 1) / 4; /* sources times sinks of bins + 1 nodes */
     mcv_emd *e = calloc(1, sizeof *e);
     if (e) {
@@ -52,7 +56,8 @@ mcv_result mcv_emd_new(mcv_emd **emd, uint32_t columns, uint32_t rows, mcv_error
     }
     if (!e || !e->costs || !e->difference || !e->potential || !e->arcs || !e->sinks || !e->nodes) {
         mcv_emd_free(e);
-        return mcv_fail(error, MCV_FAILED, "no memory for the Earth Mover's Distance of %u x %u bins", columns, rows);
+        return mcv_fail(error, MCV_FAILED,
+                        "no memory for the Earth Mover's Distance of %u x %u bins", columns, rows);
     }
     for (size_t a = 0; a < bins; ++a) {
         for (size_t b = 0; b < bins; ++b) {
@@ -79,7 +84,9 @@ void mcv_emd_free(mcv_emd *emd) {
 
 double mcv_emd_max_cost(const mcv_emd *emd) { return emd->max_cost; }
 
-/* --- the tree --------------------------------------------------------------------------------------------------- */
+/* --- the tree
+ * ---------------------------------------------------------------------------------------------------
+ */
 
 static void attach(node *nodes, int32_t child, int32_t parent) {
     node *c = nodes + child, *p = nodes + parent;
@@ -111,9 +118,11 @@ static void update_node(mcv_emd *e, int32_t v) {
     node *n = e->nodes + v;
     n->depth = e->nodes[parent].depth + 1;
     if (is_source(e, v)) {
-        n->potential = e->nodes[parent].potential - (parent == root ? e->max_cost : arc_cost(e, v, parent));
+        n->potential =
+            e->nodes[parent].potential - (parent == root ? e->max_cost : arc_cost(e, v, parent));
     } else {
-        n->potential = e->nodes[parent].potential + (parent == root ? e->max_cost : arc_cost(e, parent, v));
+        n->potential =
+            e->nodes[parent].potential + (parent == root ? e->max_cost : arc_cost(e, parent, v));
         e->sinks[v - e->source_count] = n->potential;
     }
 }
@@ -134,12 +143,14 @@ static void update_branch(mcv_emd *e, int32_t top) {
     }
 }
 
-/* --- the network simplex method --------------------------------------------------------------------------------- */
+/* --- the network simplex method
+ * --------------------------------------------------------------------------------- */
 
 /*
- * Brings the arc from source to sink into the tree. The arc that leaves is the last one in the cycle's direction, counted from
- * its topmost node, among those that stop the flow (W. H. Cunningham, A network simplex method, Mathematical Programming 11,
- * 1976): then arcs without flow always point to the root, and no sequence of pivots can come back to a tree it has left.
+ * Brings the arc from source to sink into the tree. The arc that leaves is the last one in the
+ * cycle's direction, counted from its topmost node, among those that stop the flow (W. H.
+ * Cunningham, A network simplex method, Mathematical Programming 11, 1976): then arcs without flow
+ * always point to the root, and no sequence of pivots can come back to a tree it has left.
  */
 static void pivot(mcv_emd *e, int32_t source, int32_t sink) {
     node *nodes = e->nodes;
@@ -151,7 +162,8 @@ static void pivot(mcv_emd *e, int32_t source, int32_t sink) {
         else
             b = nodes[b].parent;
     }
-    /* The flow falls on the arcs that run against the cycle: of sources on the source's side, of sinks on the sink's. */
+    /* The flow falls on the arcs that run against the cycle: of sources on the source's side, of
+     * sinks on the sink's. */
     const int32_t join = a;
     for (a = source; a != join; a = nodes[a].parent) {
         if (is_source(e, a) && nodes[a].flow < amount) {
@@ -168,10 +180,13 @@ static void pivot(mcv_emd *e, int32_t source, int32_t sink) {
         }
     }
     if (amount > 0) {
-        for (a = source; a != join; a = nodes[a].parent) nodes[a].flow += is_source(e, a) ? -amount : amount;
-        for (b = sink; b != join; b = nodes[b].parent) nodes[b].flow += is_source(e, b) ? amount : -amount;
+        for (a = source; a != join; a = nodes[a].parent)
+            nodes[a].flow += is_source(e, a) ? -amount : amount;
+        for (b = sink; b != join; b = nodes[b].parent)
+            nodes[b].flow += is_source(e, b) ? amount : -amount;
     }
-    /* The branch that the leaving arc held now hangs on the entering one: the arcs on its way turn round. */
+    /* The branch that the leaving arc held now hangs on the entering one: the arcs on its way turn
+     * round. */
     const int32_t top = at_source ? source : sink;
     int32_t v = top, parent = at_source ? sink : source;
     for (int64_t flow = amount;;) {
@@ -189,9 +204,10 @@ static void pivot(mcv_emd *e, int32_t source, int32_t sink) {
 }
 
 /*
- * Arcs enter while their reduced cost c + π_source - π_sink is below -tolerance, the most negative one of a source's arcs at a
- * time. A potential is a sum over a path of the tree: at depth d it errs by at most ε/4 d (d + 1) max(c), and the depths of two
- * nodes add up to at most `count` + 1. A cost beyond that bound is truly negative, so every pivot is one of exact arithmetic.
+ * Arcs enter while their reduced cost c + π_source - π_sink is below -tolerance, the most negative
+ * one of a source's arcs at a time. A potential is a sum over a path of the tree: at depth d it
+ * errs by at most ε/4 d (d + 1) max(c), and the depths of two nodes add up to at most `count` + 1.
+ * A cost beyond that bound is truly negative, so every pivot is one of exact arithmetic.
  */
 static void optimise(mcv_emd *e) {
     const int32_t sources = e->source_count, sinks = e->sink_count;
@@ -217,15 +233,17 @@ static void optimise(mcv_emd *e) {
     }
 }
 
-/* --- from histograms to a network and back ---------------------------------------------------------------------- */
+/* --- from histograms to a network and back
+ * ---------------------------------------------------------------------- */
 
 static void add_node(mcv_emd *e, int32_t index, int32_t bin, int64_t amount) {
     e->nodes[index] = (node){.first_child = -1, .bin = bin, .flow = amount};
 }
 
 /*
- * Sources and sinks of what is left of both histograms, `supply` and `demand` in all, and a tree of artificial arcs. Amounts are
- * scaled by a power of two so that the larger sum has 52 bits. False where nothing has to be moved.
+ * Sources and sinks of what is left of both histograms, `supply` and `demand` in all, and a tree of
+ * artificial arcs. Amounts are scaled by a power of two so that the larger sum has 52 bits. False
+ * where nothing has to be moved.
  */
 static bool build(mcv_emd *e, double supply, double demand) {
     int exponent;
@@ -235,7 +253,8 @@ static bool build(mcv_emd *e, double supply, double demand) {
     e->source_count = e->sink_count = 0;
     for (int pass = 0; pass < 2; ++pass) { /* sources first */
         for (uint32_t bin = 0; bin < e->bins; ++bin) {
-            const int64_t amount = llrint(ldexp(pass ? e->difference[bin] : -e->difference[bin], 52 - exponent));
+            const int64_t amount =
+                llrint(ldexp(pass ? e->difference[bin] : -e->difference[bin], 52 - exponent));
             if (amount <= 0) continue;
             add_node(e, e->source_count + e->sink_count, (int32_t)bin, amount);
             ++*(pass ? &e->sink_count : &e->source_count);
@@ -245,7 +264,8 @@ static bool build(mcv_emd *e, double supply, double demand) {
     }
     if (e->sink_count == 0) return false;
     if (left_over < 0) { /* the last source: the sinks have to move up */
-        for (int32_t i = e->source_count + e->sink_count; i > e->source_count; --i) e->nodes[i] = e->nodes[i - 1];
+        for (int32_t i = e->source_count + e->sink_count; i > e->source_count; --i)
+            e->nodes[i] = e->nodes[i - 1];
         add_node(e, e->source_count++, -1, -left_over);
     } else if (left_over > 0) {
         add_node(e, e->source_count + e->sink_count++, -1, left_over);
@@ -275,15 +295,17 @@ static double plan_cost(const mcv_emd *e, double supply, double demand) {
         const node *n = e->nodes + v;
         if (n->flow == 0) continue;
         assert(n->parent != root);
-        sum += (double)n->flow * (is_source(e, v) ? arc_cost(e, v, n->parent) : arc_cost(e, n->parent, v));
+        sum += (double)n->flow *
+               (is_source(e, v) ? arc_cost(e, v, n->parent) : arc_cost(e, n->parent, v));
     }
     frexp(fmax(supply, demand), &exponent);
     return ldexp(sum, exponent - 52);
 }
 
 /*
- * Kantorovich's potential from that of the sources: f(x) = min over sources of π + c, by the triangle inequality steep by at
- * most c. A left-over source gives for nothing, so f stays below its π.
+ * Kantorovich's potential from that of the sources: f(x) = min over sources of π + c, by the
+ * triangle inequality steep by at most c. A left-over source gives for nothing, so f stays below
+ * its π.
  */
 static void find_potential(const mcv_emd *e, double *potential) {
     for (uint32_t x = 0; x < e->bins; ++x) potential[x] = INFINITY;
@@ -305,13 +327,16 @@ static double dual_cost(const mcv_emd *e, const double *potential, double supply
         low = fmin(low, potential[x]);
         high = fmax(high, potential[x]);
     }
-    const double extreme = demand > supply ? high : low; /* subtracted from f, not from the sum: fewer digits are lost */
+    const double extreme =
+        demand > supply ? high
+                        : low; /* subtracted from f, not from the sum: fewer digits are lost */
     for (uint32_t x = 0; x < e->bins; ++x) sum += (potential[x] - extreme) * e->difference[x];
     return sum;
 }
 #endif
 
-double mcv_emd_distance(mcv_emd *e, const double *p, const double *q, mcv_emd_form form, double *potential) {
+double mcv_emd_distance(mcv_emd *e, const double *p, const double *q, mcv_emd_form form,
+                        double *potential) {
     double sum_p = 0, sum_q = 0, supply = 0, demand = 0, cost = 0;
     for (uint32_t i = 0; i < e->bins; ++i) {
         sum_p += p[i];
@@ -333,9 +358,11 @@ double mcv_emd_distance(mcv_emd *e, const double *p, const double *q, mcv_emd_fo
         if (!potential) potential = e->potential;
 #endif
         if (potential) find_potential(e, potential);
-        /* Beyond 1e-9 of the distance the histograms' own rounding shows: where they are equal but for it. */
+        /* Beyond 1e-9 of the distance the histograms' own rounding shows: where they are equal but
+         * for it. */
         assert(cost - dual_cost(e, potential, supply, demand) <=
-               1e-9 * (cost + penalty) + DBL_EPSILON * e->bins * e->max_cost * (normalized ? 2 : sum_p + sum_q));
+               1e-9 * (cost + penalty) +
+                   DBL_EPSILON * e->bins * e->max_cost * (normalized ? 2 : sum_p + sum_q));
     }
     return cost + penalty;
 }

@@ -73,22 +73,26 @@ static inline void transform_4(const numbers *x, numbers *y) {
 }
 
 /* By the sum itself; root: how far apart the roots of this radix lie among all n. */
-static inline void transform_sum(const numbers *x, numbers *y, size_t radix, const double *roots, size_t root) {
+static inline void transform_sum(const numbers *x, numbers *y, size_t radix, const double *roots,
+                                 size_t root) {
     for (size_t t = 0; t < radix; ++t) {
         y[t] = x[0];
         for (size_t k = 1; k < radix; ++k) {
             numbers turned;
-            turn(x + k, roots[2 * (t * k % radix) * root], roots[2 * (t * k % radix) * root + 1], &turned);
+            turn(x + k, roots[2 * (t * k % radix) * root], roots[2 * (t * k % radix) * root + 1],
+                 &turned);
             combine(y + t, 1, &turned, y + t);
         }
     }
 }
 
 /*
- * One splitting: of `stride` interleaved transforms of `length` numbers into radix times as many, which come out in order (Stockham, in
- * Van Loan, Computational Frameworks for the Fast Fourier Transform, 1.7).
+ * One splitting: of `stride` interleaved transforms of `length` numbers into radix times as many,
+ * which come out in order (Stockham, in Van Loan, Computational Frameworks for the Fast Fourier
+ * Transform, 1.7).
  */
-static void split(const numbers *from, numbers *to, size_t length, size_t stride, size_t radix, const double *roots, size_t n) {
+static void split(const numbers *from, numbers *to, size_t length, size_t stride, size_t radix,
+                  const double *roots, size_t n) {
     const size_t m = length / radix, step = n / length;
     numbers x[MAX_RADIX], y[MAX_RADIX];
     for (size_t q = 0; q < m; ++q)
@@ -102,7 +106,8 @@ static void split(const numbers *from, numbers *to, size_t length, size_t stride
                 transform_sum(x, y, radix, roots, n / radix);
             to[j + stride * radix * q] = y[0];
             for (size_t t = 1; t < radix; ++t)
-                turn(y + t, roots[2 * q * t * step], roots[2 * q * t * step + 1], to + j + stride * (radix * q + t));
+                turn(y + t, roots[2 * q * t * step], roots[2 * q * t * step + 1],
+                     to + j + stride * (radix * q + t));
         }
 }
 

@@ -7,24 +7,32 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-mcv_result mcv_light_field_check(const char *path, const mcv_image *image, const uint32_t angular[2], mcv_error *error) {
-    if (angular[0] == 0 || angular[1] == 0 || image->width % angular[0] || image->height % angular[1])
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: %u x %u pixels are no whole number of macro pixels of %u x %u", path, image->width,
-                        image->height, angular[0], angular[1]);
+mcv_result mcv_light_field_check(const char *path, const mcv_image *image,
+                                 const uint32_t angular[2], mcv_error *error) {
+    if (angular[0] == 0 || angular[1] == 0 || image->width % angular[0] ||
+        image->height % angular[1])
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: %u x %u pixels are no whole number of macro pixels of %u x %u", path,
+                        image->width, image->height, angular[0], angular[1]);
     const size_t pixels = (size_t)image->width * image->height;
     bool light = false;
     for (size_t i = 0; i < pixels * image->channels; ++i) {
         const double value = image->pixels[i];
         if (!isfinite(value))
-            return mcv_fail(error, MCV_BAD_INPUT, "%s: pixel (%zu, %zu) is %s: every pixel must be a finite number", path,
-                            i % pixels % image->width, i % pixels / image->width, isnan(value) ? "NaN" : "infinite");
+            return mcv_fail(error, MCV_BAD_INPUT,
+                            "%s: pixel (%zu, %zu) is %s: every pixel must be a finite number", path,
+                            i % pixels % image->width, i % pixels / image->width,
+                            isnan(value) ? "NaN" : "infinite");
         light = light || value > 0;
     }
-    if (!light) return mcv_fail(error, MCV_BAD_INPUT, "%s: all of the image is dark: there must be a pixel above 0", path);
+    if (!light)
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: all of the image is dark: there must be a pixel above 0", path);
     return MCV_OK;
 }
 
-mcv_result mcv_light_field_views(const mcv_image *image, const uint32_t angular[2], mcv_image *views, mcv_error *error) {
+mcv_result mcv_light_field_views(const mcv_image *image, const uint32_t angular[2],
+                                 mcv_image *views, mcv_error *error) {
     MCV_TRY(mcv_image_new(views, image->width, image->height, image->channels, error));
     const uint32_t columns = image->width / angular[0], rows = image->height / angular[1];
     for (uint32_t c = 0; c < image->channels; ++c) {
@@ -33,7 +41,8 @@ mcv_result mcv_light_field_views(const mcv_image *image, const uint32_t angular[
             for (uint32_t x = 0; x < image->width; ++x) {
                 const size_t to_row = (size_t)(y % angular[1]) * rows + y / angular[1];
                 const size_t to_column = (size_t)(x % angular[0]) * columns + x / angular[0];
-                views->pixels[plane + to_row * image->width + to_column] = image->pixels[plane + (size_t)y * image->width + x];
+                views->pixels[plane + to_row * image->width + to_column] =
+                    image->pixels[plane + (size_t)y * image->width + x];
             }
         }
     }
@@ -44,24 +53,29 @@ mcv_result mcv_light_field_views(const mcv_image *image, const uint32_t angular[
 static double sum_channels(const mcv_image *image, uint32_t column, uint32_t row) {
     const size_t plane = (size_t)image->width * image->height;
     double sum = 0;
-    for (uint32_t c = 0; c < image->channels; ++c) sum += image->pixels[c * plane + (size_t)row * image->width + column];
+    for (uint32_t c = 0; c < image->channels; ++c)
+        sum += image->pixels[c * plane + (size_t)row * image->width + column];
     return sum;
 }
 
-mcv_result mcv_light_field_plain(const mcv_image *image, const uint32_t angular[2], mcv_image *plain, mcv_error *error) {
+mcv_result mcv_light_field_plain(const mcv_image *image, const uint32_t angular[2],
+                                 mcv_image *plain, mcv_error *error) {
     MCV_TRY(mcv_image_new(plain, image->width / angular[0], image->height / angular[1], 1, error));
     for (uint32_t n = 0; n < plain->height; ++n) {
         for (uint32_t m = 0; m < plain->width; ++m) {
             double sum = 0;
             for (uint32_t k = 0; k < angular[1]; ++k)
-                for (uint32_t j = 0; j < angular[0]; ++j) sum += sum_channels(image, m * angular[0] + j, n * angular[1] + k);
+                for (uint32_t j = 0; j < angular[0]; ++j)
+                    sum += sum_channels(image, m * angular[0] + j, n * angular[1] + k);
             plain->pixels[(size_t)n * plain->width + m] = (float)sum;
         }
     }
     return MCV_OK;
 }
 
-/* --- gradient --------------------------------------------------------------------------------------------------- */
+/* --- gradient
+ * ---------------------------------------------------------------------------------------------------
+ */
 
 typedef struct gradient_job {
     const mcv_image *image;
@@ -85,7 +99,9 @@ static double gather(const gradient_job *job, uint32_t m, uint32_t n, double *hi
     double mass = 0;
     for (uint32_t k = 0; k < angular[1]; ++k) {
         for (uint32_t j = 0; j < angular[0]; ++j) {
-            const double value = fmax(0, sum_channels(job->image, m * angular[0] + j, n * angular[1] + k)) / job->unit;
+            const double value =
+                fmax(0, sum_channels(job->image, m * angular[0] + j, n * angular[1] + k)) /
+                job->unit;
             histogram[(size_t)k * angular[0] + j] = value;
             mass += value;
         }
@@ -106,7 +122,9 @@ static void *run_worker(void *user) {
         for (uint32_t m = 0; m < g->width; ++m) {
             const bool border = m == 0 || n == 0 || m + 1 == g->width || n + 1 == g->height;
             g->pixels[(size_t)n * g->width + m] =
-                border ? NAN : (float)(0.5 * hypot(distance(w, m - 1, n, m + 1, n), distance(w, m, n - 1, m, n + 1)));
+                border ? NAN
+                       : (float)(0.5 * hypot(distance(w, m - 1, n, m + 1, n),
+                                             distance(w, m, n - 1, m, n + 1)));
         }
     }
     return NULL;
@@ -122,7 +140,9 @@ static mcv_result find_unit(gradient_job *job, double *histogram, mcv_error *err
     const mcv_image *g = job->gradient;
     double *masses = malloc((size_t)g->width * g->height * sizeof *masses);
     size_t count = 0;
-    if (!masses) return mcv_fail(error, MCV_FAILED, "no memory for the masses of %u x %u macro pixels", g->width, g->height);
+    if (!masses)
+        return mcv_fail(error, MCV_FAILED, "no memory for the masses of %u x %u macro pixels",
+                        g->width, g->height);
     job->unit = 1;
     for (uint32_t n = 0; n < g->height; ++n) {
         for (uint32_t m = 0; m < g->width; ++m) {
@@ -148,21 +168,26 @@ static mcv_result new_worker(worker *w, gradient_job *job, mcv_error *error) {
 
 enum { MAX_THREADS = 1024 };
 
-static mcv_result run_workers(gradient_job *job, worker *workers, uint32_t count, mcv_error *error) {
+static mcv_result run_workers(gradient_job *job, worker *workers, uint32_t count,
+                              mcv_error *error) {
     pthread_t threads[MAX_THREADS];
     uint32_t started = 1;
     for (uint32_t i = 0; i < count; ++i) MCV_TRY(new_worker(workers + i, job, error));
     MCV_TRY(find_unit(job, workers->p, error));
     /* Without a thread its rows go to the others. */
-    while (started < count && pthread_create(threads + started, NULL, run_worker, workers + started) == 0) ++started;
+    while (started < count &&
+           pthread_create(threads + started, NULL, run_worker, workers + started) == 0)
+        ++started;
     run_worker(workers);
     for (uint32_t i = 1; i < started; ++i) pthread_join(threads[i], NULL);
     return MCV_OK;
 }
 
-mcv_result mcv_light_field_gradient(const mcv_image *image, const uint32_t angular[2], mcv_emd_form form, uint32_t threads,
-                                    mcv_image *gradient, mcv_error *error) {
-    MCV_TRY(mcv_image_new(gradient, image->width / angular[0], image->height / angular[1], 1, error));
+mcv_result mcv_light_field_gradient(const mcv_image *image, const uint32_t angular[2],
+                                    mcv_emd_form form, uint32_t threads, mcv_image *gradient,
+                                    mcv_error *error) {
+    MCV_TRY(
+        mcv_image_new(gradient, image->width / angular[0], image->height / angular[1], 1, error));
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
     if (threads == 0) threads = cores > 0 ? (uint32_t)cores : 1;
     if (threads > MAX_THREADS) threads = MAX_THREADS;

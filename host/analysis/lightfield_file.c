@@ -4,36 +4,44 @@
 #include <math.h>
 #include <string.h>
 
-mcv_result mcv_light_field_attribute(const char *path, const mcv_exr *exr, const char *name, double *numbers, uint32_t count,
-                                     mcv_error *error) {
+mcv_result mcv_light_field_attribute(const char *path, const mcv_exr *exr, const char *name,
+                                     double *numbers, uint32_t count, mcv_error *error) {
     const mcv_attribute *a = mcv_exr_attribute(exr, name);
-    if (!a) return mcv_fail(error, MCV_BAD_INPUT, "%s: the header has no %s: must be an image of a light field camera", path, name);
+    if (!a)
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: the header has no %s: must be an image of a light field camera", path,
+                        name);
     if (a->text || a->count != count)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: %s in the header must be %u number%s", path, name, count, count > 1 ? "s" : "");
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: %s in the header must be %u number%s", path,
+                        name, count, count > 1 ? "s" : "");
     memcpy(numbers, a->numbers, count * sizeof *numbers);
     return MCV_OK;
 }
 
-static mcv_result find_angular(const char *path, const mcv_exr *exr, uint32_t angular[2], mcv_error *error) {
+static mcv_result find_angular(const char *path, const mcv_exr *exr, uint32_t angular[2],
+                               mcv_error *error) {
     static const char name[] = "mcvisi:angularResolution";
     double numbers[2] = {0};
     if (!mcv_exr_attribute(exr, name))
-        return mcv_fail(
-            error, MCV_BAD_INPUT,
-            "%s: is no image of a light field camera, or its header lacks %s: give the pixels of a macro pixel by --angular JxK", path,
-            name);
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: is no image of a light field camera, or its header lacks %s: give the "
+                        "pixels of a macro pixel by --angular JxK",
+                        path, name);
     MCV_TRY(mcv_light_field_attribute(path, exr, name, numbers, 2, error));
     for (int i = 0; i < 2; ++i) {
         if (!(numbers[i] >= 1 && numbers[i] <= MCV_EXR_MAX_SIDE) || numbers[i] != floor(numbers[i]))
-            return mcv_fail(error, MCV_BAD_INPUT, "%s: %s %g x %g in the header: must be two whole numbers from 1 on", path, name,
-                            numbers[0], numbers[1]);
+            return mcv_fail(error, MCV_BAD_INPUT,
+                            "%s: %s %g x %g in the header: must be two whole numbers from 1 on",
+                            path, name, numbers[0], numbers[1]);
         angular[i] = (uint32_t)numbers[i];
     }
     return MCV_OK;
 }
 
-/* The first three channels are R, G, B where there are any; without them Y, or the only channel, is the light. */
-static mcv_result find_light(const char *path, const mcv_exr_part *part, mcv_image *light, mcv_error *error) {
+/* The first three channels are R, G, B where there are any; without them Y, or the only channel, is
+ * the light. */
+static mcv_result find_light(const char *path, const mcv_exr_part *part, mcv_image *light,
+                             mcv_error *error) {
     *light = part->image;
     if (light->channels >= 3 && strcmp(part->channel_names[0], "R") == 0) {
         light->channels = 3;
@@ -45,10 +53,12 @@ static mcv_result find_light(const char *path, const mcv_exr_part *part, mcv_ima
         light->channels = 1;
         return MCV_OK;
     }
-    return mcv_fail(error, MCV_BAD_INPUT, "%s: its %u channels must be Y, or R, G and B", path, part->image.channels);
+    return mcv_fail(error, MCV_BAD_INPUT, "%s: its %u channels must be Y, or R, G and B", path,
+                    part->image.channels);
 }
 
-static mcv_result understand(const char *path, const uint64_t angular[2], mcv_light_field_file *file, mcv_error *error) {
+static mcv_result understand(const char *path, const uint64_t angular[2],
+                             mcv_light_field_file *file, mcv_error *error) {
     double black = 0;
     MCV_TRY(find_light(path, file->exr.parts, &file->image, error));
     if (angular[0] > 0) {
@@ -64,7 +74,8 @@ static mcv_result understand(const char *path, const uint64_t angular[2], mcv_li
     return mcv_light_field_check(path, &file->image, file->angular, error);
 }
 
-mcv_result mcv_light_field_read(const char *path, const uint64_t angular[2], mcv_light_field_file *file, mcv_error *error) {
+mcv_result mcv_light_field_read(const char *path, const uint64_t angular[2],
+                                mcv_light_field_file *file, mcv_error *error) {
     MCV_TRY(mcv_exr_read(path, &file->exr, error));
     const mcv_result result = understand(path, angular, file, error);
     if (result != MCV_OK) mcv_light_field_free(file);

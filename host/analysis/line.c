@@ -9,14 +9,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- a line through several edges --------------------------------------------------------------------------------- */
+/* --- a line through several edges
+ * --------------------------------------------------------------------------------- */
 
-mcv_result mcv_line_parse(const char *text, size_t number, const mcv_image *image, mcv_line *line, mcv_error *error) {
+mcv_result mcv_line_parse(const char *text, size_t number, const mcv_image *image, mcv_line *line,
+                          mcv_error *error) {
     *line = (mcv_line){0};
-    return mcv_boxes_parse("line", text, number, image, MCV_LINE_BOXES, line->edge.name, line->boxes, &line->box_count, error);
+    return mcv_boxes_parse("line", text, number, image, MCV_LINE_BOXES, line->edge.name,
+                           line->boxes, &line->box_count, error);
 }
 
-/* What the line takes of each edge: its place in its middle row, its slope, and how many rows those are from. */
+/* What the line takes of each edge: its place in its middle row, its slope, and how many rows those
+ * are from. */
 typedef struct sums {
     double count, row, place, spread, slope;
 } sums;
@@ -33,26 +37,31 @@ static sums add_up(const mcv_edge_rows *edges, size_t count) {
     for (size_t i = 0; i < count; ++i) {
         const double off = edges[i].middle - s.row;
         s.spread += edges[i].spread + edges[i].count * off * off;
-        s.slope += edges[i].spread * edges[i].slope + edges[i].count * off * (edges[i].at - s.place);
+        s.slope +=
+            edges[i].spread * edges[i].slope + edges[i].count * off * (edges[i].at - s.place);
     }
     s.slope /= s.spread;
     return s;
 }
 
-/* The distances of all rows' places from the line: those from their own edge's, and those of the edges from the line. */
+/* The distances of all rows' places from the line: those from their own edge's, and those of the
+ * edges from the line. */
 static mcv_scatter scatter_of(const mcv_edge_rows *edges, size_t count, const sums *s) {
     mcv_scatter all = {.count = s->count};
     for (size_t i = 0; i < count; ++i) {
         const mcv_edge_rows *e = edges + i;
-        const double off = e->middle - s->row, from = e->at - s->place - s->slope * off, turned = e->slope - s->slope;
-        const double own = 1 - 2 / e->count, at = e->count * e->variance_at * (1 - e->count * (1 / s->count + off * off / s->spread)),
+        const double off = e->middle - s->row, from = e->at - s->place - s->slope * off,
+                     turned = e->slope - s->slope;
+        const double own = 1 - 2 / e->count,
+                     at = e->count * e->variance_at *
+                          (1 - e->count * (1 / s->count + off * off / s->spread)),
                      slope = e->spread * e->variance_slope * (1 - e->spread / s->spread);
         all.squares += e->squares + e->count * from * from + e->spread * turned * turned;
         all.noise += e->noise * own + at + slope;
         all.variance += 2 * (e->noise2 * own + at * at + slope * slope);
-        all.crossed +=
-            4 * (fmax(0, e->squares - e->noise * own) * e->noise / e->count + e->count * from * from * e->count * e->variance_at +
-                 e->spread * turned * turned * e->spread * e->variance_slope);
+        all.crossed += 4 * (fmax(0, e->squares - e->noise * own) * e->noise / e->count +
+                            e->count * from * from * e->count * e->variance_at +
+                            e->spread * turned * turned * e->spread * e->variance_slope);
     }
     return all;
 }
@@ -63,13 +72,17 @@ static void fit(const mcv_edge_rows *edges, size_t count, double freedom, mcv_li
     mcv_edge *e = &line->edge;
     double at = 0, slope = 0;
     for (size_t i = 0; i < count; ++i) {
-        const double share = edges[i].count / s.count, lever = edges[i].count * (edges[i].middle - s.row) / s.spread;
+        const double share = edges[i].count / s.count,
+                     lever = edges[i].count * (edges[i].middle - s.row) / s.spread;
         at += share * share * edges[i].variance_at;
-        slope += lever * lever * edges[i].variance_at + pow(edges[i].spread / s.spread, 2) * edges[i].variance_slope;
+        slope += lever * lever * edges[i].variance_at +
+                 pow(edges[i].spread / s.spread, 2) * edges[i].variance_slope;
     }
     /* Places that scatter by clearly more than their noise say by how much (Birge's ratio). */
-    const double clearly = scatter.noise + 3 * sqrt(scatter.variance), misfit = scatter.squares / scatter.noise;
-    const double wide = mcv_widening(freedom) * (scatter.squares > clearly ? sqrt(misfit) : 1), cosine = 1 / sqrt(1 + s.slope * s.slope);
+    const double clearly = scatter.noise + 3 * sqrt(scatter.variance),
+                 misfit = scatter.squares / scatter.noise;
+    const double wide = mcv_widening(freedom) * (scatter.squares > clearly ? sqrt(misfit) : 1),
+                 cosine = 1 / sqrt(1 + s.slope * s.slope);
     const int across = e->across_rows ? 0 : 1;
     const double sign = e->normal[across] < 0 ? -1 : 1;
     e->point[across] = s.place;
@@ -87,10 +100,12 @@ mcv_result mcv_line_locate(mcv_readings *readings, double least, mcv_line *line,
     mcv_edge_rows *rows = malloc(line->box_count * sizeof *rows);
     mcv_result result = MCV_OK;
     double freedom = INFINITY;
-    if (!rows) return mcv_fail(error, MCV_FAILED, "line %s: no memory for its edges", line->edge.name);
+    if (!rows)
+        return mcv_fail(error, MCV_FAILED, "line %s: no memory for its edges", line->edge.name);
     for (size_t i = 0; result == MCV_OK && i < line->box_count; ++i) {
         mcv_edge edge = {.box = line->boxes[i]};
-        snprintf(edge.name, sizeof edge.name, "%.*s, box %zu", mcv_whole_characters(line->edge.name, 40), line->edge.name, i + 1);
+        snprintf(edge.name, sizeof edge.name, "%.*s, box %zu",
+                 mcv_whole_characters(line->edge.name, 40), line->edge.name, i + 1);
         result = mcv_edge_locate(readings, least, &edge, error);
         if (result != MCV_OK) break;
         rows[i] = edge.rows;
@@ -100,32 +115,39 @@ mcv_result mcv_line_locate(mcv_readings *readings, double least, mcv_line *line,
         const mcv_edge *first = &line->edge;
         const double turn = edge.normal[0] * first->normal[0] + edge.normal[1] * first->normal[1];
         if (edge.across_rows != first->across_rows || turn < 0)
-            result =
-                mcv_fail(error, MCV_FAILED,
-                         "line %s: the edge in box %zu is not one line with that in the first: it must run the same way, bright on the "
-                         "same side",
-                         first->name, i + 1);
+            result = mcv_fail(error, MCV_FAILED,
+                              "line %s: the edge in box %zu is not one line with that in the "
+                              "first: it must run the same way, bright on the "
+                              "same side",
+                              first->name, i + 1);
     }
     if (result == MCV_OK) fit(rows, line->box_count, freedom, line);
     free(rows);
     return result;
 }
 
-/* --- a width ------------------------------------------------------------------------------------------------------ */
+/* --- a width
+ * ------------------------------------------------------------------------------------------------------
+ */
 
-mcv_result mcv_caliper_parse(const char *text, size_t number, const mcv_image *image, mcv_caliper *caliper, mcv_error *error) {
+mcv_result mcv_caliper_parse(const char *text, size_t number, const mcv_image *image,
+                             mcv_caliper *caliper, mcv_error *error) {
     size_t count;
     *caliper = (mcv_caliper){0};
-    MCV_TRY(mcv_boxes_parse("caliper", text, number, image, 1, caliper->name, &caliper->box, &count, error));
+    MCV_TRY(mcv_boxes_parse("caliper", text, number, image, 1, caliper->name, &caliper->box, &count,
+                            error));
     if (caliper->box.width == caliper->box.height)
-        return mcv_fail(error, MCV_USAGE, "caliper %s is square: make it longer along the width to be measured", text);
+        return mcv_fail(error, MCV_USAGE,
+                        "caliper %s is square: make it longer along the width to be measured",
+                        text);
     return MCV_OK;
 }
 
 /* The mean over the shorter side, along the longer one. */
 static void find_profile(const mcv_image *image, const mcv_pixel_box *box, double *profile) {
     const bool lying = box->width > box->height;
-    const uint32_t length = lying ? box->width : box->height, depth = lying ? box->height : box->width;
+    const uint32_t length = lying ? box->width : box->height,
+                   depth = lying ? box->height : box->width;
     for (uint32_t i = 0; i < length; ++i) {
         profile[i] = 0;
         for (uint32_t k = 0; k < depth; ++k) {
@@ -142,9 +164,9 @@ static double mean_of(const double *values, uint32_t from, uint32_t to) {
 }
 
 /*
- * Which pixels of the profile the two edges are in. A tilted edge's profile is a ramp without a steepest place: between the profile's
- * strongest rise and fall the middle third tells one plateau, the outer halves the other, and a step of the same light the place. False
- * where there is no room.
+ * Which pixels of the profile the two edges are in. A tilted edge's profile is a ramp without a
+ * steepest place: between the profile's strongest rise and fall the middle third tells one plateau,
+ * the outer halves the other, and a step of the same light the place. False where there is no room.
  */
 static bool find_middles(const double *profile, uint32_t length, uint32_t middles[2]) {
     double most[2] = {0, 0};
@@ -157,53 +179,62 @@ static bool find_middles(const double *profile, uint32_t length, uint32_t middle
             steepest[sign] = i;
         }
     }
-    const uint32_t low = steepest[0] < steepest[1] ? steepest[0] : steepest[1], high = steepest[0] + steepest[1] - low;
+    const uint32_t low = steepest[0] < steepest[1] ? steepest[0] : steepest[1],
+                   high = steepest[0] + steepest[1] - low;
     if (low < 5 || high + 5 >= length || high < low + 9) return false;
     const uint32_t third = (high - low) / 3, half = (low + high) / 2;
-    const double inner = mean_of(profile, low + third, high - third), before = mean_of(profile, 0, low / 2),
+    const double inner = mean_of(profile, low + third, high - third),
+                 before = mean_of(profile, 0, low / 2),
                  behind = mean_of(profile, high + (length - high) / 2, length);
     const double first = half * (mean_of(profile, 0, half) - inner) / (before - inner),
-                 second = length - (length - half) * (mean_of(profile, half, length) - inner) / (behind - inner);
+                 second = length - (length - half) * (mean_of(profile, half, length) - inner) /
+                                       (behind - inner);
     if (!(first >= 4 && first < half && second > half && second < length - 4)) return false;
     middles[0] = (uint32_t)first;
     middles[1] = (uint32_t)second;
     return true;
 }
 
-mcv_result mcv_caliper_locate(mcv_readings *readings, double least, mcv_caliper *caliper, mcv_error *error) {
+mcv_result mcv_caliper_locate(mcv_readings *readings, double least, mcv_caliper *caliper,
+                              mcv_error *error) {
     const mcv_pixel_box *box = &caliper->box;
     const bool lying = box->width > box->height;
     const uint32_t length = lying ? box->width : box->height;
     uint32_t middles[2] = {0, 0};
     double *profile = malloc(length * sizeof *profile);
-    if (!profile) return mcv_fail(error, MCV_FAILED, "caliper %s: no memory for its profile", caliper->name);
+    if (!profile)
+        return mcv_fail(error, MCV_FAILED, "caliper %s: no memory for its profile", caliper->name);
     find_profile(&readings->values, box, profile);
     const bool found = find_middles(profile, length, middles);
     free(profile);
-    const uint32_t low = middles[0], high = middles[1], half = found ? (high - low - 1) / 2 : 0; /* no pixel belongs to both */
+    const uint32_t low = middles[0], high = middles[1],
+                   half = found ? (high - low - 1) / 2 : 0; /* no pixel belongs to both */
     for (int i = 0; i < 2; ++i) {
         /* About each edge as far as the box reaches and the other edge lets it. */
-        const uint32_t middle = i ? high : low, beside = i ? length - 1 - high : low, reach = half < beside ? half : beside;
+        const uint32_t middle = i ? high : low, beside = i ? length - 1 - high : low,
+                       reach = half < beside ? half : beside;
         mcv_edge *edge = caliper->edges + i;
         *edge = (mcv_edge){.box = *box};
-        snprintf(edge->name, sizeof edge->name, "%.*s, %s edge", mcv_whole_characters(caliper->name, 40), caliper->name,
-                 i ? "second" : "first");
+        snprintf(edge->name, sizeof edge->name, "%.*s, %s edge",
+                 mcv_whole_characters(caliper->name, 40), caliper->name, i ? "second" : "first");
         if (reach < 5)
-            return mcv_fail(
-                error, MCV_FAILED,
-                "caliper %s: the box must hold two opposite edges across its longer side, 10 pixels apart or more, and 5 pixels "
-                "beyond each",
-                caliper->name);
+            return mcv_fail(error, MCV_FAILED,
+                            "caliper %s: the box must hold two opposite edges across its longer "
+                            "side, 10 pixels apart or more, and 5 pixels "
+                            "beyond each",
+                            caliper->name);
         *(lying ? &edge->box.x : &edge->box.y) += middle - reach;
         *(lying ? &edge->box.width : &edge->box.height) = 2 * reach + 1;
         MCV_TRY(mcv_edge_locate(readings, least, edge, error));
         MCV_TRY(mcv_edge_is_straight(edge, error));
         if (edge->across_rows != lying)
-            return mcv_fail(error, MCV_FAILED, "caliper %s: its edges must run across its longer side", caliper->name);
+            return mcv_fail(error, MCV_FAILED,
+                            "caliper %s: its edges must run across its longer side", caliper->name);
     }
     const mcv_edge *a = caliper->edges, *b = a + 1;
     caliper->width = mcv_edge_distance(a, b);
     caliper->width.value = fabs(caliper->width.value);
-    caliper->angle = (mcv_quantity){b->tilt.value - a->tilt.value, hypot(a->tilt.uncertainty, b->tilt.uncertainty)};
+    caliper->angle = (mcv_quantity){b->tilt.value - a->tilt.value,
+                                    hypot(a->tilt.uncertainty, b->tilt.uncertainty)};
     return MCV_OK;
 }

@@ -19,7 +19,8 @@ void mcv_philox(const uint32_t counter[4], const uint32_t key[2], uint32_t words
 }
 
 mcv_noise mcv_noise_begin(uint32_t seed, uint32_t channel, uint64_t pixel) {
-    return (mcv_noise){.key = {seed, 0}, .counter = {(uint32_t)pixel, (uint32_t)(pixel >> 32), channel, 0}};
+    return (mcv_noise){.key = {seed, 0},
+                       .counter = {(uint32_t)pixel, (uint32_t)(pixel >> 32), channel, 0}};
 }
 
 double mcv_noise_uniform(mcv_noise *noise) {
@@ -64,6 +65,8 @@ double mcv_noise_poisson(mcv_noise *noise, double mean) {
         if (us >= 0.07 && v <= squeeze) return k;
         if (k < 0 || (us < 0.013 && v > us)) continue;
         int sign;
-        if (log(v * inverse_alpha / (a / (us * us) + b)) <= k * log(mean) - mean - lgamma_r(k + 1, &sign)) return k;
+        if (log(v * inverse_alpha / (a / (us * us) + b)) <=
+            k * log(mean) - mean - lgamma_r(k + 1, &sign))
+            return k;
     }
 }

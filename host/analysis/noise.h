@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Random numbers of physical noise. Each (seed, channel, pixel) has a stream of its own, Philox4x32-10 (Salmon, Moraes, Dror and
- * Shaw, Parallel random numbers: as easy as 1, 2, 3, SC 2011): the order in which pixels are treated does not matter.
+ * Random numbers of physical noise. Each (seed, channel, pixel) has a stream of its own,
+ * Philox4x32-10 (Salmon, Moraes, Dror and Shaw, Parallel random numbers: as easy as 1, 2, 3, SC
+ * 2011): the order in which pixels are treated does not matter.
  */
 #ifndef MCVISI_HOST_ANALYSIS_NOISE_H
 #define MCVISI_HOST_ANALYSIS_NOISE_H
@@ -27,8 +28,9 @@ double mcv_noise_uniform(mcv_noise *noise);
 double mcv_noise_normal(mcv_noise *noise);
 
 /*
- * Poisson, exact up to the rounding of doubles, for a mean >= 0: below 10 by inversion, above by transformed rejection (Hörmann,
- * The transformed rejection method for generating Poisson random variables, 1993, algorithm PTRS).
+ * Poisson, exact up to the rounding of doubles, for a mean >= 0: below 10 by inversion, above by
+ * transformed rejection (Hörmann, The transformed rejection method for generating Poisson random
+ * variables, 1993, algorithm PTRS).
  */
 double mcv_noise_poisson(mcv_noise *noise, double mean);
 

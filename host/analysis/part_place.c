@@ -10,7 +10,8 @@
 
 enum { LENGTHS = 5 };
 
-/* X, Y, Z, W, H up to the end of the place. NULL where they are no such list, else where it ends. */
+/* X, Y, Z, W, H up to the end of the place. NULL where they are no such list, else where it ends.
+ */
 static const char *read_lengths(const char *text, double lengths[LENGTHS]) {
     for (int i = 0; i < LENGTHS; ++i) {
         char one[64];
@@ -37,19 +38,24 @@ static bool has_bare_number(const char *text, const char *end) {
 }
 
 /* Pixels of the rectangle about a point of the world. */
-static mcv_result project(const char *what, const char *text, const mcv_camera_model *model, const double world[3], const double size[2],
-                          bool unitless, long box[4], mcv_error *error) {
+static mcv_result project(const char *what, const char *text, const mcv_camera_model *model,
+                          const double world[3], const double size[2], bool unitless, long box[4],
+                          mcv_error *error) {
     double pixel[2], per_metre[2];
-    if (!mcv_camera_model_project(model, world, pixel)) return mcv_fail(error, MCV_USAGE, "%s %s: lies behind the camera", what, text);
+    if (!mcv_camera_model_project(model, world, pixel))
+        return mcv_fail(error, MCV_USAGE, "%s %s: lies behind the camera", what, text);
     mcv_camera_model_scale(model, mcv_camera_model_depth(model, world), per_metre);
     for (int i = 0; i < 2; ++i) {
-        const double pixels = fmax(1, rint(size[i] * per_metre[i])), first = rint(pixel[i] - pixels / 2);
+        const double pixels = fmax(1, rint(size[i] * per_metre[i])),
+                     first = rint(pixel[i] - pixels / 2);
         if (!(first >= 0 && first + pixels <= model->size[i]))
             return mcv_fail(error, MCV_USAGE,
-                            "%s %s: its middle lies at column %.1f, row %.1f, and it reaches from %s %.0f to %.0f: the image has %u x %u "
+                            "%s %s: its middle lies at column %.1f, row %.1f, and it reaches from "
+                            "%s %.0f to %.0f: the image has %u x %u "
                             "pixels%s",
-                            what, text, pixel[0], pixel[1], i == 0 ? "column" : "row", first, first + pixels, model->size[0],
-                            model->size[1], unitless ? "; a length without a unit is in metres" : "");
+                            what, text, pixel[0], pixel[1], i == 0 ? "column" : "row", first,
+                            first + pixels, model->size[0], model->size[1],
+                            unitless ? "; a length without a unit is in metres" : "");
         box[i] = (long)first;
         box[i + 2] = (long)pixels;
     }
@@ -57,17 +63,22 @@ static mcv_result project(const char *what, const char *text, const mcv_camera_m
 }
 
 /* One place, from behind its '@'; *end is where it ends. */
-static mcv_result resolve_place(const char *what, const char *text, const char *place, const mcv_camera_model *model, long box[4],
-                                const char **end, mcv_error *error) {
+static mcv_result resolve_place(const char *what, const char *text, const char *place,
+                                const mcv_camera_model *model, long box[4], const char **end,
+                                mcv_error *error) {
     const char *colon = strchr(place, ':');
     double lengths[LENGTHS], world[3];
     const mcv_placement *node;
     const char *ends = colon ? read_lengths(colon + 1, lengths) : NULL;
     if (!ends || !(lengths[3] > 0 && lengths[4] > 0))
         return mcv_fail(error, MCV_USAGE,
-                        "%s %s: must be [NAME=]@NODE:X,Y,Z,W,H, lengths with units, as in left=@part:-20mm,0mm,3mm,2mm,4mm", what, text);
+                        "%s %s: must be [NAME=]@NODE:X,Y,Z,W,H, lengths with units, as in "
+                        "left=@part:-20mm,0mm,3mm,2mm,4mm",
+                        what, text);
     if (!model)
-        return mcv_fail(error, MCV_USAGE, "%s %s: the image's header does not say where the node lies: give --scene, or pixels X,Y,W,H",
+        return mcv_fail(error, MCV_USAGE,
+                        "%s %s: the image's header does not say where the node lies: give --scene, "
+                        "or pixels X,Y,W,H",
                         what, text);
     char *name = strndup(place, (size_t)(colon - place)), where[256];
     if (!name) return mcv_fail(error, MCV_FAILED, "%s %s: no memory for its node", what, text);
@@ -77,10 +88,12 @@ static mcv_result resolve_place(const char *what, const char *text, const char *
     MCV_TRY(found);
     mcv_transform_point(&node->to_world, lengths, world);
     *end = ends;
-    return project(what, text, model, world, lengths + 3, has_bare_number(colon + 1, ends), box, error);
+    return project(what, text, model, world, lengths + 3, has_bare_number(colon + 1, ends), box,
+                   error);
 }
 
-mcv_result mcv_part_place_resolve(const char *what, const char *text, const mcv_camera_model *model, char **out, mcv_error *error) {
+mcv_result mcv_part_place_resolve(const char *what, const char *text, const mcv_camera_model *model,
+                                  char **out, mcv_error *error) {
     size_t size = 0;
     const char *from = text;
     mcv_result result = MCV_OK;
@@ -98,5 +111,6 @@ mcv_result mcv_part_place_resolve(const char *what, const char *text, const mcv_
     if (result == MCV_OK && *out) return MCV_OK;
     free(*out);
     *out = NULL;
-    return result == MCV_OK ? mcv_fail(error, MCV_FAILED, "%s %s: no memory for it", what, text) : result;
+    return result == MCV_OK ? mcv_fail(error, MCV_FAILED, "%s %s: no memory for it", what, text)
+                            : result;
 }

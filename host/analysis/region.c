@@ -2,18 +2,20 @@
 #include "analysis/region.h"
 
 #include "analysis/form.h"
-#include "output/values.h"
+#include "io/values.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* --- what belongs to it ----------------------------------------------------------------------------------------- */
+/* --- what belongs to it
+ * ----------------------------------------------------------------------------------------- */
 
 enum { MAX_NUMBERS = 256 };
 
-size_t mcv_roi_numbers(const char *text, size_t number, char name[64], const char **rest, double *numbers, size_t most) {
+size_t mcv_roi_numbers(const char *text, size_t number, char name[64], const char **rest,
+                       double *numbers, size_t most) {
     const char *equals = strchr(text, '=');
     if (equals && equals > text)
         snprintf(name, 64, "%.*s", (int)(equals - text), text);
@@ -39,46 +41,60 @@ static bool in_polygon(const double *corners, size_t count, double x, double y) 
     bool inside = false;
     for (size_t i = 0, j = count - 1; i < count; j = i++) {
         const double *a = corners + 2 * i, *b = corners + 2 * j;
-        if ((a[1] > y) != (b[1] > y) && x > a[0] + (y - a[1]) * (b[0] - a[0]) / (b[1] - a[1])) inside = !inside;
+        if ((a[1] > y) != (b[1] > y) && x > a[0] + (y - a[1]) * (b[0] - a[0]) / (b[1] - a[1]))
+            inside = !inside;
     }
     return inside;
 }
 
-static mcv_result fill_polygon(const char *text, const double *corners, size_t count, mcv_roi *region, mcv_error *error) {
+static mcv_result fill_polygon(const char *text, const double *corners, size_t count,
+                               mcv_roi *region, mcv_error *error) {
     for (size_t i = 0; i < count; ++i)
-        if (!(corners[2 * i] >= 0 && corners[2 * i] <= region->width && corners[2 * i + 1] >= 0 && corners[2 * i + 1] <= region->height))
-            return mcv_fail(error, MCV_USAGE, "region %s reaches to column %g, row %g: the image has %u x %u pixels", text, corners[2 * i],
-                            corners[2 * i + 1], region->width, region->height);
+        if (!(corners[2 * i] >= 0 && corners[2 * i] <= region->width && corners[2 * i + 1] >= 0 &&
+              corners[2 * i + 1] <= region->height))
+            return mcv_fail(error, MCV_USAGE,
+                            "region %s reaches to column %g, row %g: the image has %u x %u pixels",
+                            text, corners[2 * i], corners[2 * i + 1], region->width,
+                            region->height);
     for (uint32_t y = 0; y < region->height; ++y)
         for (uint32_t x = 0; x < region->width; ++x)
-            region->inside[(size_t)y * region->width + x] = in_polygon(corners, count, x + 0.5, y + 0.5);
+            region->inside[(size_t)y * region->width + x] =
+                in_polygon(corners, count, x + 0.5, y + 0.5);
     return MCV_OK;
 }
 
 static mcv_result fill_mask(const char *text, const char *path, mcv_roi *region, mcv_error *error) {
     mcv_image mask;
     if (!mcv_values_named(path))
-        return mcv_fail(error, MCV_USAGE, "region %s must be X,Y,W,H, a polygon X,Y,X,Y,X,Y,… or an image " MCV_VALUES_ENDINGS, text);
+        return mcv_fail(
+            error, MCV_USAGE,
+            "region %s must be X,Y,W,H, a polygon X,Y,X,Y,X,Y,… or an image " MCV_VALUES_ENDINGS,
+            text);
     MCV_TRY(mcv_values_read(path, &mask, error));
     const bool fits = mask.width == region->width && mask.height == region->height;
-    const mcv_result result = fits ? MCV_OK
-                                   : mcv_fail(error, MCV_BAD_INPUT, "%s: a mask of %u x %u pixels: the image has %u x %u", path, mask.width,
-                                              mask.height, region->width, region->height);
-    for (size_t i = 0; fits && i < (size_t)region->width * region->height; ++i) region->inside[i] = mask.pixels[i] > 0;
+    const mcv_result result =
+        fits ? MCV_OK
+             : mcv_fail(error, MCV_BAD_INPUT, "%s: a mask of %u x %u pixels: the image has %u x %u",
+                        path, mask.width, mask.height, region->width, region->height);
+    for (size_t i = 0; fits && i < (size_t)region->width * region->height; ++i)
+        region->inside[i] = mask.pixels[i] > 0;
     mcv_image_free(&mask);
     return result;
 }
 
-mcv_result mcv_roi_parse(const char *text, size_t number, const mcv_image *image, mcv_roi *region, mcv_error *error) {
+mcv_result mcv_roi_parse(const char *text, size_t number, const mcv_image *image, mcv_roi *region,
+                         mcv_error *error) {
     double n[MAX_NUMBERS];
     const char *rest;
     *region = (mcv_roi){.width = image->width, .height = image->height};
-    const size_t count = mcv_roi_numbers(text, number, region->name, &rest, n, MAX_NUMBERS), plane = (size_t)image->width * image->height;
+    const size_t count = mcv_roi_numbers(text, number, region->name, &rest, n, MAX_NUMBERS),
+                 plane = (size_t)image->width * image->height;
     region->inside = calloc(plane, 1);
     if (!region->inside) return mcv_fail(error, MCV_FAILED, "region %s: no memory for it", text);
     mcv_result result;
     if (count == 4) {
-        const double box[] = {n[0], n[1], n[0] + n[2], n[1], n[0] + n[2], n[1] + n[3], n[0], n[1] + n[3]};
+        const double box[] = {n[0],        n[1],        n[0] + n[2], n[1],
+                              n[0] + n[2], n[1] + n[3], n[0],        n[1] + n[3]};
         result = fill_polygon(text, box, 4, region, error);
     } else if (count >= 6 && count % 2 == 0) {
         result = fill_polygon(text, n, count / 2, region, error);
@@ -89,7 +105,8 @@ mcv_result mcv_roi_parse(const char *text, size_t number, const mcv_image *image
         region->inside[i] = region->inside[i] && !isnan(image->pixels[i]);
         region->count += region->inside[i];
     }
-    if (result == MCV_OK && region->count == 0) result = mcv_fail(error, MCV_USAGE, "region %s holds no pixel of the image", text);
+    if (result == MCV_OK && region->count == 0)
+        result = mcv_fail(error, MCV_USAGE, "region %s holds no pixel of the image", text);
     if (result != MCV_OK) mcv_roi_free(region);
     return result;
 }
@@ -99,7 +116,9 @@ void mcv_roi_free(mcv_roi *region) {
     region->inside = NULL;
 }
 
-/* --- noise ------------------------------------------------------------------------------------------------------ */
+/* --- noise
+ * ------------------------------------------------------------------------------------------------------
+ */
 
 static double render_variance(const mcv_readings *r, size_t i) {
     return r->render.pixels ? (double)r->render.pixels[i] * r->render.pixels[i] : 0;
@@ -122,16 +141,20 @@ static bool has_neighbours(const mcv_roi *r, uint32_t x, uint32_t y) {
 }
 
 /*
- * Of N second differences, which share pixels: by simulation, for squares of 3 x 3 to 32 x 32 pixels, the squared median is 1 + 5/N times
- * the variance in the mean, and as uncertain as a variance from so many degrees of freedom.
+ * Of N second differences, which share pixels: by simulation, for squares of 3 x 3 to 32 x 32
+ * pixels, the squared median is 1 + 5/N times the variance in the mean, and as uncertain as a
+ * variance from so many degrees of freedom.
  */
 static double estimate_bias(double differences) { return 1 + 5 / differences; }
 
-double mcv_roi_estimate_freedom(uint64_t differences) { return differences ? ((double)differences + 4) / 6 : INFINITY; }
+double mcv_roi_estimate_freedom(uint64_t differences) {
+    return differences ? ((double)differences + 4) / 6 : INFINITY;
+}
 
 double mcv_roi_estimate_noise(mcv_readings *readings, mcv_roi *region, double least) {
-    static const float stencil[3][3] = {{1, -2, 1}, {-2, 4, -2}, {1, -2, 1}}; /* noise of 1 makes 6 */
-    const double median_of_normal = 0.67448975;                               /* of |Z| */
+    static const float stencil[3][3] = {
+        {1, -2, 1}, {-2, 4, -2}, {1, -2, 1}};   /* noise of 1 makes 6 */
+    const double median_of_normal = 0.67448975; /* of |Z| */
     const uint32_t width = region->width;
     float *found = malloc(region->count * sizeof *found);
     size_t count = 0;
@@ -140,7 +163,9 @@ double mcv_roi_estimate_noise(mcv_readings *readings, mcv_roi *region, double le
             float sum = 0;
             if (!has_neighbours(region, x, y)) continue;
             for (uint32_t j = 0; j < 3; ++j)
-                for (uint32_t i = 0; i < 3; ++i) sum += stencil[j][i] * readings->values.pixels[(size_t)(y - 1 + j) * width + x - 1 + i];
+                for (uint32_t i = 0; i < 3; ++i)
+                    sum += stencil[j][i] *
+                           readings->values.pixels[(size_t)(y - 1 + j) * width + x - 1 + i];
             found[count++] = fabsf(sum);
         }
     double noise = NAN, render = 0;
@@ -150,19 +175,25 @@ double mcv_roi_estimate_noise(mcv_readings *readings, mcv_roi *region, double le
         qsort(found, count, sizeof *found, compare_floats);
         const double median = 0.5 * ((double)found[(count - 1) / 2] + found[count / 2]);
         const double all = median / (6 * median_of_normal * sqrt(estimate_bias((double)count)));
-        noise = render > 0 ? sqrt(fmax(0, all * all - correlation_of(readings).stencil * render)) : all;
+        noise =
+            render > 0 ? sqrt(fmax(0, all * all - correlation_of(readings).stencil * render)) : all;
         noise = fmax(least, noise);
     }
     free(found);
     region->estimated = count;
     for (size_t i = 0; i < (size_t)width * region->height; ++i)
-        if (region->inside[i]) readings->deviation.pixels[i] = (float)hypot(noise, sqrt(render_variance(readings, i)));
+        if (region->inside[i])
+            readings->deviation.pixels[i] = (float)hypot(noise, sqrt(render_variance(readings, i)));
     return noise;
 }
 
-/* --- figures ---------------------------------------------------------------------------------------------------- */
+/* --- figures
+ * ----------------------------------------------------------------------------------------------------
+ */
 
-static mcv_quantity quantity(double value, double variance) { return (mcv_quantity){value, sqrt(fmax(0, variance))}; }
+static mcv_quantity quantity(double value, double variance) {
+    return (mcv_quantity){value, sqrt(fmax(0, variance))};
+}
 
 /* A variance that is known from so many degrees of freedom, as wide as one that is known. */
 static double widened(double variance, double freedom) {
@@ -171,17 +202,20 @@ static double widened(double variance, double freedom) {
 }
 
 /*
- * Mean m and sample variance V of n values y whose pixels have the variances u²: Var m = Σu²/n², Cov(m, V) = 2 Σ(y - m)u²/(n (n - 1)) and,
- * the noise being normal, Var V = (4 Σ(y - m)²u² - 2 Σu⁴)/(n - 1)², in which the second term takes out the noise that y brings into the
- * first; 2 Σu⁴/(n - 1)² where all is noise. Half of that is the least: few values may lie closer together than their noise. The square of
- * an estimated u² is too large by its own variance, 2/freedom of it.
+ * Mean m and sample variance V of n values y whose pixels have the variances u²: Var m = Σu²/n²,
+ * Cov(m, V) = 2 Σ(y - m)u²/(n (n - 1)) and, the noise being normal, Var V = (4 Σ(y - m)²u² - 2
+ * Σu⁴)/(n - 1)², in which the second term takes out the noise that y brings into the first; 2
+ * Σu⁴/(n - 1)² where all is noise. Half of that is the least: few values may lie closer together
+ * than their noise. The square of an estimated u² is too large by its own variance, 2/freedom of
+ * it.
  *
- * Part of u² is the error r² of the render; where a lens has blurred it, neighbours share it. With correlations ρ, A = Σρ and B = Σρ², it
- * counts A r² in sums of the values and B r⁴ in those of squares, and V holds (n - A)/(n - 1) of it. A is the most that it can be: signals
- * that change within the reach of the blur weigh less.
+ * Part of u² is the error r² of the render; where a lens has blurred it, neighbours share it. With
+ * correlations ρ, A = Σρ and B = Σρ², it counts A r² in sums of the values and B r⁴ in those of
+ * squares, and V holds (n - A)/(n - 1) of it. A is the most that it can be: signals that change
+ * within the reach of the blur weigh less.
  *
- * Without any signal V - noise is below `reach` in 95 % of cases. The ratio of V to a noise that is estimated from it is skewed, its
- * logarithm hardly.
+ * Without any signal V - noise is below `reach` in 95 % of cases. The ratio of V to a noise that is
+ * estimated from it is skewed, its logarithm hardly.
  */
 typedef struct moments {
     double n, mean, variance;
@@ -189,24 +223,29 @@ typedef struct moments {
     double camera;        /* the mean variance that is not the render's */
     double freedom;       /* of the noise, where it is estimated from the values */
     double var_mean, covariance, var_variance, reach;
-    double var_noise;                  /* of the estimate from the values */
-    double var_render;                 /* of `render`, from how few replicates it is */
-    double var_left;                   /* of what the estimate from the values, which sees the render's error too, leaves of that */
-    double render_reach, render_least; /* without anything else V - render is below the first; its variance is the second */
+    double var_noise;  /* of the estimate from the values */
+    double var_render; /* of `render`, from how few replicates it is */
+    double var_left;   /* of what the estimate from the values, which sees the render's error too,
+                          leaves of that */
+    double render_reach, render_least; /* without anything else V - render is below the first; its
+                                          variance is the second */
 } moments;
 
 static moments find_moments(const mcv_readings *r, const mcv_roi *region) {
     const size_t plane = (size_t)region->width * region->height;
     const mcv_correlation rho = correlation_of(r);
-    moments m = {.n = (double)region->count, .freedom = mcv_roi_estimate_freedom(region->estimated)};
-    double sum = 0, squares = 0, c2_sum = 0, r2_sum = 0, c4_sum = 0, r4_sum = 0, cr_sum = 0, first = 0, second = 0;
+    moments m = {.n = (double)region->count,
+                 .freedom = mcv_roi_estimate_freedom(region->estimated)};
+    double sum = 0, squares = 0, c2_sum = 0, r2_sum = 0, c4_sum = 0, r4_sum = 0, cr_sum = 0,
+           first = 0, second = 0;
     for (size_t i = 0; i < plane; ++i)
         if (region->inside[i]) sum += r->values.pixels[i];
     m.mean = sum / m.n;
     for (size_t i = 0; i < plane; ++i) {
         if (!region->inside[i]) continue;
         const double off = r->values.pixels[i] - m.mean, r2 = render_variance(r, i);
-        const double c2 = fmax(0, (double)r->deviation.pixels[i] * r->deviation.pixels[i] - r2), w2 = c2 + rho.sum * r2;
+        const double c2 = fmax(0, (double)r->deviation.pixels[i] * r->deviation.pixels[i] - r2),
+                     w2 = c2 + rho.sum * r2;
         squares += off * off;
         c2_sum += c2;
         r2_sum += r2;
@@ -232,29 +271,38 @@ static moments find_moments(const mcv_readings *r, const mcv_roi *region) {
     m.render_reach = 1.645 * sqrt(m.render_least);
     const double far = 1.645 * sqrt(var_least + m.var_noise + m.var_left);
     m.reach = m.var_noise > 0 ? m.noise * expm1(far / m.noise) : far;
-    const double c4 = c4_sum / (1 + 2 / m.freedom), signal = 4 * (second - c4 - (1 + rho.sum) * cr_sum - rho.sum * r4_sum);
+    const double c4 = c4_sum / (1 + 2 / m.freedom),
+                 signal = 4 * (second - c4 - (1 + rho.sum) * cr_sum - rho.sum * r4_sum);
     const double wide = m.variance > m.noise + m.reach ? widened(signal, m.freedom) : signal;
-    m.var_variance = fmax(0.5 * var_least, (wide + 2 * (c4 + 2 * cr_sum + rho.squares * r4_sum)) / (freedom * freedom));
+    m.var_variance = fmax(0.5 * var_least, (wide + 2 * (c4 + 2 * cr_sum + rho.squares * r4_sum)) /
+                                               (freedom * freedom));
     return m;
 }
 
-/* The root of a variance, of which noise was taken out. Near 0 the root has no slope, and the interval reaches up only. */
+/* The root of a variance, of which noise was taken out. Near 0 the root has no slope, and the
+ * interval reaches up only. */
 static mcv_quantity root_of(double signal, double reach, double variance) {
     if (isnan(signal)) return (mcv_quantity){NAN, NAN};
-    double var_root = 0.75 * reach / 1.645; /* below `reach` whatever is large enough: the interval ends at 0 */
-    if (signal > reach) var_root = fmax(variance / (4 * signal), pow((sqrt(signal) - sqrt(signal - reach)) / 1.96, 2));
+    double var_root =
+        0.75 * reach / 1.645; /* below `reach` whatever is large enough: the interval ends at 0 */
+    if (signal > reach)
+        var_root =
+            fmax(variance / (4 * signal), pow((sqrt(signal) - sqrt(signal - reach)) / 1.96, 2));
     return quantity(sqrt(fmax(0, signal)), var_root);
 }
 
 /*
- * The deviation that is not noise, over the mean: √s/m with s = V - noise. An estimate of the noise from the values adds its own variance
- * to that of s, `share` of it, because it has to do with V.
+ * The deviation that is not noise, over the mean: √s/m with s = V - noise. An estimate of the noise
+ * from the values adds its own variance to that of s, `share` of it, because it has to do with V.
  */
 static mcv_quantity rms_contrast(const moments *m, double share) {
-    const double variance = m->var_variance + widened(share * m->var_noise, m->freedom) + m->var_left, mean2 = m->mean * m->mean;
+    const double variance =
+                     m->var_variance + widened(share * m->var_noise, m->freedom) + m->var_left,
+                 mean2 = m->mean * m->mean;
     const mcv_quantity root = root_of(m->variance - m->noise, m->reach, variance);
     const double rms = root.value / m->mean;
-    return quantity(rms, root.uncertainty * root.uncertainty / mean2 + rms * rms * widened(m->var_mean, m->freedom) / mean2 -
+    return quantity(rms, root.uncertainty * root.uncertainty / mean2 +
+                             rms * rms * widened(m->var_mean, m->freedom) / mean2 -
                              (root.value > 0 ? m->covariance / (mean2 * m->mean) : 0));
 }
 
@@ -264,12 +312,15 @@ static mcv_quantity deviation_of(const moments *m) {
 }
 
 /*
- * How many times the samples would tell the deviation from the render's error; 0 where they are enough. A render's variance goes as
- * 1/samples; of that of V, one part goes with its square, the rest, which comes of the render and something else, with itself.
+ * How many times the samples would tell the deviation from the render's error; 0 where they are
+ * enough. A render's variance goes as 1/samples; of that of V, one part goes with its square, the
+ * rest, which comes of the render and something else, with itself.
  */
 static double samples_needed(const moments *m) {
-    const double signal = fmax(m->variance - m->render, m->render_reach), allowed = pow(MCV_ROI_HIDDEN * signal, 2);
-    const double squared = m->render_least, mixed = m->render > 0 ? 4 * m->render * signal / m->n : 0;
+    const double signal = fmax(m->variance - m->render, m->render_reach),
+                 allowed = pow(MCV_ROI_HIDDEN * signal, 2);
+    const double squared = m->render_least,
+                 mixed = m->render > 0 ? 4 * m->render * signal / m->n : 0;
     if (!(squared + mixed > allowed)) return 0;
     return (mixed + sqrt(mixed * mixed + 4 * squared * allowed)) / (2 * allowed);
 }
@@ -282,7 +333,8 @@ typedef struct cell {
 } cell;
 
 /* Adds the region's pixels to the cells of its frame. */
-static void fill_cells(const mcv_readings *r, const mcv_roi *region, cell cells[CELLS * CELLS], double *whole) {
+static void fill_cells(const mcv_readings *r, const mcv_roi *region, cell cells[CELLS * CELLS],
+                       double *whole) {
     const double shared = correlation_of(r).sum;
     uint32_t low[2] = {UINT32_MAX, UINT32_MAX}, high[2] = {0, 0};
     for (uint32_t y = 0; y < region->height; ++y)
@@ -303,7 +355,8 @@ static void fill_cells(const mcv_readings *r, const mcv_roi *region, cell cells[
             const double render = render_variance(r, i);
             ++cells[k].count;
             cells[k].values += r->values.pixels[i];
-            cells[k].variance += (double)r->deviation.pixels[i] * r->deviation.pixels[i] + (shared - 1) * render;
+            cells[k].variance +=
+                (double)r->deviation.pixels[i] * r->deviation.pixels[i] + (shared - 1) * render;
             cells[k].render += shared * render;
         }
 }
@@ -314,7 +367,8 @@ static mcv_quantity uniformity(const mcv_readings *r, const mcv_roi *region) {
     float means[CELLS * CELLS], deviations[CELLS * CELLS], renders[CELLS * CELLS];
     uint8_t inside[CELLS * CELLS];
     double whole, pixels = 0;
-    mcv_roi all = {.width = CELLS, .height = CELLS, .inside = inside, .estimated = region->estimated};
+    mcv_roi all = {
+        .width = CELLS, .height = CELLS, .inside = inside, .estimated = region->estimated};
     fill_cells(r, region, sums, &whole);
     for (int k = 0; k < CELLS * CELLS; ++k) {
         inside[k] = sums[k].count > 0 && 2 * sums[k].count >= whole;
@@ -340,7 +394,8 @@ static const mcv_quantity unknown = {NAN, NAN};
 mcv_roi_figures mcv_roi_measure(const mcv_readings *r, const mcv_roi *region) {
     const moments m = find_moments(r, region);
     const mcv_quantity deviation = deviation_of(&m);
-    const double d2 = deviation.value * deviation.value, snr = m.mean / deviation.value, var_mean = widened(m.var_mean, m.freedom);
+    const double d2 = deviation.value * deviation.value, snr = m.mean / deviation.value,
+                 var_mean = widened(m.var_mean, m.freedom);
     mcv_roi_figures f = {
         .count = region->count,
         .smallest = INFINITY,
@@ -353,9 +408,11 @@ mcv_roi_figures mcv_roi_measure(const mcv_readings *r, const mcv_roi *region) {
         .rms_contrast = rms_contrast(&m, 10.0 / 12),
         .uniformity = uniformity(r, region),
     };
-    f.snr = f.samples > 0 ? unknown
-                          : quantity(snr, var_mean / d2 + snr * snr * deviation.uncertainty * deviation.uncertainty / d2 -
-                                              m.mean * m.covariance / (d2 * d2));
+    f.snr = f.samples > 0
+                ? unknown
+                : quantity(snr, var_mean / d2 +
+                                    snr * snr * deviation.uncertainty * deviation.uncertainty / d2 -
+                                    m.mean * m.covariance / (d2 * d2));
     for (size_t i = 0; i < (size_t)region->width * region->height; ++i) {
         if (!region->inside[i]) continue;
         f.smallest = fmin(f.smallest, r->values.pixels[i]);
@@ -364,33 +421,45 @@ mcv_roi_figures mcv_roi_measure(const mcv_readings *r, const mcv_roi *region) {
     return f;
 }
 
-/* a + b, each with its degrees of freedom, widened by those that Welch and Satterthwaite give the sum. */
+/* a + b, each with its degrees of freedom, widened by those that Welch and Satterthwaite give the
+ * sum. */
 static double widened_sum(double a, double freedom_a, double b, double freedom_b) {
     return widened(a + b, (a + b) * (a + b) / (a * a / freedom_a + b * b / freedom_b));
 }
 
-mcv_contrast_figures mcv_roi_contrast(const mcv_readings *r, const mcv_roi *region, const mcv_roi *background) {
+mcv_contrast_figures mcv_roi_contrast(const mcv_readings *r, const mcv_roi *region,
+                                      const mcv_roi *background) {
     const moments mm = find_moments(r, region), bm = find_moments(r, background);
     const mcv_quantity deviation = deviation_of(&bm);
-    const double m = mm.mean, b = bm.mean, v = deviation.value * deviation.value, both = m + b, ratio = (m - b) / deviation.value;
+    const double m = mm.mean, b = bm.mean, v = deviation.value * deviation.value, both = m + b,
+                 ratio = (m - b) / deviation.value;
     double shared = 0, slanted = 0; /* Σu² and Σ(y - b)u² of the pixels that both have */
     for (size_t i = 0; i < (size_t)region->width * region->height; ++i) {
         if (!region->inside[i] || !background->inside[i]) continue;
-        const double u2 = (double)r->deviation.pixels[i] * r->deviation.pixels[i] + (correlation_of(r).sum - 1) * render_variance(r, i);
+        const double u2 = (double)r->deviation.pixels[i] * r->deviation.pixels[i] +
+                          (correlation_of(r).sum - 1) * render_variance(r, i);
         shared += u2 / (mm.n * bm.n);
         slanted += 2 * (r->values.pixels[i] - b) * u2 / (mm.n * (bm.n - 1));
     }
-    const double vm = mm.var_mean, vb = bm.var_mean, difference = widened_sum(vm, mm.freedom, vb, bm.freedom) - 2 * shared;
+    const double vm = mm.var_mean, vb = bm.var_mean,
+                 difference = widened_sum(vm, mm.freedom, vb, bm.freedom) - 2 * shared;
     mcv_contrast_figures f = {
         .samples = samples_needed(&bm),
         .difference = quantity(m - b, difference),
-        .weber = quantity((m - b) / b, (widened_sum(vm, mm.freedom, m * m / (b * b) * vb, bm.freedom) - 2 * m / b * shared) / (b * b)),
-        .michelson =
-            quantity((m - b) / both, 4 * (widened_sum(b * b * vm, mm.freedom, m * m * vb, bm.freedom) - 2 * m * b * shared) / pow(both, 4)),
+        .weber =
+            quantity((m - b) / b, (widened_sum(vm, mm.freedom, m * m / (b * b) * vb, bm.freedom) -
+                                   2 * m / b * shared) /
+                                      (b * b)),
+        .michelson = quantity(
+            (m - b) / both,
+            4 * (widened_sum(b * b * vm, mm.freedom, m * m * vb, bm.freedom) - 2 * m * b * shared) /
+                pow(both, 4)),
     };
     f.contrast_to_noise = f.samples > 0
                               ? unknown
-                              : quantity(ratio, difference / v + ratio * ratio * deviation.uncertainty * deviation.uncertainty / v -
+                              : quantity(ratio, difference / v +
+                                                    ratio * ratio * deviation.uncertainty *
+                                                        deviation.uncertainty / v -
                                                     (m - b) / (v * v) * (slanted - bm.covariance));
     return f;
 }

@@ -5,7 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The k-th numerator of the continued fraction 1/(1+ d1/(1+ d2/(1+ …))) of I_x(a, b), DLMF 8.17.22 and 8.17.23. */
+/* The k-th numerator of the continued fraction 1/(1+ d1/(1+ d2/(1+ …))) of I_x(a, b), DLMF 8.17.22
+ * and 8.17.23. */
 static double numerator(double a, double b, double x, int k) {
     const int half = k / 2;
     const double m = half;
@@ -16,7 +17,9 @@ static double numerator(double a, double b, double x, int k) {
 /* Converges within about √max(a, b) steps where x < (a + 1)/(a + b + 2). */
 static double continued_fraction(double a, double b, double x) {
     enum { MAX_STEPS = 100000 };
-    const double tiny = DBL_MIN / DBL_EPSILON; /* keeps a vanishing denominator away from 0 (Lentz, Thompson and Barnett) */
+    const double tiny =
+        DBL_MIN /
+        DBL_EPSILON; /* keeps a vanishing denominator away from 0 (Lentz, Thompson and Barnett) */
     double value = 1, c = 1, d = 0;
     for (int k = 1; k <= MAX_STEPS; ++k) {
         const double n = numerator(a, b, x, k);
@@ -69,7 +72,8 @@ double mcv_binomial_upper(uint64_t successes, uint64_t trials, double p) {
 }
 
 double *mcv_mann_whitney(uint32_t nx, uint32_t ny) {
-    /* ways[j][u]: orders of i x and j y in which u pairs have x > y. The largest is an x, above all j y, or a y. */
+    /* ways[j][u]: orders of i x and j y in which u pairs have x > y. The largest is an x, above all
+     * j y, or a y. */
     const size_t pairs = (size_t)nx * ny, stride = pairs + 1;
     double *ways = calloc((ny + 1) * stride, sizeof *ways);
     double *lower = malloc(stride * sizeof *lower);
@@ -82,7 +86,8 @@ double *mcv_mann_whitney(uint32_t nx, uint32_t ny) {
     for (size_t i = 1; i <= nx; ++i) {
         for (size_t j = 1; j <= ny; ++j) {
             double *here = ways + j * stride;
-            for (size_t u = stride; u-- > 0;) here[u] = (u >= j ? here[u - j] : 0) + here[u - stride];
+            for (size_t u = stride; u-- > 0;)
+                here[u] = (u >= j ? here[u - j] : 0) + here[u - stride];
         }
     }
     const double *all = ways + ny * stride;
@@ -102,7 +107,8 @@ double mcv_smaller_than_uniform(double *values, uint64_t count) {
     if (count == 0) return 1;
     qsort(values, count, sizeof *values, compare_doubles);
     double distance = 0;
-    for (uint64_t i = 0; i < count; ++i) distance = fmax(distance, (double)(i + 1) / (double)count - values[i]);
+    for (uint64_t i = 0; i < count; ++i)
+        distance = fmax(distance, (double)(i + 1) / (double)count - values[i]);
     return exp(-2 * (double)count * distance * distance);
 }
 

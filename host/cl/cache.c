@@ -17,7 +17,8 @@ static uint64_t hash_text(uint64_t hash, const char *text) {
 }
 
 /* The folder: ours alone, made if it is missing. PoCL and NVIDIA keep caches of their own. */
-static bool cache_path(const mcv_cl *cl, const char *source, const char *options, char path[MAX_PATH]) {
+static bool cache_path(const mcv_cl *cl, const char *source, const char *options,
+                       char path[MAX_PATH]) {
     if (strstr(cl->name, "Portable Computing Language") || strstr(cl->name, "NVIDIA")) return false;
     const char *base = getenv("XDG_CACHE_HOME");
     const char *home = getenv("HOME");
@@ -33,7 +34,9 @@ static bool cache_path(const mcv_cl *cl, const char *source, const char *options
 
     struct stat status;
     if (mkdir(folder, 0700) != 0 && errno != EEXIST) return false;
-    if (lstat(folder, &status) != 0 || !S_ISDIR(status.st_mode) || status.st_uid != geteuid() || (status.st_mode & 022) != 0) return false;
+    if (lstat(folder, &status) != 0 || !S_ISDIR(status.st_mode) || status.st_uid != geteuid() ||
+        (status.st_mode & 022) != 0)
+        return false;
 
     const char *const parts[] = {mcv_version(), source, options, cl->name, cl->version};
     uint64_t low = 0xcbf29ce484222325u;
@@ -42,7 +45,8 @@ static bool cache_path(const mcv_cl *cl, const char *source, const char *options
         low = hash_text(low, parts[i]);
         high = hash_text(high, parts[i]);
     }
-    return snprintf(path, MAX_PATH, "%s/%016llx%016llx.bin", folder, (unsigned long long)high, (unsigned long long)low) < MAX_PATH;
+    return snprintf(path, MAX_PATH, "%s/%016llx%016llx.bin", folder, (unsigned long long)high,
+                    (unsigned long long)low) < MAX_PATH;
 }
 
 static unsigned char *read_whole(const char *path, size_t *size) {
@@ -71,9 +75,11 @@ bool mcv_cache_load(mcv_cl *cl, const char *source, const char *options, cl_prog
     cl_int status;
     cl_int code;
     const unsigned char *binaries[] = {binary};
-    *program = clCreateProgramWithBinary(cl->context, 1, &cl->device, &size, binaries, &status, &code);
+    *program =
+        clCreateProgramWithBinary(cl->context, 1, &cl->device, &size, binaries, &status, &code);
     free(binary);
-    if (code == CL_SUCCESS && status == CL_SUCCESS && clBuildProgram(*program, 1, &cl->device, options, NULL, NULL) == CL_SUCCESS)
+    if (code == CL_SUCCESS && status == CL_SUCCESS &&
+        clBuildProgram(*program, 1, &cl->device, options, NULL, NULL) == CL_SUCCESS)
         return true;
     if (*program) clReleaseProgram(*program);
     *program = NULL;
@@ -85,13 +91,17 @@ void mcv_cache_store(mcv_cl *cl, const char *source, const char *options, cl_pro
     char temporary[MAX_PATH + 32];
     size_t size = 0;
     if (!cache_path(cl, source, options, path)) return;
-    if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof size, &size, NULL) != CL_SUCCESS || size == 0) return;
+    if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof size, &size, NULL) !=
+            CL_SUCCESS ||
+        size == 0)
+        return;
     unsigned char *binary = malloc(size);
     if (!binary) return;
     unsigned char *binaries[] = {binary};
     snprintf(temporary, sizeof temporary, "%s.%ld", path, (long)getpid());
     FILE *file = NULL;
-    if (clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof binaries, (void *)binaries, NULL) == CL_SUCCESS)
+    if (clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof binaries, (void *)binaries, NULL) ==
+        CL_SUCCESS)
         file = fopen(temporary, "wbx");
     if (file) {
         const bool written = fwrite(binary, 1, size, file) == size;

@@ -90,7 +90,8 @@ static void describe(cl_platform_id platform, cl_device_id device, mcv_cl *cl) {
     clGetDeviceInfo(device, CL_DEVICE_TYPE, sizeof type, &type, NULL);
     clGetDeviceInfo(device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof single, &single, NULL);
     clGetDeviceInfo(device, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof cl->memory, &cl->memory, NULL);
-    clGetDeviceInfo(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof cl->largest_allocation, &cl->largest_allocation, NULL);
+    clGetDeviceInfo(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof cl->largest_allocation,
+                    &cl->largest_allocation, NULL);
     clGetDeviceInfo(device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof cl->units, &cl->units, NULL);
     snprintf(cl->name, sizeof cl->name, "%s: %s", platform_name, device_name);
     snprintf(cl->version, sizeof cl->version, "%s, driver %s", device_version, driver);
@@ -98,7 +99,8 @@ static void describe(cl_platform_id platform, cl_device_id device, mcv_cl *cl) {
     cl->correct_divide_sqrt = (single & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
 }
 
-mcv_result mcv_cl_list(void (*told)(void *user, unsigned index, const mcv_cl *device), void *user, mcv_error *error) {
+mcv_result mcv_cl_list(void (*told)(void *user, unsigned index, const mcv_cl *device), void *user,
+                       mcv_error *error) {
     cl_platform_id platforms[MAX_PLATFORMS];
     cl_uint platform_count = 0;
     const cl_int code = clGetPlatformIDs(MAX_PLATFORMS, platforms, &platform_count);
@@ -108,7 +110,9 @@ mcv_result mcv_cl_list(void (*told)(void *user, unsigned index, const mcv_cl *de
     for (cl_uint p = 0; p < platform_count; ++p) {
         cl_device_id devices[MAX_DEVICES];
         cl_uint count = 0;
-        if (clGetDeviceIDs(platforms[p], CL_DEVICE_TYPE_ALL, MAX_DEVICES, devices, &count) != CL_SUCCESS) continue;
+        if (clGetDeviceIDs(platforms[p], CL_DEVICE_TYPE_ALL, MAX_DEVICES, devices, &count) !=
+            CL_SUCCESS)
+            continue;
         for (cl_uint d = 0; d < count && d < MAX_DEVICES; ++d, ++index) {
             mcv_cl cl;
             describe(platforms[p], devices[d], &cl);
@@ -117,7 +121,8 @@ mcv_result mcv_cl_list(void (*told)(void *user, unsigned index, const mcv_cl *de
     }
     if (index > 0) return MCV_OK;
     return mcv_fail(error, MCV_DEVICE,
-                    "no OpenCL device was found: install an OpenCL driver, such as Debian's pocl-opencl-icd for the CPU");
+                    "no OpenCL device was found: install an OpenCL driver, such as Debian's "
+                    "pocl-opencl-icd for the CPU");
 }
 
 typedef struct choice {
@@ -149,19 +154,22 @@ static bool matches(const char *wanted, unsigned index, const mcv_cl *cl) {
     const char *colon = strchr(cl->name, ':');
     char platform[sizeof cl->name];
     snprintf(platform, sizeof platform, "%.*s", (int)(colon - cl->name), cl->name);
-    return contains(platform, wanted, (size_t)(first - wanted)) && contains(cl->cpu ? "cpu" : "gpu", type, type_length) &&
+    return contains(platform, wanted, (size_t)(first - wanted)) &&
+           contains(cl->cpu ? "cpu" : "gpu", type, type_length) &&
            contains(colon, name, strlen(name));
 }
 
 static void choose(void *user, unsigned index, const mcv_cl *cl) {
     choice *c = user;
-    const bool better = c->wanted ? !c->found && matches(c->wanted, index, cl) : !c->found || (c->cl.cpu && !cl->cpu);
+    const bool better = c->wanted ? !c->found && matches(c->wanted, index, cl)
+                                  : !c->found || (c->cl.cpu && !cl->cpu);
     if (!better) return;
     c->found = true;
     c->cl = *cl;
 }
 
-/* Runs kernels/probe.cl, which every program holds, on numbers whose results IEEE 754 fixes to the bit. */
+/* Runs kernels/probe.cl, which every program holds, on numbers whose results IEEE 754 fixes to the
+ * bit. */
 static mcv_result probe(mcv_cl *cl, cl_program program, mcv_error *error) {
     static const float inputs[][3] = {{1.0f + 0x1p-12f, 1.0f + 0x1p-12f, -1.0f},
                                       {1.0f, 3.0f, 0.0f},
@@ -175,19 +183,25 @@ static mcv_result probe(mcv_cl *cl, cl_program program, mcv_error *error) {
     cl_mem in = NULL;
     cl_mem out = NULL;
     mcv_result result = mcv_cl_kernel(program, "probe_arithmetic", &kernel, error);
-    if (result == MCV_OK) result = mcv_cl_buffer(cl, "the probe's numbers", sizeof inputs, inputs, &in, error);
-    if (result == MCV_OK) result = mcv_cl_buffer(cl, "the probe's results", sizeof results, NULL, &out, error);
-    if (result == MCV_OK) result = MCV_LAUNCH(cl, kernel, CASES, 1, error, MCV_ARG(in), MCV_ARG(out));
+    if (result == MCV_OK)
+        result = mcv_cl_buffer(cl, "the probe's numbers", sizeof inputs, inputs, &in, error);
+    if (result == MCV_OK)
+        result = mcv_cl_buffer(cl, "the probe's results", sizeof results, NULL, &out, error);
+    if (result == MCV_OK)
+        result = MCV_LAUNCH(cl, kernel, CASES, 1, error, MCV_ARG(in), MCV_ARG(out));
     if (result == MCV_OK) result = mcv_cl_read(cl, out, 0, sizeof results, results, error);
     for (size_t i = 0; result == MCV_OK && i < CASES; ++i) {
-        static const char *const names[RESULTS] = {"fma", "division", "square root", "a product with a denormal result"};
+        static const char *const names[RESULTS] = {"fma", "division", "square root",
+                                                   "a product with a denormal result"};
         const float a = inputs[i][0];
         const float b = inputs[i][1];
         const float c = inputs[i][2];
         const float expected[RESULTS] = {fmaf(a, b, c), a / b, sqrtf(a), a * b};
         for (size_t k = 0; k < RESULTS && result == MCV_OK; ++k) {
             if (memcmp(&expected[k], &results[i][k], sizeof(float)) == 0) continue;
-            result = mcv_fail(error, MCV_DEVICE, "%s computes %s as %a where IEEE 754 gives %a: choose another device (mcvisi devices)",
+            result = mcv_fail(error, MCV_DEVICE,
+                              "%s computes %s as %a where IEEE 754 gives %a: choose another device "
+                              "(mcvisi devices)",
                               cl->name, names[k], (double)results[i][k], (double)expected[k]);
         }
     }
@@ -203,7 +217,9 @@ mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error) {
     memset(cl, 0, sizeof *cl);
     MCV_TRY(mcv_cl_list(choose, &c, error));
     if (!c.found) {
-        return mcv_fail(error, MCV_DEVICE, "no OpenCL device matches \"%s\": `mcvisi devices` lists numbers and names", c.wanted);
+        return mcv_fail(error, MCV_DEVICE,
+                        "no OpenCL device matches \"%s\": `mcvisi devices` lists numbers and names",
+                        c.wanted);
     }
     *cl = c.cl;
     cl_int code;
@@ -212,7 +228,8 @@ mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error) {
     cl->queue = clCreateCommandQueue(cl->context, cl->device, CL_QUEUE_PROFILING_ENABLE, &code);
     if (code == CL_SUCCESS) return MCV_OK;
     mcv_cl_close(cl);
-    return mcv_fail(error, MCV_DEVICE, "clCreateCommandQueue failed with %s", mcv_cl_error_name(code));
+    return mcv_fail(error, MCV_DEVICE, "clCreateCommandQueue failed with %s",
+                    mcv_cl_error_name(code));
 }
 
 void mcv_cl_close(mcv_cl *cl) {
@@ -224,18 +241,20 @@ void mcv_cl_close(mcv_cl *cl) {
 
 /* Programs */
 
-static mcv_result build_failure(mcv_cl *cl, cl_program program, const char *name, cl_int code, mcv_error *error) {
+static mcv_result build_failure(mcv_cl *cl, cl_program program, const char *name, cl_int code,
+                                mcv_error *error) {
     size_t size = 0;
     clGetProgramBuildInfo(program, cl->device, CL_PROGRAM_BUILD_LOG, 0, NULL, &size);
     char *log = calloc(size + 1, 1);
     if (log) clGetProgramBuildInfo(program, cl->device, CL_PROGRAM_BUILD_LOG, size, log, NULL);
-    mcv_fail(error, MCV_DEVICE, "clBuildProgram of %s.cl for %s failed with %s: %.*s", name, cl->name, mcv_cl_error_name(code),
-             BUILD_LOG_SHOWN, log ? log : "");
+    mcv_fail(error, MCV_DEVICE, "clBuildProgram of %s.cl for %s failed with %s: %.*s", name,
+             cl->name, mcv_cl_error_name(code), BUILD_LOG_SHOWN, log ? log : "");
     free(log);
     return MCV_DEVICE;
 }
 
-static mcv_result program_source(const char *name, char **from_files, const char **source, mcv_error *error) {
+static mcv_result program_source(const char *name, char **from_files, const char **source,
+                                 mcv_error *error) {
     const char *root = getenv("MCVISI_KERNEL_DIR");
     *from_files = NULL;
     if (root) {
@@ -252,21 +271,26 @@ static mcv_result program_source(const char *name, char **from_files, const char
     return mcv_fail(error, MCV_DEVICE, "the library has no OpenCL program \"%s\"", name);
 }
 
-mcv_result mcv_cl_build(mcv_cl *cl, const char *name, const char *options, cl_program *program, mcv_error *error) {
+mcv_result mcv_cl_build(mcv_cl *cl, const char *name, const char *options, cl_program *program,
+                        mcv_error *error) {
     char all_options[2048];
     char *from_files = NULL;
     const char *source = NULL;
     *program = NULL;
     MCV_TRY(program_source(name, &from_files, &source, error));
-    const int length = snprintf(all_options, sizeof all_options, "-cl-std=CL1.2%s %s",
-                                cl->correct_divide_sqrt ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", options);
+    const int length =
+        snprintf(all_options, sizeof all_options, "-cl-std=CL1.2%s %s",
+                 cl->correct_divide_sqrt ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", options);
     mcv_result result = MCV_OK;
     cl_int code = CL_SUCCESS;
-    if (length >= (int)sizeof all_options) result = mcv_fail(error, MCV_DEVICE, "%s.cl: the build options are too long", name);
+    if (length >= (int)sizeof all_options)
+        result = mcv_fail(error, MCV_DEVICE, "%s.cl: the build options are too long", name);
     if (result == MCV_OK && !mcv_cache_load(cl, source, all_options, program)) {
         *program = clCreateProgramWithSource(cl->context, 1, &source, NULL, &code);
         if (code != CL_SUCCESS) {
-            result = mcv_fail(error, MCV_DEVICE, "clCreateProgramWithSource of %s.cl failed with %s", name, mcv_cl_error_name(code));
+            result =
+                mcv_fail(error, MCV_DEVICE, "clCreateProgramWithSource of %s.cl failed with %s",
+                         name, mcv_cl_error_name(code));
         } else {
             code = clBuildProgram(*program, 1, &cl->device, all_options, NULL, NULL);
             if (code != CL_SUCCESS)
@@ -284,54 +308,70 @@ mcv_result mcv_cl_build(mcv_cl *cl, const char *name, const char *options, cl_pr
     return result;
 }
 
-mcv_result mcv_cl_kernel(cl_program program, const char *name, cl_kernel *kernel, mcv_error *error) {
+mcv_result mcv_cl_kernel(cl_program program, const char *name, cl_kernel *kernel,
+                         mcv_error *error) {
     cl_int code;
     *kernel = clCreateKernel(program, name, &code);
     if (code == CL_SUCCESS) return MCV_OK;
     *kernel = NULL;
-    return mcv_fail(error, MCV_DEVICE, "clCreateKernel of %s failed with %s", name, mcv_cl_error_name(code));
+    return mcv_fail(error, MCV_DEVICE, "clCreateKernel of %s failed with %s", name,
+                    mcv_cl_error_name(code));
 }
 
 /* Buffers and launches */
 
 /*
- * Asks the system for large pages before a buffer is first touched: a hierarchy of 140 MB has 35 000 small ones, and every
- * random ray waits for their tables. Where a device keeps its buffers elsewhere this changes nothing.
+ * Asks the system for large pages before a buffer is first touched: a hierarchy of 140 MB has 35
+ * 000 small ones, and every random ray waits for their tables. Where a device keeps its buffers
+ * elsewhere this changes nothing.
  */
 static void prefer_large_pages(mcv_cl *cl, cl_mem buffer, size_t size) {
     const uintptr_t page = (uintptr_t)2 << 20;
     if (!cl->cpu || size < 2 * page) return;
-    char *start = clEnqueueMapBuffer(cl->queue, buffer, CL_TRUE, CL_MAP_WRITE, 0, size, 0, NULL, NULL, NULL);
+    char *start =
+        clEnqueueMapBuffer(cl->queue, buffer, CL_TRUE, CL_MAP_WRITE, 0, size, 0, NULL, NULL, NULL);
     if (!start) return;
-    const uintptr_t first = ((uintptr_t)start + page - 1) / page * page, last = ((uintptr_t)start + size) / page * page;
+    const uintptr_t first = ((uintptr_t)start + page - 1) / page * page,
+                    last = ((uintptr_t)start + size) / page * page;
     madvise((void *)first, last - first, MADV_HUGEPAGE);
     clEnqueueUnmapMemObject(cl->queue, buffer, start, 0, NULL, NULL);
 }
 
-mcv_result mcv_cl_buffer(mcv_cl *cl, const char *what, size_t bytes, const void *data, cl_mem *buffer, mcv_error *error) {
+mcv_result mcv_cl_buffer(mcv_cl *cl, const char *what, size_t bytes, const void *data,
+                         cl_mem *buffer, mcv_error *error) {
     const size_t size = bytes < 16 ? 16 : bytes;
     cl_int code;
     *buffer = NULL;
     if (size > cl->largest_allocation) {
-        return mcv_fail(error, MCV_DEVICE, "%s: %.1f MiB needed, but %s allows %.1f MiB in one buffer", what, (double)size / 0x1p20,
-                        cl->name, (double)cl->largest_allocation / 0x1p20);
+        return mcv_fail(error, MCV_DEVICE,
+                        "%s: %.1f MiB needed, but %s allows %.1f MiB in one buffer", what,
+                        (double)size / 0x1p20, cl->name, (double)cl->largest_allocation / 0x1p20);
     }
     *buffer = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, size, NULL, &code);
     if (code == CL_SUCCESS) prefer_large_pages(cl, *buffer, size);
-    if (code == CL_SUCCESS && data && bytes > 0) code = clEnqueueWriteBuffer(cl->queue, *buffer, CL_TRUE, 0, bytes, data, 0, NULL, NULL);
+    if (code == CL_SUCCESS && data && bytes > 0)
+        code = clEnqueueWriteBuffer(cl->queue, *buffer, CL_TRUE, 0, bytes, data, 0, NULL, NULL);
     if (code == CL_SUCCESS) return MCV_OK;
     mcv_cl_release(buffer);
-    return mcv_fail(error, MCV_DEVICE, "%s: a buffer of %.1f MiB on %s failed with %s", what, (double)size / 0x1p20, cl->name,
-                    mcv_cl_error_name(code));
+    return mcv_fail(error, MCV_DEVICE, "%s: a buffer of %.1f MiB on %s failed with %s", what,
+                    (double)size / 0x1p20, cl->name, mcv_cl_error_name(code));
 }
 
-mcv_result mcv_cl_read(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, void *data, mcv_error *error) {
-    if (bytes > 0) MCV_TRY_CL(clEnqueueReadBuffer(cl->queue, buffer, CL_TRUE, offset, bytes, data, 0, NULL, NULL), error);
+mcv_result mcv_cl_read(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, void *data,
+                       mcv_error *error) {
+    if (bytes > 0)
+        MCV_TRY_CL(
+            clEnqueueReadBuffer(cl->queue, buffer, CL_TRUE, offset, bytes, data, 0, NULL, NULL),
+            error);
     return MCV_OK;
 }
 
-mcv_result mcv_cl_write(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, const void *data, mcv_error *error) {
-    if (bytes > 0) MCV_TRY_CL(clEnqueueWriteBuffer(cl->queue, buffer, CL_TRUE, offset, bytes, data, 0, NULL, NULL), error);
+mcv_result mcv_cl_write(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, const void *data,
+                        mcv_error *error) {
+    if (bytes > 0)
+        MCV_TRY_CL(
+            clEnqueueWriteBuffer(cl->queue, buffer, CL_TRUE, offset, bytes, data, 0, NULL, NULL),
+            error);
     return MCV_OK;
 }
 
@@ -345,7 +385,8 @@ void mcv_cl_release(cl_mem *buffer) {
     *buffer = NULL;
 }
 
-mcv_result mcv_cl_launch(mcv_cl *cl, cl_kernel kernel, size_t global, size_t local, const mcv_arg *arguments, size_t count, cl_event *event,
+mcv_result mcv_cl_launch(mcv_cl *cl, cl_kernel kernel, size_t global, size_t local,
+                         const mcv_arg *arguments, size_t count, cl_event *event,
                          mcv_error *error) {
     const size_t padded = (global + local - 1) / local * local;
     cl_int code = CL_SUCCESS;
@@ -358,7 +399,8 @@ mcv_result mcv_cl_launch(mcv_cl *cl, cl_kernel kernel, size_t global, size_t loc
     if (code == CL_SUCCESS) return MCV_OK;
     char name[128] = "";
     clGetKernelInfo(kernel, CL_KERNEL_FUNCTION_NAME, sizeof name, name, NULL);
-    return mcv_fail(error, MCV_DEVICE, "the launch of kernel %s failed with %s", name, mcv_cl_error_name(code));
+    return mcv_fail(error, MCV_DEVICE, "the launch of kernel %s failed with %s", name,
+                    mcv_cl_error_name(code));
 }
 
 double mcv_cl_seconds(cl_event event) {

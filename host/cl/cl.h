@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * OpenCL on the host: choosing a device, building programs, buffers, launches. Every failure names the call, the OpenCL
- * error and, for programs, the build log.
+ * OpenCL on the host: choosing a device, building programs, buffers, launches. Every failure names
+ * the call, the OpenCL error and, for programs, the build log.
  */
 #ifndef MCVISI_HOST_CL_CL_H
 #define MCVISI_HOST_CL_CL_H
@@ -17,7 +17,8 @@ typedef struct mcv_cl {
     cl_context context;
     cl_command_queue queue; /* in order */
     char name[256];         /* "platform: device" */
-    char version[256];      /* driver and device version, part of cache keys and of the output's header */
+    char
+        version[256]; /* driver and device version, part of cache keys and of the output's header */
     bool cpu;
     bool correct_divide_sqrt; /* -cl-fp32-correctly-rounded-divide-sqrt is supported */
     cl_ulong memory, largest_allocation;
@@ -26,28 +27,35 @@ typedef struct mcv_cl {
 } mcv_cl;
 
 /*
- * Opens a device. `which` is NULL (a GPU if there is one, else the first), a number as `mcvisi devices` prints it, or
- * "PLATFORM:TYPE:NAME" of case-insensitive substrings (TYPE cpu, gpu or empty). MCVISI_OPENCL_DEVICE in the environment
- * stands in for NULL.
+ * Opens a device. `which` is NULL (a GPU if there is one, else the first), a number as `mcvisi
+ * devices` prints it, or "PLATFORM:TYPE:NAME" of case-insensitive substrings (TYPE cpu, gpu or
+ * empty). MCVISI_OPENCL_DEVICE in the environment stands in for NULL.
  */
 mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error);
 void mcv_cl_close(mcv_cl *cl);
 
 /* Calls told(user, index, text) for each device there is, in the order of their numbers. */
-mcv_result mcv_cl_list(void (*told)(void *user, unsigned index, const mcv_cl *device), void *user, mcv_error *error);
+mcv_result mcv_cl_list(void (*told)(void *user, unsigned index, const mcv_cl *device), void *user,
+                       mcv_error *error);
 
 /*
- * Builds kernels/<name>.cl with the given -D options (such as "-DMCV_CHANNELS=1 -DMCV_SENSOR_telecentric"), from the
- * library or, where MCVISI_KERNEL_DIR names the repository's root, from its sources. With the first program the device is probed: one
- * that fails (fma, IEEE division and square root, denormals kept) is refused.
+ * Builds kernels/<name>.cl with the given -D options (such as "-DMCV_CHANNELS=1
+ * -DMCV_SENSOR_telecentric"), from the library or, where MCVISI_KERNEL_DIR names the repository's
+ * root, from its sources. With the first program the device is probed: one that fails (fma, IEEE
+ * division and square root, denormals kept) is refused.
  */
-mcv_result mcv_cl_build(mcv_cl *cl, const char *name, const char *options, cl_program *program, mcv_error *error);
+mcv_result mcv_cl_build(mcv_cl *cl, const char *name, const char *options, cl_program *program,
+                        mcv_error *error);
 mcv_result mcv_cl_kernel(cl_program program, const char *name, cl_kernel *kernel, mcv_error *error);
 
-/* A buffer of at least 16 bytes. data may be NULL; `what` names it in messages ("the nodes of the acceleration structure"). */
-mcv_result mcv_cl_buffer(mcv_cl *cl, const char *what, size_t bytes, const void *data, cl_mem *buffer, mcv_error *error);
-mcv_result mcv_cl_read(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, void *data, mcv_error *error);        /* waits */
-mcv_result mcv_cl_write(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, const void *data, mcv_error *error); /* waits */
+/* A buffer of at least 16 bytes. data may be NULL; `what` names it in messages ("the nodes of the
+ * acceleration structure"). */
+mcv_result mcv_cl_buffer(mcv_cl *cl, const char *what, size_t bytes, const void *data,
+                         cl_mem *buffer, mcv_error *error);
+mcv_result mcv_cl_read(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, void *data,
+                       mcv_error *error); /* waits */
+mcv_result mcv_cl_write(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, const void *data,
+                        mcv_error *error); /* waits */
 mcv_result mcv_cl_finish(mcv_cl *cl, mcv_error *error);
 void mcv_cl_release(cl_mem *buffer); /* NULL is fine; nulls it */
 
@@ -59,11 +67,11 @@ typedef struct mcv_arg {
 #define MCV_ARG(x) ((mcv_arg){sizeof(x), &(x)})
 
 /*
- * Enqueues a one-dimensional launch; global is rounded up to a multiple of local. Does not wait. *event, unless event is NULL, is the
- * caller's: mcv_cl_seconds tells how long the launch took.
+ * Enqueues a one-dimensional launch; global is rounded up to a multiple of local. Does not wait.
+ * *event, unless event is NULL, is the caller's: mcv_cl_seconds tells how long the launch took.
  */
-mcv_result mcv_cl_launch(mcv_cl *cl, cl_kernel kernel, size_t global, size_t local, const mcv_arg *arguments, size_t count, cl_event *event,
-                         mcv_error *error);
+mcv_result mcv_cl_launch(mcv_cl *cl, cl_kernel kernel, size_t global, size_t local,
+                         const mcv_arg *arguments, size_t count, cl_event *event, mcv_error *error);
 #define MCV_LAUNCH(cl, kernel, global, local, error, ...) \
     mcv_cl_launch((cl), (kernel), (global), (local), (const mcv_arg[]){__VA_ARGS__}, \
                   sizeof((const mcv_arg[]){__VA_ARGS__}) / sizeof(mcv_arg), NULL, (error))
@@ -78,7 +86,9 @@ const char *mcv_cl_error_name(cl_int code);
 #define MCV_TRY_CL(call, error) \
     do { \
         const cl_int mcv_code = (call); \
-        if (mcv_code != CL_SUCCESS) return mcv_fail((error), MCV_DEVICE, "%s failed with %s", #call, mcv_cl_error_name(mcv_code)); \
+        if (mcv_code != CL_SUCCESS) \
+            return mcv_fail((error), MCV_DEVICE, "%s failed with %s", #call, \
+                            mcv_cl_error_name(mcv_code)); \
     } while (0)
 
 #endif

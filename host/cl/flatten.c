@@ -26,19 +26,25 @@ static FILE *open_source(const flattening *f, const char *name) {
     return NULL;
 }
 
-static bool begins(const char *text, const char *word) { return strncmp(text, word, strlen(word)) == 0; }
+static bool begins(const char *text, const char *word) {
+    return strncmp(text, word, strlen(word)) == 0;
+}
 
-/* `optional`: the file is included under some #if, which may be false: a later #include of it must count again. */
+/* `optional`: the file is included under some #if, which may be false: a later #include of it must
+ * count again. */
 static mcv_result flatten_file(flattening *f, const char *name, int depth, bool optional) {
     for (size_t i = 0; i < f->seen_count; ++i) {
         if (strcmp(f->seen[i], name) == 0) return MCV_OK;
     }
     if (depth == MAX_DEPTH || f->seen_count == MAX_FILES || strlen(name) >= sizeof f->seen[0]) {
-        return mcv_fail(f->error, MCV_FAILED, "%s: includes are nested too deeply or too many", name);
+        return mcv_fail(f->error, MCV_FAILED, "%s: includes are nested too deeply or too many",
+                        name);
     }
     if (!optional) memcpy(f->seen[f->seen_count++], name, strlen(name) + 1);
     FILE *in = open_source(f, name);
-    if (!in) return mcv_fail(f->error, MCV_FAILED, "%s: no such file in %s/kernels or %s/include", name, f->root, f->root);
+    if (!in)
+        return mcv_fail(f->error, MCV_FAILED, "%s: no such file in %s/kernels or %s/include", name,
+                        f->root, f->root);
     fprintf(f->out, "#line 1 \"%s\"\n", name);
 
     mcv_result result = MCV_OK;
@@ -73,7 +79,8 @@ mcv_result mcv_flatten(const char *root, const char *program, char **text, mcv_e
     char name[128];
     *text = NULL;
     flattening f = {.root = root, .error = error, .out = open_memstream(text, &size)};
-    if (!f.out) return mcv_fail(error, MCV_FAILED, "%s: no memory to read the OpenCL program", program);
+    if (!f.out)
+        return mcv_fail(error, MCV_FAILED, "%s: no memory to read the OpenCL program", program);
     snprintf(name, sizeof name, "%s.cl", program);
     mcv_result result = flatten_file(&f, name, 0, false);
     if (result == MCV_OK) result = flatten_file(&f, "probe.cl", 0, false);

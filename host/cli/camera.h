@@ -6,17 +6,20 @@
 #include "analysis/camera.h"
 #include "analysis/region.h"
 #include "cli/options.h"
-#include "output/exr.h"
+#include "io/exr.h"
 
 #include <limits.h>
 
 /* Do the options make a camera whose grey values can be written to the file `grey`? */
 mcv_result mcv_camera_check(const mcv_command *command, const char *grey, mcv_error *error);
 
-/* Reads the OpenEXR file `image`, writes `grey`, warns where values are saturated and, where asked to, tells of the exposure. */
-mcv_result mcv_camera_write(const mcv_command *command, const char *image, const char *grey, bool told, mcv_error *error);
+/* Reads the OpenEXR file `image`, writes `grey`, warns where values are saturated and, where asked
+ * to, tells of the exposure. */
+mcv_result mcv_camera_write(const mcv_command *command, const char *image, const char *grey,
+                            bool told, mcv_error *error);
 
-/* The 8-bit preview beside grey values that viewers show as black or not at all: all but OpenEXR and PNG and TIFF of 8 bits. */
+/* The 8-bit preview beside grey values that viewers show as black or not at all: all but OpenEXR
+ * and PNG and TIFF of 8 bits. */
 bool mcv_camera_preview(const mcv_command *command, const char *grey, char preview[PATH_MAX]);
 
 /* Is there an exposure among the options? */
@@ -26,10 +29,12 @@ bool mcv_camera_wanted(const mcv_command *command);
 mcv_result mcv_camera_check_options(const mcv_command *command, mcv_error *error);
 
 /*
- * What the camera reads from an image of light as mcv_exr_read gives it, with the header's attributes; the light is blurred in place, which
- * correlates its errors. `path` is for messages. The caller frees the exposure.
+ * What the camera reads from an image of light as mcv_exr_read gives it, with the header's
+ * attributes; the light is blurred in place, which correlates its errors. `path` is for messages.
+ * The caller frees the exposure.
  */
-mcv_result mcv_camera_read_out(const mcv_command *command, const char *path, mcv_exr *exr, mcv_exposure *exposure,
-                               mcv_correlation *correlation, mcv_error *error);
+mcv_result mcv_camera_read_out(const mcv_command *command, const char *path, mcv_exr *exr,
+                               mcv_exposure *exposure, mcv_correlation *correlation,
+                               mcv_error *error);
 
 #endif

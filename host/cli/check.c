@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi check: what was understood of a scene, and what rendering it takes. */
-#include "analysis/findings.h"
-#include "analysis/growth.h"
+#include "check/findings.h"
+#include "check/growth.h"
 #include "cli/options.h"
 #include "cli/report.h"
 #include "cli/sensor.h"
-#include "output/file.h"
-#include "output/setup_page.h"
+#include "core/output_file.h"
+#include "check/setup_page.h"
 #include "reference/filling.h"
-#include "render/pack.h"
+#include "device/pack.h"
 #include "render/render.h"
 #include "scene/emitters.h"
 #include "scene/mesh.h"
@@ -20,9 +20,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DEFINES_SLICE = 512 }; /* of the tile schedule, as the renderer chooses it where paths split */
+enum {
+    DEFINES_SLICE = 512
+}; /* of the tile schedule, as the renderer chooses it where paths split */
 
-/* --- scene ------------------------------------------------------------------------------------------------------ */
+/* --- scene
+ * ------------------------------------------------------------------------------------------------------
+ */
 
 static void report_size(mcv_report *report, const mcv_scene *scene) {
     double lower[3] = {INFINITY, INFINITY, INFINITY};
@@ -37,14 +41,19 @@ static void report_size(mcv_report *report, const mcv_scene *scene) {
     }
     mcv_report_number(report, "triangles", "", scene->triangle_count);
     if (scene->triangle_count == 0) return;
-    mcv_report_numbers(report, "size", "m", " x ", (const double[]){upper[0] - lower[0], upper[1] - lower[1], upper[2] - lower[2]}, 3);
+    mcv_report_numbers(
+        report, "size", "m", " x ",
+        (const double[]){upper[0] - lower[0], upper[1] - lower[1], upper[2] - lower[2]}, 3);
     mcv_report_numbers(report, "lower_corner", "m", ", ", lower, 3);
     mcv_report_numbers(report, "upper_corner", "m", ", ", upper, 3);
 }
 
-/* --- elements --------------------------------------------------------------------------------------------------- */
+/* --- elements
+ * ---------------------------------------------------------------------------------------------------
+ */
 
-/* All parameters of an element, as they are after everything that follows from others has been derived. */
+/* All parameters of an element, as they are after everything that follows from others has been
+ * derived. */
 static void report_parameters(mcv_report *report, mcv_param_table table, const void *params) {
     for (size_t i = 0; i < table.count; ++i) {
         const mcv_param *p = table.params + i;
@@ -100,7 +109,8 @@ static void report_place(mcv_report *report, const mcv_transform *to_world) {
 static const double little = 0.5;
 
 /* What the emitters of a cone before a sensor light of its pupil, or of its directions. */
-static mcv_result report_fillings(mcv_report *report, const mcv_scene *scene, uint32_t index, mcv_findings *findings, mcv_error *error) {
+static mcv_result report_fillings(mcv_report *report, const mcv_scene *scene, uint32_t index,
+                                  mcv_findings *findings, mcv_error *error) {
     const mcv_sensor *sensor = scene->sensors + index;
     const bool directions = sensor->type == MCV_SENSOR_LIGHT_FIELD;
     ref_filling *fillings;
@@ -110,13 +120,17 @@ static mcv_result report_fillings(mcv_report *report, const mcv_scene *scene, ui
     for (uint32_t i = 0; i < count && result == MCV_OK; ++i) {
         const mcv_emitter *emitter = scene->emitters + fillings[i].emitter;
         mcv_report_element(report, emitter->name, mcv_emitter_types[emitter->type]);
-        mcv_report_number(report, directions ? "share_of_directions_lit" : "share_of_pupil_lit", "", fillings[i].share);
+        mcv_report_number(report, directions ? "share_of_directions_lit" : "share_of_pupil_lit", "",
+                          fillings[i].share);
         mcv_report_close(report);
         if (fillings[i].share < little)
-            result = mcv_findings_add(findings, MCV_SEVERITY_WARNING, "emitters", emitter->name, NULL, error,
-                                      "emitter \"%s\" lights %.2g %% of the %s of sensor \"%s\", where that looks into it: its cone "
+            result = mcv_findings_add(findings, MCV_SEVERITY_WARNING, "emitters", emitter->name,
+                                      NULL, error,
+                                      "emitter \"%s\" lights %.2g %% of the %s of sensor \"%s\", "
+                                      "where that looks into it: its cone "
                                       "is narrower than what the sensor takes in",
-                                      emitter->name, 100 * fillings[i].share, directions ? "J x K directions" : "pupil", sensor->name);
+                                      emitter->name, 100 * fillings[i].share,
+                                      directions ? "J x K directions" : "pupil", sensor->name);
     }
     if (result == MCV_OK && count > 0) mcv_report_close(report);
     free(fillings);
@@ -135,11 +149,13 @@ static void report_growth(mcv_report *report, const mcv_scene *scene, const mcv_
     mcv_report_number(report, "thickness", "m", growth.thickness);
     mcv_report_number(report, "tangent_of_cone", "", growth.cone);
     mcv_report_quantity(report, "growth_of_edge", "m", growth.edge.value, growth.edge.uncertainty);
-    if (report->json) mcv_report_text(report, "note", sentence); /* people read it among the findings */
+    if (report->json)
+        mcv_report_text(report, "note", sentence); /* people read it among the findings */
     mcv_report_close(report);
 }
 
-static mcv_result report_sensor(mcv_report *report, const mcv_scene *scene, uint32_t index, mcv_findings *findings, mcv_error *error) {
+static mcv_result report_sensor(mcv_report *report, const mcv_scene *scene, uint32_t index,
+                                mcv_findings *findings, mcv_error *error) {
     const mcv_sensor *sensor = scene->sensors + index;
     const mcv_optics optics = mcv_sensor_optics(sensor);
     uint32_t width, height;
@@ -166,10 +182,12 @@ static mcv_result report_sensor(mcv_report *report, const mcv_scene *scene, uint
     return MCV_OK;
 }
 
-static void report_radiometry(mcv_report *report, const char *key, const char *unit, const mcv_emitter *emitter, double factor,
-                              const double mean[3]) {
+static void report_radiometry(mcv_report *report, const char *key, const char *unit,
+                              const mcv_emitter *emitter, double factor, const double mean[3]) {
     const double *l = emitter->radiance;
-    mcv_report_spectrum(report, key, unit, (const double[]){factor * mean[0] * l[0], factor * mean[1] * l[1], factor * mean[2] * l[2]});
+    mcv_report_spectrum(report, key, unit,
+                        (const double[]){factor * mean[0] * l[0], factor * mean[1] * l[1],
+                                         factor * mean[2] * l[2]});
 }
 
 /* A projector's lens, and the size of its picture where that is sharp. */
@@ -183,13 +201,16 @@ static void report_lens(mcv_report *report, const mcv_scene *scene, const mcv_em
     mcv_report_number(report, "focusDistance", "m", p->focusDistance);
     mcv_report_number(report, "lensDiameter", "m", p->lensDiameter);
     mcv_report_number(report, "fNumber", "", p->fNumber);
-    mcv_report_numbers(report, "picture_in_focus", "m", " x ",
-                       (const double[]){scale * pixels[0] * p->pixelSize[0], scale * pixels[1] * p->pixelSize[1]}, 2);
+    mcv_report_numbers(
+        report, "picture_in_focus", "m", " x ",
+        (const double[]){scale * pixels[0] * p->pixelSize[0], scale * pixels[1] * p->pixelSize[1]},
+        2);
 }
 
 static void report_emitter(mcv_report *report, const mcv_scene *scene, uint32_t index) {
     const mcv_emitter *emitter = scene->emitters + index;
-    const double half_angle = mcv_emitter_half_angle(emitter), power = mcv_emitter_unit_power(scene, emitter);
+    const double half_angle = mcv_emitter_half_angle(emitter),
+                 power = mcv_emitter_unit_power(scene, emitter);
     const char *unit, *key = mcv_emitter_brightness(emitter, &unit);
     const bool radiant = strcmp(key, "radiance") == 0;
     double mean[3];
@@ -207,13 +228,16 @@ static void report_emitter(mcv_report *report, const mcv_scene *scene, uint32_t 
     mcv_report_number(report, "solid_angle", "sr", mcv_emitter_solid_angle(emitter));
     report_radiometry(report, key, unit, emitter, 1, (const double[]){1, 1, 1});
     if (emitter->type == MCV_EMITTER_PROJECTOR) report_lens(report, scene, emitter);
-    if (radiant) report_radiometry(report, "exitance", "W/m²", emitter, mcv_emitter_projected_solid_angle(emitter), mean);
+    if (radiant)
+        report_radiometry(report, "exitance", "W/m²", emitter,
+                          mcv_emitter_projected_solid_angle(emitter), mean);
     if (emitter->instance != MCV_NONE) mcv_report_number(report, "area", "m²", emitter->area);
     if (!isnan(power)) report_radiometry(report, "power", "W", emitter, power, mean);
     if (mcv_emitter_image(&own) && emitter->texture != MCV_NONE) {
         const mcv_texture *image = scene->textures + emitter->texture;
         mcv_report_text(report, "image", image->name);
-        mcv_report_numbers(report, "pixels", "", " x ", (const double[]){image->width, image->height}, 2);
+        mcv_report_numbers(report, "pixels", "", " x ",
+                           (const double[]){image->width, image->height}, 2);
         mcv_report_spectrum(report, "mean_of_image", "", mean);
     } else if (emitter->texture != MCV_NONE) {
         mcv_report_text(report, "texture", "an image lowers these values");
@@ -225,15 +249,18 @@ static void report_material(mcv_report *report, const mcv_scene *scene, uint32_t
     const mcv_material *material = scene->materials + index;
     double triangles = 0;
     for (uint32_t i = 0; i < scene->instance_count; ++i)
-        if (scene->instances[i].material == index) triangles += scene->meshes[scene->instances[i].mesh].triangle_count;
+        if (scene->instances[i].material == index)
+            triangles += scene->meshes[scene->instances[i].mesh].triangle_count;
     mcv_report_element(report, material->name, mcv_material_types[material->type]);
     mcv_report_number(report, "triangles", "", triangles);
     report_parameters(report, mcv_material_table(material->type), &material->as);
-    if (material->texture != MCV_NONE) mcv_report_text(report, "texture", scene->textures[material->texture].name);
+    if (material->texture != MCV_NONE)
+        mcv_report_text(report, "texture", scene->textures[material->texture].name);
     mcv_report_close(report);
 }
 
-/* --- what rendering takes --------------------------------------------------------------------------------------- */
+/* --- what rendering takes
+ * --------------------------------------------------------------------------------------- */
 
 static void report_work(mcv_report *report, const mcv_packed *packed) {
     static const char *const words[] = {
@@ -256,19 +283,26 @@ static void report_work(mcv_report *report, const mcv_packed *packed) {
     (void)MCV_WITH_##NAME;
     MCV_FEATURES(MCV_X)
 #undef MCV_X
-#define MCV_X(stage, runs) mcv_report_text(report, #stage, strcmp(#runs, "1") == 0 ? "runs always" : (runs) ? "runs" : "left out");
+#define MCV_X(stage, runs) \
+    mcv_report_text(report, #stage, \
+                    strcmp(#runs, "1") == 0 ? "runs always" \
+                    : (runs)                ? "runs" \
+                                            : "left out");
     MCV_STAGES(MCV_X)
 #undef MCV_X
     mcv_report_close(report);
     mcv_report_number(report, "channels", "", packed->channels);
-    mcv_report_number(report, "bytes_per_path", "", 4.0 * mcv_path_words(packed->features, packed->channels));
+    mcv_report_number(report, "bytes_per_path", "",
+                      4.0 * mcv_path_words(packed->features, packed->channels));
 }
 
 static void report_findings(mcv_report *report, const mcv_findings *findings) {
     if (report->json) {
-        mcv_report_list(report, "warnings"); /* the sentences alone, as before there were severities */
+        mcv_report_list(report,
+                        "warnings"); /* the sentences alone, as before there were severities */
         for (size_t i = 0; i < findings->count; ++i)
-            if (findings->items[i].severity >= MCV_SEVERITY_WARNING) mcv_report_text(report, "-", findings->items[i].sentence);
+            if (findings->items[i].severity >= MCV_SEVERITY_WARNING)
+                mcv_report_text(report, "-", findings->items[i].sentence);
         mcv_report_close(report);
     } else if (findings->count == 0) {
         return;
@@ -290,7 +324,8 @@ static void report_findings(mcv_report *report, const mcv_findings *findings) {
     mcv_report_close(report);
 }
 
-static mcv_result print_report(const mcv_scene *scene, const mcv_packed *packed, const mcv_command *command, mcv_findings *findings,
+static mcv_result print_report(const mcv_scene *scene, const mcv_packed *packed,
+                               const mcv_command *command, mcv_findings *findings,
                                mcv_error *error) {
     mcv_report report;
     uint32_t only = MCV_NONE;
@@ -300,7 +335,8 @@ static mcv_result print_report(const mcv_scene *scene, const mcv_packed *packed,
     report_size(&report, scene);
     mcv_report_list(&report, "sensors");
     for (uint32_t i = 0; i < scene->sensor_count; ++i)
-        if (only == MCV_NONE || only == i) MCV_TRY(report_sensor(&report, scene, i, findings, error));
+        if (only == MCV_NONE || only == i)
+            MCV_TRY(report_sensor(&report, scene, i, findings, error));
     mcv_report_close(&report);
     mcv_report_list(&report, "emitters");
     for (uint32_t i = 0; i < scene->emitter_count; ++i) report_emitter(&report, scene, i);
@@ -315,30 +351,37 @@ static mcv_result print_report(const mcv_scene *scene, const mcv_packed *packed,
 
 static void print_defines(uint32_t features, uint32_t channels, uint32_t sensor_type) {
     char options[1024];
-    mcv_feature_options(features, channels, sensor_type, MCV_SAMPLER_SOBOL, DEFINES_SLICE, options, sizeof options);
+    mcv_feature_options(features, channels, sensor_type, MCV_SAMPLER_SOBOL, DEFINES_SLICE, options,
+                        sizeof options);
     puts(options);
 }
 
-static mcv_result report_scene(const mcv_scene *scene, const mcv_packed *packed, const mcv_command *command, mcv_error *error) {
+static mcv_result report_scene(const mcv_scene *scene, const mcv_packed *packed,
+                               const mcv_command *command, mcv_error *error) {
     mcv_findings findings;
     MCV_TRY(mcv_findings_of(scene, &findings, error));
     mcv_result result = print_report(scene, packed, command, &findings, error);
-    if (result == MCV_OK && command->html) result = mcv_setup_page_write(command->html, scene, &findings, error);
+    if (result == MCV_OK && command->html)
+        result = mcv_setup_page_write(command->html, scene, &findings, error);
     mcv_findings_free(&findings);
     return result;
 }
 
-static mcv_result check_scene(const mcv_command *command, const mcv_scene *scene, mcv_error *error) {
+static mcv_result check_scene(const mcv_command *command, const mcv_scene *scene,
+                              mcv_error *error) {
     mcv_packed packed;
     uint32_t sensor = 0;
     if (scene->sensor_count == 0)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor: give a node a glTF camera or an MCVISI_sensors sensor",
-                        scene->path);
+        return mcv_fail(
+            error, MCV_BAD_INPUT,
+            "%s: the scene has no sensor: give a node a glTF camera or an MCVISI_sensors sensor",
+            scene->path);
     if (command->sensor) MCV_TRY(mcv_sensor_find(scene, command->sensor, &sensor, error));
     if (command->html) MCV_TRY(mcv_output_check(command->html, error));
     MCV_TRY(mcv_pack(scene, NULL, &packed, error));
     for (uint32_t i = 0; i < scene->sensor_count; ++i)
-        if (i == sensor || (!command->sensor && !command->defines)) packed.features = mcv_sensor_features(&packed, &scene->sensors[i]);
+        if (i == sensor || (!command->sensor && !command->defines))
+            packed.features = mcv_sensor_features(&packed, &scene->sensors[i]);
     mcv_result result = MCV_OK;
     if (command->defines)
         print_defines(packed.features, packed.channels, scene->sensors[sensor].type);
@@ -351,15 +394,18 @@ static mcv_result check_scene(const mcv_command *command, const mcv_scene *scene
 mcv_result mcv_verb_check(const mcv_command *command, mcv_error *error) {
     mcv_scene *scene;
     if (!command->argument) {
-        if (!command->defines) return mcv_fail(error, MCV_USAGE, "SCENE is missing: `mcvisi check SCENE`");
+        if (!command->defines)
+            return mcv_fail(error, MCV_USAGE, "SCENE is missing: `mcvisi check SCENE`");
         for (uint32_t type = 0; type < MCV_SENSOR_COUNT; ++type) {
-            const bool disk = type == MCV_SENSOR_THIN_LENS || type == MCV_SENSOR_TELECENTRIC; /* only in a disk a pixel aims */
+            const bool disk = type == MCV_SENSOR_THIN_LENS ||
+                              type == MCV_SENSOR_TELECENTRIC; /* only in a disk a pixel aims */
             const uint32_t all = (1u << MCV_FEATURE_COUNT) - 1;
             print_defines(disk ? all : all & ~(1u << MCV_FEATURE_AIM), 3, type);
         }
         return MCV_OK;
     }
-    MCV_TRY(mcv_scene_load(command->argument, (mcv_overrides){command->set.items, command->set.count}, &scene, error));
+    MCV_TRY(mcv_scene_load(command->argument,
+                           (mcv_overrides){command->set.items, command->set.count}, &scene, error));
     const mcv_result result = check_scene(command, scene, error);
     mcv_scene_free(scene);
     return result;

@@ -5,10 +5,10 @@
 #include "cli/picture.h"
 #include "cli/report.h"
 #include "cli/sensor.h"
-#include "output/exr.h"
-#include "output/figure.h"
-#include "output/file.h"
-#include "output/progress.h"
+#include "io/exr.h"
+#include "io/figure.h"
+#include "core/output_file.h"
+#include "report/progress.h"
 #include "reference/reference.h"
 
 #include <math.h>
@@ -22,7 +22,8 @@ typedef struct render {
     mcv_exr exr;
     mcv_image mean, error; /* of a scene */
     mcv_measured measured;
-    mcv_film film; /* of a file: the replicates' means, as of one sample each; empty where it has none */
+    mcv_film
+        film; /* of a file: the replicates' means, as of one sample each; empty where it has none */
     char quantity[64], unit[64], sampler[64], device[256];
     double seed;
 } render;
@@ -49,7 +50,8 @@ static bool is_finite(const mcv_image *image) {
     return true;
 }
 
-/* The film of the replicates, where the file holds them all. Ranks need numbers: images that are not finite stay without. */
+/* The film of the replicates, where the file holds them all. Ranks need numbers: images that are
+ * not finite stay without. */
 static mcv_result gather_replicates(render *r, mcv_error *error) {
     const mcv_image *mean = r->measured.mean;
     const size_t count = (size_t)mean->width * mean->height * mean->channels;
@@ -57,10 +59,12 @@ static mcv_result gather_replicates(render *r, mcv_error *error) {
     for (uint32_t k = 0; k < r->measured.replicates; ++k) {
         snprintf(name, sizeof name, MCV_PICTURE_REPLICATE, k);
         const mcv_image *image = find_part(&r->exr, name);
-        const bool fits = image && image->width == mean->width && image->height == mean->height && image->channels == mean->channels;
+        const bool fits = image && image->width == mean->width && image->height == mean->height &&
+                          image->channels == mean->channels;
         if (!fits || !is_finite(image)) return MCV_OK;
     }
-    MCV_TRY(mcv_film_new(&r->film, mean->width, mean->height, mean->channels, r->measured.replicates, error));
+    MCV_TRY(mcv_film_new(&r->film, mean->width, mean->height, mean->channels,
+                         r->measured.replicates, error));
     for (uint32_t k = 0; k < r->measured.replicates; ++k) {
         snprintf(name, sizeof name, MCV_PICTURE_REPLICATE, k);
         const mcv_image *image = find_part(&r->exr, name);
@@ -77,10 +81,13 @@ static mcv_result read_render(const char *path, render *r, mcv_error *error) {
     r->measured.mean = &r->exr.parts[0].image;
     r->measured.error = find_part(&r->exr, "error");
     if (!r->measured.error)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: has no part `error`: must be written by `mcvisi render` with two or more --replicates",
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: has no part `error`: must be written by `mcvisi render` with two or "
+                        "more --replicates",
                         path);
     if (!(replicates >= 2 && replicates <= MCV_MAX_REPLICATES && replicates == floor(replicates)))
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: mcvisi:replicates in its header must be an integer from 2 to %d", path,
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: mcvisi:replicates in its header must be an integer from 2 to %d", path,
                         MCV_MAX_REPLICATES);
     r->measured.replicates = (uint32_t)replicates;
     snprintf(r->quantity, sizeof r->quantity, "%s", text_attribute(&r->exr, "mcvisi:quantity"));
@@ -98,19 +105,25 @@ static void free_render(render *r) {
     mcv_exr_free(&r->exr);
 }
 
-/* --- scenes ----------------------------------------------------------------------------------------------------- */
+/* --- scenes
+ * -----------------------------------------------------------------------------------------------------
+ */
 
-static mcv_result choose_sensor(const mcv_command *command, mcv_scene *scene, uint32_t *sensor, mcv_error *error) {
+static mcv_result choose_sensor(const mcv_command *command, mcv_scene *scene, uint32_t *sensor,
+                                mcv_error *error) {
     *sensor = 0;
     if (command->sensor) MCV_TRY(mcv_sensor_find(scene, command->sensor, sensor, error));
     if (!command->sensor && scene->sensor_count != 1)
-        return mcv_fail(error, MCV_USAGE, "%s: has %u sensors: choose one by --sensor", scene->path, scene->sensor_count);
+        return mcv_fail(error, MCV_USAGE, "%s: has %u sensors: choose one by --sensor", scene->path,
+                        scene->sensor_count);
     if (command->resolution[0])
-        return mcv_sensor_resize(scene->sensors + *sensor, command->resolution[0], command->resolution[1], scene, error);
+        return mcv_sensor_resize(scene->sensors + *sensor, command->resolution[0],
+                                 command->resolution[1], scene, error);
     return MCV_OK;
 }
 
-static mcv_result render_loaded(const mcv_command *command, mcv_scene *scene, render *r, mcv_error *error) {
+static mcv_result render_loaded(const mcv_command *command, mcv_scene *scene, render *r,
+                                mcv_error *error) {
     const bool reference = mcv_wants_reference(command);
     mcv_render_options options;
     mcv_render_stats stats;
@@ -120,40 +133,48 @@ static mcv_result render_loaded(const mcv_command *command, mcv_scene *scene, re
     mcv_progress_line line = mcv_progress_stderr(r->path, NULL);
     options.progress = mcv_progress_report;
     options.user = &line;
-    const mcv_result result = (reference ? mcv_reference_render : mcv_render)(scene, sensor, &options, &r->film, &stats, error);
+    const mcv_result result = (reference ? mcv_reference_render : mcv_render)(
+        scene, sensor, &options, &r->film, &stats, error);
     mcv_progress_end(&line);
     MCV_TRY(result);
     MCV_TRY(mcv_film_develop(&r->film, &r->mean, &r->error, error));
     const bool irradiance = mcv_sensor_measures_irradiance(scene->sensors + sensor);
     snprintf(r->quantity, sizeof r->quantity, "%s", irradiance ? "irradiance" : "radiance");
     snprintf(r->unit, sizeof r->unit, "%s", irradiance ? "W/m^2" : "W/(m^2 sr)");
-    snprintf(r->sampler, sizeof r->sampler, "%s", reference || options.sampler == MCV_SAMPLER_RANDOM ? "random" : "sobol");
+    snprintf(r->sampler, sizeof r->sampler, "%s",
+             reference || options.sampler == MCV_SAMPLER_RANDOM ? "random" : "sobol");
     snprintf(r->device, sizeof r->device, "%s", stats.device);
     r->seed = options.seed;
     r->measured = (mcv_measured){&r->mean, &r->error, options.replicates};
     return MCV_OK;
 }
 
-static mcv_result render_scene(const mcv_command *command, const char *path, render *r, mcv_error *error) {
+static mcv_result render_scene(const mcv_command *command, const char *path, render *r,
+                               mcv_error *error) {
     mcv_command options = *command;
     mcv_scene *scene;
     options.replicates = command->repeats;
     r->path = path;
-    MCV_TRY(mcv_scene_load(path, (mcv_overrides){command->set.items, command->set.count}, &scene, error));
+    MCV_TRY(mcv_scene_load(path, (mcv_overrides){command->set.items, command->set.count}, &scene,
+                           error));
     const mcv_result result = render_loaded(&options, scene, r, error);
     mcv_scene_free(scene);
     return result;
 }
 
-/* B's options: those given, then those of --against. The words of `text`, made here, are part of argv. */
-static mcv_result read_against(const mcv_command *command, char **text, char ***argv, mcv_command *other, mcv_error *error) {
+/* B's options: those given, then those of --against. The words of `text`, made here, are part of
+ * argv. */
+static mcv_result read_against(const mcv_command *command, char **text, char ***argv,
+                               mcv_command *other, mcv_error *error) {
     int argc = command->argc;
     const char *against = command->against ? command->against : "";
     *text = strdup(against);
     *argv = calloc((size_t)argc + strlen(against) + 1, sizeof **argv);
-    if (!*text || !*argv) return mcv_fail(error, MCV_FAILED, "no memory for the options of --against");
+    if (!*text || !*argv)
+        return mcv_fail(error, MCV_FAILED, "no memory for the options of --against");
     memcpy(*argv, command->argv, (size_t)argc * sizeof **argv);
-    for (char *rest, *word = strtok_r(*text, " ", &rest); word; word = strtok_r(NULL, " ", &rest)) (*argv)[argc++] = word;
+    for (char *rest, *word = strtok_r(*text, " ", &rest); word; word = strtok_r(NULL, " ", &rest))
+        (*argv)[argc++] = word;
     mcv_error detail = {""};
     const mcv_result result = mcv_command_parse(argc, *argv, other, &detail);
     if (result != MCV_OK) return mcv_fail(error, result, "--against: %s", detail.text);
@@ -189,28 +210,37 @@ static mcv_result check_options(const mcv_command *command, mcv_error *error) {
     static const char *const always[] = {"output", "json", NULL};
     mcv_result result = MCV_OK;
     if (!is_image(command->second)) return MCV_OK;
-    if (command->against) return mcv_fail(error, MCV_USAGE, "--against: %s is an image: options are for scenes", command->second);
+    if (command->against)
+        return mcv_fail(error, MCV_USAGE, "--against: %s is an image: options are for scenes",
+                        command->second);
     if (!is_image(command->argument)) return MCV_OK;
     json_t *given = mcv_command_json(command, always);
     const char *key = json_object_iter_key(json_object_iter(given));
-    if (key) result = mcv_fail(error, MCV_USAGE, "--%s is for scenes, and both are images: leave it out", key);
+    if (key)
+        result = mcv_fail(error, MCV_USAGE, "--%s is for scenes, and both are images: leave it out",
+                          key);
     json_decref(given);
     return result;
 }
 
-/* --- the comparison --------------------------------------------------------------------------------------------- */
+/* --- the comparison
+ * --------------------------------------------------------------------------------------------- */
 
-/* Equal seeds make equal sample points: the noise of both would be the same, and the tests too kind. */
+/* Equal seeds make equal sample points: the noise of both would be the same, and the tests too
+ * kind. */
 static void warn_of_seeds(const render *a, const render *b) {
-    if (a->seed != b->seed || strcmp(a->sampler, b->sampler) != 0 || strcmp(a->device, b->device) != 0) return;
+    if (a->seed != b->seed || strcmp(a->sampler, b->sampler) != 0 ||
+        strcmp(a->device, b->device) != 0)
+        return;
     fprintf(stderr,
-            "mcvisi: warning: both images are of seed %.0f, so that their noise is alike and hides differences: render one with another "
+            "mcvisi: warning: both images are of seed %.0f, so that their noise is alike and hides "
+            "differences: render one with another "
             "--seed\n",
             a->seed);
 }
 
-static mcv_result report_comparison(const mcv_command *command, const render *a, const render *b, bool ranks, const mcv_comparison *c,
-                                    mcv_error *error) {
+static mcv_result report_comparison(const mcv_command *command, const render *a, const render *b,
+                                    bool ranks, const mcv_comparison *c, mcv_error *error) {
     mcv_report report;
     double histogram[MCV_COMPARE_BINS];
     for (int i = 0; i < MCV_COMPARE_BINS; ++i) histogram[i] = (double)c->histogram[i];
@@ -218,7 +248,8 @@ static mcv_result report_comparison(const mcv_command *command, const render *a,
     mcv_report_flag(&report, "different", c->different);
     mcv_report_text(&report, "reason", c->reason);
     mcv_report_text(&report, "pixel_test", ranks ? "Mann-Whitney and Welch" : "Welch");
-    mcv_report_numbers(&report, "replicates", "", ", ", (const double[]){a->measured.replicates, b->measured.replicates}, 2);
+    mcv_report_numbers(&report, "replicates", "", ", ",
+                       (const double[]){a->measured.replicates, b->measured.replicates}, 2);
     mcv_report_numbers(&report, "means", a->unit, ", ", (const double[]){c->mean_x, c->mean_y}, 2);
     mcv_report_number(&report, "p_unit", "", c->p_unit);
     mcv_report_number(&report, "p_tiles", "", c->p_tiles);
@@ -235,7 +266,8 @@ static mcv_result report_comparison(const mcv_command *command, const render *a,
     mcv_report_number(&report, "channel", "", c->worst.channel);
     mcv_report_number(&report, "column", "", c->worst.column);
     mcv_report_number(&report, "row", "", c->worst.row);
-    mcv_report_numbers(&report, "size", "", " x ", (const double[]){c->worst.width, c->worst.height}, 2);
+    mcv_report_numbers(&report, "size", "", " x ",
+                       (const double[]){c->worst.width, c->worst.height}, 2);
     mcv_report_close(&report);
     return mcv_report_end(&report, error);
 }
@@ -246,26 +278,31 @@ static const char *file_name(const char *path) {
 }
 
 /* Beyond 5 standard errors all differences look alike. */
-static mcv_result draw_difference(const char *path, const render *a, const render *b, bool different, mcv_error *error) {
+static mcv_result draw_difference(const char *path, const render *a, const render *b,
+                                  bool different, mcv_error *error) {
     const mcv_color_scale scale = {.map = MCV_COLORMAP_DIVERGING, .low = -5, .high = 5};
     mcv_image difference;
     char title[256];
     MCV_TRY(mcv_compare_difference(&a->measured, &b->measured, &difference, error));
     snprintf(title, sizeof title, "%.100s - %.100s: %s", file_name(a->path), file_name(b->path),
              different ? "different" : "no difference beyond the noise");
-    const mcv_result result = mcv_figure_write(path, &difference, title, "difference in standard errors", &scale, error);
+    const mcv_result result =
+        mcv_figure_write(path, &difference, title, "difference in standard errors", &scale, error);
     mcv_image_free(&difference);
     return result;
 }
 
-static mcv_result compare(const mcv_command *command, const render *a, const render *b, mcv_error *error) {
+static mcv_result compare(const mcv_command *command, const render *a, const render *b,
+                          mcv_error *error) {
     if (strcmp(a->quantity, b->quantity) != 0)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s is %s and %s is %s: both must be the same", a->path, a->quantity, b->path, b->quantity);
+        return mcv_fail(error, MCV_BAD_INPUT, "%s is %s and %s is %s: both must be the same",
+                        a->path, a->quantity, b->path, b->quantity);
     mcv_comparison comparison;
     const bool ranks = a->film.samples > 0 && b->film.samples > 0;
     MCV_TRY(ranks ? mcv_compare_films(&a->film, &b->film, &comparison, error)
                   : mcv_compare_images(&a->measured, &b->measured, &comparison, error));
-    if (command->difference) MCV_TRY(draw_difference(command->difference, a, b, comparison.different, error));
+    if (command->difference)
+        MCV_TRY(draw_difference(command->difference, a, b, comparison.different, error));
     warn_of_seeds(a, b);
     MCV_TRY(report_comparison(command, a, b, ranks, &comparison, error));
     return comparison.different ? MCV_FAILED : MCV_OK;

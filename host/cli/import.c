@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi import: a lens file of a design program to a glTF file with exact surfaces, for a scene to place. */
+/* mcvisi import: a lens file of a design program to a glTF file with exact surfaces, for a scene to
+ * place. */
 #include "cli/options.h"
-#include "output/file.h"
-#include "scene/lens_file.h"
+#include "core/output_file.h"
+#include "lens/lens_file.h"
 
 #include <limits.h>
 #include <math.h>
@@ -11,7 +12,8 @@
 #include <string.h>
 
 /* One figure, and in brackets what the file states of it. */
-static void print_figure(const char *name, double value, double stated, const char *before, double unit, const char *after) {
+static void print_figure(const char *name, double value, double stated, const char *before,
+                         double unit, const char *after) {
     printf("%s ", name);
     if (isnan(value))
         printf("none");
@@ -22,33 +24,43 @@ static void print_figure(const char *name, double value, double stated, const ch
 }
 
 static void print_report(const mcv_lens_report *report) {
-    print_figure("focal length", report->focal_length, report->stated_focal_length, "", 1e-3, " mm");
+    print_figure("focal length", report->focal_length, report->stated_focal_length, "", 1e-3,
+                 " mm");
     if (isinf(report->object_distance)) {
-        print_figure("back focus", report->back_focus, report->stated_image_distance, "", 1e-3, " mm");
+        print_figure("back focus", report->back_focus, report->stated_image_distance, "", 1e-3,
+                     " mm");
     } else {
         print_figure("back focus", report->back_focus, NAN, "", 1e-3, " mm");
         print_figure("object distance", report->object_distance, NAN, "", 1e-3, " mm");
-        print_figure("image distance", report->image_distance, report->stated_image_distance, "", 1e-3, " mm");
+        print_figure("image distance", report->image_distance, report->stated_image_distance, "",
+                     1e-3, " mm");
     }
-    print_figure(report->working ? "working f-number" : "f-number", report->f_number, report->stated_f_number, "f/", 1, "");
+    print_figure(report->working ? "working f-number" : "f-number", report->f_number,
+                 report->stated_f_number, "f/", 1, "");
     printf("wavelength %.5g nm\n", 1e9 * report->wavelength);
-    for (int i = 0; i < report->warning_count; ++i) fprintf(stderr, "mcvisi: warning: %s\n", report->warnings[i]);
+    for (int i = 0; i < report->warning_count; ++i)
+        fprintf(stderr, "mcvisi: warning: %s\n", report->warnings[i]);
 }
 
-/* Writes the document whole, if a scene would take it: what the reader lets pass the loader may still refuse. */
-static mcv_result write_checked(const char *path, const char *from, const char *text, mcv_error *error) {
+/* Writes the document whole, if a scene would take it: what the reader lets pass the loader may
+ * still refuse. */
+static mcv_result write_checked(const char *path, const char *from, const char *text,
+                                mcv_error *error) {
     mcv_output output;
     mcv_scene *scene;
     mcv_error refusal;
     MCV_TRY(mcv_output_open(&output, path, error));
     mcv_result result = mcv_output_write(&output, text, strlen(text), error);
-    if (result == MCV_OK && mcv_scene_load(output.temporary, (mcv_overrides){NULL, 0}, &scene, &refusal) == MCV_OK) {
+    if (result == MCV_OK &&
+        mcv_scene_load(output.temporary, (mcv_overrides){NULL, 0}, &scene, &refusal) == MCV_OK) {
         mcv_scene_free(scene);
         return mcv_output_commit(&output, error);
     }
     if (result == MCV_OK) {
         const size_t length = strlen(output.temporary);
-        const char *what = strncmp(refusal.text, output.temporary, length) == 0 ? refusal.text + length : refusal.text;
+        const char *what = strncmp(refusal.text, output.temporary, length) == 0
+                               ? refusal.text + length
+                               : refusal.text;
         result = mcv_fail(error, MCV_BAD_INPUT, "%s: no scene would take its lens%s", from, what);
     }
     mcv_output_discard(&output);
@@ -57,15 +69,18 @@ static mcv_result write_checked(const char *path, const char *from, const char *
 
 mcv_result mcv_verb_import(const mcv_command *command, mcv_error *error) {
     const char *from = command->argument, *dot = strrchr(from, '.');
-    const mcv_lens_options options = {command->index.items, command->index.count, (mcv_lens_shape)command->curvature};
+    const mcv_lens_options options = {command->index.items, command->index.count,
+                                      (mcv_lens_shape)command->curvature};
     char path[PATH_MAX];
     mcv_lens_report report;
     json_t *scene;
     const int stem = dot ? (int)(dot - from) : (int)strlen(from);
-    const int length =
-        command->lens ? snprintf(path, sizeof path, "%s", command->lens) : snprintf(path, sizeof path, "%.*s.gltf", stem, from);
-    if (length >= PATH_MAX) return mcv_fail(error, MCV_USAGE, "the path of the lens is longer than %d bytes", PATH_MAX);
-    if (mcv_same_file(path, from)) return mcv_fail(error, MCV_USAGE, "%s is the lens file: give the lens another name", path);
+    const int length = command->lens ? snprintf(path, sizeof path, "%s", command->lens)
+                                     : snprintf(path, sizeof path, "%.*s.gltf", stem, from);
+    if (length >= PATH_MAX)
+        return mcv_fail(error, MCV_USAGE, "the path of the lens is longer than %d bytes", PATH_MAX);
+    if (mcv_same_file(path, from))
+        return mcv_fail(error, MCV_USAGE, "%s is the lens file: give the lens another name", path);
     MCV_TRY(mcv_lens_file_read(from, &options, &scene, &report, error));
     char *text = json_dumps(scene, JSON_INDENT(1) | JSON_REAL_PRECISION(12));
     json_decref(scene);

@@ -10,7 +10,8 @@
 /* The signal that has come, or 0. */
 extern volatile sig_atomic_t mcv_interrupt;
 
-/* Watches for both signals. While saving, the second one is not served, so that no temporary file is left behind. */
+/* Watches for both signals. While saving, the second one is not served, so that no temporary file
+ * is left behind. */
 void mcv_interrupt_watch(bool saving);
 
 /* MCV_OK, or MCV_INTERRUPTED or MCV_TERMINATED once a signal has come. */

@@ -5,16 +5,18 @@
 #include "cli/options.h"
 #include "core/basics.h"
 #include "cli/report.h"
-#include "output/figure.h"
-#include "output/file.h"
-#include "output/png.h"
+#include "io/figure.h"
+#include "core/output_file.h"
+#include "io/png.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* --- where to ---------------------------------------------------------------------------------------------------- */
+/* --- where to
+ * ----------------------------------------------------------------------------------------------------
+ */
 
 /* Both may be NULL, not both are. */
 typedef struct outputs {
@@ -23,16 +25,23 @@ typedef struct outputs {
 
 static mcv_result plan(const mcv_command *command, outputs *out, mcv_error *error) {
     const char *path = command->processed;
-    if (!path) return mcv_fail(error, MCV_USAGE, "--output is missing: give F.png for a picture or F.exr for the values");
-    *out = (outputs){.exr = mcv_ends_in(path, ".exr") ? path : NULL, .png = mcv_ends_in(path, ".png") ? path : command->picture};
+    if (!path)
+        return mcv_fail(error, MCV_USAGE,
+                        "--output is missing: give F.png for a picture or F.exr for the values");
+    *out = (outputs){.exr = mcv_ends_in(path, ".exr") ? path : NULL,
+                     .png = mcv_ends_in(path, ".png") ? path : command->picture};
     if (!mcv_ends_in(path, ".exr") && !mcv_ends_in(path, ".png"))
         return mcv_fail(error, MCV_USAGE, "--output %s: must end in .png or .exr", path);
-    if (command->picture && !out->exr) return mcv_fail(error, MCV_USAGE, "--png goes with --output F.exr: %s is a picture already", path);
+    if (command->picture && !out->exr)
+        return mcv_fail(error, MCV_USAGE, "--png goes with --output F.exr: %s is a picture already",
+                        path);
     const char *const paths[] = {out->exr, out->png};
     for (int i = 0; i < 2; ++i) {
         if (!paths[i]) continue;
         if (mcv_same_file(paths[i], command->second))
-            return mcv_fail(error, MCV_USAGE, "%s is the light field image itself: give the output another name", paths[i]);
+            return mcv_fail(error, MCV_USAGE,
+                            "%s is the light field image itself: give the output another name",
+                            paths[i]);
         MCV_TRY(mcv_output_check(paths[i], error));
     }
     return MCV_OK;
@@ -40,12 +49,13 @@ static mcv_result plan(const mcv_command *command, outputs *out, mcv_error *erro
 
 /* What no longer holds: the result has no macro pixels, and stands above the black level. */
 static bool is_past(const char *attribute) {
-    return strcmp(attribute, "mcvisi:angularResolution") == 0 || strcmp(attribute, "mcvisi:blackLevel") == 0;
+    return strcmp(attribute, "mcvisi:angularResolution") == 0 ||
+           strcmp(attribute, "mcvisi:blackLevel") == 0;
 }
 
 /* Writes the image with its own attributes, and those of what it was made from that still hold. */
-static mcv_result write_exr(const char *path, const mcv_exr *source, const mcv_image *image, const mcv_attribute *own, uint32_t own_count,
-                            mcv_error *error) {
+static mcv_result write_exr(const char *path, const mcv_exr *source, const mcv_image *image,
+                            const mcv_attribute *own, uint32_t own_count, mcv_error *error) {
     const mcv_exr_part part = {.name = "image", .image = *image};
     mcv_attribute *attributes = malloc((own_count + source->attribute_count) * sizeof *attributes);
     uint32_t count = own_count;
@@ -53,7 +63,8 @@ static mcv_result write_exr(const char *path, const mcv_exr *source, const mcv_i
     memcpy(attributes, own, own_count * sizeof *own);
     for (uint32_t i = 0; i < source->attribute_count; ++i) {
         bool replaced = is_past(source->attributes[i].name);
-        for (uint32_t k = 0; k < own_count; ++k) replaced = replaced || strcmp(own[k].name, source->attributes[i].name) == 0;
+        for (uint32_t k = 0; k < own_count; ++k)
+            replaced = replaced || strcmp(own[k].name, source->attributes[i].name) == 0;
         if (!replaced) attributes[count++] = source->attributes[i];
     }
     const mcv_result result = mcv_exr_write(path, &part, 1, attributes, count, error);
@@ -61,23 +72,29 @@ static mcv_result write_exr(const char *path, const mcv_exr *source, const mcv_i
     return result;
 }
 
-/* --- views ------------------------------------------------------------------------------------------------------- */
+/* --- views
+ * -------------------------------------------------------------------------------------------------------
+ */
 
 /* The views with lines of middle grey between them. */
-static mcv_result write_views_png(const char *path, const mcv_image *views, const uint32_t angular[2], mcv_error *error) {
+static mcv_result write_views_png(const char *path, const mcv_image *views,
+                                  const uint32_t angular[2], mcv_error *error) {
     enum { LINE = 2 };
     mcv_image page;
     mcv_preview preview = {.white = mcv_preview_white(views)};
     const uint32_t width = views->width / angular[0], height = views->height / angular[1];
-    MCV_TRY(mcv_image_new(&page, views->width + LINE * (angular[0] - 1), views->height + LINE * (angular[1] - 1), views->channels, error));
+    MCV_TRY(mcv_image_new(&page, views->width + LINE * (angular[0] - 1),
+                          views->height + LINE * (angular[1] - 1), views->channels, error));
     float *to = page.pixels;
     for (uint32_t row = 0; row < page.height * page.channels; ++row) {
         const uint32_t c = row / page.height, y = row % page.height;
         const uint32_t k = y / (height + LINE), n = y % (height + LINE);
-        const float *from = views->pixels + ((size_t)c * views->height + (size_t)k * height + n) * views->width;
+        const float *from =
+            views->pixels + ((size_t)c * views->height + (size_t)k * height + n) * views->width;
         for (uint32_t x = 0; x < page.width; ++x) {
             const uint32_t j = x / (width + LINE), m = x % (width + LINE);
-            *to++ = m < width && n < height ? from[(size_t)j * width + m] : (float)(0.2 * preview.white);
+            *to++ = m < width && n < height ? from[(size_t)j * width + m]
+                                            : (float)(0.2 * preview.white);
         }
     }
     const mcv_result result = mcv_png_write_preview(path, &page, "", &preview, error);
@@ -85,18 +102,22 @@ static mcv_result write_views_png(const char *path, const mcv_image *views, cons
     return result;
 }
 
-static mcv_result write_views(const mcv_light_field_file *file, const outputs *out, mcv_error *error) {
+static mcv_result write_views(const mcv_light_field_file *file, const outputs *out,
+                              mcv_error *error) {
     const mcv_attribute own[] = {{.name = "mcvisi:layout", .text = "sub-aperture views"}};
     mcv_image views;
     MCV_TRY(mcv_light_field_views(&file->image, file->angular, &views, error));
     mcv_result result = MCV_OK;
     if (out->exr) result = write_exr(out->exr, &file->exr, &views, own, 1, error);
-    if (out->png && result == MCV_OK) result = write_views_png(out->png, &views, file->angular, error);
+    if (out->png && result == MCV_OK)
+        result = write_views_png(out->png, &views, file->angular, error);
     mcv_image_free(&views);
     return result;
 }
 
-/* --- gradient ---------------------------------------------------------------------------------------------------- */
+/* --- gradient
+ * ----------------------------------------------------------------------------------------------------
+ */
 
 /* What is told of a gradient. */
 typedef struct account {
@@ -106,9 +127,10 @@ typedef struct account {
 
 static const char *const forms[] = {"normalized", "mass"};
 
-static mcv_result write_gradient(const mcv_command *command, const mcv_light_field_file *file, const outputs *out, account *told,
-                                 mcv_error *error) {
-    static const char *const units[] = {"fraction of the pupil", "fraction of the pupil x median mass"};
+static mcv_result write_gradient(const mcv_command *command, const mcv_light_field_file *file,
+                                 const outputs *out, account *told, mcv_error *error) {
+    static const char *const units[] = {"fraction of the pupil",
+                                        "fraction of the pupil x median mass"};
     const char *unit = units[command->form];
     const mcv_attribute own[] = {{.name = "mcvisi:quantity", .text = "Earth Mover's gradient"},
                                  {.name = "mcvisi:unit", .text = unit},
@@ -116,24 +138,31 @@ static mcv_result write_gradient(const mcv_command *command, const mcv_light_fie
     mcv_image gradient;
     char title[256];
     const double begun = mcv_seconds();
-    MCV_TRY(mcv_light_field_gradient(&file->image, file->angular, command->form ? MCV_EMD_MASS : MCV_EMD_NORMALIZED,
+    MCV_TRY(mcv_light_field_gradient(&file->image, file->angular,
+                                     command->form ? MCV_EMD_MASS : MCV_EMD_NORMALIZED,
                                      (uint32_t)command->threads, &gradient, error));
     told->seconds = mcv_seconds() - begun;
     told->spread = mcv_image_spread(&gradient, NULL);
     const mcv_color_scale scale = {.map = MCV_COLORMAP_VIRIDIS,
-                                   .high = command->scale_end > 0 ? command->scale_end : mcv_preview_white(&gradient)};
-    snprintf(title, sizeof title, "Earth Mover's gradient (%s) of %s", forms[command->form], command->second);
+                                   .high = command->scale_end > 0 ? command->scale_end
+                                                                  : mcv_preview_white(&gradient)};
+    snprintf(title, sizeof title, "Earth Mover's gradient (%s) of %s", forms[command->form],
+             command->second);
     mcv_result result = MCV_OK;
-    if (out->exr) result = write_exr(out->exr, &file->exr, &gradient, own, sizeof own / sizeof own[0], error);
-    if (out->png && result == MCV_OK) result = mcv_figure_write(out->png, &gradient, title, unit, &scale, error);
+    if (out->exr)
+        result = write_exr(out->exr, &file->exr, &gradient, own, sizeof own / sizeof own[0], error);
+    if (out->png && result == MCV_OK)
+        result = mcv_figure_write(out->png, &gradient, title, unit, &scale, error);
     mcv_image_free(&gradient);
     return result;
 }
 
-/* --- the verb ---------------------------------------------------------------------------------------------------- */
+/* --- the verb
+ * ----------------------------------------------------------------------------------------------------
+ */
 
-static mcv_result report(const mcv_command *command, const mcv_light_field_file *file, const outputs *out, const account *told,
-                         mcv_error *error) {
+static mcv_result report(const mcv_command *command, const mcv_light_field_file *file,
+                         const outputs *out, const account *told, mcv_error *error) {
     const uint32_t *angular = file->angular;
     const uint32_t columns = file->image.width / angular[0], rows = file->image.height / angular[1];
     mcv_report r;
@@ -159,10 +188,13 @@ mcv_result mcv_verb_lightfield(const mcv_command *command, mcv_error *error) {
     account told;
     mcv_light_field_file file;
     if (!views && strcmp(command->argument, "emd-gradient") != 0)
-        return mcv_fail(error, MCV_USAGE, "lightfield %s: must be `lightfield views` or `lightfield emd-gradient`", command->argument);
+        return mcv_fail(error, MCV_USAGE,
+                        "lightfield %s: must be `lightfield views` or `lightfield emd-gradient`",
+                        command->argument);
     MCV_TRY(plan(command, &out, error));
     MCV_TRY(mcv_light_field_read(command->second, command->angular, &file, error));
-    mcv_result result = views ? write_views(&file, &out, error) : write_gradient(command, &file, &out, &told, error);
+    mcv_result result = views ? write_views(&file, &out, error)
+                              : write_gradient(command, &file, &out, &told, error);
     if (result == MCV_OK) result = report(command, &file, &out, views ? NULL : &told, error);
     mcv_light_field_free(&file);
     return result;

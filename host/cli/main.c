@@ -45,7 +45,8 @@ static mcv_result run(int argc, char **argv, mcv_error *error) {
 int main(int argc, char **argv) {
     mcv_error error = {""};
     mcv_result result = run(argc, argv, &error);
-    if (fflush(stdout) != 0 && result == MCV_OK) result = mcv_fail(&error, MCV_FAILED, "standard output: %s", strerror(errno));
+    if (fflush(stdout) != 0 && result == MCV_OK)
+        result = mcv_fail(&error, MCV_FAILED, "standard output: %s", strerror(errno));
     if (error.text[0]) fprintf(stderr, "mcvisi: %s\n", error.text);
     return result;
 }

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/metrics.h"
 
-#include "scene/json.h"
+#include "core/json.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-mcv_result mcv_choose_channel(uint64_t chosen, const char *path, const mcv_image *image, bool deviations, mcv_image *out,
-                              mcv_error *error) {
+mcv_result mcv_choose_channel(uint64_t chosen, const char *path, const mcv_image *image,
+                              bool deviations, mcv_image *out, mcv_error *error) {
     if (chosen > image->channels && chosen > 1)
-        return mcv_fail(error, MCV_USAGE, "%s has %u channel%s: leave out --channel", path, image->channels,
-                        image->channels > 1 ? "s" : "");
+        return mcv_fail(error, MCV_USAGE, "%s has %u channel%s: leave out --channel", path,
+                        image->channels, image->channels > 1 ? "s" : "");
     MCV_TRY(mcv_image_new(out, image->width, image->height, 1, error));
     const size_t plane = (size_t)image->width * image->height;
     for (size_t i = 0; i < plane; ++i) {
@@ -27,7 +27,9 @@ mcv_result mcv_choose_channel(uint64_t chosen, const char *path, const mcv_image
     return MCV_OK;
 }
 
-/* --- names ------------------------------------------------------------------------------------------------------ */
+/* --- names
+ * ------------------------------------------------------------------------------------------------------
+ */
 
 static const char *const region_figures[] = {
 #define MCV_X(member, name) name,
@@ -40,11 +42,18 @@ static const char *const contrast_figures[] = {
 #undef MCV_X
 };
 #define MCV_X(member, name) name,
-static const char *const edge_figures[] = {MCV_EDGE_METRICS(MCV_X) "mtf50", "mtf_at_nyquist", "width_10_90_length", "distance", "length"};
-static const char *const line_figures[] = {MCV_LINE_METRICS(MCV_X) "straightness_length", "distance", "length"};
+static const char *const edge_figures[] = {MCV_EDGE_METRICS(MCV_X) "mtf50", "mtf_at_nyquist",
+                                           "width_10_90_length", "distance", "length"};
+static const char *const line_figures[] = {MCV_LINE_METRICS(MCV_X) "straightness_length",
+                                           "distance", "length"};
 static const char *const caliper_figures[] = {MCV_CALIPER_METRICS(MCV_X) "width_length"};
-static const char *const circle_figures[] = {
-    MCV_CIRCLE_METRICS(MCV_X) "radius_length", "diameter_length", "roundness_length", "distance", "length", "line_distance", "line_length"};
+static const char *const circle_figures[] = {MCV_CIRCLE_METRICS(MCV_X) "radius_length",
+                                             "diameter_length",
+                                             "roundness_length",
+                                             "distance",
+                                             "length",
+                                             "line_distance",
+                                             "line_length"};
 #undef MCV_X
 
 #define COUNT_OF(list) (sizeof(list) / sizeof((list)[0]))
@@ -57,7 +66,8 @@ typedef struct form_entry {
 } form_entry;
 
 static const form_entry forms[MCV_FORM_COUNT] = {
-#define MCV_X(form, FORM, kind, what) {#form, what, kind##_figures, COUNT_OF(kind##_figures), offsetof(mcv_command, form)},
+#define MCV_X(form, FORM, kind, what) \
+    {#form, what, kind##_figures, COUNT_OF(kind##_figures), offsetof(mcv_command, form)},
     MCV_FORMS(MCV_X)
 #undef MCV_X
 };
@@ -103,53 +113,76 @@ static mcv_result fail_figure(const char *name, const char *figure, mcv_error *e
         for (size_t i = 0; i < forms[f].figure_count; ++i)
             if (!is_in(forms[f].figures[i], words, count)) words[count++] = forms[f].figures[i];
     const char *nearest = mcv_nearest_word(figure, words, count);
-    if (nearest) return mcv_fail(error, MCV_USAGE, "metric %s: there is no figure \"%s\"; did you mean \"%s\"?", name, figure, nearest);
-    for (size_t i = 0; i < count; ++i) snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "", words[i]);
-    return mcv_fail(error, MCV_USAGE, "metric %s: there is no figure \"%s\"; there are %s", name, figure, list);
+    if (nearest)
+        return mcv_fail(error, MCV_USAGE,
+                        "metric %s: there is no figure \"%s\"; did you mean \"%s\"?", name, figure,
+                        nearest);
+    for (size_t i = 0; i < count; ++i)
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "", words[i]);
+    return mcv_fail(error, MCV_USAGE, "metric %s: there is no figure \"%s\"; there are %s", name,
+                    figure, list);
 }
 
-static bool is_distance(const char *figure) { return strcmp(figure, "distance") == 0 || strcmp(figure, "length") == 0; }
+static bool is_distance(const char *figure) {
+    return strcmp(figure, "distance") == 0 || strcmp(figure, "length") == 0;
+}
 
-static bool is_from_line(const char *figure) { return strcmp(figure, "line_distance") == 0 || strcmp(figure, "line_length") == 0; }
+static bool is_from_line(const char *figure) {
+    return strcmp(figure, "line_distance") == 0 || strcmp(figure, "line_length") == 0;
+}
 
-/* The first of these two forms that was given: where distances to others of them begin. MCV_FORM_COUNT without one. */
+/* The first of these two forms that was given: where distances to others of them begin.
+ * MCV_FORM_COUNT without one. */
 static unsigned first_of(const mcv_command *c, unsigned a, unsigned b) {
     return mcv_form_boxes(c, a)->count ? a : mcv_form_boxes(c, b)->count ? b : MCV_FORM_COUNT;
 }
 
-static unsigned first_straight(const mcv_command *c) { return first_of(c, MCV_FORM_EDGE, MCV_FORM_LINE); }
+static unsigned first_straight(const mcv_command *c) {
+    return first_of(c, MCV_FORM_EDGE, MCV_FORM_LINE);
+}
 
 /* The form that a distance to this one begins with. */
 static unsigned first_like(const mcv_command *c, unsigned index) {
-    return index == MCV_FORM_CIRCLE || index == MCV_FORM_ARC ? first_of(c, MCV_FORM_CIRCLE, MCV_FORM_ARC) : first_straight(c);
+    return index == MCV_FORM_CIRCLE || index == MCV_FORM_ARC
+               ? first_of(c, MCV_FORM_CIRCLE, MCV_FORM_ARC)
+               : first_straight(c);
 }
 
-/* The box that has the figure: by its name, or else the first; of distances the first that is not where they begin. */
+/* The box that has the figure: by its name, or else the first; of distances the first that is not
+ * where they begin. */
 static bool find_box(const mcv_command *c, const char *name, const char *dot, choice *out) {
     const bool distance = is_distance(out->figure);
     for (out->form = 0; out->form < MCV_FORM_COUNT; ++out->form) {
         const mcv_list *boxes = mcv_form_boxes(c, out->form);
         if (!is_in(out->figure, forms[out->form].figures, forms[out->form].figure_count)) continue;
         out->index = !dot && distance && first_like(c, out->form) == out->form;
-        if (dot ? find_named(boxes, name, (size_t)(dot - name), &out->index) : out->index < boxes->count) return true;
+        if (dot ? find_named(boxes, name, (size_t)(dot - name), &out->index)
+                : out->index < boxes->count)
+            return true;
     }
     return false;
 }
 
 /* Whose figure it is and what was not given: the options as "--edge or --line". */
-static mcv_result fail_box(const mcv_command *c, const char *name, const char *dot, const char *figure, mcv_error *error) {
+static mcv_result fail_box(const mcv_command *c, const char *name, const char *dot,
+                           const char *figure, mcv_error *error) {
     char options[128] = "";
     const char *what = NULL;
     size_t given = 0;
     for (unsigned f = 0; f < MCV_FORM_COUNT; ++f) {
         if (!is_in(figure, forms[f].figures, forms[f].figure_count)) continue;
-        snprintf(options + strlen(options), sizeof options - strlen(options), "%s--%s", what ? " or " : "", forms[f].option);
+        snprintf(options + strlen(options), sizeof options - strlen(options), "%s--%s",
+                 what ? " or " : "", forms[f].option);
         given += mcv_form_boxes(c, f)->count;
         if (!what) what = forms[f].what;
     }
-    if (given == 0) return mcv_fail(error, MCV_USAGE, "metric %s: give %s, %s", name, options, what);
-    if (dot) return mcv_fail(error, MCV_USAGE, "metric %s: there is no %s of the name \"%.*s\"", name, options, (int)(dot - name), name);
-    return mcv_fail(error, MCV_USAGE, "metric %s: is from the first %s to another: name the other", name, options);
+    if (given == 0)
+        return mcv_fail(error, MCV_USAGE, "metric %s: give %s, %s", name, options, what);
+    if (dot)
+        return mcv_fail(error, MCV_USAGE, "metric %s: there is no %s of the name \"%.*s\"", name,
+                        options, (int)(dot - name), name);
+    return mcv_fail(error, MCV_USAGE, "metric %s: is from the first %s to another: name the other",
+                    name, options);
 }
 
 static mcv_result choose(const mcv_command *c, const char *name, choice *out, mcv_error *error) {
@@ -158,30 +191,41 @@ static mcv_result choose(const mcv_command *c, const char *name, choice *out, mc
     snprintf(out->figure, sizeof out->figure, "%s", dot ? dot + 1 : name);
     const bool contrast = is_in(out->figure, contrast_figures, COUNT_OF(contrast_figures));
     bool boxed = false;
-    for (unsigned f = 0; f < MCV_FORM_COUNT; ++f) boxed = boxed || is_in(out->figure, forms[f].figures, forms[f].figure_count);
-    if (!contrast && !boxed && !is_in(out->figure, region_figures, COUNT_OF(region_figures))) return fail_figure(name, out->figure, error);
+    for (unsigned f = 0; f < MCV_FORM_COUNT; ++f)
+        boxed = boxed || is_in(out->figure, forms[f].figures, forms[f].figure_count);
+    if (!contrast && !boxed && !is_in(out->figure, region_figures, COUNT_OF(region_figures)))
+        return fail_figure(name, out->figure, error);
     if (contrast && !c->background)
-        return mcv_fail(error, MCV_USAGE, "metric %s: give --background, the region that it stands out of", name);
+        return mcv_fail(error, MCV_USAGE,
+                        "metric %s: give --background, the region that it stands out of", name);
     if (!boxed) {
         if (dot && !find_named(&c->region, name, (size_t)(dot - name), &out->index))
-            return mcv_fail(error, MCV_USAGE, "metric %s: there is no --region of the name \"%.*s\"", name, (int)(dot - name), name);
+            return mcv_fail(error, MCV_USAGE,
+                            "metric %s: there is no --region of the name \"%.*s\"", name,
+                            (int)(dot - name), name);
         return MCV_OK;
     }
     if (!find_box(c, name, dot, out)) return fail_box(c, name, dot, out->figure, error);
     if (is_distance(out->figure) && out->form == first_like(c, out->form) && out->index == 0)
-        return mcv_fail(error, MCV_USAGE, "metric %s: is from the first --%s to another: name the other", name, forms[out->form].option);
+        return mcv_fail(error, MCV_USAGE,
+                        "metric %s: is from the first --%s to another: name the other", name,
+                        forms[out->form].option);
     if (is_from_line(out->figure) && first_straight(c) == MCV_FORM_COUNT)
-        return mcv_fail(error, MCV_USAGE, "metric %s: give --edge or --line, from which it counts", name);
+        return mcv_fail(error, MCV_USAGE, "metric %s: give --edge or --line, from which it counts",
+                        name);
     return MCV_OK;
 }
 
-mcv_result mcv_metric_known(void *user, const char *name, mcv_quantity *quantity, mcv_error *error) {
+mcv_result mcv_metric_known(void *user, const char *name, mcv_quantity *quantity,
+                            mcv_error *error) {
     choice chosen;
     *quantity = (mcv_quantity){1, 0};
     return choose(user, name, &chosen, error);
 }
 
-/* --- figures ---------------------------------------------------------------------------------------------------- */
+/* --- figures
+ * ----------------------------------------------------------------------------------------------------
+ */
 
 /* Rounding to whole numbers makes that much. */
 static double least_noise(bool whole) { return whole ? sqrt(1.0 / 12) : 0; }
@@ -190,14 +234,19 @@ void mcv_know_noise(mcv_readings *readings, bool known, bool whole, mcv_roi *reg
     if (!known) mcv_roi_estimate_noise(readings, region, least_noise(whole));
 }
 
-static void know_noise(mcv_metrics *m, mcv_roi *region) { mcv_know_noise(&m->readings, m->known, m->whole, region); }
+static void know_noise(mcv_metrics *m, mcv_roi *region) {
+    mcv_know_noise(&m->readings, m->known, m->whole, region);
+}
 
 void mcv_samples_words(double samples, char words[160]) {
-    snprintf(words, 160, "the render's own error hides the deviation: %.2g times its samples are needed at least, or the noise of a camera",
+    snprintf(words, 160,
+             "the render's own error hides the deviation: %.2g times its samples are needed at "
+             "least, or the noise of a camera",
              samples);
 }
 
-static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quantity *quantity, mcv_error *error) {
+static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quantity *quantity,
+                                 mcv_error *error) {
     const mcv_command *c = m->command;
     const mcv_image *image = &m->readings.values;
     mcv_roi region, background = {0};
@@ -234,8 +283,8 @@ static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quant
     return mcv_fail(error, MCV_FAILED, "metric %s: %s", chosen->figure, words);
 }
 
-mcv_result mcv_locate(mcv_readings *readings, bool known, bool whole, unsigned form, const char *text, size_t number, mcv_found *found,
-                      mcv_error *error) {
+mcv_result mcv_locate(mcv_readings *readings, bool known, bool whole, unsigned form,
+                      const char *text, size_t number, mcv_found *found, mcv_error *error) {
     const double least = known ? NAN : least_noise(whole);
     const mcv_image *image = &readings->values;
     *found = (mcv_found){.form = form};
@@ -251,23 +300,31 @@ mcv_result mcv_locate(mcv_readings *readings, bool known, bool whole, unsigned f
         MCV_TRY(mcv_caliper_parse(text, number, image, &found->as.caliper, error));
         return mcv_caliper_locate(readings, least, &found->as.caliper, error);
     default:
-        MCV_TRY(mcv_circle_parse(text, number, image, form == MCV_FORM_CIRCLE, &found->as.circle, error));
+        MCV_TRY(mcv_circle_parse(text, number, image, form == MCV_FORM_CIRCLE, &found->as.circle,
+                                 error));
         return mcv_circle_locate(readings, least, &found->as.circle, error);
     }
 }
 
 const mcv_edge *mcv_found_straight(const mcv_found *found) {
-    return found->form == MCV_FORM_EDGE ? &found->as.edge : found->form == MCV_FORM_LINE ? &found->as.line.edge : NULL;
+    return found->form == MCV_FORM_EDGE   ? &found->as.edge
+           : found->form == MCV_FORM_LINE ? &found->as.line.edge
+                                          : NULL;
 }
 
-bool mcv_found_is_round(const mcv_found *found) { return found->form == MCV_FORM_CIRCLE || found->form == MCV_FORM_ARC; }
+bool mcv_found_is_round(const mcv_found *found) {
+    return found->form == MCV_FORM_CIRCLE || found->form == MCV_FORM_ARC;
+}
 
 const char *mcv_found_name(const mcv_found *found) {
     const mcv_edge *straight = mcv_found_straight(found);
-    return straight ? straight->name : found->form == MCV_FORM_CALIPER ? found->as.caliper.name : found->as.circle.name;
+    return straight                          ? straight->name
+           : found->form == MCV_FORM_CALIPER ? found->as.caliper.name
+                                             : found->as.circle.name;
 }
 
-/* Within 10°: between others no distance is meant, and what stands between two boxes would depend on where they lie. */
+/* Within 10°: between others no distance is meant, and what stands between two boxes would depend
+ * on where they lie. */
 static bool are_parallel(const mcv_edge *a, const mcv_edge *b) {
     return fabs(a->normal[0] * b->normal[0] + a->normal[1] * b->normal[1]) >= cos(10 * M_PI / 180);
 }
@@ -282,7 +339,8 @@ mcv_quantity mcv_found_distance(const mcv_found *a, const mcv_found *b, double d
         memcpy(direction, line->normal, sizeof line->normal);
     } else {
         d = mcv_circle_distance(&a->as.circle, &b->as.circle);
-        const double x = b->as.circle.column.value - a->as.circle.column.value, y = b->as.circle.row.value - a->as.circle.row.value;
+        const double x = b->as.circle.column.value - a->as.circle.column.value,
+                     y = b->as.circle.row.value - a->as.circle.row.value;
         direction[0] = x == 0 && y == 0 ? 1 : x / hypot(x, y);
         direction[1] = x == 0 && y == 0 ? 0 : y / hypot(x, y);
     }
@@ -296,12 +354,15 @@ double mcv_scale_along(const double pixel[2], const double direction[2]) {
     return fabs(pixel[1] - pixel[0]) <= 1e-9 * pixel[0] ? pixel[0] : NAN;
 }
 
-static mcv_result find_box_of(mcv_metrics *m, unsigned index, size_t number, mcv_found *found, mcv_error *error) {
-    return mcv_locate(&m->readings, m->known, m->whole, index, mcv_form_boxes(m->command, index)->items[number], number + 1, found, error);
+static mcv_result find_box_of(mcv_metrics *m, unsigned index, size_t number, mcv_found *found,
+                              mcv_error *error) {
+    return mcv_locate(&m->readings, m->known, m->whole, index,
+                      mcv_form_boxes(m->command, index)->items[number], number + 1, found, error);
 }
 
 /* Whether the figure is of this name, or is the length (at this scale) of one that is. */
-static bool is_figure(const char *figure, const char *name, mcv_quantity q, double scale, mcv_quantity *quantity) {
+static bool is_figure(const char *figure, const char *name, mcv_quantity q, double scale,
+                      mcv_quantity *quantity) {
     const size_t length = strlen(name);
     if (strncmp(figure, name, length) != 0) return false;
     const bool same = figure[length] == '\0', as_length = strcmp(figure + length, "_length") == 0;
@@ -310,7 +371,8 @@ static bool is_figure(const char *figure, const char *name, mcv_quantity q, doub
     return same || as_length;
 }
 
-static mcv_result measure_mtf(const mcv_metrics *m, const mcv_edge *edge, const char *figure, mcv_quantity *quantity, mcv_error *error) {
+static mcv_result measure_mtf(const mcv_metrics *m, const mcv_edge *edge, const char *figure,
+                              mcv_quantity *quantity, mcv_error *error) {
     mcv_edge_mtf mtf;
     MCV_TRY(mcv_edge_spread(&m->readings, edge, &mtf, error));
     *quantity = strcmp(figure, "mtf50") == 0 ? mtf.mtf50 : mtf.nyquist;
@@ -318,7 +380,8 @@ static mcv_result measure_mtf(const mcv_metrics *m, const mcv_edge *edge, const 
     return MCV_OK;
 }
 
-static void take_figure(const mcv_found *found, const double pixel[2], const char *figure, mcv_quantity *quantity) {
+static void take_figure(const mcv_found *found, const double pixel[2], const char *figure,
+                        mcv_quantity *quantity) {
     const mcv_edge *straight = mcv_found_straight(found);
     const double across = mcv_scale_along(pixel, straight ? straight->normal : NULL);
 #define MCV_X(member, name) \
@@ -343,32 +406,41 @@ static void take_figure(const mcv_found *found, const double pixel[2], const cha
 #undef MCV_X
 }
 
-static mcv_result measure_box(mcv_metrics *m, const choice *chosen, mcv_quantity *quantity, mcv_error *error) {
+static mcv_result measure_box(mcv_metrics *m, const choice *chosen, mcv_quantity *quantity,
+                              mcv_error *error) {
     const char *figure = chosen->figure;
     const bool from_line = is_from_line(figure);
     mcv_found found, first;
     double direction[2];
     MCV_TRY(find_box_of(m, chosen->form, chosen->index, &found, error));
-    if (strncmp(figure, "mtf", 3) == 0) return measure_mtf(m, &found.as.edge, figure, quantity, error);
+    if (strncmp(figure, "mtf", 3) == 0)
+        return measure_mtf(m, &found.as.edge, figure, quantity, error);
     if (!from_line && !is_distance(figure)) {
         take_figure(&found, m->pixel, figure, quantity);
         return MCV_OK;
     }
-    MCV_TRY(find_box_of(m, from_line ? first_straight(m->command) : first_like(m->command, chosen->form), 0, &first, error));
+    MCV_TRY(find_box_of(
+        m, from_line ? first_straight(m->command) : first_like(m->command, chosen->form), 0, &first,
+        error));
     *quantity = mcv_found_distance(&first, &found, direction);
     if (isnan(quantity->value))
-        return mcv_fail(error, MCV_FAILED, "%s to %s: %s", mcv_found_name(&first), mcv_found_name(&found), MCV_NOT_PARALLEL);
+        return mcv_fail(error, MCV_FAILED, "%s to %s: %s", mcv_found_name(&first),
+                        mcv_found_name(&found), MCV_NOT_PARALLEL);
     const double scale = mcv_scale_along(m->pixel, direction);
-    if (strstr(figure, "length")) *quantity = (mcv_quantity){quantity->value * scale, quantity->uncertainty * scale};
+    if (strstr(figure, "length"))
+        *quantity = (mcv_quantity){quantity->value * scale, quantity->uncertainty * scale};
     return MCV_OK;
 }
 
-mcv_result mcv_metric_look_up(void *user, const char *name, mcv_quantity *quantity, mcv_error *error) {
+mcv_result mcv_metric_look_up(void *user, const char *name, mcv_quantity *quantity,
+                              mcv_error *error) {
     mcv_metrics *m = user;
     choice chosen;
     *quantity = (mcv_quantity){NAN, NAN};
     MCV_TRY(choose(m->command, name, &chosen, error));
-    MCV_TRY(chosen.form < MCV_FORM_COUNT ? measure_box(m, &chosen, quantity, error) : measure_region(m, &chosen, quantity, error));
-    if (isnan(quantity->value)) return mcv_fail(error, MCV_FAILED, "metric %s: the image gives no such figure", name);
+    MCV_TRY(chosen.form < MCV_FORM_COUNT ? measure_box(m, &chosen, quantity, error)
+                                         : measure_region(m, &chosen, quantity, error));
+    if (isnan(quantity->value))
+        return mcv_fail(error, MCV_FAILED, "metric %s: the image gives no such figure", name);
     return MCV_OK;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The figures of `mcvisi measure` by name, for expressions: "dent.contrast_to_noise", "left.mtf50". */
+/* The figures of `mcvisi measure` by name, for expressions: "dent.contrast_to_noise", "left.mtf50".
+ */
 #ifndef MCVISI_HOST_CLI_METRICS_H
 #define MCVISI_HOST_CLI_METRICS_H
 
@@ -7,7 +8,8 @@
 #include "analysis/line.h"
 #include "cli/options.h"
 
-/* X(member of mcv_roi_figures, "name") and of mcv_contrast_figures, mcv_edge, mcv_line, mcv_caliper, mcv_circle; those that are quantities.
+/* X(member of mcv_roi_figures, "name") and of mcv_contrast_figures, mcv_edge, mcv_line,
+ * mcv_caliper, mcv_circle; those that are quantities.
  */
 #define MCV_REGION_METRICS(X) \
     X(mean, "mean") \
@@ -41,7 +43,8 @@
     X(diameter, "diameter") \
     X(roundness, "roundness")
 
-/* What is found in boxes: X(form, FORM, kind of figures, what to give); the form is the option's name, and form + "s" the list in JSON. */
+/* What is found in boxes: X(form, FORM, kind of figures, what to give); the form is the option's
+ * name, and form + "s" the list in JSON. */
 #define MCV_FORMS(X) \
     X(edge, EDGE, edge, "a rectangle with one straight edge in it") \
     X(line, LINE, line, "rectangles that one straight edge passes") \
@@ -65,21 +68,27 @@ typedef struct mcv_metrics {
 } mcv_metrics;
 
 /*
- * A figure by its name: NAME.FIGURE of a region or of what is found in a box, or FIGURE alone of the first that has it; without a region
- * the whole image. Besides those above: mtf50 and mtf_at_nyquist of edges; figures in pixels that have a length have it as …_length;
- * distance and length from the first edge or line to another, or from the first circle or arc to another; line_distance and line_length
- * from the first edge or line to a circle or arc. An mcv_lookup whose user is the mcv_metrics. MCV_USAGE for an unknown name, which lists
- * what there is; MCV_FAILED where nothing is found.
+ * A figure by its name: NAME.FIGURE of a region or of what is found in a box, or FIGURE alone of
+ * the first that has it; without a region the whole image. Besides those above: mtf50 and
+ * mtf_at_nyquist of edges; figures in pixels that have a length have it as …_length; distance and
+ * length from the first edge or line to another, or from the first circle or arc to another;
+ * line_distance and line_length from the first edge or line to a circle or arc. An mcv_lookup whose
+ * user is the mcv_metrics. MCV_USAGE for an unknown name, which lists what there is; MCV_FAILED
+ * where nothing is found.
  */
-mcv_result mcv_metric_look_up(void *user, const char *name, mcv_quantity *quantity, mcv_error *error);
+mcv_result mcv_metric_look_up(void *user, const char *name, mcv_quantity *quantity,
+                              mcv_error *error);
 
-/* Whether there is such a figure, without an image: region and edge of that name on the command line, and the figure. */
+/* Whether there is such a figure, without an image: region and edge of that name on the command
+ * line, and the figure. */
 mcv_result mcv_metric_known(void *user, const char *name, mcv_quantity *quantity, mcv_error *error);
 
-/* Why there is no signal-to-noise or contrast-to-noise ratio: `samples` of mcv_roi_figures or mcv_contrast_figures. */
+/* Why there is no signal-to-noise or contrast-to-noise ratio: `samples` of mcv_roi_figures or
+ * mcv_contrast_figures. */
 void mcv_samples_words(double samples, char words[160]);
 
-/* Estimates the noise of a region where the readings' deviations are not known; rounding to whole numbers alone makes 1/√12. */
+/* Estimates the noise of a region where the readings' deviations are not known; rounding to whole
+ * numbers alone makes 1/√12. */
 void mcv_know_noise(mcv_readings *readings, bool known, bool whole, mcv_roi *region);
 
 /* One that was found. */
@@ -96,9 +105,10 @@ typedef struct mcv_found {
 /* The boxes of a form on the command line. */
 const mcv_list *mcv_form_boxes(const mcv_command *command, unsigned form);
 
-/* Finds what the text, a box or more, asks for; with its noise as above. MCV_FAILED for a curved edge, too. */
-mcv_result mcv_locate(mcv_readings *readings, bool known, bool whole, unsigned form, const char *text, size_t number, mcv_found *found,
-                      mcv_error *error);
+/* Finds what the text, a box or more, asks for; with its noise as above. MCV_FAILED for a curved
+ * edge, too. */
+mcv_result mcv_locate(mcv_readings *readings, bool known, bool whole, unsigned form,
+                      const char *text, size_t number, mcv_found *found, mcv_error *error);
 const char *mcv_found_name(const mcv_found *found);
 
 /* The line of an edge or a line; NULL of others. */
@@ -106,16 +116,19 @@ const mcv_edge *mcv_found_straight(const mcv_found *found);
 bool mcv_found_is_round(const mcv_found *found);
 
 /*
- * From a to b, neither a caliper, a no circle unless b is one: in pixels, and the unit vector along which it counts. NaN between edges and
- * lines that are not parallel within 10°.
+ * From a to b, neither a caliper, a no circle unless b is one: in pixels, and the unit vector along
+ * which it counts. NaN between edges and lines that are not parallel within 10°.
  */
 #define MCV_NOT_PARALLEL "they are not parallel within 10°, and have no distance"
 mcv_quantity mcv_found_distance(const mcv_found *a, const mcv_found *b, double direction[2]);
 
-/* Metres in the object for a pixel along a direction, or in every direction (NULL); NaN where that is not known. */
+/* Metres in the object for a pixel along a direction, or in every direction (NULL); NaN where that
+ * is not known. */
 double mcv_scale_along(const double pixel[2], const double direction[2]);
 
-/* One channel of an image (0: the mean of all); of deviations, those of the mean of independent channels. `path` is for messages. */
-mcv_result mcv_choose_channel(uint64_t chosen, const char *path, const mcv_image *image, bool deviations, mcv_image *out, mcv_error *error);
+/* One channel of an image (0: the mean of all); of deviations, those of the mean of independent
+ * channels. `path` is for messages. */
+mcv_result mcv_choose_channel(uint64_t chosen, const char *path, const mcv_image *image,
+                              bool deviations, mcv_image *out, mcv_error *error);
 
 #endif

@@ -2,7 +2,7 @@
 #include "cli/options.h"
 
 #include "render/render.h"
-#include "scene/json.h"
+#include "core/json.h"
 #include "scene/params.h"
 
 #include <math.h>
@@ -35,7 +35,17 @@ typedef struct option {
 
 static const option options[] = {
 #define MCV_X(kind, field, name, letter, argument, verbs, preset, min, max, doc) \
-    {name, argument, preset, doc, (double)(min), (double)(max), offsetof(mcv_command, field), KIND_##kind, verbs, letter},
+    { \
+        name, \
+        argument, \
+        preset, \
+        doc, \
+        (double)(min), \
+        (double)(max), \
+        offsetof(mcv_command, field), \
+        KIND_##kind, \
+        verbs, \
+        letter},
     MCV_OPTIONS(MCV_X)
 #undef MCV_X
 };
@@ -51,9 +61,12 @@ static const verb verbs[] = {
 #undef MCV_X
 };
 
-/* --- values ----------------------------------------------------------------------------------------------------- */
+/* --- values
+ * -----------------------------------------------------------------------------------------------------
+ */
 
-/* A decimal integer that ends where `end` (a set of letters, or "" for the end of the text) begins. */
+/* A decimal integer that ends where `end` (a set of letters, or "" for the end of the text) begins.
+ */
 static bool parse_count(const char **text, char end, double min, double max, uint64_t *value) {
     const size_t digits = strspn(*text, "0123456789");
     if (digits == 0 || digits > 18 || (*text)[digits] != end) return false;
@@ -63,12 +76,14 @@ static bool parse_count(const char **text, char end, double min, double max, uin
 }
 
 static bool parse_pair(const char *text, char between, double min, double max, uint64_t pair[2]) {
-    return parse_count(&text, between, min, max, pair) && parse_count(&text, '\0', min, max, pair + 1);
+    return parse_count(&text, between, min, max, pair) &&
+           parse_count(&text, '\0', min, max, pair + 1);
 }
 
 static bool parse_number(const char *text, double *value) {
     char *end;
-    if (text[strspn(text, "0123456789.eE+-")]) return false; /* strtod would take "inf", "nan" and hexadecimal too */
+    if (text[strspn(text, "0123456789.eE+-")])
+        return false; /* strtod would take "inf", "nan" and hexadecimal too */
     *value = strtod(text, &end);
     return end != text && *end == '\0' && isfinite(*value);
 }
@@ -78,9 +93,11 @@ static bool parse_time(const char *text, double *value) {
     static const struct {
         const char *name;
         double factor, divisor; /* divided, because 1e3 is exact in binary and 1e-3 is not */
-    } units[] = {{"us", 1, 1e6}, {"µs", 1, 1e6}, {"ms", 1, 1e3}, {"s", 1, 1}, {"min", 60, 1}, {"h", 3600, 1}};
+    } units[] = {{"us", 1, 1e6}, {"µs", 1, 1e6}, {"ms", 1, 1e3},
+                 {"s", 1, 1},    {"min", 60, 1}, {"h", 3600, 1}};
     char digits[64];
-    const size_t length = strspn(text, "0123456789.eE+-"), unit = length + strspn(text + length, " ");
+    const size_t length = strspn(text, "0123456789.eE+-"),
+                 unit = length + strspn(text + length, " ");
     if (length >= sizeof digits) return false;
     snprintf(digits, sizeof digits, "%.*s", (int)length, text);
     if (!parse_number(digits, value)) return false;
@@ -93,14 +110,17 @@ static bool parse_time(const char *text, double *value) {
 }
 
 /* With a unit where the kind of option has one. */
-static bool parse_number_in(option_kind kind, const char *text, double min, double max, double *value) {
-    const bool parsed = parse_number(text, value) || (kind == KIND_time && parse_time(text, value)) ||
+static bool parse_number_in(option_kind kind, const char *text, double min, double max,
+                            double *value) {
+    const bool parsed = parse_number(text, value) ||
+                        (kind == KIND_time && parse_time(text, value)) ||
                         (kind == KIND_lengths && mcv_parse_quantity(text, MCV_PARAM_length, value));
     return parsed && *value > min && *value <= max;
 }
 
 /* One number for all channels, or three with commas between them. */
-static bool parse_channels(option_kind kind, const char *text, double min, double max, double values[3]) {
+static bool parse_channels(option_kind kind, const char *text, double min, double max,
+                           double values[3]) {
     char part[64];
     size_t count = 0;
     for (;; ++count, ++text) {
@@ -127,14 +147,16 @@ static bool parse_choice(const char *text, const char *words, uint64_t *index) {
     }
 }
 
-static mcv_result set_value(const option *o, const char *text, mcv_command *command, mcv_error *error) {
+static mcv_result set_value(const option *o, const char *text, mcv_command *command,
+                            mcv_error *error) {
     void *field = (char *)command + o->offset;
     switch (o->kind) {
     case KIND_flag:
         *(bool *)field = true;
         return MCV_OK;
     case KIND_text:
-        if (text[0] == '\0') return mcv_fail(error, MCV_USAGE, "--%s: is empty: must be %s", o->name, o->argument);
+        if (text[0] == '\0')
+            return mcv_fail(error, MCV_USAGE, "--%s: is empty: must be %s", o->name, o->argument);
         *(const char **)field = text;
         return MCV_OK;
     case KIND_list:
@@ -143,26 +165,36 @@ static mcv_result set_value(const option *o, const char *text, mcv_command *comm
     case KIND_number:
     case KIND_time:
         if (parse_number_in(o->kind, text, o->min, o->max, field)) return MCV_OK;
-        return mcv_fail(error, MCV_USAGE, "--%s %s: must be a number above %g and at most %g%s", o->name, text, o->min, o->max,
-                        o->kind == KIND_time ? " [s], or with a unit (us, ms, s, min, h), as in 10ms" : "");
+        return mcv_fail(
+            error, MCV_USAGE, "--%s %s: must be a number above %g and at most %g%s", o->name, text,
+            o->min, o->max,
+            o->kind == KIND_time ? " [s], or with a unit (us, ms, s, min, h), as in 10ms" : "");
     case KIND_channels:
     case KIND_lengths:
         if (parse_channels(o->kind, text, o->min, o->max, field)) return MCV_OK;
-        return mcv_fail(error, MCV_USAGE, "--%s %s: must be one number or three with commas, each above %g and at most %g%s", o->name, text,
-                        o->min, o->max, o->kind == KIND_lengths ? " [m], or with a unit (nm, um, mm, cm, m), as in 550nm" : "");
+        return mcv_fail(
+            error, MCV_USAGE,
+            "--%s %s: must be one number or three with commas, each above %g and at most %g%s",
+            o->name, text, o->min, o->max,
+            o->kind == KIND_lengths ? " [m], or with a unit (nm, um, mm, cm, m), as in 550nm" : "");
     case KIND_count: {
         const char *rest = text;
         if (parse_count(&rest, '\0', o->min, o->max, field)) return MCV_OK;
-        return mcv_fail(error, MCV_USAGE, "--%s %s: must be an integer from %.0f to %.0f", o->name, text, o->min, o->max);
+        return mcv_fail(error, MCV_USAGE, "--%s %s: must be an integer from %.0f to %.0f", o->name,
+                        text, o->min, o->max);
     }
     case KIND_size:
         if (parse_pair(text, 'x', o->min, o->max, field)) return MCV_OK;
-        return mcv_fail(error, MCV_USAGE, "--%s %s: must be %s, as in 640x480, each from %.0f to %.0f", o->name, text, o->argument, o->min,
-                        o->max);
+        return mcv_fail(error, MCV_USAGE,
+                        "--%s %s: must be %s, as in 640x480, each from %.0f to %.0f", o->name, text,
+                        o->argument, o->min, o->max);
     case KIND_range:
-        if (parse_pair(text, ':', o->min, o->max, field) && ((uint64_t *)field)[0] < ((uint64_t *)field)[1]) return MCV_OK;
-        return mcv_fail(error, MCV_USAGE, "--%s %s: must be %s with A < B, as in 0:64, each from %.0f to %.0f", o->name, text, o->argument,
-                        o->min, o->max);
+        if (parse_pair(text, ':', o->min, o->max, field) &&
+            ((uint64_t *)field)[0] < ((uint64_t *)field)[1])
+            return MCV_OK;
+        return mcv_fail(error, MCV_USAGE,
+                        "--%s %s: must be %s with A < B, as in 0:64, each from %.0f to %.0f",
+                        o->name, text, o->argument, o->min, o->max);
     case KIND_choice:
         if (parse_choice(text, o->argument, field)) return MCV_OK;
         return mcv_fail(error, MCV_USAGE, "--%s %s: must be one of %s", o->name, text, o->argument);
@@ -170,7 +202,9 @@ static mcv_result set_value(const option *o, const char *text, mcv_command *comm
     return MCV_OK;
 }
 
-/* --- command line ----------------------------------------------------------------------------------------------- */
+/* --- command line
+ * -----------------------------------------------------------------------------------------------
+ */
 
 mcv_result mcv_verb_find(const char *name, unsigned *verb_index, mcv_error *error) {
     const char *words[MCV_VERB_COUNT];
@@ -181,7 +215,8 @@ mcv_result mcv_verb_find(const char *name, unsigned *verb_index, mcv_error *erro
         return MCV_OK;
     }
     const char *nearest = mcv_nearest_word(name, words, MCV_VERB_COUNT);
-    if (nearest) return mcv_fail(error, MCV_USAGE, "unknown verb %s: did you mean %s?", name, nearest);
+    if (nearest)
+        return mcv_fail(error, MCV_USAGE, "unknown verb %s: did you mean %s?", name, nearest);
     return mcv_fail(error, MCV_USAGE, "unknown verb %s: `mcvisi help` lists the verbs", name);
 }
 
@@ -192,17 +227,21 @@ static mcv_result fail_unknown(unsigned verb_index, const char *name, mcv_error 
         if (options[i].verbs >> verb_index & 1) words[count++] = options[i].name;
         for (unsigned v = 0; v < MCV_VERB_COUNT; ++v)
             if (options[i].verbs >> v & 1 && strcmp(options[i].name, name) == 0)
-                return mcv_fail(error, MCV_USAGE, "--%s is an option of %s, not of %s: leave it out", name, verbs[v].name,
-                                verbs[verb_index].name);
+                return mcv_fail(error, MCV_USAGE,
+                                "--%s is an option of %s, not of %s: leave it out", name,
+                                verbs[v].name, verbs[verb_index].name);
     }
     const char *nearest = mcv_nearest_word(name, words, count);
-    if (nearest) return mcv_fail(error, MCV_USAGE, "unknown option --%s: did you mean --%s?", name, nearest);
-    return mcv_fail(error, MCV_USAGE, "unknown option --%s: `mcvisi help %s` lists the options", name, verbs[verb_index].name);
+    if (nearest)
+        return mcv_fail(error, MCV_USAGE, "unknown option --%s: did you mean --%s?", name, nearest);
+    return mcv_fail(error, MCV_USAGE, "unknown option --%s: `mcvisi help %s` lists the options",
+                    name, verbs[verb_index].name);
 }
 
 static const option *find_option(unsigned verb_index, const char *name, size_t length) {
     for (size_t i = 0; i < OPTION_COUNT; ++i)
-        if (options[i].verbs >> verb_index & 1 && strlen(options[i].name) == length && strncmp(options[i].name, name, length) == 0)
+        if (options[i].verbs >> verb_index & 1 && strlen(options[i].name) == length &&
+            strncmp(options[i].name, name, length) == 0)
             return options + i;
     return NULL;
 }
@@ -216,10 +255,12 @@ static const option *find_letter(unsigned verb_index, char letter) {
 static bool is_option(const char *text) { return text[0] == '-' && text[1] != '\0'; }
 
 /*
- * The option at argv[*i], its value included: --name=value, --name value, -o value, -ovalue. Not by getopt_long, which takes
- * any beginning of a name: what --s means would then change with each new option.
+ * The option at argv[*i], its value included: --name=value, --name value, -o value, -ovalue. Not by
+ * getopt_long, which takes any beginning of a name: what --s means would then change with each new
+ * option.
  */
-static mcv_result parse_option(char **argv, int argc, int *i, mcv_command *command, mcv_error *error) {
+static mcv_result parse_option(char **argv, int argc, int *i, mcv_command *command,
+                               mcv_error *error) {
     const char *text = argv[*i];
     const option *o;
     const char *value = NULL;
@@ -228,13 +269,16 @@ static mcv_result parse_option(char **argv, int argc, int *i, mcv_command *comma
         const size_t length = strcspn(name, "=");
         if (!(o = find_option(command->verb, name, length))) {
             char known[64];
-            snprintf(known, sizeof known, "%.*s", (int)(length < sizeof known ? length : sizeof known), name);
+            snprintf(known, sizeof known, "%.*s",
+                     (int)(length < sizeof known ? length : sizeof known), name);
             return fail_unknown(command->verb, known, error);
         }
         if (name[length] == '=') value = name + length + 1;
     } else {
         if (!(o = find_letter(command->verb, text[1])))
-            return mcv_fail(error, MCV_USAGE, "unknown option %s: `mcvisi help %s` lists the options", text, verbs[command->verb].name);
+            return mcv_fail(error, MCV_USAGE,
+                            "unknown option %s: `mcvisi help %s` lists the options", text,
+                            verbs[command->verb].name);
         if (text[2]) value = text + 2;
     }
     if (o->kind == KIND_flag) {
@@ -249,7 +293,10 @@ static mcv_result parse_option(char **argv, int argc, int *i, mcv_command *comma
 
 mcv_result mcv_command_parse(int argc, char **argv, mcv_command *command, mcv_error *error) {
     *command = (mcv_command){.argc = argc, .argv = argv};
-    if (argc < 2) return mcv_fail(error, MCV_USAGE, "a verb is missing, as in `mcvisi render SCENE`: `mcvisi help` lists the verbs");
+    if (argc < 2)
+        return mcv_fail(
+            error, MCV_USAGE,
+            "a verb is missing, as in `mcvisi render SCENE`: `mcvisi help` lists the verbs");
     MCV_TRY(mcv_verb_find(argv[1], &command->verb, error));
     for (size_t i = 0; i < OPTION_COUNT; ++i) {
         mcv_list *list = (mcv_list *)((char *)command + options[i].offset);
@@ -266,23 +313,27 @@ mcv_result mcv_command_parse(int argc, char **argv, mcv_command *command, mcv_er
     for (int i = 2; i < argc; ++i) {
         if (!only_arguments && strcmp(argv[i], "--") == 0) {
             only_arguments = true;
-        } else if (!only_arguments && (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)) {
+        } else if (!only_arguments &&
+                   (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)) {
             command->help = true;
         } else if (!only_arguments && is_option(argv[i])) {
             MCV_TRY(parse_option(argv, argc, &i, command, error));
         } else if (v->argument[0] == '\0') {
-            return mcv_fail(error, MCV_USAGE, "%s takes no argument: leave out %s", v->name, argv[i]);
+            return mcv_fail(error, MCV_USAGE, "%s takes no argument: leave out %s", v->name,
+                            argv[i]);
         } else if (!command->argument) {
             command->argument = argv[i];
         } else if (takes_two && !command->second) {
             command->second = argv[i];
         } else {
-            return mcv_fail(error, MCV_USAGE, "%s takes %s%s: leave out %s", v->name, takes_two ? "" : "one ", v->argument, argv[i]);
+            return mcv_fail(error, MCV_USAGE, "%s takes %s%s: leave out %s", v->name,
+                            takes_two ? "" : "one ", v->argument, argv[i]);
         }
     }
     const bool whole = takes_two ? command->second : command->argument;
     if (!whole && !command->help && v->argument[0] != '\0' && v->argument[0] != '[')
-        return mcv_fail(error, MCV_USAGE, "%s is missing: `mcvisi %s %s`", v->argument, v->name, v->argument);
+        return mcv_fail(error, MCV_USAGE, "%s is missing: `mcvisi %s %s`", v->argument, v->name,
+                        v->argument);
     return MCV_OK;
 }
 
@@ -295,29 +346,44 @@ void mcv_command_free(mcv_command *command) {
     }
 }
 
-/* --- precision -------------------------------------------------------------------------------------------------- */
+/* --- precision
+ * --------------------------------------------------------------------------------------------------
+ */
 
 static bool is_reference(const char *device) { return device && strcmp(device, "reference") == 0; }
 
-bool mcv_wants_reference(const mcv_command *command) { return is_reference(command->device) || command->precision == MCV_PRECISION_DOUBLE; }
+bool mcv_wants_reference(const mcv_command *command) {
+    return is_reference(command->device) || command->precision == MCV_PRECISION_DOUBLE;
+}
 
 mcv_result mcv_precision_read(const mcv_command *command, uint32_t *precision, mcv_error *error) {
     *precision = mcv_wants_reference(command) ? MCV_PRECISION_DOUBLE : (uint32_t)command->precision;
     if (command->precision == MCV_PRECISION_MIXED && is_reference(command->device))
-        return mcv_fail(error, MCV_USAGE, "--precision mixed is for OpenCL devices: the reference renderer knows double only");
-    if (command->precision == MCV_PRECISION_DOUBLE && command->device && !is_reference(command->device))
-        return mcv_fail(error, MCV_USAGE, "--precision double is the reference renderer's, on the host: leave out --device %s",
-                        command->device);
+        return mcv_fail(
+            error, MCV_USAGE,
+            "--precision mixed is for OpenCL devices: the reference renderer knows double only");
+    if (command->precision == MCV_PRECISION_DOUBLE && command->device &&
+        !is_reference(command->device))
+        return mcv_fail(
+            error, MCV_USAGE,
+            "--precision double is the reference renderer's, on the host: leave out --device %s",
+            command->device);
     if (command->precision == MCV_PRECISION_DOUBLE && command->schedule)
-        return mcv_fail(error, MCV_USAGE, "--precision double is the reference renderer's, which has no --schedule: leave it out");
+        return mcv_fail(error, MCV_USAGE,
+                        "--precision double is the reference renderer's, which has no --schedule: "
+                        "leave it out");
     return MCV_OK;
 }
 
-/* --- as JSON ---------------------------------------------------------------------------------------------------- */
+/* --- as JSON
+ * ----------------------------------------------------------------------------------------------------
+ */
 
 /* NULL: as by default. */
-static json_t *value_json(const option *o, const mcv_command *command, const mcv_command *defaults) {
-    const void *field = (const char *)command + o->offset, *usual = (const char *)defaults + o->offset;
+static json_t *value_json(const option *o, const mcv_command *command,
+                          const mcv_command *defaults) {
+    const void *field = (const char *)command + o->offset,
+               *usual = (const char *)defaults + o->offset;
     const double *numbers = field;
     const uint64_t *counts = field;
     json_t *list;
@@ -325,7 +391,8 @@ static json_t *value_json(const option *o, const mcv_command *command, const mcv
     case KIND_flag:
         return NULL;
     case KIND_text:
-        return *(const char *const *)field && *(const char *const *)field != *(const char *const *)usual
+        return *(const char *const *)field &&
+                       *(const char *const *)field != *(const char *const *)usual
                    ? json_string(*(const char *const *)field)
                    : NULL;
     case KIND_list:
@@ -339,14 +406,17 @@ static json_t *value_json(const option *o, const mcv_command *command, const mcv
         return memcmp(field, usual, sizeof(double)) ? json_real(*numbers) : NULL;
     case KIND_channels:
     case KIND_lengths:
-        return memcmp(field, usual, 3 * sizeof(double)) ? json_sprintf("%.17g,%.17g,%.17g", numbers[0], numbers[1], numbers[2]) : NULL;
+        return memcmp(field, usual, 3 * sizeof(double))
+                   ? json_sprintf("%.17g,%.17g,%.17g", numbers[0], numbers[1], numbers[2])
+                   : NULL;
     case KIND_count:
         return *counts != *(const uint64_t *)usual ? json_integer((json_int_t)*counts) : NULL;
     case KIND_size:
     case KIND_range:
-        return memcmp(field, usual, 2 * sizeof *counts) ? json_sprintf("%llu%c%llu", (unsigned long long)counts[0],
-                                                                       o->kind == KIND_size ? 'x' : ':', (unsigned long long)counts[1])
-                                                        : NULL;
+        return memcmp(field, usual, 2 * sizeof *counts)
+                   ? json_sprintf("%llu%c%llu", (unsigned long long)counts[0],
+                                  o->kind == KIND_size ? 'x' : ':', (unsigned long long)counts[1])
+                   : NULL;
     case KIND_choice: {
         const char *word = o->argument;
         if (*counts == *(const uint64_t *)usual) return NULL;
@@ -364,7 +434,8 @@ json_t *mcv_command_json(const mcv_command *command, const char *const *without)
     for (size_t i = 0; object && i < OPTION_COUNT; ++i) {
         const option *o = options + i;
         bool left_out = !(o->verbs >> command->verb & 1);
-        for (const char *const *name = without; *name; ++name) left_out = left_out || strcmp(*name, o->name) == 0;
+        for (const char *const *name = without; *name; ++name)
+            left_out = left_out || strcmp(*name, o->name) == 0;
         if (left_out) continue;
         if (o->preset) (void)set_value(o, o->preset, &defaults, &ignored);
         json_t *value = value_json(o, command, &defaults);
@@ -374,7 +445,8 @@ json_t *mcv_command_json(const mcv_command *command, const char *const *without)
 }
 
 static mcv_result add_argument(mcv_arguments *arguments, char *text, mcv_error *error) {
-    char **items = text ? realloc(arguments->items, ((size_t)arguments->count + 2) * sizeof *items) : NULL;
+    char **items =
+        text ? realloc(arguments->items, ((size_t)arguments->count + 2) * sizeof *items) : NULL;
     if (!items) {
         free(text);
         return mcv_fail(error, MCV_FAILED, "no memory for the experiment");
@@ -385,7 +457,8 @@ static mcv_result add_argument(mcv_arguments *arguments, char *text, mcv_error *
     return MCV_OK;
 }
 
-static mcv_result add_member(mcv_arguments *arguments, const char *path, const char *key, const json_t *value, mcv_error *error) {
+static mcv_result add_member(mcv_arguments *arguments, const char *path, const char *key,
+                             const json_t *value, mcv_error *error) {
     char *text = NULL;
     int length = 0;
     if (json_is_string(value))
@@ -397,12 +470,13 @@ static mcv_result add_member(mcv_arguments *arguments, const char *path, const c
     else if (json_is_true(value))
         length = asprintf(&text, "--%s", key);
     else
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: %s: must be a text, a number, true or a list of them", path, key);
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: %s: must be a text, a number, true or a list of them", path, key);
     return add_argument(arguments, length < 0 ? NULL : text, error);
 }
 
-mcv_result mcv_arguments_read(const json_t *object, const char *argument, const mcv_command *given, const char *path,
-                              mcv_arguments *arguments, mcv_error *error) {
+mcv_result mcv_arguments_read(const json_t *object, const char *argument, const mcv_command *given,
+                              const char *path, mcv_arguments *arguments, mcv_error *error) {
     const char *key;
     json_t *value;
     *arguments = (mcv_arguments){0};
@@ -414,7 +488,8 @@ mcv_result mcv_arguments_read(const json_t *object, const char *argument, const 
             return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", path, detail.text);
         }
         if (!json_is_array(value)) MCV_TRY(add_member(arguments, path, key, value, error));
-        for (size_t i = 0; i < json_array_size(value); ++i) MCV_TRY(add_member(arguments, path, key, json_array_get(value, i), error));
+        for (size_t i = 0; i < json_array_size(value); ++i)
+            MCV_TRY(add_member(arguments, path, key, json_array_get(value, i), error));
     }
     for (int i = 2; i < given->argc; ++i) {
         const char *text = given->argv[i] == given->argument ? argument : given->argv[i];
@@ -429,7 +504,9 @@ void mcv_arguments_free(mcv_arguments *arguments) {
     *arguments = (mcv_arguments){0};
 }
 
-/* --- help ------------------------------------------------------------------------------------------------------- */
+/* --- help
+ * -------------------------------------------------------------------------------------------------------
+ */
 
 enum { HELP_INDENT = 28, HELP_WIDTH = 100 };
 
@@ -456,7 +533,8 @@ static void print_wrapped(const char *text, int at) {
 
 void mcv_help_print(void) {
     puts("mcvisi renders machine-vision scenes (glTF with MCVISI_ extensions) by OpenCL.\n");
-    for (unsigned i = 0; i < MCV_VERB_COUNT; ++i) print_wrapped(verbs[i].doc, printf("  mcvisi %s %s", verbs[i].name, verbs[i].argument));
+    for (unsigned i = 0; i < MCV_VERB_COUNT; ++i)
+        print_wrapped(verbs[i].doc, printf("  mcvisi %s %s", verbs[i].name, verbs[i].argument));
     print_wrapped("the version", printf("  mcvisi --version"));
     puts("\nExit codes:");
 #define MCV_X(name, code, meaning) printf("  %3d  %s\n", code, meaning);
@@ -466,14 +544,17 @@ void mcv_help_print(void) {
 
 void mcv_help_print_verb(unsigned verb_index) {
     const verb *v = verbs + verb_index;
-    printf("mcvisi %s%s%s [OPTIONS]: %s\n\n", v->name, v->argument[0] ? " " : "", v->argument, v->doc);
+    printf("mcvisi %s%s%s [OPTIONS]: %s\n\n", v->name, v->argument[0] ? " " : "", v->argument,
+           v->doc);
     for (size_t i = 0; i < OPTION_COUNT; ++i) {
         const option *o = options + i;
         if (!(o->verbs >> verb_index & 1)) continue;
-        int at = o->letter ? printf("  -%c, --%s", o->letter, o->name) : printf("      --%s", o->name);
+        int at =
+            o->letter ? printf("  -%c, --%s", o->letter, o->name) : printf("      --%s", o->name);
         if (o->argument) at += printf(" %s", o->argument);
         char doc[1024];
-        snprintf(doc, sizeof doc, "%s%s%s%s", o->doc, o->preset ? " (" : "", o->preset ? o->preset : "", o->preset ? ")" : "");
+        snprintf(doc, sizeof doc, "%s%s%s%s", o->doc, o->preset ? " (" : "",
+                 o->preset ? o->preset : "", o->preset ? ")" : "");
         print_wrapped(doc, at);
     }
 }
@@ -484,9 +565,11 @@ static json_t *option_schema(const option *o) {
     case KIND_flag:
         return json_pack("{s:s}", "type", "boolean");
     case KIND_number:
-        return json_pack("{s:s, s:f, s:b, s:f}", "type", "number", "minimum", o->min, "exclusiveMinimum", 1, "maximum", o->max);
+        return json_pack("{s:s, s:f, s:b, s:f}", "type", "number", "minimum", o->min,
+                         "exclusiveMinimum", 1, "maximum", o->max);
     case KIND_count:
-        return json_pack("{s:s, s:f, s:f}", "type", "integer", "minimum", o->min, "maximum", o->max);
+        return json_pack("{s:s, s:f, s:f}", "type", "integer", "minimum", o->min, "maximum",
+                         o->max);
     case KIND_size:
         return json_pack("{s:s, s:s}", "type", "string", "pattern", "^[0-9]+x[0-9]+$");
     case KIND_range:
@@ -496,10 +579,12 @@ static json_t *option_schema(const option *o) {
     case KIND_lengths:
         return json_pack("{s:[s,s]}", "type", "number", "string");
     case KIND_list:
-        return json_pack("{s:[{s:s}, {s:s, s:{s:s}}]}", "anyOf", "type", "string", "type", "array", "items", "type", "string");
+        return json_pack("{s:[{s:s}, {s:s, s:{s:s}}]}", "anyOf", "type", "string", "type", "array",
+                         "items", "type", "string");
     case KIND_choice: {
         json_t *words = json_array();
-        for (const char *word = o->argument; *word; word += word[strcspn(word, "|")] ? strcspn(word, "|") + 1 : strcspn(word, "|"))
+        for (const char *word = o->argument; *word;
+             word += word[strcspn(word, "|")] ? strcspn(word, "|") + 1 : strcspn(word, "|"))
             json_array_append_new(words, json_stringn(word, strcspn(word, "|")));
         return json_pack("{s:o}", "enum", words);
     }
@@ -514,11 +599,14 @@ mcv_result mcv_help_print_schema(unsigned verb_index, mcv_error *error) {
     json_t *properties = json_object();
     if (experiment) {
         json_object_set_new(properties, "rig",
-                            json_pack("{s:s, s:s}", "type", "string", "description", "the scene, from this file's folder"));
-        json_object_set_new(properties, "note", json_pack("{s:s, s:s}", "type", "string", "description", "a comment"));
+                            json_pack("{s:s, s:s}", "type", "string", "description",
+                                      "the scene, from this file's folder"));
+        json_object_set_new(properties, "note",
+                            json_pack("{s:s, s:s}", "type", "string", "description", "a comment"));
         json_object_set_new(
             properties, "fingerprint",
-            json_pack("{s:s, s:s}", "type", "string", "description", "of the scene's files, as a sweep writes it beside its table"));
+            json_pack("{s:s, s:s}", "type", "string", "description",
+                      "of the scene's files, as a sweep writes it beside its table"));
     }
     for (size_t i = 0; i < OPTION_COUNT; ++i) {
         if (!(options[i].verbs >> verb_index & 1)) continue;
@@ -526,9 +614,10 @@ mcv_result mcv_help_print_schema(unsigned verb_index, mcv_error *error) {
         json_object_set_new(schema, "description", json_string(options[i].doc));
         json_object_set_new(properties, options[i].name, schema);
     }
-    json_t *document = json_pack("{s:s, s:s, s:s, s:o, s:b}", "$schema", "http://json-schema.org/draft-04/schema", "title",
-                                 experiment ? "experiment of mcvisi sweep" : verbs[verb_index].name, "type", "object", "properties",
-                                 properties, "additionalProperties", 0);
+    json_t *document =
+        json_pack("{s:s, s:s, s:s, s:o, s:b}", "$schema", "http://json-schema.org/draft-04/schema",
+                  "title", experiment ? "experiment of mcvisi sweep" : verbs[verb_index].name,
+                  "type", "object", "properties", properties, "additionalProperties", 0);
     if (experiment) json_object_set_new(document, "required", json_pack("[s]", "rig"));
     char *text = document ? json_dumps(document, JSON_INDENT(2)) : NULL;
     json_decref(document);

@@ -3,8 +3,8 @@
 
 #include "cli/camera.h"
 #include "cli/sensor.h"
-#include "output/exr.h"
-#include "output/file.h"
+#include "io/exr.h"
+#include "core/output_file.h"
 #include "scene/camera_model.h"
 #include "scene/params.h"
 
@@ -17,7 +17,9 @@
 
 enum { MAX_PARTS = MCV_MAX_REPLICATES + 3 }; /* image, error, samples */
 
-/* --- names ------------------------------------------------------------------------------------------------------ */
+/* --- names
+ * ------------------------------------------------------------------------------------------------------
+ */
 
 /* The path without the ending of its file name. */
 static int stem_length(const char *path) {
@@ -26,17 +28,20 @@ static int stem_length(const char *path) {
     return (int)(dot && dot > (slash ? slash + 1 : path) ? (size_t)(dot - path) : strlen(path));
 }
 
-/* path with -SENSOR before its ending where there is a sensor, and another ending where one is given. */
-static mcv_result make_path(char *out, const char *path, const char *sensor, const char *ending, mcv_error *error) {
+/* path with -SENSOR before its ending where there is a sensor, and another ending where one is
+ * given. */
+static mcv_result make_path(char *out, const char *path, const char *sensor, const char *ending,
+                            mcv_error *error) {
     const int stem = stem_length(path);
-    const int length =
-        snprintf(out, PATH_MAX, "%.*s%s%s%s", stem, path, sensor ? "-" : "", sensor ? sensor : "", ending ? ending : path + stem);
+    const int length = snprintf(out, PATH_MAX, "%.*s%s%s%s", stem, path, sensor ? "-" : "",
+                                sensor ? sensor : "", ending ? ending : path + stem);
     if (length < PATH_MAX) return MCV_OK;
-    return mcv_fail(error, MCV_BAD_INPUT, "%s: the path of the output is longer than %d bytes", path, PATH_MAX);
+    return mcv_fail(error, MCV_BAD_INPUT, "%s: the path of the output is longer than %d bytes",
+                    path, PATH_MAX);
 }
 
-mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, uint32_t sensor, bool several, mcv_picture *picture,
-                            mcv_error *error) {
+mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
+                            bool several, mcv_picture *picture, mcv_error *error) {
     uint32_t width, height;
     char label[128];
     const bool irradiance = mcv_sensor_measures_irradiance(scene->sensors + sensor);
@@ -45,14 +50,17 @@ mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, 
 
     mcv_sensor_film_size(scene->sensors + sensor, &width, &height);
     if (width > MCV_EXR_MAX_SIDE || height > MCV_EXR_MAX_SIDE)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: sensors/%s: its image of %u x %u pixels must have at most %d on a side", scene->path,
-                        scene->sensors[sensor].name, width, height, MCV_EXR_MAX_SIDE);
+        return mcv_fail(
+            error, MCV_BAD_INPUT,
+            "%s: sensors/%s: its image of %u x %u pixels must have at most %d on a side",
+            scene->path, scene->sensors[sensor].name, width, height, MCV_EXR_MAX_SIDE);
 
     mcv_sensor_label(scene, sensor, label, sizeof label);
     for (char *c = label; *c; ++c)
         if (*c == '/') *c = '_';
     const char *suffix = several ? label : NULL;
-    MCV_TRY(make_path(picture->exr, command->exr ? command->exr : scene->path, suffix, command->exr ? NULL : ".exr", error));
+    MCV_TRY(make_path(picture->exr, command->exr ? command->exr : scene->path, suffix,
+                      command->exr ? NULL : ".exr", error));
     if (command->png)
         MCV_TRY(make_path(picture->png, command->png, suffix, NULL, error));
     else
@@ -63,26 +71,35 @@ mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, 
         MCV_TRY(make_path(picture->grey, command->camera, suffix, NULL, error));
         MCV_TRY(mcv_camera_check(command, picture->grey, error));
         if (!irradiance && command->electrons_per_unit[0] == 0 && command->expose_to == 0)
-            return mcv_fail(error, MCV_BAD_INPUT,
-                            "%s: sensor %s measures radiance, which --exposure-time cannot turn into electrons: --set "
-                            "sensors/%s/radiometry=irradiance, or give --electrons-per-unit or --expose-to",
-                            scene->path, label, label);
+            return mcv_fail(
+                error, MCV_BAD_INPUT,
+                "%s: sensor %s measures radiance, which --exposure-time cannot turn into "
+                "electrons: --set "
+                "sensors/%s/radiometry=irradiance, or give --electrons-per-unit or --expose-to",
+                scene->path, label, label);
     }
     const char *const paths[] = {picture->exr, picture->png, picture->grey};
     for (int i = 0; i < (command->camera ? 3 : 2); ++i) {
         if (mcv_same_file(paths[i], scene->path))
-            return mcv_fail(error, MCV_USAGE, "%s is the scene: give the image another name", paths[i]);
+            return mcv_fail(error, MCV_USAGE, "%s is the scene: give the image another name",
+                            paths[i]);
         MCV_TRY(mcv_output_check(paths[i], error));
     }
     if (strcmp(picture->grey, picture->exr) == 0 || strcmp(picture->grey, picture->png) == 0)
-        return mcv_fail(error, MCV_USAGE, "%s would be both the image and its grey values: give --camera another name", picture->grey);
+        return mcv_fail(
+            error, MCV_USAGE,
+            "%s would be both the image and its grey values: give --camera another name",
+            picture->grey);
     if (strcmp(picture->exr, picture->png) == 0)
-        return mcv_fail(error, MCV_USAGE, "%s would be both the image and its preview: give the preview another name by --png",
-                        picture->exr);
+        return mcv_fail(
+            error, MCV_USAGE,
+            "%s would be both the image and its preview: give the preview another name by --png",
+            picture->exr);
     return MCV_OK;
 }
 
-/* --- what is needed to repeat a render -------------------------------------------------------------------------- */
+/* --- what is needed to repeat a render
+ * -------------------------------------------------------------------------- */
 
 /* FNV-1a, 64 bits, of a file's bytes. */
 static mcv_result hash_file(const char *path, uint64_t *hash, mcv_error *error) {
@@ -109,21 +126,25 @@ static char *join_set(const mcv_command *command) {
     return text;
 }
 
-static mcv_attribute text_attribute(const char *name, const char *text) { return (mcv_attribute){.name = name, .text = text}; }
+static mcv_attribute text_attribute(const char *name, const char *text) {
+    return (mcv_attribute){.name = name, .text = text};
+}
 
 static mcv_attribute number_attribute(const char *name, double number) {
     return (mcv_attribute){.name = name, .numbers = {number}, .count = 1};
 }
 
 /* The means of one replicate, named "replicate 0" …; the caller frees name and image. */
-static mcv_result make_replicate(const mcv_film *film, uint32_t replicate, mcv_exr_part *part, mcv_error *error) {
+static mcv_result make_replicate(const mcv_film *film, uint32_t replicate, mcv_exr_part *part,
+                                 mcv_error *error) {
     char name[32];
     snprintf(name, sizeof name, MCV_PICTURE_REPLICATE, replicate);
     part->name = strdup(name);
     if (!part->name) return mcv_fail(error, MCV_FAILED, "no memory for the replicates");
     MCV_TRY(mcv_image_new(&part->image, film->width, film->height, film->channels, error));
     const size_t count = (size_t)film->width * film->height * film->channels;
-    for (size_t i = 0; i < count; ++i) part->image.pixels[i] = (float)(film->sums[replicate * count + i] / (double)film->samples);
+    for (size_t i = 0; i < count; ++i)
+        part->image.pixels[i] = (float)(film->sums[replicate * count + i] / (double)film->samples);
     return MCV_OK;
 }
 
@@ -134,11 +155,13 @@ static mcv_result make_samples(const mcv_film *film, mcv_exr_part *part, mcv_err
     MCV_TRY(mcv_image_new(&part->image, film->width, film->height, 1, error));
     for (uint32_t row = 0; row < film->height; ++row)
         for (uint32_t column = 0; column < film->width; ++column)
-            part->image.pixels[(size_t)row * film->width + column] = (float)mcv_film_samples_at(film, column, row);
+            part->image.pixels[(size_t)row * film->width + column] =
+                (float)mcv_film_samples_at(film, column, row);
     return MCV_OK;
 }
 
-uint32_t mcv_picture_attributes(const mcv_sensor *sensor, mcv_attribute attributes[MCV_PICTURE_PARAMETERS],
+uint32_t mcv_picture_attributes(const mcv_sensor *sensor,
+                                mcv_attribute attributes[MCV_PICTURE_PARAMETERS],
                                 char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME]) {
     const mcv_param_table table = mcv_sensor_table(sensor->type);
     uint32_t count = 0;
@@ -147,21 +170,25 @@ uint32_t mcv_picture_attributes(const mcv_sensor *sensor, mcv_attribute attribut
         const void *field = (const char *)&sensor->as + param->offset;
         const uint32_t *integers = field;
         const double *numbers = field;
-        mcv_attribute a = {.name = names[count], .count = (uint32_t)mcv_param_components(param->kind)};
-        if (param->kind == MCV_PARAM_choice || param->kind == MCV_PARAM_flag || param->kind == MCV_PARAM_image ||
-            param->kind == MCV_PARAM_pattern)
+        mcv_attribute a = {.name = names[count],
+                           .count = (uint32_t)mcv_param_components(param->kind)};
+        if (param->kind == MCV_PARAM_choice || param->kind == MCV_PARAM_flag ||
+            param->kind == MCV_PARAM_image || param->kind == MCV_PARAM_pattern)
             continue; /* of the scene */
         if (mcv_param_unset(param, &sensor->as)) continue;
         snprintf(names[count], MCV_EXR_ATTRIBUTE_NAME, "mcvisi:%s", param->key);
-        for (uint32_t k = 0; k < a.count; ++k) a.numbers[k] = mcv_param_integral(param->kind) ? integers[k] : numbers[k];
+        for (uint32_t k = 0; k < a.count; ++k)
+            a.numbers[k] = mcv_param_integral(param->kind) ? integers[k] : numbers[k];
         attributes[count++] = a;
     }
     return count;
 }
 
-static mcv_result write_exr(const mcv_picture *picture, const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
-                            const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats,
-                            const mcv_exr_part *parts, uint32_t part_count, mcv_error *error) {
+static mcv_result write_exr(const mcv_picture *picture, const mcv_command *command,
+                            const mcv_scene *scene, uint32_t sensor,
+                            const mcv_render_options *options, const mcv_film *film,
+                            const mcv_render_stats *stats, const mcv_exr_part *parts,
+                            uint32_t part_count, mcv_error *error) {
     uint64_t hash = 0;
     char hash_text[32];
     MCV_TRY(hash_file(scene->path, &hash, error));
@@ -178,7 +205,8 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
         text_attribute("mcvisi:set", set),
         text_attribute("mcvisi:sensor", scene->sensors[sensor].name),
         number_attribute("mcvisi:sensorIndex", sensor),
-        text_attribute("mcvisi:sampler", options->sampler == MCV_SAMPLER_RANDOM ? "random" : "sobol"),
+        text_attribute("mcvisi:sampler",
+                       options->sampler == MCV_SAMPLER_RANDOM ? "random" : "sobol"),
         text_attribute("mcvisi:sampling", film->levels ? "adaptive" : "uniform"),
         number_attribute("mcvisi:seed", options->seed),
         number_attribute("mcvisi:replicates", film->replicates),
@@ -199,22 +227,29 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
     char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME];
     mcv_attribute attributes[GENERAL + MCV_PICTURE_PARAMETERS];
     memcpy(attributes, general, sizeof general);
-    const uint32_t count = GENERAL + mcv_picture_attributes(scene->sensors + sensor, attributes + GENERAL, names);
-    const mcv_result result = mcv_exr_write(picture->exr, parts, part_count, attributes, count, error);
+    const uint32_t count =
+        GENERAL + mcv_picture_attributes(scene->sensors + sensor, attributes + GENERAL, names);
+    const mcv_result result =
+        mcv_exr_write(picture->exr, parts, part_count, attributes, count, error);
     free(set);
     return result;
 }
 
-mcv_result mcv_picture_describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image, mcv_error *error) {
+mcv_result mcv_picture_describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image,
+                                mcv_error *error) {
     mcv_camera_model model;
     MCV_TRY(mcv_camera_model_of(scene, scene->sensors + sensor, &model, error));
     image->description = mcv_camera_model_write(&model);
     mcv_camera_model_free(&model);
-    return image->description ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model", scene->path);
+    return image->description
+               ? MCV_OK
+               : mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model", scene->path);
 }
 
-mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
-                             const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats, mcv_preview *preview,
+mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *command,
+                             const mcv_scene *scene, uint32_t sensor,
+                             const mcv_render_options *options, const mcv_film *film,
+                             const mcv_render_stats *stats, mcv_preview *preview,
                              mcv_error *error) {
     mcv_exr_part parts[MAX_PARTS] = {{.name = "image"}, {.name = "error"}};
     mcv_result result = mcv_film_develop(film, &parts[0].image, &parts[1].image, error);
@@ -222,10 +257,15 @@ mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *comm
     /* One replicate has no spread, and so no known error. */
     uint32_t count = film->replicates > 1 ? 2 : 1;
     const uint32_t replicates = command->parts && film->replicates > 1 ? film->replicates : 0;
-    for (uint32_t r = 0; r < replicates && result == MCV_OK; ++r) result = make_replicate(film, r, &parts[count++], error);
+    for (uint32_t r = 0; r < replicates && result == MCV_OK; ++r)
+        result = make_replicate(film, r, &parts[count++], error);
     if (film->levels && result == MCV_OK) result = make_samples(film, &parts[count++], error);
-    if (result == MCV_OK) result = write_exr(picture, command, scene, sensor, options, film, stats, parts, count, error);
-    if (result == MCV_OK) result = mcv_png_write_preview(picture->png, &parts[0].image, picture->unit, preview, error);
+    if (result == MCV_OK)
+        result =
+            write_exr(picture, command, scene, sensor, options, film, stats, parts, count, error);
+    if (result == MCV_OK)
+        result =
+            mcv_png_write_preview(picture->png, &parts[0].image, picture->unit, preview, error);
     for (uint32_t p = 0; p < MAX_PARTS; ++p) {
         mcv_image_free(&parts[p].image);
         if (p > 1) free((void *)parts[p].name);

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The files of one rendered sensor: the OpenEXR image with what is needed to repeat it, and the preview. */
+/* The files of one rendered sensor: the OpenEXR image with what is needed to repeat it, and the
+ * preview. */
 #ifndef MCVISI_HOST_CLI_PICTURE_H
 #define MCVISI_HOST_CLI_PICTURE_H
 
 #include "cli/options.h"
-#include "output/exr.h"
-#include "output/png.h"
+#include "io/exr.h"
+#include "io/png.h"
 #include "render/render.h"
 
 #include <limits.h>
@@ -20,30 +21,37 @@ typedef struct mcv_picture {
 } mcv_picture;
 
 /*
- * Where the files of a sensor go, which must be writable: SCENE.exr beside the scene or --output, with -SENSOR before the
- * ending where `several` sensors are rendered to; and the same with .png, or --png; the grey values of --camera.
+ * Where the files of a sensor go, which must be writable: SCENE.exr beside the scene or --output,
+ * with -SENSOR before the ending where `several` sensors are rendered to; and the same with .png,
+ * or --png; the grey values of --camera.
  */
-mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, uint32_t sensor, bool several, mcv_picture *picture,
-                            mcv_error *error);
+mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
+                            bool several, mcv_picture *picture, mcv_error *error);
 
 /* Writes both. The preview gets its white level. */
-mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
-                             const mcv_render_options *options, const mcv_film *film, const mcv_render_stats *stats, mcv_preview *preview,
-                             mcv_error *error);
+mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *command,
+                             const mcv_scene *scene, uint32_t sensor,
+                             const mcv_render_options *options, const mcv_film *film,
+                             const mcv_render_stats *stats, mcv_preview *preview, mcv_error *error);
 
-/* What to render by the command line: --spp, --error, --time …; 1 % or 60 s where none of them is given (render.c). */
-mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_options *options, mcv_error *error);
+/* What to render by the command line: --spp, --error, --time …; 1 % or 60 s where none of them is
+ * given (render.c). */
+mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_options *options,
+                                   mcv_error *error);
 
-/* Gives an image of a sensor its description: where the scene's points lie in it (scene/camera_model.h). */
-mcv_result mcv_picture_describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image, mcv_error *error);
+/* Gives an image of a sensor its description: where the scene's points lie in it
+ * (scene/camera_model.h). */
+mcv_result mcv_picture_describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image,
+                                mcv_error *error);
 
 enum { MCV_PICTURE_PARAMETERS = 16 };
 
 /*
- * The sensor's numbers as mcvisi:focalLength, mcvisi:angularResolution …, from its parameter table. Returns how many; names holds the
- * attributes' names.
+ * The sensor's numbers as mcvisi:focalLength, mcvisi:angularResolution …, from its parameter table.
+ * Returns how many; names holds the attributes' names.
  */
-uint32_t mcv_picture_attributes(const mcv_sensor *sensor, mcv_attribute attributes[MCV_PICTURE_PARAMETERS],
+uint32_t mcv_picture_attributes(const mcv_sensor *sensor,
+                                mcv_attribute attributes[MCV_PICTURE_PARAMETERS],
                                 char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME]);
 
 #endif

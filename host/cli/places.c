@@ -5,7 +5,8 @@
 
 #include <stdlib.h>
 
-static mcv_result resolve_list(const char *what, const mcv_list *from, const mcv_camera_model *model, mcv_list *to, mcv_error *error) {
+static mcv_result resolve_list(const char *what, const mcv_list *from,
+                               const mcv_camera_model *model, mcv_list *to, mcv_error *error) {
     to->items = calloc(from->count + 1, sizeof *to->items);
     if (!to->items) return mcv_fail(error, MCV_FAILED, "no memory for %s", what);
     for (; to->count < from->count; ++to->count) {
@@ -16,16 +17,20 @@ static mcv_result resolve_list(const char *what, const mcv_list *from, const mcv
     return MCV_OK;
 }
 
-mcv_result mcv_places_resolve(const mcv_command *command, const mcv_camera_model *model, mcv_command *resolved, mcv_error *error) {
+mcv_result mcv_places_resolve(const mcv_command *command, const mcv_camera_model *model,
+                              mcv_command *resolved, mcv_error *error) {
     char *background = NULL;
     *resolved = *command;
     resolved->background = NULL;
 #define MCV_X(field, name) resolved->field = (mcv_list){0};
     MCV_PLACE_OPTIONS(MCV_X)
 #undef MCV_X
-    if (command->background) MCV_TRY(mcv_part_place_resolve("--background", command->background, model, &background, error));
+    if (command->background)
+        MCV_TRY(
+            mcv_part_place_resolve("--background", command->background, model, &background, error));
     resolved->background = background;
-#define MCV_X(field, name) MCV_TRY(resolve_list(name, &command->field, model, &resolved->field, error));
+#define MCV_X(field, name) \
+    MCV_TRY(resolve_list(name, &command->field, model, &resolved->field, error));
     MCV_PLACE_OPTIONS(MCV_X)
 #undef MCV_X
     return MCV_OK;

@@ -12,7 +12,8 @@
 static bool is_header(const char *line) {
     const char *name = "x,y,z,dx,dy,dz";
     for (; *line; ++line)
-        if (!isspace((unsigned char)*line) && tolower((unsigned char)*line) != *name++) return false;
+        if (!isspace((unsigned char)*line) && tolower((unsigned char)*line) != *name++)
+            return false;
     return *name == '\0';
 }
 
@@ -21,36 +22,46 @@ static bool is_blank(const char *line) {
     return *line == '\0' || *line == '#';
 }
 
-static mcv_result parse_ray(const char *line, mcv_trace_ray *ray, const char *path, size_t number, mcv_error *error) {
+static mcv_result parse_ray(const char *line, mcv_trace_ray *ray, const char *path, size_t number,
+                            mcv_error *error) {
     static const char *const names[] = {"x", "y", "z", "dx", "dy", "dz"};
     const double *d = ray->direction;
     for (int i = 0; i < 6; ++i) {
         char *end;
         const double value = strtod(line, &end);
         if (end == line)
-            return mcv_fail(error, MCV_BAD_INPUT, "%s:%zu: %s is missing or no number: a row must be x,y,z,dx,dy,dz", path, number,
+            return mcv_fail(error, MCV_BAD_INPUT,
+                            "%s:%zu: %s is missing or no number: a row must be x,y,z,dx,dy,dz",
+                            path, number, names[i]);
+        if (!isfinite(value))
+            return mcv_fail(error, MCV_BAD_INPUT, "%s:%zu: %s must be finite", path, number,
                             names[i]);
-        if (!isfinite(value)) return mcv_fail(error, MCV_BAD_INPUT, "%s:%zu: %s must be finite", path, number, names[i]);
         (i < 3 ? ray->origin : ray->direction)[i % 3] = value;
         end += strspn(end, " \t\r\n");
         if (*end != (i < 5 ? ',' : '\0'))
-            return mcv_fail(error, MCV_BAD_INPUT, "%s:%zu: %s after %s: a row must be six numbers x,y,z,dx,dy,dz", path, number,
-                            *end == '\0' ? "the row ends" : "something else stands", names[i]);
+            return mcv_fail(error, MCV_BAD_INPUT,
+                            "%s:%zu: %s after %s: a row must be six numbers x,y,z,dx,dy,dz", path,
+                            number, *end == '\0' ? "the row ends" : "something else stands",
+                            names[i]);
         line = end + 1;
     }
     const double length = hypot(hypot(d[0], d[1]), d[2]);
     if (length > 0 && isfinite(length)) return MCV_OK;
-    return mcv_fail(error, MCV_BAD_INPUT, "%s:%zu: the direction dx,dy,dz must have a length", path, number);
+    return mcv_fail(error, MCV_BAD_INPUT, "%s:%zu: the direction dx,dy,dz must have a length", path,
+                    number);
 }
 
-static mcv_result read_rays(FILE *file, const char *path, mcv_trace_ray **rays, size_t *count, mcv_error *error) {
+static mcv_result read_rays(FILE *file, const char *path, mcv_trace_ray **rays, size_t *count,
+                            mcv_error *error) {
     char line[1024];
     size_t capacity = 0;
     bool first_row = true;
     for (size_t number = 1; fgets(line, sizeof line, file); ++number) {
         if (strlen(line) + 1 == sizeof line && line[sizeof line - 2] != '\n')
-            return mcv_fail(error, MCV_BAD_INPUT, "%s:%zu: the line is longer than %zu bytes: a row must be x,y,z,dx,dy,dz", path, number,
-                            sizeof line - 2);
+            return mcv_fail(
+                error, MCV_BAD_INPUT,
+                "%s:%zu: the line is longer than %zu bytes: a row must be x,y,z,dx,dy,dz", path,
+                number, sizeof line - 2);
         if (is_blank(line)) continue;
         const bool header = first_row && is_header(line);
         first_row = false;
@@ -58,14 +69,18 @@ static mcv_result read_rays(FILE *file, const char *path, mcv_trace_ray **rays, 
         if (*count == capacity) {
             capacity = capacity ? 2 * capacity : 1024;
             mcv_trace_ray *more = realloc(*rays, capacity * sizeof *more);
-            if (!more) return mcv_fail(error, MCV_FAILED, "%s: no memory for %zu rays", path, capacity);
+            if (!more)
+                return mcv_fail(error, MCV_FAILED, "%s: no memory for %zu rays", path, capacity);
             *rays = more;
         }
         MCV_TRY(parse_ray(line, *rays + *count, path, number, error));
         ++*count;
     }
-    if (ferror(file)) return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read to its end: %s", path, strerror(errno));
-    if (*count == 0) return mcv_fail(error, MCV_BAD_INPUT, "%s: holds no ray: give rows x,y,z,dx,dy,dz", path);
+    if (ferror(file))
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read to its end: %s", path,
+                        strerror(errno));
+    if (*count == 0)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: holds no ray: give rows x,y,z,dx,dy,dz", path);
     return MCV_OK;
 }
 
@@ -73,7 +88,9 @@ mcv_result mcv_rays_read(const char *path, mcv_trace_ray **rays, size_t *count, 
     *rays = NULL;
     *count = 0;
     FILE *file = fopen(path, "r");
-    if (!file) return mcv_fail(error, MCV_BAD_INPUT, "%s: %s: give a table of rays x,y,z,dx,dy,dz", path, strerror(errno));
+    if (!file)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: %s: give a table of rays x,y,z,dx,dy,dz", path,
+                        strerror(errno));
     const mcv_result result = read_rays(file, path, rays, count, error);
     fclose(file);
     if (result != MCV_OK) {

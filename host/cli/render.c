@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi render: every sensor of a scene, or one, into OpenEXR and PNG. */
-#include "analysis/findings.h"
+#include "check/findings.h"
 #include "cli/camera.h"
 #include "cli/interrupt.h"
 #include "cli/options.h"
 #include "cli/picture.h"
 #include "cli/sensor.h"
 #include "core/basics.h"
-#include "output/progress.h"
-#include "output/summary.h"
+#include "report/progress.h"
+#include "report/summary.h"
 #include "reference/reference.h"
 
 #include <math.h>
@@ -19,9 +19,12 @@
 static const double default_error = 0.01;
 static const double default_seconds = 60;
 
-/* --- options ---------------------------------------------------------------------------------------------------- */
+/* --- options
+ * ----------------------------------------------------------------------------------------------------
+ */
 
-mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_options *options, mcv_error *error) {
+mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_options *options,
+                                   mcv_error *error) {
     *options = mcv_render_defaults();
     options->sampler = command->sampler ? MCV_SAMPLER_RANDOM : MCV_SAMPLER_SOBOL;
     options->no_split = command->split != 0;
@@ -35,13 +38,20 @@ mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_option
     options->seconds = command->time;
     MCV_TRY(mcv_precision_read(command, &options->precision, error));
     if (command->spp && command->samples[1])
-        return mcv_fail(error, MCV_USAGE, "--spp and --samples both say how many samples: give one of them");
+        return mcv_fail(error, MCV_USAGE,
+                        "--spp and --samples both say how many samples: give one of them");
     if (command->error > 0 && command->replicates < 2)
-        return mcv_fail(error, MCV_USAGE, "--error needs replicates to know the error from: give --replicates 2 or more");
+        return mcv_fail(
+            error, MCV_USAGE,
+            "--error needs replicates to know the error from: give --replicates 2 or more");
     if (command->adaptive && command->samples[1])
-        return mcv_fail(error, MCV_USAGE, "--adaptive is of a whole render: leave out --samples, and say how many by --spp");
+        return mcv_fail(
+            error, MCV_USAGE,
+            "--adaptive is of a whole render: leave out --samples, and say how many by --spp");
     if (command->adaptive && mcv_wants_reference(command))
-        return mcv_fail(error, MCV_USAGE, "--adaptive: the reference renderer gives all pixels the same samples: leave out one of the two");
+        return mcv_fail(error, MCV_USAGE,
+                        "--adaptive: the reference renderer gives all pixels the same samples: "
+                        "leave out one of the two");
     options->adaptive = command->adaptive;
     options->first = command->samples[0];
     options->last = command->samples[1];
@@ -49,8 +59,10 @@ mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_option
         const uint64_t each = (command->spp + command->replicates - 1) / command->replicates;
         for (options->last = 1; options->last < each;) options->last *= 2;
         if (options->last > 0x80000000u)
-            return mcv_fail(error, MCV_USAGE, "--spp %llu: must be at most 2^31 for each of the %llu replicates",
-                            (unsigned long long)command->spp, (unsigned long long)command->replicates);
+            return mcv_fail(error, MCV_USAGE,
+                            "--spp %llu: must be at most 2^31 for each of the %llu replicates",
+                            (unsigned long long)command->spp,
+                            (unsigned long long)command->replicates);
     }
     if (options->last == 0 && options->error == 0 && options->seconds == 0) {
         options->error = default_error;
@@ -59,21 +71,28 @@ mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_option
     return MCV_OK;
 }
 
-/* --- one sensor ------------------------------------------------------------------------------------------------- */
+/* --- one sensor
+ * -------------------------------------------------------------------------------------------------
+ */
 
-static mcv_result render_sensor(const mcv_command *command, const mcv_scene *scene, mcv_render_options options, uint32_t sensor,
-                                const mcv_picture *picture, mcv_film *film, mcv_summary *summary, mcv_error *error) {
+static mcv_result render_sensor(const mcv_command *command, const mcv_scene *scene,
+                                mcv_render_options options, uint32_t sensor,
+                                const mcv_picture *picture, mcv_film *film, mcv_summary *summary,
+                                mcv_error *error) {
     const bool reference = mcv_wants_reference(command);
-    if (reference) options.sampler = MCV_SAMPLER_RANDOM; /* it has no other, and the header says so */
+    if (reference)
+        options.sampler = MCV_SAMPLER_RANDOM; /* it has no other, and the header says so */
     mcv_progress_line line = mcv_progress_stderr(summary->sensor, &mcv_interrupt);
     options.progress = mcv_progress_report;
     options.user = &line;
-    const mcv_result result = (reference ? mcv_reference_render : mcv_render)(scene, sensor, &options, film, &summary->stats, error);
+    const mcv_result result = (reference ? mcv_reference_render : mcv_render)(
+        scene, sensor, &options, film, &summary->stats, error);
     mcv_progress_end(&line);
     MCV_TRY(result);
     const double begun = mcv_seconds();
     mcv_interrupt_watch(true);
-    MCV_TRY(mcv_picture_write(picture, command, scene, sensor, &options, film, &summary->stats, &summary->preview, error));
+    MCV_TRY(mcv_picture_write(picture, command, scene, sensor, &options, film, &summary->stats,
+                              &summary->preview, error));
     summary->seconds_write = mcv_seconds() - begun;
     summary->width = film->width;
     summary->height = film->height;
@@ -86,16 +105,19 @@ static mcv_result render_sensor(const mcv_command *command, const mcv_scene *sce
     return MCV_OK;
 }
 
-static mcv_result print_summary(const mcv_command *command, const mcv_summary *summary, mcv_error *error) {
+static mcv_result print_summary(const mcv_command *command, const mcv_summary *summary,
+                                mcv_error *error) {
     char *text = NULL;
-    MCV_TRY(command->json ? mcv_summary_json(summary, &text, error) : mcv_summary_text(summary, &text, error));
+    MCV_TRY(command->json ? mcv_summary_json(summary, &text, error)
+                          : mcv_summary_text(summary, &text, error));
     printf("%s%s", text, command->json ? "\n" : "");
     free(text);
     return MCV_OK;
 }
 
-static mcv_result render_and_print(const mcv_command *command, const mcv_scene *scene, const mcv_render_options *options, uint32_t sensor,
-                                   bool several, double seconds_load, mcv_error *error) {
+static mcv_result render_and_print(const mcv_command *command, const mcv_scene *scene,
+                                   const mcv_render_options *options, uint32_t sensor, bool several,
+                                   double seconds_load, mcv_error *error) {
     char label[128];
     mcv_picture picture;
     mcv_film film = {0};
@@ -108,18 +130,25 @@ static mcv_result render_and_print(const mcv_command *command, const mcv_scene *
                            .unit = picture.unit,
                            .seconds_load = seconds_load};
     mcv_interrupt_watch(false);
-    mcv_result result = render_sensor(command, scene, *options, sensor, &picture, &film, &summary, error);
+    mcv_result result =
+        render_sensor(command, scene, *options, sensor, &picture, &film, &summary, error);
     if (result == MCV_OK) result = print_summary(command, &summary, error);
-    if (result == MCV_OK && picture.grey[0]) result = mcv_camera_write(command, picture.exr, picture.grey, !command->json, error);
+    if (result == MCV_OK && picture.grey[0])
+        result = mcv_camera_write(command, picture.exr, picture.grey, !command->json, error);
     mcv_film_free(&film);
     if (result != MCV_OK || mcv_interrupt_result() == MCV_OK) return result;
-    return mcv_fail(error, mcv_interrupt_result(), "interrupted: what was rendered is saved in %s", picture.exr);
+    return mcv_fail(error, mcv_interrupt_result(), "interrupted: what was rendered is saved in %s",
+                    picture.exr);
 }
 
-/* --- all sensors ------------------------------------------------------------------------------------------------ */
+/* --- all sensors
+ * ------------------------------------------------------------------------------------------------
+ */
 
-/* All pictures are planned before anything is rendered: hours later it is too late to say that a folder is missing. */
-static mcv_result check_pictures(const mcv_command *command, const mcv_scene *scene, uint32_t first, uint32_t count, mcv_error *error) {
+/* All pictures are planned before anything is rendered: hours later it is too late to say that a
+ * folder is missing. */
+static mcv_result check_pictures(const mcv_command *command, const mcv_scene *scene, uint32_t first,
+                                 uint32_t count, mcv_error *error) {
     mcv_picture picture, earlier;
     for (uint32_t i = first; i < first + count; ++i) {
         MCV_TRY(mcv_picture_plan(command, scene, i, count > 1, &picture, error));
@@ -127,38 +156,46 @@ static mcv_result check_pictures(const mcv_command *command, const mcv_scene *sc
             MCV_TRY(mcv_picture_plan(command, scene, j, count > 1, &earlier, error));
             if (strcmp(picture.exr, earlier.exr) == 0)
                 return mcv_fail(error, MCV_BAD_INPUT,
-                                "%s would hold the images of both sensors %s and %s: rename one, or choose by --sensor", picture.exr,
-                                scene->sensors[j].name, scene->sensors[i].name);
+                                "%s would hold the images of both sensors %s and %s: rename one, "
+                                "or choose by --sensor",
+                                picture.exr, scene->sensors[j].name, scene->sensors[i].name);
         }
     }
     return MCV_OK;
 }
 
-static mcv_result render_scene(const mcv_command *command, mcv_scene *scene, const mcv_render_options *options, double seconds_load,
+static mcv_result render_scene(const mcv_command *command, mcv_scene *scene,
+                               const mcv_render_options *options, double seconds_load,
                                mcv_error *error) {
     uint32_t first = 0;
     uint32_t count = scene->sensor_count;
     if (count == 0)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor: give a node a glTF camera or an MCVISI_sensors sensor",
-                        scene->path);
+        return mcv_fail(
+            error, MCV_BAD_INPUT,
+            "%s: the scene has no sensor: give a node a glTF camera or an MCVISI_sensors sensor",
+            scene->path);
     if (command->sensor) {
         MCV_TRY(mcv_sensor_find(scene, command->sensor, &first, error));
         count = 1;
     }
     for (uint32_t i = first; command->resolution[0] && i < first + count; ++i)
-        MCV_TRY(mcv_sensor_resize(scene->sensors + i, command->resolution[0], command->resolution[1], scene, error));
+        MCV_TRY(mcv_sensor_resize(scene->sensors + i, command->resolution[0],
+                                  command->resolution[1], scene, error));
     MCV_TRY(check_pictures(command, scene, first, count, error));
-    for (uint32_t i = first; i < first + count; ++i) MCV_TRY(render_and_print(command, scene, options, i, count > 1, seconds_load, error));
+    for (uint32_t i = first; i < first + count; ++i)
+        MCV_TRY(render_and_print(command, scene, options, i, count > 1, seconds_load, error));
     return MCV_OK;
 }
 
-/* On standard error, errors and warnings: what is likely not meant is told before hours are spent on it. */
+/* On standard error, errors and warnings: what is likely not meant is told before hours are spent
+ * on it. */
 static mcv_result print_findings(const mcv_scene *scene, mcv_error *error) {
     mcv_findings findings;
     MCV_TRY(mcv_findings_of(scene, &findings, error));
     for (size_t i = 0; i < findings.count; ++i)
         if (findings.items[i].severity >= MCV_SEVERITY_WARNING)
-            fprintf(stderr, "mcvisi: %s: %s\n", mcv_severities[findings.items[i].severity], findings.items[i].sentence);
+            fprintf(stderr, "mcvisi: %s: %s\n", mcv_severities[findings.items[i].severity],
+                    findings.items[i].sentence);
     mcv_findings_free(&findings);
     return MCV_OK;
 }
@@ -168,9 +205,12 @@ mcv_result mcv_verb_render(const mcv_command *command, mcv_error *error) {
     mcv_render_options options;
     const double begun = mcv_seconds();
     if (!command->camera && mcv_camera_wanted(command))
-        return mcv_fail(error, MCV_USAGE, "the exposure is that of --camera FILE: give it, or leave the exposure out");
+        return mcv_fail(
+            error, MCV_USAGE,
+            "the exposure is that of --camera FILE: give it, or leave the exposure out");
     MCV_TRY(mcv_render_options_read(command, &options, error));
-    MCV_TRY(mcv_scene_load(command->argument, (mcv_overrides){command->set.items, command->set.count}, &scene, error));
+    MCV_TRY(mcv_scene_load(command->argument,
+                           (mcv_overrides){command->set.items, command->set.count}, &scene, error));
     const double seconds_load = mcv_seconds() - begun;
     mcv_result result = print_findings(scene, error);
     if (result == MCV_OK) result = render_scene(command, scene, &options, seconds_load, error);

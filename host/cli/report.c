@@ -13,10 +13,12 @@ void mcv_report_begin(mcv_report *report, bool json) {
 
 mcv_result mcv_report_end(mcv_report *report, mcv_error *error) {
     if (!report->json) return MCV_OK;
-    const int failed = json_dumpf(report->open[0], stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+    const int failed =
+        json_dumpf(report->open[0], stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
     json_decref(report->open[0]);
     putchar('\n');
-    return failed ? mcv_fail(error, MCV_FAILED, "the JSON could not be written to standard output") : MCV_OK;
+    return failed ? mcv_fail(error, MCV_FAILED, "the JSON could not be written to standard output")
+                  : MCV_OK;
 }
 
 /* Puts a value (owned) into the innermost object or list. */
@@ -44,7 +46,8 @@ void mcv_report_list(mcv_report *report, const char *key) {
 }
 
 void mcv_report_element(mcv_report *report, const char *name, const char *type) {
-    if (!report->json) printf("%*s%s%s%s\n", 2 * report->depth, "", name, name[0] ? ": " : "", type);
+    if (!report->json)
+        printf("%*s%s%s%s\n", 2 * report->depth, "", name, name[0] ? ": " : "", type);
     enter(report, NULL, report->json ? json_object() : NULL);
     if (!report->json) return;
     mcv_report_text(report, "name", name);
@@ -79,11 +82,13 @@ void mcv_report_flag(mcv_report *report, const char *key, bool value) {
 /* Whole numbers stay whole in JSON, as far as a double holds them. */
 static json_t *number(double value) {
     if (!isfinite(value)) return json_null();
-    return value == floor(value) && fabs(value) < 0x1p53 ? json_integer((json_int_t)value) : json_real(value);
+    return value == floor(value) && fabs(value) < 0x1p53 ? json_integer((json_int_t)value)
+                                                         : json_real(value);
 }
 
 /* The unit in which the largest of the values reads best. */
-static const char *handy_unit(const char *unit, const double *values, size_t count, double *factor) {
+static const char *handy_unit(const char *unit, const double *values, size_t count,
+                              double *factor) {
     static const struct {
         const char *name;
         double factor;
@@ -103,7 +108,8 @@ static const char *handy_unit(const char *unit, const double *values, size_t cou
     return lengths[i].name;
 }
 
-void mcv_report_numbers(mcv_report *report, const char *key, const char *unit, const char *between, const double *values, size_t count) {
+void mcv_report_numbers(mcv_report *report, const char *key, const char *unit, const char *between,
+                        const double *values, size_t count) {
     if (isnan(values[0])) return;
     if (report->json) {
         json_t *list = json_array();
@@ -118,7 +124,9 @@ void mcv_report_numbers(mcv_report *report, const char *key, const char *unit, c
     for (size_t i = 0; i < count; ++i) {
         if (i) fputs(between, stdout);
         if (isfinite(values[i])) /* what rounding leaves of a 0 is a 0; + 0: no -0 */
-            printf("%.6g", fabs(values[i]) > 1e-14 * largest || !isfinite(largest) ? values[i] * factor + 0.0 : 0);
+            printf("%.6g", fabs(values[i]) > 1e-14 * largest || !isfinite(largest)
+                               ? values[i] * factor + 0.0
+                               : 0);
         else
             fputs("infinite", stdout);
     }
@@ -133,7 +141,8 @@ void mcv_report_number(mcv_report *report, const char *key, const char *unit, do
         mcv_report_numbers(report, key, unit, "", &value, 1);
 }
 
-void mcv_report_quantity(mcv_report *report, const char *key, const char *unit, double value, double uncertainty) {
+void mcv_report_quantity(mcv_report *report, const char *key, const char *unit, double value,
+                         double uncertainty) {
     if (isnan(value)) return;
     if (report->json) {
         json_t *object = json_object();
@@ -150,7 +159,8 @@ void mcv_report_quantity(mcv_report *report, const char *key, const char *unit, 
     printf("%s%s\n", name[0] ? " " : "", name);
 }
 
-void mcv_report_spectrum(mcv_report *report, const char *key, const char *unit, const double spectrum[3]) {
+void mcv_report_spectrum(mcv_report *report, const char *key, const char *unit,
+                         const double spectrum[3]) {
     const bool grey = spectrum[0] == spectrum[1] && spectrum[1] == spectrum[2];
     mcv_report_numbers(report, key, unit, ", ", spectrum, grey && !report->json ? 1 : 3);
 }

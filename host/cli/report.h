@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One account of facts, printed for people or as JSON. Keys are JSON's; people read them with spaces for underscores. Numbers are
- * SI in JSON (null: infinite) and in handy units for people; NaN means that there is no such thing, and is left out.
+ * One account of facts, printed for people or as JSON. Keys are JSON's; people read them with
+ * spaces for underscores. Numbers are SI in JSON (null: infinite) and in handy units for people;
+ * NaN means that there is no such thing, and is left out.
  */
 #ifndef MCVISI_HOST_CLI_REPORT_H
 #define MCVISI_HOST_CLI_REPORT_H
@@ -39,13 +40,17 @@ void mcv_report_flag(mcv_report *report, const char *key, bool value);
 /* unit: "m" and "rad" get handy units for people, "" is none, others follow the number. */
 void mcv_report_number(mcv_report *report, const char *key, const char *unit, double value);
 
-/* A measured number and its standard uncertainty (NaN: not known), {"value": …, "uncertainty": …} in JSON. */
-void mcv_report_quantity(mcv_report *report, const char *key, const char *unit, double value, double uncertainty);
+/* A measured number and its standard uncertainty (NaN: not known), {"value": …, "uncertainty": …}
+ * in JSON. */
+void mcv_report_quantity(mcv_report *report, const char *key, const char *unit, double value,
+                         double uncertainty);
 
 /* Three channels; people read one number where they are equal. */
-void mcv_report_spectrum(mcv_report *report, const char *key, const char *unit, const double spectrum[3]);
+void mcv_report_spectrum(mcv_report *report, const char *key, const char *unit,
+                         const double spectrum[3]);
 
 /* Several, with e.g. " x " between them for people; left out if the first is NaN. */
-void mcv_report_numbers(mcv_report *report, const char *key, const char *unit, const char *between, const double *values, size_t count);
+void mcv_report_numbers(mcv_report *report, const char *key, const char *unit, const char *between,
+                        const double *values, size_t count);
 
 #endif

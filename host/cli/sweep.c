@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi sweep: many sets of parameters, one render and a few measured figures of each; a table that grows row by row, and a page. */
-#include "analysis/design.h"
-#include "analysis/expression.h"
+/* mcvisi sweep: many sets of parameters, one render and a few measured figures of each; a table
+ * that grows row by row, and a page. */
+#include "experiment/design.h"
+#include "experiment/expression.h"
 #include "analysis/lightfield.h"
 #include "cli/camera.h"
 #include "cli/interrupt.h"
@@ -10,11 +11,11 @@
 #include "cli/places.h"
 #include "cli/sensor.h"
 #include "core/basics.h"
-#include "output/exr.h"
-#include "output/file.h"
-#include "output/plots.h"
+#include "io/exr.h"
+#include "core/output_file.h"
+#include "io/plots.h"
 #include "reference/reference.h"
-#include "scene/json.h"
+#include "core/json.h"
 #include "scene/sensors.h"
 
 #include <ctype.h>
@@ -64,18 +65,21 @@ typedef struct sweep {
     double *rows;   /* [row][columns] */
     char **messages;
     size_t row_count;
-    double stage_seconds;   /* of all renders, on the device */
-    size_t built, compiled; /* acceleration structures and programs that no render before had left */
+    double stage_seconds; /* of all renders, on the device */
+    size_t built,
+        compiled; /* acceleration structures and programs that no render before had left */
 
     mcv_renderer *renderer;
-    mcv_kept_assets *assets;
+    mcv_asset_cache *assets;
     /* Of the set at work: */
     const double *now;
     const mcv_scene *scene;
     uint32_t sensor;
 } sweep;
 
-/* --- what to try ------------------------------------------------------------------------------------------------ */
+/* --- what to try
+ * ------------------------------------------------------------------------------------------------
+ */
 
 /* "emitters/back/halfAngle" becomes halfAngle, or back.halfAngle where there is one already. */
 static mcv_result name_parameter(sweep *s, parameter *p, mcv_error *error) {
@@ -90,7 +94,8 @@ static mcv_result name_parameter(sweep *s, parameter *p, mcv_error *error) {
         }
         p->name[length] = '\0';
         bool taken = length == 0;
-        for (const parameter *other = s->parameters; other < p; ++other) taken = taken || strcmp(other->name, p->name) == 0;
+        for (const parameter *other = s->parameters; other < p; ++other)
+            taken = taken || strcmp(other->name, p->name) == 0;
         if (!taken) return MCV_OK;
         if (start > 0) --start;
     }
@@ -100,12 +105,16 @@ static mcv_result name_parameter(sweep *s, parameter *p, mcv_error *error) {
 static mcv_result read_parameter(sweep *s, const char *item, bool tie, mcv_error *error) {
     const char *equals = strchr(item, '=');
     const char *option = tie ? "tie" : "vary";
-    if (!equals || equals == item) return mcv_fail(error, MCV_USAGE, "--%s %s: must be PATH=%s", option, item, tie ? "EXPR" : "VALUES");
+    if (!equals || equals == item)
+        return mcv_fail(error, MCV_USAGE, "--%s %s: must be PATH=%s", option, item,
+                        tie ? "EXPR" : "VALUES");
     if (s->count == MCV_DESIGN_PARAMETERS)
-        return mcv_fail(error, MCV_USAGE, "--%s %s: is one too many: at most %d parameters can change", option, item,
+        return mcv_fail(error, MCV_USAGE,
+                        "--%s %s: is one too many: at most %d parameters can change", option, item,
                         MCV_DESIGN_PARAMETERS);
     parameter *p = s->parameters + s->count;
-    *p = (parameter){.item = item, .path_length = (int)(equals - item), .expression = tie ? equals + 1 : NULL};
+    *p = (parameter){
+        .item = item, .path_length = (int)(equals - item), .expression = tie ? equals + 1 : NULL};
     MCV_TRY(name_parameter(s, p, error));
     if (!tie) {
         mcv_error detail = {""};
@@ -124,7 +133,8 @@ typedef struct values {
     size_t known;
 } values;
 
-static mcv_result look_up_parameter(void *user, const char *name, mcv_quantity *quantity, mcv_error *error) {
+static mcv_result look_up_parameter(void *user, const char *name, mcv_quantity *quantity,
+                                    mcv_error *error) {
     const values *v = user;
     char list[512] = "";
     for (size_t i = 0; i < v->known; ++i) {
@@ -132,64 +142,82 @@ static mcv_result look_up_parameter(void *user, const char *name, mcv_quantity *
             *quantity = (mcv_quantity){v->numbers[i], 0};
             return MCV_OK;
         }
-        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "", v->sweep->parameters[i].name);
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "",
+                 v->sweep->parameters[i].name);
     }
     return mcv_fail(error, MCV_USAGE, "there is no parameter \"%s\": there are %s", name, list);
 }
 
 /* The set's parameters, ties and all; *wanted is false where --where leaves it out. */
-static mcv_result complete_set(const sweep *s, size_t set, double *numbers, bool *wanted, mcv_error *error) {
+static mcv_result complete_set(const sweep *s, size_t set, double *numbers, bool *wanted,
+                               mcv_error *error) {
     mcv_quantity value;
     values v = {s, numbers, s->varied};
     memcpy(numbers, s->sets + set * s->varied, s->varied * sizeof *numbers);
     for (size_t i = s->varied; i < s->count; ++i, ++v.known) {
-        MCV_TRY(mcv_expression_evaluate(s->parameters[i].expression, look_up_parameter, &v, &value, error));
+        MCV_TRY(mcv_expression_evaluate(s->parameters[i].expression, look_up_parameter, &v, &value,
+                                        error));
         if (!isfinite(value.value))
-            return mcv_fail(error, MCV_USAGE, "--tie %s: is no finite number in set %zu", s->parameters[i].item, set);
+            return mcv_fail(error, MCV_USAGE, "--tie %s: is no finite number in set %zu",
+                            s->parameters[i].item, set);
         numbers[i] = value.value;
     }
     *wanted = true;
     for (size_t i = 0; i < s->command->where.count && *wanted; ++i) {
-        MCV_TRY(mcv_expression_evaluate(s->command->where.items[i], look_up_parameter, &v, &value, error));
+        MCV_TRY(mcv_expression_evaluate(s->command->where.items[i], look_up_parameter, &v, &value,
+                                        error));
         *wanted = value.value != 0 && !isnan(value.value);
     }
     return MCV_OK;
 }
 
-/* --- what to measure -------------------------------------------------------------------------------------------- */
+/* --- what to measure
+ * -------------------------------------------------------------------------------------------- */
 
 static mcv_result read_metrics(sweep *s, mcv_error *error) {
     const mcv_command *c = s->command;
     if (c->metric.count == 0)
-        return mcv_fail(error, MCV_USAGE, "--metric is missing: what to measure, as in --metric mean or --metric dent.contrast_to_noise");
-    if (c->metric.count > MAX_METRICS) return mcv_fail(error, MCV_USAGE, "%zu metrics: at most %d", c->metric.count, MAX_METRICS);
+        return mcv_fail(error, MCV_USAGE,
+                        "--metric is missing: what to measure, as in --metric mean or --metric "
+                        "dent.contrast_to_noise");
+    if (c->metric.count > MAX_METRICS)
+        return mcv_fail(error, MCV_USAGE, "%zu metrics: at most %d", c->metric.count, MAX_METRICS);
     for (; s->metric_count < c->metric.count; ++s->metric_count) {
         metric *m = s->metrics + s->metric_count;
         const char *item = c->metric.items[s->metric_count], *assigned = strstr(item, ":=");
         mcv_quantity ignored;
         *m = (metric){.expression = assigned ? assigned + 2 : item};
-        snprintf(m->name, sizeof m->name, "%.*s", (int)(assigned ? assigned - item : (long)strlen(item)), item);
+        snprintf(m->name, sizeof m->name, "%.*s",
+                 (int)(assigned ? assigned - item : (long)strlen(item)), item);
         for (size_t i = 0; i < s->metric_count; ++i)
-            if (strcmp(s->metrics[i].name, m->name) == 0) return mcv_fail(error, MCV_USAGE, "--metric %s: is there twice", m->name);
-        MCV_TRY(mcv_expression_evaluate(m->expression, mcv_metric_known, (void *)c, &ignored, error));
+            if (strcmp(s->metrics[i].name, m->name) == 0)
+                return mcv_fail(error, MCV_USAGE, "--metric %s: is there twice", m->name);
+        MCV_TRY(
+            mcv_expression_evaluate(m->expression, mcv_metric_known, (void *)c, &ignored, error));
     }
     for (size_t i = 0; i < c->until.count; ++i) {
         const char *item = c->until.items[i], *equals = strrchr(item, '=');
         metric *found = NULL;
         char *end = NULL;
         for (size_t k = 0; k < s->metric_count && equals; ++k)
-            if (strlen(s->metrics[k].name) == (size_t)(equals - item) && strncmp(s->metrics[k].name, item, (size_t)(equals - item)) == 0)
+            if (strlen(s->metrics[k].name) == (size_t)(equals - item) &&
+                strncmp(s->metrics[k].name, item, (size_t)(equals - item)) == 0)
                 found = s->metrics + k;
-        if (equals && !found) return mcv_fail(error, MCV_USAGE, "--until %s: there is no --metric of this name", item);
+        if (equals && !found)
+            return mcv_fail(error, MCV_USAGE, "--until %s: there is no --metric of this name",
+                            item);
         const double until = equals ? strtod(equals + 1, &end) : 0;
         if (!equals || end == equals + 1 || *end || !(until > 0))
-            return mcv_fail(error, MCV_USAGE, "--until %s: must be NAME=U, a standard uncertainty above 0", item);
+            return mcv_fail(error, MCV_USAGE,
+                            "--until %s: must be NAME=U, a standard uncertainty above 0", item);
         found->until = until;
     }
     return MCV_OK;
 }
 
-/* --- one set ---------------------------------------------------------------------------------------------------- */
+/* --- one set
+ * ----------------------------------------------------------------------------------------------------
+ */
 
 /* Light as mcv_exr_read would give it; nothing but the parts' pixels is owned. */
 typedef struct light {
@@ -203,15 +231,19 @@ static mcv_result develop(const sweep *s, const mcv_film *film, light *l, mcv_er
     const mcv_sensor *sensor = s->scene->sensors + s->sensor;
     const bool irradiance = mcv_sensor_measures_irradiance(sensor);
     memset(l, 0, sizeof *l);
-    l->attributes[0] = (mcv_attribute){.name = "mcvisi:quantity", .text = irradiance ? "irradiance" : "radiance"};
-    l->attributes[1] = (mcv_attribute){.name = "mcvisi:unit", .text = irradiance ? "W/m^2" : "W/(m^2 sr)"};
+    l->attributes[0] =
+        (mcv_attribute){.name = "mcvisi:quantity", .text = irradiance ? "irradiance" : "radiance"};
+    l->attributes[1] =
+        (mcv_attribute){.name = "mcvisi:unit", .text = irradiance ? "W/m^2" : "W/(m^2 sr)"};
     l->parts[0].name = "image";
     l->parts[1].name = "error";
-    l->exr = (mcv_exr){.parts = l->parts, .part_count = film->replicates > 1 ? 2 : 1, .attributes = l->attributes};
+    l->exr = (mcv_exr){
+        .parts = l->parts, .part_count = film->replicates > 1 ? 2 : 1, .attributes = l->attributes};
     l->exr.attribute_count = 2 + mcv_picture_attributes(sensor, l->attributes + 2, l->names);
     MCV_TRY(mcv_film_develop(film, &l->parts[0].image, &l->parts[1].image, error));
     MCV_TRY(mcv_picture_describe(s->scene, s->sensor, &l->parts[0].image, error));
-    l->attributes[l->exr.attribute_count++] = (mcv_attribute){.name = MCV_CAMERA_MODEL_KEY, .text = l->parts[0].image.description};
+    l->attributes[l->exr.attribute_count++] =
+        (mcv_attribute){.name = MCV_CAMERA_MODEL_KEY, .text = l->parts[0].image.description};
     return MCV_OK;
 }
 
@@ -221,38 +253,48 @@ static void free_light(light *l) {
 }
 
 /* Values and deviations of one channel, or of the gradient, whose deviations nobody knows. */
-static mcv_result read_channel(const sweep *s, const mcv_image *image, const mcv_image *deviation, const mcv_image *render, mcv_metrics *m,
-                               mcv_error *error) {
+static mcv_result read_channel(const sweep *s, const mcv_image *image, const mcv_image *deviation,
+                               const mcv_image *render, mcv_metrics *m, mcv_error *error) {
     const mcv_command *c = s->command;
     const mcv_readout readout = mcv_sensor_readout(s->scene->sensors + s->sensor);
     if (c->in) {
         mcv_image gradient;
         if (readout.angular[0] * readout.angular[1] < 2)
-            return mcv_fail(error, MCV_BAD_INPUT, "sensor %s is no light field camera: leave out --in emd-gradient",
+            return mcv_fail(error, MCV_BAD_INPUT,
+                            "sensor %s is no light field camera: leave out --in emd-gradient",
                             s->scene->sensors[s->sensor].name);
-        MCV_TRY(mcv_light_field_gradient(image, readout.angular, c->form ? MCV_EMD_MASS : MCV_EMD_NORMALIZED, (uint32_t)c->threads,
-                                         &gradient, error));
-        const mcv_result result = mcv_choose_channel(0, s->rig, &gradient, false, &m->readings.values, error);
+        MCV_TRY(mcv_light_field_gradient(image, readout.angular,
+                                         c->form ? MCV_EMD_MASS : MCV_EMD_NORMALIZED,
+                                         (uint32_t)c->threads, &gradient, error));
+        const mcv_result result =
+            mcv_choose_channel(0, s->rig, &gradient, false, &m->readings.values, error);
         mcv_image_free(&gradient);
         MCV_TRY(result);
         m->known = m->whole = false;
-        return mcv_image_new(&m->readings.deviation, m->readings.values.width, m->readings.values.height, 1, error);
+        return mcv_image_new(&m->readings.deviation, m->readings.values.width,
+                             m->readings.values.height, 1, error);
     }
     MCV_TRY(mcv_choose_channel(c->channel, s->rig, image, false, &m->readings.values, error));
-    if (render->pixels) MCV_TRY(mcv_choose_channel(c->channel, s->rig, render, true, &m->readings.render, error));
-    if (m->known) return mcv_choose_channel(c->channel, s->rig, deviation, true, &m->readings.deviation, error);
+    if (render->pixels)
+        MCV_TRY(mcv_choose_channel(c->channel, s->rig, render, true, &m->readings.render, error));
+    if (m->known)
+        return mcv_choose_channel(c->channel, s->rig, deviation, true, &m->readings.deviation,
+                                  error);
     return mcv_image_new(&m->readings.deviation, image->width, image->height, 1, error);
 }
 
-static mcv_result take_readings(const sweep *s, const mcv_film *film, mcv_metrics *m, mcv_error *error) {
+static mcv_result take_readings(const sweep *s, const mcv_film *film, mcv_metrics *m,
+                                mcv_error *error) {
     light l;
     mcv_exposure exposure = {0};
     *m = (mcv_metrics){.command = s->command, .known = film->replicates > 1};
     m->readings.render_freedom = film->replicates - 1.0;
     mcv_result result = develop(s, film, &l, error);
-    const mcv_image *image = &l.parts[0].image, *deviation = &l.parts[1].image, *light_error = deviation;
+    const mcv_image *image = &l.parts[0].image, *deviation = &l.parts[1].image,
+                    *light_error = deviation;
     if (result == MCV_OK && mcv_camera_wanted(s->command)) {
-        result = mcv_camera_read_out(s->command, s->rig, &l.exr, &exposure, &m->readings.correlation, error);
+        result = mcv_camera_read_out(s->command, s->rig, &l.exr, &exposure,
+                                     &m->readings.correlation, error);
         image = &exposure.grey;
         deviation = &exposure.uncertainty;
         light_error = &exposure.render;
@@ -265,18 +307,22 @@ static mcv_result take_readings(const sweep *s, const mcv_film *film, mcv_metric
 }
 
 /* The scale of the image, and the places to measure in as its pixels. */
-static mcv_result find_places(const sweep *s, mcv_metrics *m, mcv_command *resolved, mcv_error *error) {
+static mcv_result find_places(const sweep *s, mcv_metrics *m, mcv_command *resolved,
+                              mcv_error *error) {
     mcv_camera_model model;
     MCV_TRY(mcv_camera_model_of(s->scene, s->scene->sensors + s->sensor, &model, error));
-    const bool fits = mcv_camera_model_fit(&model, m->readings.values.width, m->readings.values.height);
-    for (int i = 0; i < 2 && fits && model.macro[0] * model.macro[1] == 1; ++i) m->pixel[i] = model.object_pixel[i];
+    const bool fits =
+        mcv_camera_model_fit(&model, m->readings.values.width, m->readings.values.height);
+    for (int i = 0; i < 2 && fits && model.macro[0] * model.macro[1] == 1; ++i)
+        m->pixel[i] = model.object_pixel[i];
     const mcv_result result = mcv_places_resolve(s->command, fits ? &model : NULL, resolved, error);
     mcv_camera_model_free(&model);
     m->command = resolved;
     return result;
 }
 
-/* The metrics of what has been rendered so far; numbers: value and uncertainty of each, NaN of those that fail. */
+/* The metrics of what has been rendered so far; numbers: value and uncertainty of each, NaN of
+ * those that fail. */
 static mcv_result measure(const sweep *s, const mcv_film *film, double *numbers, mcv_error *error) {
     mcv_metrics m;
     mcv_command resolved = {0};
@@ -286,7 +332,9 @@ static mcv_result measure(const sweep *s, const mcv_film *film, double *numbers,
     for (size_t i = 0; i < s->metric_count; ++i) {
         mcv_quantity value = {NAN, NAN};
         mcv_error why = {""};
-        const mcv_result one = taken ? mcv_expression_evaluate(s->metrics[i].expression, mcv_metric_look_up, &m, &value, &why) : MCV_FAILED;
+        const mcv_result one = taken ? mcv_expression_evaluate(s->metrics[i].expression,
+                                                               mcv_metric_look_up, &m, &value, &why)
+                                     : MCV_FAILED;
         numbers[2 * i] = one == MCV_OK ? value.value : NAN;
         numbers[2 * i + 1] = one == MCV_OK ? value.uncertainty : NAN;
         if (one != MCV_OK && result == MCV_OK) result = mcv_fail(error, one, "%s", why.text);
@@ -316,7 +364,8 @@ static bool go_on(void *user, double fraction, double spent, double error) {
     return mcv_interrupt == 0;
 }
 
-static mcv_result keep_image(const sweep *s, size_t set, const mcv_film *film, const char *overrides, mcv_error *error) {
+static mcv_result keep_image(const sweep *s, size_t set, const mcv_film *film,
+                             const char *overrides, mcv_error *error) {
     char path[PATH_MAX];
     light l;
     if (!s->command->images) return MCV_OK;
@@ -327,31 +376,42 @@ static mcv_result keep_image(const sweep *s, size_t set, const mcv_film *film, c
     uint32_t count = l.exr.attribute_count;
     memcpy(attributes, l.attributes, count * sizeof *attributes);
     attributes[count++] = (mcv_attribute){.name = "mcvisi:scene", .text = s->rig};
-    attributes[count++] = (mcv_attribute){.name = "mcvisi:seed", .numbers = {s->options.seed}, .count = 1};
-    attributes[count++] = (mcv_attribute){.name = "mcvisi:replicates", .numbers = {film->replicates}, .count = 1};
-    attributes[count++] = (mcv_attribute){.name = "mcvisi:samplesPerReplicate", .numbers = {(double)film->samples}, .count = 1};
+    attributes[count++] =
+        (mcv_attribute){.name = "mcvisi:seed", .numbers = {s->options.seed}, .count = 1};
+    attributes[count++] =
+        (mcv_attribute){.name = "mcvisi:replicates", .numbers = {film->replicates}, .count = 1};
+    attributes[count++] = (mcv_attribute){
+        .name = "mcvisi:samplesPerReplicate", .numbers = {(double)film->samples}, .count = 1};
     attributes[count++] = (mcv_attribute){.name = "mcvisi:set", .text = overrides};
-    if (result == MCV_OK) result = mcv_exr_write(path, l.parts, l.exr.part_count, attributes, count, error);
+    if (result == MCV_OK)
+        result = mcv_exr_write(path, l.parts, l.exr.part_count, attributes, count, error);
     free_light(&l);
     return result;
 }
 
-static mcv_result render_scene(sweep *s, mcv_scene *scene, size_t set, const char *overrides, double *row, mcv_error *error) {
+static mcv_result render_scene(sweep *s, mcv_scene *scene, size_t set, const char *overrides,
+                               double *row, mcv_error *error) {
     const mcv_command *c = s->command;
     mcv_film film = {0};
     mcv_render_stats stats;
     s->sensor = 0;
     s->scene = scene;
-    if (scene->sensor_count == 0) return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor", s->rig);
+    if (scene->sensor_count == 0)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor", s->rig);
     if (c->sensor) MCV_TRY(mcv_sensor_find(scene, c->sensor, &s->sensor, error));
-    if (c->resolution[0]) MCV_TRY(mcv_sensor_resize(scene->sensors + s->sensor, c->resolution[0], c->resolution[1], scene, error));
+    if (c->resolution[0])
+        MCV_TRY(mcv_sensor_resize(scene->sensors + s->sensor, c->resolution[0], c->resolution[1],
+                                  scene, error));
     const bool reference = mcv_wants_reference(c);
-    mcv_result result = reference ? mcv_reference_render(scene, s->sensor, &s->options, &film, &stats, error)
-                                  : mcv_renderer_render(s->renderer, scene, s->sensor, &s->options, &film, &stats, error);
+    mcv_result result =
+        reference
+            ? mcv_reference_render(scene, s->sensor, &s->options, &film, &stats, error)
+            : mcv_renderer_render(s->renderer, scene, s->sensor, &s->options, &film, &stats, error);
     for (uint32_t i = 0; i < stats.stage_count; ++i) s->stage_seconds += stats.stages[i].seconds;
     s->built += !reference && result == MCV_OK && !stats.kept_structure;
     s->compiled += !reference && result == MCV_OK && !stats.kept_program;
-    if (result == MCV_OK && mcv_interrupt != 0) result = mcv_fail(error, mcv_interrupt_result(), "interrupted");
+    if (result == MCV_OK && mcv_interrupt != 0)
+        result = mcv_fail(error, mcv_interrupt_result(), "interrupted");
     if (result == MCV_OK) {
         row[s->count + 2 * s->metric_count] = (double)(film.samples * film.replicates);
         row[s->count + 2 * s->metric_count + 1] = mcv_film_relative_error(&film);
@@ -363,16 +423,19 @@ static mcv_result render_scene(sweep *s, mcv_scene *scene, size_t set, const cha
 }
 
 /* All --set, then the set's own; texts holds the latter. */
-static mcv_result load_scene(const sweep *s, const double *numbers, char (*texts)[512], mcv_scene **scene, mcv_error *error) {
+static mcv_result load_scene(const sweep *s, const double *numbers, char (*texts)[512],
+                             mcv_scene **scene, mcv_error *error) {
     const mcv_list *given = &s->command->set;
     const char **items = malloc((given->count + s->count + 1) * sizeof *items);
     if (!items) return mcv_fail(error, MCV_FAILED, "no memory for a set of parameters");
     if (given->count) memcpy(items, given->items, given->count * sizeof *items);
     for (size_t i = 0; i < s->count; ++i) {
-        snprintf(texts[i], sizeof texts[i], "%.*s=%.17g", s->parameters[i].path_length, s->parameters[i].item, numbers[i]);
+        snprintf(texts[i], sizeof texts[i], "%.*s=%.17g", s->parameters[i].path_length,
+                 s->parameters[i].item, numbers[i]);
         items[given->count + i] = texts[i];
     }
-    const mcv_result result = mcv_scene_load_again(s->rig, (mcv_overrides){items, given->count + s->count}, s->assets, scene, error);
+    const mcv_result result = mcv_scene_load_again(
+        s->rig, (mcv_overrides){items, given->count + s->count}, s->assets, scene, error);
     free(items);
     return result;
 }
@@ -391,7 +454,9 @@ static mcv_result try_set(sweep *s, size_t set, double *row, mcv_error *error) {
     return result;
 }
 
-/* --- the table -------------------------------------------------------------------------------------------------- */
+/* --- the table
+ * --------------------------------------------------------------------------------------------------
+ */
 
 static void put_quoted(FILE *out, const char *text) {
     fputc('"', out);
@@ -423,7 +488,8 @@ static void put_header(const sweep *s, FILE *out) {
 }
 
 static void put_row(const sweep *s, FILE *out, const double *row, const char *message) {
-    fprintf(out, "%.0f", row[s->columns - 1]); /* the set comes first in the file, and last in memory */
+    fprintf(out, "%.0f",
+            row[s->columns - 1]); /* the set comes first in the file, and last in memory */
     for (size_t i = 0; i + 1 < s->columns; ++i)
         if (isnan(row[i]))
             fputc(',', out);
@@ -439,8 +505,10 @@ static mcv_result append(sweep *s, const char *text, size_t size, mcv_error *err
     const ssize_t written = write(s->descriptor, text, size);
     if (written == (ssize_t)size) return MCV_OK;
     if (written > 0 && ftruncate(s->descriptor, lseek(s->descriptor, 0, SEEK_END) - written) != 0)
-        return mcv_fail(error, MCV_FAILED, "%s: a row was written in part: %s", s->table, strerror(errno));
-    return mcv_fail(error, MCV_FAILED, "%s: %s", s->table, written < 0 ? strerror(errno) : "the disk is full");
+        return mcv_fail(error, MCV_FAILED, "%s: a row was written in part: %s", s->table,
+                        strerror(errno));
+    return mcv_fail(error, MCV_FAILED, "%s: %s", s->table,
+                    written < 0 ? strerror(errno) : "the disk is full");
 }
 
 static mcv_result append_row(sweep *s, const double *row, const char *message, mcv_error *error) {
@@ -454,7 +522,8 @@ static mcv_result append_row(sweep *s, const double *row, const char *message, m
     const long size = ftell(stream);
     const bool fits = !ferror(stream) && size < MAX_ROW - 1;
     fclose(stream);
-    return fits ? append(s, text, (size_t)size, error) : mcv_fail(error, MCV_FAILED, "%s: a row is too long", s->table);
+    return fits ? append(s, text, (size_t)size, error)
+                : mcv_fail(error, MCV_FAILED, "%s: a row is too long", s->table);
 }
 
 static void remember(sweep *s, const double *row, const char *message) {
@@ -462,10 +531,12 @@ static void remember(sweep *s, const double *row, const char *message) {
     s->messages[s->row_count++] = message ? strdup(message) : NULL;
 }
 
-/* --- the experiment beside the table ---------------------------------------------------------------------------- */
+/* --- the experiment beside the table
+ * ---------------------------------------------------------------------------- */
 
 static json_t *describe(const sweep *s) {
-    static const char *const without[] = {"output", "images", "resume", "device", "threads", "schedule", "json", NULL};
+    static const char *const without[] = {"output",  "images",   "resume", "device",
+                                          "threads", "schedule", "json",   NULL};
     char file[PATH_MAX], folder[PATH_MAX], copy[PATH_MAX];
     json_t *experiment = mcv_command_json(s->command, without);
     json_t *document = json_object();
@@ -487,7 +558,8 @@ static mcv_result write_sidecar(const sweep *s, mcv_error *error) {
     json_t *document = describe(s);
     char *text = json_dumps(document, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
     json_decref(document);
-    if (!text) return mcv_fail(error, MCV_FAILED, "%s: the experiment is no UTF-8 text", s->sidecar);
+    if (!text)
+        return mcv_fail(error, MCV_FAILED, "%s: the experiment is no UTF-8 text", s->sidecar);
     const mcv_result result = mcv_output_whole(s->sidecar, text, strlen(text), error);
     free(text);
     return result;
@@ -501,20 +573,27 @@ static mcv_result check_sidecar(const sweep *s, mcv_error *error) {
     json_t *value;
     mcv_result result = MCV_OK;
     if (!before)
-        result =
-            mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read (%s): without it %s cannot be resumed", s->sidecar, wrong.text, s->table);
+        result = mcv_fail(error, MCV_BAD_INPUT,
+                          "%s: cannot be read (%s): without it %s cannot be resumed", s->sidecar,
+                          wrong.text, s->table);
     else if (!hash || strcmp(hash, s->fingerprint) != 0)
-        result = mcv_fail(error, MCV_BAD_INPUT, "%s or a file that it names has changed since %s was begun: begin another table by -o",
-                          s->rig, s->table);
+        result = mcv_fail(
+            error, MCV_BAD_INPUT,
+            "%s or a file that it names has changed since %s was begun: begin another table by -o",
+            s->rig, s->table);
     json_object_foreach(now, key, value) {
-        if (result == MCV_OK && strcmp(key, "rig") != 0 && !json_equal(value, json_object_get(before, key)))
-            result = mcv_fail(error, MCV_BAD_INPUT, "--%s is not what %s was begun with (%s): begin another table by -o", key, s->table,
-                              s->sidecar);
+        if (result == MCV_OK && strcmp(key, "rig") != 0 &&
+            !json_equal(value, json_object_get(before, key)))
+            result = mcv_fail(error, MCV_BAD_INPUT,
+                              "--%s is not what %s was begun with (%s): begin another table by -o",
+                              key, s->table, s->sidecar);
     }
     json_object_foreach(before, key, value) {
         if (result == MCV_OK && !json_object_get(now, key))
-            result = mcv_fail(error, MCV_BAD_INPUT, "--%s is missing, with which %s was begun (%s): begin another table by -o", key,
-                              s->table, s->sidecar);
+            result =
+                mcv_fail(error, MCV_BAD_INPUT,
+                         "--%s is missing, with which %s was begun (%s): begin another table by -o",
+                         key, s->table, s->sidecar);
     }
     json_decref(before);
     json_decref(now);
@@ -532,7 +611,8 @@ static const char *unquote(char *text) {
     return text;
 }
 
-/* The rows of a table that was begun; what follows the last whole one is cut off. done[set] is set. */
+/* The rows of a table that was begun; what follows the last whole one is cut off. done[set] is set.
+ */
 static mcv_result read_rows(sweep *s, bool *done, mcv_error *error) {
     char *line = NULL;
     size_t room = 0;
@@ -540,7 +620,8 @@ static mcv_result read_rows(sweep *s, bool *done, mcv_error *error) {
     FILE *file = fopen(s->table, "r");
     double row[MCV_DESIGN_PARAMETERS + 2 * MAX_METRICS + FIXED_COLUMNS];
     if (!file) return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", s->table, strerror(errno));
-    for (ssize_t length; (length = getline(&line, &room, file)) > 0 && line[length - 1] == '\n'; whole += length) {
+    for (ssize_t length; (length = getline(&line, &room, file)) > 0 && line[length - 1] == '\n';
+         whole += length) {
         char *at = line;
         if (whole == 0) continue;
         line[length - 1] = '\0';
@@ -551,14 +632,18 @@ static mcv_result read_rows(sweep *s, bool *done, mcv_error *error) {
             if (end == at) row[i] = NAN;
             at = end;
         }
-        const size_t set = row[s->columns - 1] >= 0 && row[s->columns - 1] < (double)s->set_count ? (size_t)row[s->columns - 1] : SIZE_MAX;
+        const size_t set = row[s->columns - 1] >= 0 && row[s->columns - 1] < (double)s->set_count
+                               ? (size_t)row[s->columns - 1]
+                               : SIZE_MAX;
         if (*at != ',' || set == SIZE_MAX || done[set]) continue;
         done[set] = true;
         remember(s, row, at[1] ? unquote(at + 1) : NULL);
     }
     free(line);
     fclose(file);
-    return truncate(s->table, whole) == 0 ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: %s", s->table, strerror(errno));
+    return truncate(s->table, whole) == 0
+               ? MCV_OK
+               : mcv_fail(error, MCV_FAILED, "%s: %s", s->table, strerror(errno));
 }
 
 static mcv_result open_table(sweep *s, bool *done, mcv_error *error) {
@@ -566,17 +651,22 @@ static mcv_result open_table(sweep *s, bool *done, mcv_error *error) {
     const bool exists = stat(s->table, &status) == 0;
     const bool resume = s->command->resume && exists;
     if (exists && !s->command->resume)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s is there already: go on with it by --resume, or give another name by -o", s->table);
+        return mcv_fail(
+            error, MCV_BAD_INPUT,
+            "%s is there already: go on with it by --resume, or give another name by -o", s->table);
     if (resume) MCV_TRY(check_sidecar(s, error));
     if (resume) MCV_TRY(read_rows(s, done, error));
     if (!resume) MCV_TRY(mcv_output_check(s->page, error));
     if (!resume) MCV_TRY(write_sidecar(s, error));
     s->descriptor = open(s->table, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-    if (s->descriptor < 0) return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", s->table, strerror(errno));
+    if (s->descriptor < 0)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", s->table, strerror(errno));
     return lseek(s->descriptor, 0, SEEK_END) > 0 ? MCV_OK : append_row(s, NULL, NULL, error);
 }
 
-/* --- the page --------------------------------------------------------------------------------------------------- */
+/* --- the page
+ * ---------------------------------------------------------------------------------------------------
+ */
 
 static mcv_result write_page(const sweep *s, mcv_error *error) {
     mcv_plots_axis axes[MCV_DESIGN_PARAMETERS];
@@ -587,33 +677,45 @@ static mcv_result write_page(const sweep *s, mcv_error *error) {
     double *numbers = calloc(s->row_count * columns + 1, sizeof *numbers);
     if (!numbers) return mcv_fail(error, MCV_FAILED, "%s: no memory to write it", s->page);
     for (size_t i = 0; i < s->varied; ++i) {
-        snprintf(labels[i], sizeof labels[i], "%.*s", s->parameters[i].path_length, s->parameters[i].item);
+        snprintf(labels[i], sizeof labels[i], "%.*s", s->parameters[i].path_length,
+                 s->parameters[i].item);
         axes[i] = (mcv_plots_axis){labels[i], s->parameters[i].levels.logarithmic};
     }
     for (size_t i = 0; i < s->metric_count; ++i) names[i] = s->metrics[i].name;
     for (size_t row = 0; row < s->row_count; ++row) {
         const double *from = s->rows + row * s->columns;
         memcpy(numbers + row * columns, from, s->varied * sizeof *numbers);
-        memcpy(numbers + row * columns + s->varied, from + s->count, 2 * s->metric_count * sizeof *numbers);
+        memcpy(numbers + row * columns + s->varied, from + s->count,
+               2 * s->metric_count * sizeof *numbers);
         failed += s->messages[row] != NULL;
     }
     snprintf(title, sizeof title, "Sweep of %s", s->rig);
-    snprintf(text, sizeof text, "%zu sets of parameters, %zu of which failed. Numbers are in SI units; the table is %s.", s->row_count,
-             failed, s->table);
-    const mcv_plots page = {title, text, axes, s->varied, names, s->metric_count, numbers, (const char *const *)s->messages, s->row_count};
+    snprintf(
+        text, sizeof text,
+        "%zu sets of parameters, %zu of which failed. Numbers are in SI units; the table is %s.",
+        s->row_count, failed, s->table);
+    const mcv_plots page = {title,       text,
+                            axes,        s->varied,
+                            names,       s->metric_count,
+                            numbers,     (const char *const *)s->messages,
+                            s->row_count};
     const mcv_result result = mcv_plots_write(s->page, &page, error);
     free(numbers);
     return result;
 }
 
-/* --- the whole -------------------------------------------------------------------------------------------------- */
+/* --- the whole
+ * --------------------------------------------------------------------------------------------------
+ */
 
 static void tell_row(const sweep *s, const double *row, const char *message) {
     if (s->command->json) return;
     printf("%zu/%zu ", s->row_count, s->wanted);
     for (size_t i = 0; i < s->count; ++i) printf(" %s %.5g", s->parameters[i].name, row[i]);
     for (size_t i = 0; i < s->metric_count; ++i)
-        if (!isnan(row[s->count + 2 * i])) printf("; %s %.5g ± %.2g", s->metrics[i].name, row[s->count + 2 * i], row[s->count + 2 * i + 1]);
+        if (!isnan(row[s->count + 2 * i]))
+            printf("; %s %.5g ± %.2g", s->metrics[i].name, row[s->count + 2 * i],
+                   row[s->count + 2 * i + 1]);
     if (message) printf(": %s", message);
     putchar('\n');
     fflush(stdout);
@@ -636,15 +738,21 @@ static mcv_result report(const sweep *s, double spent, mcv_error *error) {
         for (int k = 0; k < 2 && best[0]; ++k) {
             const double *r = best[k];
             json_t *point = json_object(), *where = json_object();
-            for (size_t p = 0; p < s->count; ++p) json_object_set_new(where, s->parameters[p].name, json_real(r[p]));
+            for (size_t p = 0; p < s->count; ++p)
+                json_object_set_new(where, s->parameters[p].name, json_real(r[p]));
             json_object_set_new(point, "value", json_real(r[s->count + 2 * i]));
-            json_object_set_new(point, "uncertainty", isfinite(r[s->count + 2 * i + 1]) ? json_real(r[s->count + 2 * i + 1]) : json_null());
+            json_object_set_new(point, "uncertainty",
+                                isfinite(r[s->count + 2 * i + 1])
+                                    ? json_real(r[s->count + 2 * i + 1])
+                                    : json_null());
             json_object_set_new(point, "set", json_integer((json_int_t)r[s->columns - 1]));
             json_object_set_new(point, "parameters", where);
             json_object_set_new(of, k ? "largest" : "smallest", point);
             if (s->command->json) continue;
-            printf("%s %s: %.5g ± %.2g", k ? "largest" : "smallest", s->metrics[i].name, r[s->count + 2 * i], r[s->count + 2 * i + 1]);
-            for (size_t p = 0; p < s->count; ++p) printf("%s %s %.5g", p ? "," : " at", s->parameters[p].name, r[p]);
+            printf("%s %s: %.5g ± %.2g", k ? "largest" : "smallest", s->metrics[i].name,
+                   r[s->count + 2 * i], r[s->count + 2 * i + 1]);
+            for (size_t p = 0; p < s->count; ++p)
+                printf("%s %s %.5g", p ? "," : " at", s->parameters[p].name, r[p]);
             putchar('\n');
         }
         json_object_set_new(extremes, s->metrics[i].name, of);
@@ -656,7 +764,8 @@ static mcv_result report(const sweep *s, double spent, mcv_error *error) {
     json_object_set_new(document, "failed", json_integer((json_int_t)failed));
     json_object_set_new(document, "seconds", json_real(spent));
     json_object_set_new(document, "stage_seconds", json_real(s->stage_seconds));
-    json_object_set_new(document, "assets_read", json_integer((json_int_t)mcv_kept_assets_read(s->assets)));
+    json_object_set_new(document, "assets_read",
+                        json_integer((json_int_t)mcv_kept_assets_read(s->assets)));
     json_object_set_new(document, "structures_built", json_integer((json_int_t)s->built));
     json_object_set_new(document, "programs_built", json_integer((json_int_t)s->compiled));
     json_object_set_new(document, "metrics", extremes);
@@ -666,12 +775,14 @@ static mcv_result report(const sweep *s, double spent, mcv_error *error) {
     if (s->command->json)
         puts(text);
     else
-        printf("%zu sets, %zu failed, %.1f s\n  %s\n  %s\n  %s\n", s->row_count, failed, spent, s->table, s->sidecar, s->page);
+        printf("%zu sets, %zu failed, %.1f s\n  %s\n  %s\n  %s\n", s->row_count, failed, spent,
+               s->table, s->sidecar, s->page);
     free(text);
     return MCV_OK;
 }
 
-/* A set that fails is a row with its error, and the sweep goes on: but for what would fail every time. */
+/* A set that fails is a row with its error, and the sweep goes on: but for what would fail every
+ * time. */
 static mcv_result run_set(sweep *s, size_t set, double *row, mcv_error *error) {
     mcv_error why = {""};
     const double begun = mcv_seconds();
@@ -679,7 +790,9 @@ static mcv_result run_set(sweep *s, size_t set, double *row, mcv_error *error) {
     row[s->columns - 1] = (double)set;
     const mcv_result result = try_set(s, set, row, &why);
     if (mcv_interrupt != 0)
-        return mcv_fail(error, mcv_interrupt_result(), "interrupted: go on by --resume; %zu rows are in %s", s->row_count, s->table);
+        return mcv_fail(error, mcv_interrupt_result(),
+                        "interrupted: go on by --resume; %zu rows are in %s", s->row_count,
+                        s->table);
     row[s->columns - 2] = mcv_seconds() - begun;
     const char *message = result == MCV_OK ? NULL : why.text;
     for (char *c = why.text; *c; ++c)
@@ -707,20 +820,28 @@ static mcv_result count_wanted(sweep *s, mcv_error *error) {
         MCV_TRY(complete_set(s, set, numbers, &wanted, error));
         s->wanted += wanted;
     }
-    return s->wanted ? MCV_OK : mcv_fail(error, MCV_USAGE, "--where leaves out all %zu sets", s->set_count);
+    return s->wanted ? MCV_OK
+                     : mcv_fail(error, MCV_USAGE, "--where leaves out all %zu sets", s->set_count);
 }
 
 /* The scene as it stands: what is wrong with it would be wrong in every set. */
 static mcv_result check_rig(sweep *s, mcv_error *error) {
     mcv_scene *scene;
     uint32_t sensor;
-    MCV_TRY(mcv_scene_load_again(s->rig, (mcv_overrides){s->command->set.items, s->command->set.count}, s->assets, &scene, error));
+    MCV_TRY(mcv_scene_load_again(s->rig,
+                                 (mcv_overrides){s->command->set.items, s->command->set.count},
+                                 s->assets, &scene, error));
     snprintf(s->fingerprint, sizeof s->fingerprint, "%016" PRIx64, scene->fingerprint);
-    for (uint32_t i = 0; i < scene->warning_count; ++i) fprintf(stderr, "mcvisi: warning: %s\n", scene->warnings[i]);
-    mcv_result result = scene->sensor_count ? MCV_OK : mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor", s->rig);
-    if (result == MCV_OK && s->command->sensor) result = mcv_sensor_find(scene, s->command->sensor, &sensor, error);
+    for (uint32_t i = 0; i < scene->warning_count; ++i)
+        fprintf(stderr, "mcvisi: warning: %s\n", scene->warnings[i]);
+    mcv_result result = scene->sensor_count
+                            ? MCV_OK
+                            : mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor", s->rig);
+    if (result == MCV_OK && s->command->sensor)
+        result = mcv_sensor_find(scene, s->command->sensor, &sensor, error);
     if (result == MCV_OK && !s->command->sensor && scene->sensor_count > 1)
-        result = mcv_fail(error, MCV_USAGE, "%s has %u sensors: choose one by --sensor", s->rig, scene->sensor_count);
+        result = mcv_fail(error, MCV_USAGE, "%s has %u sensors: choose one by --sensor", s->rig,
+                          scene->sensor_count);
     mcv_scene_free(scene);
     return result;
 }
@@ -741,19 +862,26 @@ static mcv_result check_paths(const sweep *s, mcv_error *error) {
 
 static mcv_result plan_files(sweep *s, mcv_error *error) {
     const mcv_command *c = s->command;
-    const char *given = c->table ? c->table : c->argument, *dot = strrchr(given, '.'), *slash = strrchr(given, '/');
-    const int stem = (int)(dot && dot > (slash ? slash : given) ? dot - given : (long)strlen(given));
+    const char *given = c->table ? c->table : c->argument, *dot = strrchr(given, '.'),
+               *slash = strrchr(given, '/');
+    const int stem =
+        (int)(dot && dot > (slash ? slash : given) ? dot - given : (long)strlen(given));
     const char *suffix = c->table ? "" : "-sweep";
     struct stat status;
-    if (stem + 16 >= PATH_MAX) return mcv_fail(error, MCV_USAGE, "the path of the table is too long");
-    if (c->table && (!dot || strcmp(dot, ".csv") != 0)) return mcv_fail(error, MCV_USAGE, "--output %s: must end in .csv", c->table);
+    if (stem + 16 >= PATH_MAX)
+        return mcv_fail(error, MCV_USAGE, "the path of the table is too long");
+    if (c->table && (!dot || strcmp(dot, ".csv") != 0))
+        return mcv_fail(error, MCV_USAGE, "--output %s: must end in .csv", c->table);
     snprintf(s->table, sizeof s->table, "%.*s%s.csv", stem, given, suffix);
     snprintf(s->sidecar, sizeof s->sidecar, "%.*s%s.json", stem, given, suffix);
     snprintf(s->page, sizeof s->page, "%.*s%s.html", stem, given, suffix);
     if (mcv_same_file(s->sidecar, c->argument))
-        return mcv_fail(error, MCV_USAGE, "%s is the experiment: give the table another name by -o", s->sidecar);
-    if (c->images && mkdir(c->images, 0777) != 0 && (errno != EEXIST || stat(c->images, &status) != 0 || !S_ISDIR(status.st_mode)))
-        return mcv_fail(error, MCV_BAD_INPUT, "--images %s: is no folder that can be made", c->images);
+        return mcv_fail(error, MCV_USAGE, "%s is the experiment: give the table another name by -o",
+                        s->sidecar);
+    if (c->images && mkdir(c->images, 0777) != 0 &&
+        (errno != EEXIST || stat(c->images, &status) != 0 || !S_ISDIR(status.st_mode)))
+        return mcv_fail(error, MCV_BAD_INPUT, "--images %s: is no folder that can be made",
+                        c->images);
     return MCV_OK;
 }
 
@@ -764,16 +892,22 @@ static mcv_result plan(sweep *s, mcv_error *error) {
     s->options.progress = go_on;
     if (c->until.count > 0) s->options.enough = is_enough;
     s->options.user = s;
-    if (c->until.count && c->replicates < 2) return mcv_fail(error, MCV_USAGE, "--until needs uncertainties: give --replicates 2 or more");
+    if (c->until.count && c->replicates < 2)
+        return mcv_fail(error, MCV_USAGE,
+                        "--until needs uncertainties: give --replicates 2 or more");
     if (c->vary.count == 0)
-        return mcv_fail(error, MCV_USAGE, "--vary is missing: what changes, as in --vary emitters/back/halfAngle=0.1deg..2deg:8");
-    for (size_t i = 0; i < c->vary.count; ++i) MCV_TRY(read_parameter(s, c->vary.items[i], false, error));
-    for (size_t i = 0; i < c->tie.count; ++i) MCV_TRY(read_parameter(s, c->tie.items[i], true, error));
+        return mcv_fail(
+            error, MCV_USAGE,
+            "--vary is missing: what changes, as in --vary emitters/back/halfAngle=0.1deg..2deg:8");
+    for (size_t i = 0; i < c->vary.count; ++i)
+        MCV_TRY(read_parameter(s, c->vary.items[i], false, error));
+    for (size_t i = 0; i < c->tie.count; ++i)
+        MCV_TRY(read_parameter(s, c->tie.items[i], true, error));
     MCV_TRY(read_metrics(s, error));
     mcv_levels levels[MCV_DESIGN_PARAMETERS];
     for (size_t i = 0; i < s->varied; ++i) levels[i] = s->parameters[i].levels;
-    MCV_TRY(
-        mcv_design_make((int)c->design, levels, s->varied, (size_t)c->points, (uint32_t)c->design_seed, &s->sets, &s->set_count, error));
+    MCV_TRY(mcv_design_make((int)c->design, levels, s->varied, (size_t)c->points,
+                            (uint32_t)c->design_seed, &s->sets, &s->set_count, error));
     MCV_TRY(count_wanted(s, error));
     s->columns = s->count + 2 * s->metric_count + FIXED_COLUMNS;
     s->rows = malloc(s->set_count * s->columns * sizeof *s->rows);
@@ -797,14 +931,16 @@ static mcv_result run_sweep(sweep *s, mcv_error *error) {
     if (result == MCV_OK) {
         mcv_error later = {""};
         result = run_sets(s, done, error);
-        const mcv_result paged = s->row_count ? write_page(s, result == MCV_OK ? error : &later) : MCV_OK;
+        const mcv_result paged =
+            s->row_count ? write_page(s, result == MCV_OK ? error : &later) : MCV_OK;
         if (result == MCV_OK) result = paged;
     }
     if (result == MCV_OK) result = report(s, mcv_seconds() - begun, error);
     size_t failed = 0;
     for (size_t row = 0; row < s->row_count; ++row) failed += s->messages[row] != NULL;
     if (result == MCV_OK && failed == s->row_count)
-        result = mcv_fail(error, MCV_FAILED, "all %zu sets failed, the first one: %s", failed, s->messages[0]);
+        result = mcv_fail(error, MCV_FAILED, "all %zu sets failed, the first one: %s", failed,
+                          s->messages[0]);
     free(done);
     return result;
 }
@@ -823,9 +959,11 @@ static mcv_result sweep_command(const mcv_command *command, const char *rig, mcv
     return result;
 }
 
-/* --- experiment files ------------------------------------------------------------------------------------------- */
+/* --- experiment files
+ * ------------------------------------------------------------------------------------------- */
 
-/* {"rig": "part.gltf", "vary": […], …}: options by their names, before those of the command line. */
+/* {"rig": "part.gltf", "vary": […], …}: options by their names, before those of the command line.
+ */
 static mcv_result sweep_file(const mcv_command *given, const char *path, mcv_error *error) {
     char rig[PATH_MAX], copy[PATH_MAX];
     json_error_t wrong;
@@ -833,20 +971,24 @@ static mcv_result sweep_file(const mcv_command *given, const char *path, mcv_err
     mcv_command command;
     json_t *document = json_load_file(path, JSON_REJECT_DUPLICATES, &wrong);
     if (!document)
-        return wrong.line > 0 ? mcv_fail(error, MCV_BAD_INPUT, "%s: line %d column %d is no JSON: %s", path, wrong.line, wrong.column,
-                                         mcv_json_wrong(&wrong))
-                              : mcv_fail(error, MCV_BAD_INPUT, "%s: %s", path, strerror(errno));
+        return wrong.line > 0
+                   ? mcv_fail(error, MCV_BAD_INPUT, "%s: line %d column %d is no JSON: %s", path,
+                              wrong.line, wrong.column, mcv_json_wrong(&wrong))
+                   : mcv_fail(error, MCV_BAD_INPUT, "%s: %s", path, strerror(errno));
     const char *name = json_string_value(json_object_get(document, "rig"));
     snprintf(copy, sizeof copy, "%s", path);
     mcv_result result = MCV_OK;
     if (!name)
-        result = mcv_fail(error, MCV_BAD_INPUT, "%s: rig: is missing: the scene, as in \"rig\": \"part.gltf\"", path);
-    else if (snprintf(rig, sizeof rig, "%s%s%s", name[0] == '/' ? "" : dirname(copy), name[0] == '/' ? "" : "/", name) >= PATH_MAX)
+        result = mcv_fail(error, MCV_BAD_INPUT,
+                          "%s: rig: is missing: the scene, as in \"rig\": \"part.gltf\"", path);
+    else if (snprintf(rig, sizeof rig, "%s%s%s", name[0] == '/' ? "" : dirname(copy),
+                      name[0] == '/' ? "" : "/", name) >= PATH_MAX)
         result = mcv_fail(error, MCV_BAD_INPUT, "%s: rig: the path is too long", path);
     json_object_del(document, "rig");
     json_object_del(document, "fingerprint");
     json_object_del(document, "note");
-    if (result == MCV_OK) result = mcv_arguments_read(document, path, given, path, &arguments, error);
+    if (result == MCV_OK)
+        result = mcv_arguments_read(document, path, given, path, &arguments, error);
     json_decref(document);
     if (result == MCV_OK) {
         mcv_error detail = {""};
@@ -860,6 +1002,7 @@ static mcv_result sweep_file(const mcv_command *given, const char *path, mcv_err
 }
 
 mcv_result mcv_verb_sweep(const mcv_command *command, mcv_error *error) {
-    return mcv_ends_in(command->argument, ".json") ? sweep_file(command, command->argument, error)
-                                                   : sweep_command(command, command->argument, error);
+    return mcv_ends_in(command->argument, ".json")
+               ? sweep_file(command, command->argument, error)
+               : sweep_command(command, command->argument, error);
 }

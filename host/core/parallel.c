@@ -23,7 +23,10 @@ static void *run(void *argument) {
 void mcv_in_parallel(size_t count, void (*work)(void *user, size_t i), void *user) {
     pthread_t threads[MOST_THREADS];
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
-    size_t wanted = cores > MOST_THREADS ? MOST_THREADS : cores > 1 ? (size_t)cores : 1, started = 0;
+    size_t wanted = cores > MOST_THREADS ? MOST_THREADS
+                    : cores > 1          ? (size_t)cores
+                                         : 1,
+           started = 0;
     loop l = {.count = count, .work = work, .user = user};
     if (wanted > count) wanted = count;
     while (started + 1 < wanted && pthread_create(threads + started, NULL, run, &l) == 0) ++started;

@@ -14,23 +14,30 @@ static size_t element_count(uint64_t a, uint64_t b, uint64_t c, uint64_t d, size
     return n <= PTRDIFF_MAX ? (size_t)(n / size) : 0;
 }
 
-mcv_result mcv_film_new(mcv_film *film, uint32_t width, uint32_t height, uint32_t channels, uint32_t replicates, mcv_error *error) {
+mcv_result mcv_film_new(mcv_film *film, uint32_t width, uint32_t height, uint32_t channels,
+                        uint32_t replicates, mcv_error *error) {
     *film = (mcv_film){0};
     if (replicates > MCV_MAX_REPLICATES) {
-        return mcv_fail(error, MCV_USAGE, "%u replicates are too many: at most %d can be", replicates, MCV_MAX_REPLICATES);
+        return mcv_fail(error, MCV_USAGE, "%u replicates are too many: at most %d can be",
+                        replicates, MCV_MAX_REPLICATES);
     }
     if (width == 0 || height == 0 || channels == 0 || replicates == 0) {
-        return mcv_fail(error, MCV_USAGE, "a film of %u x %u pixels, %u channels and %u replicates cannot be: each must be at least 1",
+        return mcv_fail(error, MCV_USAGE,
+                        "a film of %u x %u pixels, %u channels and %u replicates cannot be: each "
+                        "must be at least 1",
                         width, height, channels, replicates);
     }
-    *film = (mcv_film){.width = width, .height = height, .channels = channels, .replicates = replicates};
+    *film = (mcv_film){
+        .width = width, .height = height, .channels = channels, .replicates = replicates};
     const size_t count = element_count(width, height, channels, replicates, sizeof *film->sums);
     if (count > 0) film->sums = calloc(count, sizeof *film->sums);
     if (!film->sums) {
         *film = (mcv_film){0};
         return mcv_fail(error, MCV_FAILED,
-                        "a film of %u x %u pixels, %u channels and %u replicates needs %.3g GB of memory, which is not there", width,
-                        height, channels, replicates, 8e-9 * width * height * channels * replicates);
+                        "a film of %u x %u pixels, %u channels and %u replicates needs %.3g GB of "
+                        "memory, which is not there",
+                        width, height, channels, replicates,
+                        8e-9 * width * height * channels * replicates);
     }
     return MCV_OK;
 }
@@ -51,7 +58,8 @@ double mcv_film_samples_at(const mcv_film *film, uint32_t column, uint32_t row) 
 double mcv_film_mean_samples(const mcv_film *film) {
     double sum = 0;
     for (uint32_t row = 0; row < film->height; ++row)
-        for (uint32_t column = 0; column < film->width; ++column) sum += mcv_film_samples_at(film, column, row);
+        for (uint32_t column = 0; column < film->width; ++column)
+            sum += mcv_film_samples_at(film, column, row);
     return sum / ((double)film->width * film->height);
 }
 
@@ -62,22 +70,31 @@ double mcv_tree_sum(const double *values, size_t count, size_t stride) {
 }
 
 mcv_result mcv_film_merge(mcv_film *a, const mcv_film *b, mcv_error *error) {
-    if (a->width != b->width || a->height != b->height || a->channels != b->channels || a->replicates != b->replicates) {
-        return mcv_fail(
-            error, MCV_FAILED,
-            "films of %u x %u pixels, %u channels, %u replicates and of %u x %u, %u, %u cannot be merged: sizes must be the same", a->width,
-            a->height, a->channels, a->replicates, b->width, b->height, b->channels, b->replicates);
+    if (a->width != b->width || a->height != b->height || a->channels != b->channels ||
+        a->replicates != b->replicates) {
+        return mcv_fail(error, MCV_FAILED,
+                        "films of %u x %u pixels, %u channels, %u replicates and of %u x %u, %u, "
+                        "%u cannot be merged: sizes must be the same",
+                        a->width, a->height, a->channels, a->replicates, b->width, b->height,
+                        b->channels, b->replicates);
     }
     if (a->levels || b->levels)
-        return mcv_fail(error, MCV_FAILED, "films of adaptive sampling cannot be merged: their pixels differ in samples");
+        return mcv_fail(
+            error, MCV_FAILED,
+            "films of adaptive sampling cannot be merged: their pixels differ in samples");
     if (a->samples != 0 && a->samples != b->samples) {
-        return mcv_fail(error, MCV_FAILED, "films of %llu and %llu samples cannot be merged: both must hold the same number",
-                        (unsigned long long)a->samples, (unsigned long long)b->samples);
+        return mcv_fail(
+            error, MCV_FAILED,
+            "films of %llu and %llu samples cannot be merged: both must hold the same number",
+            (unsigned long long)a->samples, (unsigned long long)b->samples);
     }
     const size_t count = (size_t)a->width * a->height * a->channels * a->replicates;
-    if (a->samples == 0 && b->splats && !a->splats) MCV_TRY(mcv_film_take_splats(a, b->splat_value, error));
+    if (a->samples == 0 && b->splats && !a->splats)
+        MCV_TRY(mcv_film_take_splats(a, b->splat_value, error));
     if (!a->splats != !b->splats || (a->splats && a->splat_value != b->splat_value))
-        return mcv_fail(error, MCV_FAILED, "films of which one has light paths and the other has none, or others, cannot be merged");
+        return mcv_fail(error, MCV_FAILED,
+                        "films of which one has light paths and the other has none, or others, "
+                        "cannot be merged");
     for (size_t i = 0; a->splats && i < count; ++i) a->splats[i] += b->splats[i];
     mcv_film_add(a, b->splats ? b->camera_sums : b->sums, b->samples);
     return MCV_OK;
@@ -89,31 +106,39 @@ mcv_result mcv_film_take_splats(mcv_film *film, double value, mcv_error *error) 
     film->splats = calloc(count, sizeof *film->splats);
     film->splat_value = value;
     if (film->camera_sums && film->splats) return MCV_OK;
-    return mcv_fail(error, MCV_FAILED, "a film of %u x %u pixels needs %.3g GB of memory more for light paths, which is not there",
-                    film->width, film->height, 16e-9 * (double)count);
+    return mcv_fail(
+        error, MCV_FAILED,
+        "a film of %u x %u pixels needs %.3g GB of memory more for light paths, which is not there",
+        film->width, film->height, 16e-9 * (double)count);
 }
 
 void mcv_film_add(mcv_film *film, const double *round, uint64_t samples) {
     const size_t count = (size_t)film->width * film->height * film->channels * film->replicates;
     double *sums = film->splats ? film->camera_sums : film->sums;
     for (size_t i = 0; i < count; ++i) sums[i] = film->samples == 0 ? round[i] : sums[i] + round[i];
-    for (size_t i = 0; film->splats && i < count; ++i) film->sums[i] = sums[i] + film->splat_value * (double)film->splats[i];
+    for (size_t i = 0; film->splats && i < count; ++i)
+        film->sums[i] = sums[i] + film->splat_value * (double)film->splats[i];
     film->samples += samples;
 }
 
-mcv_result mcv_image_new(mcv_image *image, uint32_t width, uint32_t height, uint32_t channels, mcv_error *error) {
+mcv_result mcv_image_new(mcv_image *image, uint32_t width, uint32_t height, uint32_t channels,
+                         mcv_error *error) {
     *image = (mcv_image){0};
     if (width == 0 || height == 0 || channels == 0) {
-        return mcv_fail(error, MCV_USAGE, "an image of %u x %u pixels and %u channels cannot be: each must be at least 1", width, height,
-                        channels);
+        return mcv_fail(
+            error, MCV_USAGE,
+            "an image of %u x %u pixels and %u channels cannot be: each must be at least 1", width,
+            height, channels);
     }
     *image = (mcv_image){.width = width, .height = height, .channels = channels};
     const size_t count = element_count(width, height, channels, 1, sizeof *image->pixels);
     if (count > 0) image->pixels = calloc(count, sizeof *image->pixels);
     if (!image->pixels) {
         *image = (mcv_image){0};
-        return mcv_fail(error, MCV_FAILED, "an image of %u x %u pixels and %u channels needs %.3g GB of memory, which is not there", width,
-                        height, channels, 4e-9 * width * height * channels);
+        return mcv_fail(error, MCV_FAILED,
+                        "an image of %u x %u pixels and %u channels needs %.3g GB of memory, which "
+                        "is not there",
+                        width, height, channels, 4e-9 * width * height * channels);
     }
     return MCV_OK;
 }
@@ -130,23 +155,29 @@ mcv_estimate mcv_estimate_replicates(const double *means, uint32_t replicates) {
     mean /= replicates;
     for (uint32_t r = 0; r < replicates; ++r) squares += (means[r] - mean) * (means[r] - mean);
     const double freedom = (double)replicates - 1;
-    return (mcv_estimate){.mean = mean, .variance = freedom > 0 ? squares / freedom / replicates : NAN, .freedom = freedom};
+    return (mcv_estimate){.mean = mean,
+                          .variance = freedom > 0 ? squares / freedom / replicates : NAN,
+                          .freedom = freedom};
 }
 
 /* The estimate at one place of the film, counted from its first channel's first pixel. */
 static mcv_estimate estimate_at(const mcv_film *film, size_t at) {
     const size_t stride = (size_t)film->width * film->height * film->channels;
     double means[MCV_MAX_REPLICATES];
-    for (uint32_t r = 0; r < film->replicates; ++r) means[r] = film->sums[r * stride + at] / (double)film->samples;
+    for (uint32_t r = 0; r < film->replicates; ++r)
+        means[r] = film->sums[r * stride + at] / (double)film->samples;
     return mcv_estimate_replicates(means, film->replicates);
 }
 
-mcv_result mcv_film_develop(const mcv_film *film, mcv_image *mean, mcv_image *error_image, mcv_error *error) {
+mcv_result mcv_film_develop(const mcv_film *film, mcv_image *mean, mcv_image *error_image,
+                            mcv_error *error) {
     *mean = (mcv_image){0};
     if (error_image) *error_image = (mcv_image){0};
-    if (film->samples == 0) return mcv_fail(error, MCV_FAILED, "the film holds no samples: nothing was rendered");
+    if (film->samples == 0)
+        return mcv_fail(error, MCV_FAILED, "the film holds no samples: nothing was rendered");
     MCV_TRY(mcv_image_new(mean, film->width, film->height, film->channels, error));
-    if (error_image && mcv_image_new(error_image, film->width, film->height, film->channels, error) != MCV_OK) {
+    if (error_image &&
+        mcv_image_new(error_image, film->width, film->height, film->channels, error) != MCV_OK) {
         mcv_image_free(mean);
         return MCV_FAILED;
     }

@@ -9,17 +9,22 @@
 /* Half-angle of the cone into which every point emits, or 0. */
 static double cone_of(const mcv_emitter *emitter) {
     if (emitter->type == MCV_EMITTER_PARALLEL) return emitter->as.parallel.halfAngle;
-    return emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR ? emitter->as.telecentric_projector.halfAngle : 0;
+    return emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR
+               ? emitter->as.telecentric_projector.halfAngle
+               : 0;
 }
 
-static void triangle_of(const mcv_scene *scene, uint32_t instance, uint32_t local, ref_vec corner[3]) {
+static void triangle_of(const mcv_scene *scene, uint32_t instance, uint32_t local,
+                        ref_vec corner[3]) {
     double corners[3][3];
     mcv_scene_corners(scene, instance, local, corners);
     for (int i = 0; i < 3; ++i) corner[i] = ref_from(corners[i]);
 }
 
-/* Sets the axis, and the half-angle of the cone that holds the emission of every point: β and how far the normals spread. */
-static void find_cone(const mcv_scene *scene, const mcv_emitter *source, uint32_t triangle_count, ref_emitter *emitter) {
+/* Sets the axis, and the half-angle of the cone that holds the emission of every point: β and how
+ * far the normals spread. */
+static void find_cone(const mcv_scene *scene, const mcv_emitter *source, uint32_t triangle_count,
+                      ref_emitter *emitter) {
     double normals[3][3], spread = 0;
     ref_vec sum = {0, 0, 0};
     for (uint32_t local = 0; local < triangle_count; ++local) {
@@ -30,25 +35,31 @@ static void find_cone(const mcv_scene *scene, const mcv_emitter *source, uint32_
     emitter->axis = ref_unit(sum);
     for (uint32_t local = 0; local < triangle_count; ++local) {
         mcv_scene_vertex_normals(scene, source->instance, local, normals);
-        for (int i = 0; i < 3; ++i) spread = fmax(spread, ref_angle(emitter->axis, ref_from(normals[i])));
+        for (int i = 0; i < 3; ++i)
+            spread = fmax(spread, ref_angle(emitter->axis, ref_from(normals[i])));
     }
     const double half_angle = cone_of(source);
-    if (spread < half_angle && spread + half_angle < M_PI / 2) emitter->half_angle = spread + half_angle;
+    if (spread < half_angle && spread + half_angle < M_PI / 2)
+        emitter->half_angle = spread + half_angle;
 }
 
-static mcv_result emitter_new(const mcv_scene *scene, uint32_t index, ref_emitter *emitter, mcv_error *error) {
+static mcv_result emitter_new(const mcv_scene *scene, uint32_t index, ref_emitter *emitter,
+                              mcv_error *error) {
     const mcv_emitter *source = &scene->emitters[index];
-    const uint32_t triangle_count = scene->meshes[scene->instances[source->instance].mesh].triangle_count;
+    const uint32_t triangle_count =
+        scene->meshes[scene->instances[source->instance].mesh].triangle_count;
     emitter->index = index;
     emitter->areas = malloc((triangle_count + (size_t)1) * sizeof *emitter->areas);
     if (!emitter->areas)
-        return mcv_fail(error, MCV_FAILED, "reference renderer: no memory for emitter \"%s\" of %s", source->name, scene->path);
+        return mcv_fail(error, MCV_FAILED, "reference renderer: no memory for emitter \"%s\" of %s",
+                        source->name, scene->path);
     for (uint32_t local = 0; local < triangle_count; ++local) {
         ref_vec c[3];
         triangle_of(scene, source->instance, local, c);
         const double area = 0.5 * ref_length(ref_cross(ref_sub(c[1], c[0]), ref_sub(c[2], c[0])));
         emitter->areas[local] = emitter->area += area;
-        emitter->centre = ref_add(emitter->centre, ref_scale(area / 3, ref_add(c[0], ref_add(c[1], c[2]))));
+        emitter->centre =
+            ref_add(emitter->centre, ref_scale(area / 3, ref_add(c[0], ref_add(c[1], c[2]))));
     }
     if (emitter->area > 0) emitter->centre = ref_scale(1 / emitter->area, emitter->centre);
     if (cone_of(source) > 0) find_cone(scene, source, triangle_count, emitter);
@@ -56,14 +67,18 @@ static mcv_result emitter_new(const mcv_scene *scene, uint32_t index, ref_emitte
 }
 
 mcv_result ref_emitters_new(const mcv_scene *scene, ref_emitters *emitters, mcv_error *error) {
-    *emitters = (ref_emitters){.items = calloc(scene->emitter_count + (size_t)1, sizeof *emitters->items)};
-    if (!emitters->items) return mcv_fail(error, MCV_FAILED, "reference renderer: no memory for the emitters of %s", scene->path);
+    *emitters =
+        (ref_emitters){.items = calloc(scene->emitter_count + (size_t)1, sizeof *emitters->items)};
+    if (!emitters->items)
+        return mcv_fail(error, MCV_FAILED, "reference renderer: no memory for the emitters of %s",
+                        scene->path);
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
         if (scene->emitters[i].type == MCV_EMITTER_ENVIRONMENT) {
             emitters->environment = &scene->emitters[i];
             continue;
         }
-        if (!mcv_emitter_has_surface(scene->emitters[i].type) || scene->emitters[i].type == MCV_EMITTER_COLLIMATED_BEAM)
+        if (!mcv_emitter_has_surface(scene->emitters[i].type) ||
+            scene->emitters[i].type == MCV_EMITTER_COLLIMATED_BEAM)
             continue; /* reference/lights.h */
         ref_emitter *emitter = &emitters->items[emitters->count];
         MCV_TRY(emitter_new(scene, i, emitter, error));
@@ -78,20 +93,24 @@ mcv_result ref_emitters_new(const mcv_scene *scene, ref_emitters *emitters, mcv_
 }
 
 void ref_emitters_free(ref_emitters *emitters) {
-    for (uint32_t i = 0; emitters->items && i < emitters->count; ++i) free(emitters->items[i].areas);
+    for (uint32_t i = 0; emitters->items && i < emitters->count; ++i)
+        free(emitters->items[i].areas);
     free(emitters->items);
     *emitters = (ref_emitters){0};
 }
 
 /* Which of `count` equal parts of [0, 1] holds the share. */
-static uint32_t part(double share, uint32_t count) { return (uint32_t)fmin(fmax(floor(share * count), 0), count - 1.0); }
+static uint32_t part(double share, uint32_t count) {
+    return (uint32_t)fmin(fmax(floor(share * count), 0), count - 1.0);
+}
 
 /*
- * Multiplies the radiance by the image's value for a place on a rectangle and a direction, in the axes of the rectangle's node: shares of
- * the width from the left edge, of the height from the upper one.
+ * Multiplies the radiance by the image's value for a place on a rectangle and a direction, in the
+ * axes of the rectangle's node: shares of the width from the left edge, of the height from the
+ * upper one.
  */
-static void show_image(const mcv_scene *scene, const mcv_emitter *emitter, const ref_surface *surface, ref_vec direction,
-                       double radiance[3]) {
+static void show_image(const mcv_scene *scene, const mcv_emitter *emitter,
+                       const ref_surface *surface, ref_vec direction, double radiance[3]) {
     const double *m = scene->instances[emitter->instance].to_world.m;
     const ref_vec x = {m[0], m[3], m[6]}, y = {m[1], m[4], m[7]}, centre = {m[9], m[10], m[11]};
     const ref_vec place = ref_sub(surface->position, centre);
@@ -99,66 +118,86 @@ static void show_image(const mcv_scene *scene, const mcv_emitter *emitter, const
     double rgb[3] = {0, 0, 0};
     if (emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR) {
         const mcv_telecentric_projector_params *p = &emitter->as.telecentric_projector;
-        const double right = ref_dot(place, x) / p->size[0] * (p->mirror ? -1 : 1), up = ref_dot(place, y) / p->size[1];
+        const double right = ref_dot(place, x) / p->size[0] * (p->mirror ? -1 : 1),
+                     up = ref_dot(place, y) / p->size[1];
         ref_texel(image, part(0.5 + right, image->width), part(0.5 - up, image->height), rgb);
     } else if (emitter->type == MCV_EMITTER_PROJECTOR) {
         const mcv_projector_params *p = &emitter->as.projector;
-        const double ahead = -ref_dot(direction, (ref_vec){m[2], m[5], m[8]}), o_x = ref_dot(place, x), o_y = ref_dot(place, y);
-        const double reciprocal_throw = 1 / p->focalLength - 1 / p->imageDistance, b = p->imageDistance;
-        const double right = b / p->pixelSize[0] * (ref_dot(direction, x) / ahead + reciprocal_throw * o_x) * (p->mirror ? -1 : 1);
+        const double ahead = -ref_dot(direction, (ref_vec){m[2], m[5], m[8]}),
+                     o_x = ref_dot(place, x), o_y = ref_dot(place, y);
+        const double reciprocal_throw = 1 / p->focalLength - 1 / p->imageDistance,
+                     b = p->imageDistance;
+        const double right = b / p->pixelSize[0] *
+                             (ref_dot(direction, x) / ahead + reciprocal_throw * o_x) *
+                             (p->mirror ? -1 : 1);
         const bool pattern = p->pattern.type != MCV_NONE; /* whose image is a line of it */
-        const double columns = pattern ? p->pattern.resolution[0] : image->width, rows = pattern ? p->pattern.resolution[1] : image->height;
+        const double columns = pattern ? p->pattern.resolution[0] : image->width,
+                     rows = pattern ? p->pattern.resolution[1] : image->height;
         const double column = columns / 2 + right;
-        const double row = rows / 2 - b / p->pixelSize[1] * (ref_dot(direction, y) / ahead + reciprocal_throw * o_y);
+        const double row = rows / 2 - b / p->pixelSize[1] *
+                                          (ref_dot(direction, y) / ahead + reciprocal_throw * o_y);
         const bool through = hypot(o_x, o_y) <= p->lensDiameter / 2 && ahead > 0;
         if (through && column >= 0 && column < columns && row >= 0 && row < rows)
-            ref_texel(image, part(column / columns, image->width), part(row / rows, image->height), rgb);
+            ref_texel(image, part(column / columns, image->width), part(row / rows, image->height),
+                      rgb);
     } else {
         const mcv_light_field_emitter_params *p = &emitter->as.light_field_emitter;
         const uint32_t *macro = p->spatialResolution, *angular = p->angularResolution;
-        const double right = ref_dot(direction, x) / p->angularRange, up = ref_dot(direction, y) / p->angularRange;
-        const uint32_t column = part(0.5 + ref_dot(place, x) / p->size[0], macro[0]) * angular[0] + part((right + 1) / 2, angular[0]);
-        const uint32_t row = part(0.5 - ref_dot(place, y) / p->size[1], macro[1]) * angular[1] + part((1 - up) / 2, angular[1]);
+        const double right = ref_dot(direction, x) / p->angularRange,
+                     up = ref_dot(direction, y) / p->angularRange;
+        const uint32_t column = part(0.5 + ref_dot(place, x) / p->size[0], macro[0]) * angular[0] +
+                                part((right + 1) / 2, angular[0]);
+        const uint32_t row = part(0.5 - ref_dot(place, y) / p->size[1], macro[1]) * angular[1] +
+                             part((1 - up) / 2, angular[1]);
         if (fabs(right) <= 1 && fabs(up) <= 1) ref_texel(image, column, row, rgb);
     }
     for (int channel = 0; channel < 3; ++channel) radiance[channel] *= rgb[channel];
 }
 
-void ref_environment(const mcv_scene *scene, const ref_emitters *emitters, ref_vec direction, double radiance[3]) {
+void ref_environment(const mcv_scene *scene, const ref_emitters *emitters, ref_vec direction,
+                     double radiance[3]) {
     const mcv_emitter *sky = emitters->environment;
     double rgb[3] = {1, 1, 1};
     if (sky && sky->texture != MCV_NONE) {
         const mcv_texture *image = &scene->textures[sky->texture];
         const double *m = sky->to_world.m;
-        const double right = ref_dot(direction, (ref_vec){m[0], m[3], m[6]}), back = ref_dot(direction, (ref_vec){m[2], m[5], m[8]});
+        const double right = ref_dot(direction, (ref_vec){m[0], m[3], m[6]}),
+                     back = ref_dot(direction, (ref_vec){m[2], m[5], m[8]});
         const double polar = ref_angle(direction, (ref_vec){m[1], m[4], m[7]});
-        ref_texel(image, part(0.5 + atan2(right, -back) / (2 * M_PI), image->width), part(polar / M_PI, image->height), rgb);
+        ref_texel(image, part(0.5 + atan2(right, -back) / (2 * M_PI), image->width),
+                  part(polar / M_PI, image->height), rgb);
     }
-    for (int channel = 0; channel < 3; ++channel) radiance[channel] = sky ? sky->radiance[channel] * rgb[channel] : 0;
+    for (int channel = 0; channel < 3; ++channel)
+        radiance[channel] = sky ? sky->radiance[channel] * rgb[channel] : 0;
 }
 
-void ref_emitted(const mcv_scene *scene, const ref_surface *surface, ref_vec direction, double radiance[3]) {
+void ref_emitted(const mcv_scene *scene, const ref_surface *surface, ref_vec direction,
+                 double radiance[3]) {
     const uint32_t index = scene->instances[surface->instance].emitter;
     radiance[0] = radiance[1] = radiance[2] = 0;
     if (index == MCV_NONE || scene->emitters[index].type == MCV_EMITTER_COLLIMATED_BEAM) return;
-    if (!(ref_dot(direction, surface->normal) > 0) || !(ref_dot(direction, surface->geometric) > 0)) return;
+    if (!(ref_dot(direction, surface->normal) > 0) || !(ref_dot(direction, surface->geometric) > 0))
+        return;
     const mcv_emitter *emitter = &scene->emitters[index];
     if (cone_of(emitter) > 0 && ref_angle(direction, surface->normal) > cone_of(emitter)) return;
-    const bool shows = emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR || emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER ||
+    const bool shows = emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR ||
+                       emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER ||
                        emitter->type == MCV_EMITTER_PROJECTOR;
     ref_texture_lookup(scene, shows ? MCV_NONE : emitter->texture, surface->texcoord, radiance);
     for (int channel = 0; channel < 3; ++channel) radiance[channel] *= emitter->radiance[channel];
     if (shows) show_image(scene, emitter, surface, direction, radiance);
 }
 
-/* Whether the cone is the smaller target: its solid angle against the emitter's, were it seen face on. */
+/* Whether the cone is the smaller target: its solid angle against the emitter's, were it seen face
+ * on. */
 static bool by_cone(const ref_emitter *emitter, ref_vec point) {
     const ref_vec d = ref_sub(emitter->centre, point);
     const double s = sin(emitter->half_angle / 2);
     return emitter->half_angle > 0 && 4 * M_PI * s * s * ref_dot(d, d) < emitter->area;
 }
 
-ref_vec ref_emitter_sample(const ref_emitter *emitter, const mcv_scene *scene, ref_vec point, ref_random *random, uint32_t *number) {
+ref_vec ref_emitter_sample(const ref_emitter *emitter, const mcv_scene *scene, ref_vec point,
+                           ref_random *random, uint32_t *number) {
     double u = ref_random_unit(random);
     const double v = ref_random_unit(random);
     if (by_cone(emitter, point)) { /* uniform in the solid angle: sin²(θ/2) is uniform */
@@ -167,7 +206,8 @@ ref_vec ref_emitter_sample(const ref_emitter *emitter, const mcv_scene *scene, r
         ref_frame(emitter->axis, &x, &y);
         *number = MCV_NONE;
         return ref_scale(-1, ref_add(ref_scale(1 - 2 * s * s, emitter->axis),
-                                     ref_add(ref_scale(sine * cos(2 * M_PI * v), x), ref_scale(sine * sin(2 * M_PI * v), y))));
+                                     ref_add(ref_scale(sine * cos(2 * M_PI * v), x),
+                                             ref_scale(sine * sin(2 * M_PI * v), y))));
     }
     const mcv_instance *instance = &scene->instances[scene->emitters[emitter->index].instance];
     const double area = u * emitter->area;
@@ -183,15 +223,19 @@ ref_vec ref_emitter_sample(const ref_emitter *emitter, const mcv_scene *scene, r
     u = sqrt((area - below) / (emitter->areas[low] - below));
     ref_vec c[3];
     triangle_of(scene, scene->emitters[emitter->index].instance, low, c);
-    const ref_vec place = ref_add(ref_scale(1 - u, c[0]), ref_add(ref_scale(u * (1 - v), c[1]), ref_scale(u * v, c[2])));
+    const ref_vec place = ref_add(ref_scale(1 - u, c[0]),
+                                  ref_add(ref_scale(u * (1 - v), c[1]), ref_scale(u * v, c[2])));
     *number = instance->first_triangle + low;
     return ref_unit(ref_sub(place, point));
 }
 
-double ref_emitter_density(const ref_emitter *emitter, ref_vec point, ref_vec direction, const ref_surface *surface) {
+double ref_emitter_density(const ref_emitter *emitter, ref_vec point, ref_vec direction,
+                           const ref_surface *surface) {
     if (by_cone(emitter, point)) {
         const double s = sin(emitter->half_angle / 2);
-        return ref_angle(ref_scale(-1, direction), emitter->axis) <= emitter->half_angle ? 1 / (4 * M_PI * s * s) : 0;
+        return ref_angle(ref_scale(-1, direction), emitter->axis) <= emitter->half_angle
+                   ? 1 / (4 * M_PI * s * s)
+                   : 0;
     }
     const ref_vec d = ref_sub(surface->position, point);
     return ref_dot(d, d) / (emitter->area * fabs(ref_dot(direction, surface->geometric)));

@@ -10,9 +10,13 @@ enum { BINS = 16, LEAF_SIZE = 4, SAH_DEPTH = 32, STACK_SIZE = 96 };
 
 static double axis_of(ref_vec v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-static ref_vec lower(ref_vec a, ref_vec b) { return (ref_vec){fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z)}; }
+static ref_vec lower(ref_vec a, ref_vec b) {
+    return (ref_vec){fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z)};
+}
 
-static ref_vec upper(ref_vec a, ref_vec b) { return (ref_vec){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)}; }
+static ref_vec upper(ref_vec a, ref_vec b) {
+    return (ref_vec){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
+}
 
 typedef struct bounds {
     ref_vec low, high;
@@ -20,10 +24,13 @@ typedef struct bounds {
 
 static const bounds nothing = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 
-static bounds join(bounds a, bounds b) { return (bounds){lower(a.low, b.low), upper(a.high, b.high)}; }
+static bounds join(bounds a, bounds b) {
+    return (bounds){lower(a.low, b.low), upper(a.high, b.high)};
+}
 
 static bounds triangle_bounds(const ref_triangle *t) {
-    return (bounds){lower(t->corner[0], lower(t->corner[1], t->corner[2])), upper(t->corner[0], upper(t->corner[1], t->corner[2]))};
+    return (bounds){lower(t->corner[0], lower(t->corner[1], t->corner[2])),
+                    upper(t->corner[0], upper(t->corner[1], t->corner[2]))};
 }
 
 static ref_vec centre(const ref_triangle *t) {
@@ -41,10 +48,13 @@ static int bin_of(const ref_triangle *t, int axis, double low, double high) {
     return bin < 0 ? 0 : bin < BINS ? bin : BINS - 1;
 }
 
-/* The number of triangles left of the cheapest of the planes between the bins, or 0 where none divides the node. */
+/* The number of triangles left of the cheapest of the planes between the bins, or 0 where none
+ * divides the node. */
 static uint32_t divide(ref_triangle *triangles, uint32_t count, bounds centres, bool by_cost) {
     const ref_vec extent = ref_sub(centres.high, centres.low);
-    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0
+                     : extent.y >= extent.z                       ? 1
+                                                                  : 2;
     const double low = axis_of(centres.low, axis), high = axis_of(centres.high, axis);
     if (!by_cost || !(high > low)) return count / 2; /* in the order they have: bounds the depth */
 
@@ -87,7 +97,8 @@ static uint32_t divide(ref_triangle *triangles, uint32_t count, bounds centres, 
     return i == 0 || i == count ? count / 2 : i;
 }
 
-static void build(ref_geometry *geometry, uint32_t node, uint32_t *node_count, uint32_t first, uint32_t count, int depth) {
+static void build(ref_geometry *geometry, uint32_t node, uint32_t *node_count, uint32_t first,
+                  uint32_t count, int depth) {
     bounds all = nothing, centres = nothing;
     for (uint32_t i = first; i < first + count; ++i) {
         const ref_vec c = centre(&geometry->triangles[i]);
@@ -111,7 +122,8 @@ static double diagonal(const mcv_scene *scene) {
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         const mcv_mesh *mesh = &scene->meshes[scene->instances[i].mesh];
         for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
-            const double local[3] = {mesh->positions[3 * v], mesh->positions[3 * v + 1], mesh->positions[3 * v + 2]};
+            const double local[3] = {mesh->positions[3 * v], mesh->positions[3 * v + 1],
+                                     mesh->positions[3 * v + 2]};
             double placed[3];
             mcv_transform_point(&scene->instances[i].to_world, local, placed);
             all = join(all, (bounds){ref_from(placed), ref_from(placed)});
@@ -123,28 +135,39 @@ static double diagonal(const mcv_scene *scene) {
 mcv_result ref_geometry_new(const mcv_scene *scene, ref_geometry *geometry, mcv_error *error) {
     *geometry = (ref_geometry){.scene = scene};
     const size_t count = scene->triangle_count;
-    geometry->pieces = calloc(REF_PIECES * (size_t)scene->solid_count + 1, sizeof *geometry->pieces);
-    if (!geometry->pieces) return mcv_fail(error, MCV_FAILED, "reference renderer: no memory for the exact surfaces of %s", scene->path);
+    geometry->pieces =
+        calloc(REF_PIECES * (size_t)scene->solid_count + 1, sizeof *geometry->pieces);
+    if (!geometry->pieces)
+        return mcv_fail(error, MCV_FAILED,
+                        "reference renderer: no memory for the exact surfaces of %s", scene->path);
     for (uint32_t i = 0; i < REF_PIECES * scene->solid_count; ++i)
         geometry->pieces[i] =
-            (ref_triangle){.instance = scene->solids[i / REF_PIECES].instances[i % REF_PIECES], .number = scene->triangle_count + i};
+            (ref_triangle){.instance = scene->solids[i / REF_PIECES].instances[i % REF_PIECES],
+                           .number = scene->triangle_count + i};
     geometry->touch = FLT_EPSILON * 2 * diagonal(scene);
     if (count == 0) return MCV_OK;
     geometry->triangles = malloc(count * sizeof *geometry->triangles);
     geometry->nodes = malloc(2 * count * sizeof *geometry->nodes);
     if (!geometry->triangles || !geometry->nodes) {
         ref_geometry_free(geometry);
-        return mcv_fail(error, MCV_FAILED, "reference renderer: no memory for the %zu triangles of %s; %.1f GB are needed", count,
-                        scene->path, 1e-9 * (double)(count * (sizeof *geometry->triangles + 2 * sizeof *geometry->nodes)));
+        return mcv_fail(
+            error, MCV_FAILED,
+            "reference renderer: no memory for the %zu triangles of %s; %.1f GB are needed", count,
+            scene->path,
+            1e-9 * (double)(count * (sizeof *geometry->triangles + 2 * sizeof *geometry->nodes)));
     }
     uint32_t number = 0, kept = 0;
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        for (uint32_t local = 0; local < scene->meshes[scene->instances[i].mesh].triangle_count; ++local, ++number) {
+        for (uint32_t local = 0; local < scene->meshes[scene->instances[i].mesh].triangle_count;
+             ++local, ++number) {
             double corners[3][3];
             mcv_scene_corners(scene, i, local, corners);
-            const ref_triangle t = {{ref_from(corners[0]), ref_from(corners[1]), ref_from(corners[2])}, i, number};
-            const ref_vec normal = ref_cross(ref_sub(t.corner[1], t.corner[0]), ref_sub(t.corner[2], t.corner[0]));
-            if (ref_length(normal) > 0) geometry->triangles[kept++] = t; /* a triangle without area has no side to meet */
+            const ref_triangle t = {
+                {ref_from(corners[0]), ref_from(corners[1]), ref_from(corners[2])}, i, number};
+            const ref_vec normal =
+                ref_cross(ref_sub(t.corner[1], t.corner[0]), ref_sub(t.corner[2], t.corner[0]));
+            if (ref_length(normal) > 0)
+                geometry->triangles[kept++] = t; /* a triangle without area has no side to meet */
         }
     }
     uint32_t node_count = 1;
@@ -159,7 +182,8 @@ void ref_geometry_free(ref_geometry *geometry) {
     *geometry = (ref_geometry){0};
 }
 
-/* A ray with its largest direction component on the axis `along`; the others are sheared to 0 (Woop, Benthin and Wald 2013). */
+/* A ray with its largest direction component on the axis `along`; the others are sheared to 0
+ * (Woop, Benthin and Wald 2013). */
 typedef struct ray {
     ref_vec origin, inverse; /* inverse: 1/direction per axis */
     int across[2], along;
@@ -173,20 +197,23 @@ static ray ray_new(ref_vec origin, ref_vec direction) {
     r.across[0] = (r.along + 1) % 3;
     r.across[1] = (r.along + 2) % 3;
     r.scale = 1 / axis_of(direction, r.along);
-    for (int i = 0; i < 2; ++i) r.shear[i] = axis_of(direction, r.across[i]) / axis_of(direction, r.along);
+    for (int i = 0; i < 2; ++i)
+        r.shear[i] = axis_of(direction, r.across[i]) / axis_of(direction, r.along);
     return r;
 }
 
 /*
- * The slab test. The far distance is widened by twice its rounding error, 2 γ(3) < 4 DBL_EPSILON (Ize 2013). A 0 · ∞ compares
- * false and leaves its slab out.
+ * The slab test. The far distance is widened by twice its rounding error, 2 γ(3) < 4 DBL_EPSILON
+ * (Ize 2013). A 0 · ∞ compares false and leaves its slab out.
  */
 static bool meets_box(const ray *r, const ref_node *node, double nearest, double *enter) {
     double near = 0, far = nearest;
     for (int axis = 0; axis < 3; ++axis) {
         const double inverse = axis_of(r->inverse, axis), o = axis_of(r->origin, axis);
-        const double a = (axis_of(node->low, axis) - o) * inverse, b = (axis_of(node->high, axis) - o) * inverse;
-        const double t0 = signbit(inverse) ? b : a, t1 = (signbit(inverse) ? a : b) * (1 + 4 * DBL_EPSILON);
+        const double a = (axis_of(node->low, axis) - o) * inverse,
+                     b = (axis_of(node->high, axis) - o) * inverse;
+        const double t0 = signbit(inverse) ? b : a,
+                     t1 = (signbit(inverse) ? a : b) * (1 + 4 * DBL_EPSILON);
         if (t0 > near) near = t0;
         if (t1 < far) far = t1;
     }
@@ -207,14 +234,16 @@ static bool meets_triangle(const ray *r, const ref_triangle *triangle, ref_hit *
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         edge[i] = x[j] * y[k] - y[j] * x[k];
-        /* A zero gets the sign it has where the ray is moved across by (ε, ε²), ε > 0 as small as you like. */
+        /* A zero gets the sign it has where the ray is moved across by (ε, ε²), ε > 0 as small as
+         * you like. */
         const double sign = edge[i] != 0 ? edge[i] : y[j] != y[k] ? y[j] - y[k] : x[k] - x[j];
         positive += sign > 0;
     }
     const double sum = edge[0] + edge[1] + edge[2];
     if ((positive != 0 && positive != 3) || sum == 0) return false;
     for (int i = 0; i < 3; ++i) hit->weights[i] = edge[i] / sum;
-    hit->distance = (hit->weights[0] * z[0] + hit->weights[1] * z[1] + hit->weights[2] * z[2]) * r->scale;
+    hit->distance =
+        (hit->weights[0] * z[0] + hit->weights[1] * z[1] + hit->weights[2] * z[2]) * r->scale;
     hit->triangle = triangle;
     /* Seen along the ray, corners that run counter-clockwise about +along face it. */
     *front = (sum > 0) != (r->scale > 0);
@@ -228,7 +257,8 @@ static bool is_among(const uint32_t *numbers, uint32_t count, uint32_t number) {
 }
 
 /* With windings: counts every hit instead of keeping the closest. */
-static bool traverse(const ref_geometry *geometry, const ray *r, const ref_skip *skip, ref_hit *closest, int *windings) {
+static bool traverse(const ref_geometry *geometry, const ray *r, const ref_skip *skip,
+                     ref_hit *closest, int *windings) {
     closest->distance = INFINITY;
     closest->triangle = NULL;
     if (!geometry->nodes) return false;
@@ -242,7 +272,9 @@ static bool traverse(const ref_geometry *geometry, const ray *r, const ref_skip 
         if (node->count == 0) {
             double near[2] = {INFINITY, INFINITY};
             bool met[2];
-            for (int i = 0; i < 2; ++i) met[i] = meets_box(r, &geometry->nodes[node->first + (uint32_t)i], closest->distance, &near[i]);
+            for (int i = 0; i < 2; ++i)
+                met[i] = meets_box(r, &geometry->nodes[node->first + (uint32_t)i],
+                                   closest->distance, &near[i]);
             const uint32_t nearer = near[1] < near[0];
             if (met[1 - nearer]) stack[top++] = node->first + 1 - nearer;
             if (met[nearer]) stack[top++] = node->first + nearer;
@@ -252,11 +284,14 @@ static bool traverse(const ref_geometry *geometry, const ray *r, const ref_skip 
             const ref_triangle *triangle = &geometry->triangles[i];
             ref_hit hit;
             bool front;
-            if (is_among(skip->numbers, skip->count, triangle->number) || !meets_triangle(r, triangle, &hit, &front)) continue;
+            if (is_among(skip->numbers, skip->count, triangle->number) ||
+                !meets_triangle(r, triangle, &hit, &front))
+                continue;
             if (windings) {
                 windings[triangle->instance] += front ? -1 : 1;
             } else if (hit.distance < closest->distance ||
-                       (hit.distance == closest->distance && (!closest->triangle || triangle->number < closest->triangle->number))) {
+                       (hit.distance == closest->distance &&
+                        (!closest->triangle || triangle->number < closest->triangle->number))) {
                 *closest = hit;
             }
         }
@@ -264,8 +299,10 @@ static bool traverse(const ref_geometry *geometry, const ray *r, const ref_skip 
     return closest->triangle != NULL;
 }
 
-/* The ray starts on the first `begun` of the skipped ones, which the exact ones of which it may meet again; it has passed the others. */
-static bool next_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction, const ref_skip *skip, uint32_t begun, ref_hit *hit) {
+/* The ray starts on the first `begun` of the skipped ones, which the exact ones of which it may
+ * meet again; it has passed the others. */
+static bool next_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction,
+                     const ref_skip *skip, uint32_t begun, ref_hit *hit) {
     const mcv_scene *scene = geometry->scene;
     const ray r = ray_new(origin, direction);
     traverse(geometry, &r, skip, hit, NULL);
@@ -273,30 +310,36 @@ static bool next_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direc
         const ref_triangle *piece = geometry->pieces + i;
         double distances[REF_MEETINGS];
         if (is_among(skip->numbers + begun, skip->count - begun, piece->number)) continue;
-        const int n = ref_meet_piece(scene->solids + i / REF_PIECES, (int)(i % REF_PIECES), origin, direction,
-                                     is_among(skip->numbers, begun, piece->number), distances);
+        const int n =
+            ref_meet_piece(scene->solids + i / REF_PIECES, (int)(i % REF_PIECES), origin, direction,
+                           is_among(skip->numbers, begun, piece->number), distances);
         for (int k = 0; k < n; ++k)
             if (distances[k] < hit->distance)
-                *hit =
-                    (ref_hit){.distance = distances[k], .triangle = piece, .position = ref_add(origin, ref_scale(distances[k], direction))};
+                *hit = (ref_hit){.distance = distances[k],
+                                 .triangle = piece,
+                                 .position = ref_add(origin, ref_scale(distances[k], direction))};
     }
     return hit->triangle != NULL;
 }
 
-bool ref_next_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction, const ref_skip *skip, ref_hit *hit) {
+bool ref_next_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction,
+                  const ref_skip *skip, ref_hit *hit) {
     return next_hit(geometry, origin, direction, skip, skip->count, hit);
 }
 
-bool ref_closest_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction, uint32_t skip, ref_hit *hit) {
-    return ref_next_hit(geometry, origin, direction, &(ref_skip){.count = skip != MCV_NONE, .numbers = {skip}}, hit);
+bool ref_closest_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction, uint32_t skip,
+                     ref_hit *hit) {
+    return ref_next_hit(geometry, origin, direction,
+                        &(ref_skip){.count = skip != MCV_NONE, .numbers = {skip}}, hit);
 }
 
 static bool is_dielectric(const mcv_scene *scene, const ref_hit *hit) {
-    return scene->materials[scene->instances[hit->triangle->instance].material].type == MCV_MATERIAL_DIELECTRIC;
+    return scene->materials[scene->instances[hit->triangle->instance].material].type ==
+           MCV_MATERIAL_DIELECTRIC;
 }
 
-uint32_t ref_hits_together(const ref_geometry *geometry, ref_vec origin, ref_vec direction, const ref_skip *skip, const ref_hit *hit,
-                           ref_hit hits[REF_SKIPS]) {
+uint32_t ref_hits_together(const ref_geometry *geometry, ref_vec origin, ref_vec direction,
+                           const ref_skip *skip, const ref_hit *hit, ref_hit hits[REF_SKIPS]) {
     uint32_t count = 1;
     ref_skip passed = *skip;
     hits[0] = *hit;
@@ -306,7 +349,9 @@ uint32_t ref_hits_together(const ref_geometry *geometry, ref_vec origin, ref_vec
         const double slant = fabs(ref_dot(direction, ref_surface_at(geometry, last).geometric));
         ref_hit next;
         passed.numbers[passed.count++] = last->triangle->number;
-        if (!next_hit(geometry, origin, direction, &passed, skip->count, &next) || !is_dielectric(geometry->scene, &next)) break;
+        if (!next_hit(geometry, origin, direction, &passed, skip->count, &next) ||
+            !is_dielectric(geometry->scene, &next))
+            break;
         if ((next.distance - last->distance) * slant > geometry->touch) break;
         /* A body that is left again at once is a small one, not one in contact. */
         for (uint32_t i = 0; i < count; ++i)
@@ -316,13 +361,15 @@ uint32_t ref_hits_together(const ref_geometry *geometry, ref_vec origin, ref_vec
     return count;
 }
 
-void ref_add_windings(const ref_geometry *geometry, ref_vec origin, ref_vec direction, int *winding) {
+void ref_add_windings(const ref_geometry *geometry, ref_vec origin, ref_vec direction,
+                      int *winding) {
     const ray r = ray_new(origin, direction);
     const ref_skip none = {0};
     ref_hit unused;
     traverse(geometry, &r, &none, &unused, winding);
     for (uint32_t i = 0; i < geometry->scene->solid_count; ++i)
-        if (ref_solid_holds(geometry->scene->solids + i, origin)) ++winding[geometry->scene->solids[i].instances[0]];
+        if (ref_solid_holds(geometry->scene->solids + i, origin))
+            ++winding[geometry->scene->solids[i].instances[0]];
 }
 
 ref_surface ref_surface_at(const ref_geometry *geometry, const ref_hit *hit) {
@@ -335,12 +382,14 @@ ref_surface ref_surface_at(const ref_geometry *geometry, const ref_hit *hit) {
     if (triangle->number >= scene->triangle_count) {
         const uint32_t piece = triangle->number - scene->triangle_count;
         surface.position = hit->position;
-        ref_on_piece(scene->solids + piece / REF_PIECES, (int)(piece % REF_PIECES), &surface.position, &surface.normal);
+        ref_on_piece(scene->solids + piece / REF_PIECES, (int)(piece % REF_PIECES),
+                     &surface.position, &surface.normal);
         surface.geometric = surface.normal;
         return surface;
     }
     const ref_vec *corner = triangle->corner;
-    surface.geometric = ref_unit(ref_cross(ref_sub(corner[1], corner[0]), ref_sub(corner[2], corner[0])));
+    surface.geometric =
+        ref_unit(ref_cross(ref_sub(corner[1], corner[0]), ref_sub(corner[2], corner[0])));
     surface.normal = surface.geometric;
     double normals[3][3];
     uint32_t vertices[3];
@@ -352,7 +401,9 @@ ref_surface ref_surface_at(const ref_geometry *geometry, const ref_hit *hit) {
         if (mesh->normals) sum = ref_add(sum, ref_scale(hit->weights[i], ref_from(normals[i])));
         const float *const sets[2] = {mesh->texcoords, mesh->texcoords1};
         for (int k = 0; k < 4; ++k)
-            if (sets[k / 2]) surface.texcoord[k / 2][k % 2] += hit->weights[i] * sets[k / 2][2 * (size_t)vertices[i] + (size_t)(k % 2)];
+            if (sets[k / 2])
+                surface.texcoord[k / 2][k % 2] +=
+                    hit->weights[i] * sets[k / 2][2 * (size_t)vertices[i] + (size_t)(k % 2)];
     }
     if (ref_dot(sum, sum) > 0) surface.normal = ref_unit(sum);
     for (int i = 0; mesh->tangents && i < 3; ++i) {
@@ -361,7 +412,8 @@ ref_surface ref_surface_at(const ref_geometry *geometry, const ref_hit *hit) {
         surface.tangent = ref_add(surface.tangent, ref_scale(hit->weights[i], ref_from(tangent)));
         if (i == 0) surface.hand = tangent[3];
     }
-    surface.tangent = ref_sub(surface.tangent, ref_scale(ref_dot(surface.tangent, surface.normal), surface.normal));
+    surface.tangent = ref_sub(surface.tangent,
+                              ref_scale(ref_dot(surface.tangent, surface.normal), surface.normal));
     if (ref_dot(surface.tangent, surface.tangent) > 0) surface.tangent = ref_unit(surface.tangent);
     return surface;
 }

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Surfaces of microfacets: metals, the layered core material of glTF, rough dielectrics. Normals by GGX, height-correlated masking
- * by Smith (Walter et al. 2007, Heitz 2014), sampled as Heitz (2018) does. What microfacets lose to each other comes back as Kulla and
- * Conty (2017) propose; the albedos that this takes are integrals over all microfacet normals, tabulated here. Metals without a direction
- * send it where walks from microfacet to microfacet do, and glass what it reflects: the table of it is the device's, which test_gloss.c and
- * test_rough_glass.c hold against walks.
+ * Surfaces of microfacets: metals, the layered core material of glTF, rough dielectrics. Normals by
+ * GGX, height-correlated masking by Smith (Walter et al. 2007, Heitz 2014), sampled as Heitz (2018)
+ * does. What microfacets lose to each other comes back as Kulla and Conty (2017) propose; the
+ * albedos that this takes are integrals over all microfacet normals, tabulated here. Metals without
+ * a direction send it where walks from microfacet to microfacet do, and glass what it reflects: the
+ * table of it is the device's, which test_gloss.c and test_rough_glass.c hold against walks.
  *
  * Directions are given in the frame (tangent, bitangent, normal) of the surface; o.z > 0.
  */
@@ -15,7 +16,8 @@
 #include "reference/vector.h"
 #include "scene/scene.h"
 
-/* Two functions of the direction, over cosines, azimuths and roughnesses; of a dielectric, coming from outside and from inside. */
+/* Two functions of the direction, over cosines, azimuths and roughnesses; of a dielectric, coming
+ * from outside and from inside. */
 typedef struct ref_albedos {
     uint32_t azimuths, roughnesses;
     double *pairs, *means;
@@ -27,7 +29,8 @@ typedef struct ref_gloss_table {
     double outside; /* index, 0 but for dielectrics */
     ref_albedos albedos;
     double multiple[3]; /* conductor: what reflection between microfacets leaves */
-    float *orders;      /* of metal and glass alike in all directions: two and more meetings (render/multiple.h), per roughness; or NULL */
+    float *orders;      /* of metal and glass alike in all directions: two and more meetings
+                           (device/multiple.h), per roughness; or NULL */
 } ref_gloss_table;
 
 typedef struct ref_gloss_tables {
@@ -49,10 +52,13 @@ typedef struct ref_gloss {
     bool inside;     /* dielectric: the ray's side is the body */
 } ref_gloss;
 
-/* NULL where the material has no microfacets, or the interface between the two indices none that matter. */
-const ref_gloss_table *ref_gloss_find(const ref_gloss_tables *tables, const mcv_scene *scene, uint32_t material, double outside);
+/* NULL where the material has no microfacets, or the interface between the two indices none that
+ * matter. */
+const ref_gloss_table *ref_gloss_find(const ref_gloss_tables *tables, const mcv_scene *scene,
+                                      uint32_t material, double outside);
 
-/* f cosθ, as a share of L/n², for light that arrives from i; returns the density with which ref_gloss_sample chooses i [1/sr]. */
+/* f cosθ, as a share of L/n², for light that arrives from i; returns the density with which
+ * ref_gloss_sample chooses i [1/sr]. */
 double ref_gloss_evaluate(const ref_gloss *gloss, ref_vec o, ref_vec i, double value[3]);
 
 /* A direction, or the zero vector: the path ends. */

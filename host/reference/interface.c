@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "reference/interface.h"
 
-ref_meeting ref_meet(const ref_surface *surface, ref_vec direction) {
-    ref_meeting meeting = {.direction = direction, .front = ref_dot(direction, surface->geometric) < 0};
-    meeting.face = ref_scale(meeting.front ? 1 : -1, surface->geometric);
-    meeting.normal = ref_scale(meeting.front ? 1 : -1, surface->normal);
-    if (ref_dot(direction, meeting.normal) >= 0) meeting.normal = meeting.face;
-    return meeting;
+ref_interaction ref_make_interaction(const ref_surface *surface, ref_vec direction) {
+    ref_interaction interaction = {.direction = direction,
+                                   .front = ref_dot(direction, surface->geometric) < 0};
+    interaction.face = ref_scale(interaction.front ? 1 : -1, surface->geometric);
+    interaction.normal = ref_scale(interaction.front ? 1 : -1, surface->normal);
+    if (ref_dot(direction, interaction.normal) >= 0) interaction.normal = interaction.face;
+    return interaction;
 }
 
 void ref_fresnel(double from, double to, double cosine, double *perpendicular, double *parallel) {
-    const double sine = from / to * sqrt((1 - cosine) * (1 + cosine)); /* of the angle of refraction */
+    const double sine =
+        from / to * sqrt((1 - cosine) * (1 + cosine)); /* of the angle of refraction */
     *perpendicular = *parallel = 1;
     if (sine >= 1) return;
     const double other = sqrt((1 - sine) * (1 + sine));
@@ -20,10 +22,10 @@ void ref_fresnel(double from, double to, double cosine, double *perpendicular, d
     *parallel = p * p;
 }
 
-double ref_reflectance(const ref_meeting *meeting, double from, double to) {
+double ref_reflectance(const ref_interaction *interaction, double from, double to) {
     double s, p;
     if (from == to) return 0;
-    ref_fresnel(from, to, fmin(-ref_dot(meeting->direction, meeting->normal), 1), &s, &p);
+    ref_fresnel(from, to, fmin(-ref_dot(interaction->direction, interaction->normal), 1), &s, &p);
     return 0.5 * (s + p);
 }
 
@@ -36,20 +38,26 @@ static ref_vec reflect_at(ref_vec normal, ref_vec direction) {
     return ref_unit(ref_sub(direction, ref_scale(2 * ref_dot(direction, normal), normal)));
 }
 
-ref_vec ref_reflect(const ref_meeting *meeting) {
-    const ref_vec reflected = reflect_at(meeting->normal, meeting->direction);
-    return ref_dot(reflected, meeting->face) > 0 ? reflected : reflect_at(meeting->face, meeting->direction);
+ref_vec ref_reflect(const ref_interaction *interaction) {
+    const ref_vec reflected = reflect_at(interaction->normal, interaction->direction);
+    return ref_dot(reflected, interaction->face) > 0
+               ? reflected
+               : reflect_at(interaction->face, interaction->direction);
 }
 
-/* Snell's law for the part along the surface, which keeps its digits near normal incidence. Straight on under total reflection. */
+/* Snell's law for the part along the surface, which keeps its digits near normal incidence.
+ * Straight on under total reflection. */
 static ref_vec refract_at(ref_vec normal, ref_vec direction, double ratio) {
-    const ref_vec along = ref_scale(ratio, ref_sub(direction, ref_scale(ref_dot(direction, normal), normal)));
+    const ref_vec along =
+        ref_scale(ratio, ref_sub(direction, ref_scale(ref_dot(direction, normal), normal)));
     const double squared = ref_dot(along, along);
     return squared < 1 ? ref_unit(ref_sub(along, ref_scale(sqrt(1 - squared), normal))) : direction;
 }
 
-ref_vec ref_refract(const ref_meeting *meeting, double from, double to) {
-    if (from == to) return meeting->direction;
-    const ref_vec refracted = refract_at(meeting->normal, meeting->direction, from / to);
-    return ref_dot(refracted, meeting->face) < 0 ? refracted : refract_at(meeting->face, meeting->direction, from / to);
+ref_vec ref_refract(const ref_interaction *interaction, double from, double to) {
+    if (from == to) return interaction->direction;
+    const ref_vec refracted = refract_at(interaction->normal, interaction->direction, from / to);
+    return ref_dot(refracted, interaction->face) < 0
+               ? refracted
+               : refract_at(interaction->face, interaction->direction, from / to);
 }

@@ -14,6 +14,7 @@ typedef struct ref_light {
 } ref_light;
 
 /* False where the emitter is of another kind, or sends nothing there. */
-bool ref_light_at(const mcv_scene *scene, const mcv_emitter *emitter, ref_vec point, ref_light *light);
+bool ref_light_at(const mcv_scene *scene, const mcv_emitter *emitter, ref_vec point,
+                  ref_light *light);
 
 #endif

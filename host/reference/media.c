@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "reference/media.h"
 
-/* Makes the instance surround the point, or not. False: it was so already, or there is no room for one more. */
+/* Makes the instance surround the point, or not. False: it was so already, or there is no room for
+ * one more. */
 static bool set_inside(ref_media *media, uint32_t instance, bool inside) {
     uint32_t i = 0;
     while (i < media->count && media->instances[i] != instance) ++i;
@@ -13,7 +14,8 @@ static bool set_inside(ref_media *media, uint32_t instance, bool inside) {
     return true;
 }
 
-bool ref_media_cross_all(ref_media *near, ref_media *far, uint32_t count, const uint32_t *instances, const bool *fronts) {
+bool ref_media_cross_all(ref_media *near, ref_media *far, uint32_t count, const uint32_t *instances,
+                         const bool *fronts) {
     bool corrected = false;
     for (uint32_t i = 0; i < count; ++i)
         if (set_inside(near, instances[i], !fronts[i])) corrected = true;
@@ -30,7 +32,8 @@ const mcv_dielectric_params *ref_media_filling(const ref_media *media, const mcv
     const mcv_dielectric_params *filling = NULL;
     uint32_t owner = 0;
     for (uint32_t i = 0; i < media->count; ++i) {
-        const uint32_t instance = media->instances[i], material = scene->instances[instance].material;
+        const uint32_t instance = media->instances[i],
+                       material = scene->instances[instance].material;
         const mcv_dielectric_params *candidate = &scene->materials[material].as.dielectric;
         bool wins = !filling || candidate->priority > filling->priority;
         if (filling && candidate->priority == filling->priority) {
@@ -44,17 +47,23 @@ const mcv_dielectric_params *ref_media_filling(const ref_media *media, const mcv
     return filling;
 }
 
-mcv_result ref_media_at(const ref_geometry *geometry, ref_vec point, int *winding, ref_media *media, mcv_error *error) {
+mcv_result ref_media_at(const ref_geometry *geometry, ref_vec point, int *winding, ref_media *media,
+                        mcv_error *error) {
     const mcv_scene *scene = geometry->scene;
-    const ref_vec anywhere = {0.3170, 0.5290, 0.7871}; /* along no axis: models have surfaces and edges there */
+    const ref_vec anywhere = {0.3170, 0.5290,
+                              0.7871}; /* along no axis: models have surfaces and edges there */
     media->count = 0;
     for (uint32_t i = 0; i < scene->instance_count; ++i) winding[i] = 0;
     ref_add_windings(geometry, point, anywhere, winding);
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        if (scene->materials[scene->instances[i].material].type != MCV_MATERIAL_DIELECTRIC || winding[i] <= 0) continue;
+        if (scene->materials[scene->instances[i].material].type != MCV_MATERIAL_DIELECTRIC ||
+            winding[i] <= 0)
+            continue;
         if (!set_inside(media, i, true))
-            return mcv_fail(error, MCV_BAD_INPUT, "%s: more than %d dielectric bodies overlap at (%g, %g, %g) m; use fewer", scene->path,
-                            REF_MEDIA_DEPTH, point.x, point.y, point.z);
+            return mcv_fail(
+                error, MCV_BAD_INPUT,
+                "%s: more than %d dielectric bodies overlap at (%g, %g, %g) m; use fewer",
+                scene->path, REF_MEDIA_DEPTH, point.x, point.y, point.z);
     }
     return MCV_OK;
 }

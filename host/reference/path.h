@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Path tracing from the sensor. A path carries L/n², so that smooth interfaces multiply by their transmittances only; its
- * value is n_sensor² Σ throughput · L_e/n_emitter². At an interface the branch is chosen with Fresnel's probability. From
- * surfaces that spread light area and parallel emitters are also sampled, both estimates weighed by the power heuristic (Veach 1997).
+ * Path tracing from the sensor. A path carries L/n², so that smooth interfaces multiply by their
+ * transmittances only; its value is n_sensor² Σ throughput · L_e/n_emitter². At an interface the
+ * branch is chosen with Fresnel's probability. From surfaces that spread light area and parallel
+ * emitters are also sampled, both estimates weighed by the power heuristic (Veach 1997).
  */
 #ifndef MCVISI_HOST_REFERENCE_PATH_H
 #define MCVISI_HOST_REFERENCE_PATH_H
@@ -10,7 +11,7 @@
 #include "reference/emission.h"
 #include "reference/gloss.h"
 #include "reference/media.h"
-#include "reference/sight.h"
+#include "reference/sensor_ray.h"
 #include "render/render.h"
 
 typedef struct ref_world {
@@ -26,8 +27,8 @@ typedef struct ref_world {
 /* What happened along paths. */
 typedef struct ref_tally {
     uint64_t paths, rays, shadow_rays, depth_cut, nonfinite, unmatched;
-    double begun,
-        cut; /* throughput of the paths begun and of those that the depth limit ended, largest channel, times the sensor's weight */
+    double begun, cut; /* throughput of the paths begun and of those that the depth limit ended,
+                          largest channel, times the sensor's weight */
 } ref_tally;
 
 /* Surfaces in the same place, as a path meets them. */
@@ -36,16 +37,23 @@ typedef struct ref_hits {
     bool fronts[REF_SKIPS];
     ref_skip numbers;
 } ref_hits;
-ref_hits ref_hits_at(const ref_geometry *geometry, ref_vec origin, ref_vec direction, const ref_skip *skip, const ref_hit *hit);
+ref_hits ref_hits_at(const ref_geometry *geometry, ref_vec origin, ref_vec direction,
+                     const ref_skip *skip, const ref_hit *hit);
 
-/* Follows one ray of sight: what it adds to its pixel, the radiance that arrives along it times its weight. */
-void ref_path_value(const ref_world *world, const ref_sight *sight, ref_random *random, ref_tally *tally, double value[3]);
+/* Follows one ray of sight: what it adds to its pixel, the radiance that arrives along it times its
+ * weight. */
+void ref_path_value(const ref_world *world, const ref_sensor_ray *sensor_ray, ref_random *random,
+                    ref_tally *tally, double value[3]);
 
-/* mcv_reference_render (reference.h); without sample_emitters, emission is found by chance only: the same image, more noise. */
-mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, bool sample_emitters, mcv_film *film,
-                      mcv_render_stats *stats, mcv_error *error);
+/* mcv_reference_render (reference.h); without sample_emitters, emission is found by chance only:
+ * the same image, more noise. */
+mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options,
+                      bool sample_emitters, mcv_film *film, mcv_render_stats *stats,
+                      mcv_error *error);
 
 /* A sheet's reflectance, both interfaces and all reflections between them: R' = 2R/(1 + R). */
-static inline double ref_sheet_reflectance(double reflectance) { return 2 * reflectance / (1 + reflectance); }
+static inline double ref_sheet_reflectance(double reflectance) {
+    return 2 * reflectance / (1 + reflectance);
+}
 
 #endif

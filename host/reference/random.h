@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Random numbers: SplitMix64 (Steele, Lea and Flood 2014). Each path has its own stream, seeded by pixel, replicate and
- * sample, so that an image depends neither on the number of threads nor on how a sample range is split.
+ * Random numbers: SplitMix64 (Steele, Lea and Flood 2014). Each path has its own stream, seeded by
+ * pixel, replicate and sample, so that an image depends neither on the number of threads nor on how
+ * a sample range is split.
  */
 #ifndef MCVISI_HOST_REFERENCE_RANDOM_H
 #define MCVISI_HOST_REFERENCE_RANDOM_H
@@ -20,9 +21,12 @@ static inline uint64_t ref_random_bits(ref_random *random) {
 }
 
 /* Uniform in [0, 1), a multiple of 2^-53. */
-static inline double ref_random_unit(ref_random *random) { return (double)(ref_random_bits(random) >> 11) * 0x1p-53; }
+static inline double ref_random_unit(ref_random *random) {
+    return (double)(ref_random_bits(random) >> 11) * 0x1p-53;
+}
 
-static inline ref_random ref_random_begin(uint32_t seed, uint64_t pixel, uint32_t replicate, uint64_t sample) {
+static inline ref_random ref_random_begin(uint32_t seed, uint64_t pixel, uint32_t replicate,
+                                          uint64_t sample) {
     ref_random random = {seed};
     random.state = ref_random_bits(&random) ^ pixel;
     random.state = ref_random_bits(&random) ^ replicate;

@@ -11,7 +11,8 @@
 #include "core/basics.h"
 #include "reference/path.h"
 
-/* A pass: the samples [first, first + count) of every replicate of every pixel. Threads take whole rows. */
+/* A pass: the samples [first, first + count) of every replicate of every pixel. Threads take whole
+ * rows. */
 typedef struct pass {
     const ref_world *world;
     const mcv_sensor *sensor;
@@ -25,8 +26,8 @@ typedef struct pass {
 } pass;
 
 /* Adds the samples of a power-of-two range over the film's binary tree. */
-static void sum_samples(const pass *r, uint32_t column, uint32_t row, uint32_t replicate, uint64_t first, uint64_t count, ref_tally *tally,
-                        double sum[3]) {
+static void sum_samples(const pass *r, uint32_t column, uint32_t row, uint32_t replicate,
+                        uint64_t first, uint64_t count, ref_tally *tally, double sum[3]) {
     if (count > 1) {
         double other[3];
         sum_samples(r, column, row, replicate, first, count / 2, tally, sum);
@@ -34,13 +35,16 @@ static void sum_samples(const pass *r, uint32_t column, uint32_t row, uint32_t r
         for (int channel = 0; channel < 3; ++channel) sum[channel] += other[channel];
         return;
     }
-    ref_random random = ref_random_begin(r->options->seed, (uint64_t)row * r->film->width + column, replicate, first);
+    ref_random random = ref_random_begin(r->options->seed, (uint64_t)row * r->film->width + column,
+                                         replicate, first);
     double place[4];
     for (int i = 0; i < 4; ++i) place[i] = ref_random_unit(&random);
-    const ref_sight sight = ref_sight_sample(r->sensor, column, row, place[0], place[1], place[2], place[3]);
-    ref_path_value(r->world, &sight, &random, tally, sum);
+    const ref_sensor_ray sensor_ray =
+        ref_sensor_ray_sample(r->sensor, column, row, place[0], place[1], place[2], place[3]);
+    ref_path_value(r->world, &sensor_ray, &random, tally, sum);
     /* What an image of floats cannot hold is not finite there. */
-    if (!(fmax(fabs(sum[0]), fmax(fabs(sum[1]), fabs(sum[2]))) <= FLT_MAX) || !isfinite(sum[0] + sum[1] + sum[2])) {
+    if (!(fmax(fabs(sum[0]), fmax(fabs(sum[1]), fabs(sum[2]))) <= FLT_MAX) ||
+        !isfinite(sum[0] + sum[1] + sum[2])) {
         ++tally->nonfinite;
         sum[0] = sum[1] = sum[2] = 0;
     }
@@ -56,7 +60,9 @@ static bool render_row(pass *r) {
             double sum[3];
             sum_samples(r, column, row, replicate, r->first, r->count, &r->rows[row], sum);
             for (uint32_t channel = 0; channel < film->channels; ++channel)
-                r->sums[(((size_t)replicate * film->channels + channel) * film->height + row) * film->width + column] = sum[channel];
+                r->sums[(((size_t)replicate * film->channels + channel) * film->height + row) *
+                            film->width +
+                        column] = sum[channel];
         }
     }
     return true;
@@ -69,22 +75,28 @@ static void *render_rows(void *argument) {
 
 static uint32_t thread_count(const mcv_render_options *options, uint32_t rows) {
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
-    const uint32_t wanted = options->threads > 0 ? options->threads : cores > 0 ? (uint32_t)cores : 1;
+    const uint32_t wanted = options->threads > 0 ? options->threads
+                            : cores > 0          ? (uint32_t)cores
+                                                 : 1;
     return wanted < rows ? wanted : rows;
 }
 
-/* Renders a pass on several threads, of which the calling one alone reports progress. False: stopped by the caller. */
-static bool render_round(pass *r, pthread_t *threads, double start, double done, double share, double error) {
+/* Renders a pass on several threads, of which the calling one alone reports progress. False:
+ * stopped by the caller. */
+static bool render_round(pass *r, pthread_t *threads, double start, double done, double share,
+                         double error) {
     const uint32_t wanted = thread_count(r->options, r->film->height);
     uint32_t helpers = 0;
     atomic_store(&r->next, 0);
-    while (helpers + 1 < wanted && pthread_create(&threads[helpers], NULL, render_rows, r) == 0) ++helpers; /* fewer only make it slower */
+    while (helpers + 1 < wanted && pthread_create(&threads[helpers], NULL, render_rows, r) == 0)
+        ++helpers; /* fewer only make it slower */
     double told = mcv_seconds();
     while (render_row(r)) {
         if (!r->options->progress || mcv_seconds() - told < 0.1) continue;
         told = mcv_seconds();
         const double rows = fmin(atomic_load(&r->next), r->film->height) / r->film->height;
-        if (!r->options->progress(r->options->user, done + share * rows, told - start, error)) atomic_store(&r->stopped, true);
+        if (!r->options->progress(r->options->user, done + share * rows, told - start, error))
+            atomic_store(&r->stopped, true);
     }
     for (uint32_t i = 0; i < helpers; ++i) pthread_join(threads[i], NULL);
     return !atomic_load(&r->stopped);
@@ -104,7 +116,8 @@ static void add_tally(ref_tally *a, const ref_tally *b) {
 /* Too few samples do not know their own error. */
 enum { FEWEST_SAMPLES = 16 };
 
-static void render_rounds(pass *r, mcv_film *film, pthread_t *threads, double start, mcv_render_stats *stats) {
+static void render_rounds(pass *r, mcv_film *film, pthread_t *threads, double start,
+                          mcv_render_stats *stats) {
     const mcv_render_options *options = r->options;
     const size_t values = (size_t)film->replicates * film->channels * film->height * film->width;
     const uint64_t wanted = options->last - options->first; /* 0: no end */
@@ -113,10 +126,14 @@ static void render_rounds(pass *r, mcv_film *film, pthread_t *threads, double st
     r->count = 1;
     while (wanted == 0 || film->samples < wanted) {
         const double begun = mcv_seconds();
-        const double done = wanted ? (double)film->samples / (double)wanted : options->seconds > 0 ? (begun - start) / options->seconds : 0;
+        const double done = wanted                 ? (double)film->samples / (double)wanted
+                            : options->seconds > 0 ? (begun - start) / options->seconds
+                                                   : 0;
         r->first = options->first + film->samples;
         for (uint32_t row = 0; row < film->height; ++row) r->rows[row] = (ref_tally){0};
-        if (!render_round(r, threads, start, done, wanted ? (double)r->count / (double)wanted : 0, error)) break;
+        if (!render_round(r, threads, start, done, wanted ? (double)r->count / (double)wanted : 0,
+                          error))
+            break;
         for (size_t i = 0; i < values; ++i) film->sums[i] += r->sums[i];
         film->samples += r->count;
         for (uint32_t row = 0; row < film->height; ++row) add_tally(&total, &r->rows[row]);
@@ -124,12 +141,15 @@ static void render_rounds(pass *r, mcv_film *film, pthread_t *threads, double st
         if (stats->seconds_first_sample == 0) stats->seconds_first_sample = end - start;
         if (options->error > 0 || options->progress) error = mcv_film_relative_error(film);
         if (options->progress &&
-            !options->progress(options->user, wanted ? (double)film->samples / (double)wanted : done, end - start, error)) {
+            !options->progress(options->user,
+                               wanted ? (double)film->samples / (double)wanted : done, end - start,
+                               error)) {
             atomic_store(&r->stopped, true);
             break;
         }
         if (options->error > 0 && film->samples >= FEWEST_SAMPLES && error <= options->error) break;
-        r->count = mcv_next_round(film->samples, 1, (end - begun) / (double)r->count, end - start, options->seconds);
+        r->count = mcv_next_round(film->samples, 1, (end - begun) / (double)r->count, end - start,
+                                  options->seconds);
         if (r->count == 0) break;
     }
     stats->paths = total.paths;
@@ -145,23 +165,32 @@ static void render_rounds(pass *r, mcv_film *film, pthread_t *threads, double st
 
 static bool is_power_of_two(uint64_t n) { return n > 0 && (n & (n - 1)) == 0; }
 
-static mcv_result check_options(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, mcv_error *error) {
+static mcv_result check_options(const mcv_scene *scene, uint32_t sensor,
+                                const mcv_render_options *options, mcv_error *error) {
     const uint64_t first = options->first, count = options->last - first;
     if (sensor >= scene->sensor_count)
-        return mcv_fail(error, MCV_USAGE, "render: %s has %u sensors, so there is no sensor number %u", scene->path, scene->sensor_count,
-                        sensor);
-    if (options->last > 0 && (options->last <= first || !is_power_of_two(count) || first % count != 0))
-        return mcv_fail(error, MCV_USAGE, "render: samples %llu:%llu are no aligned power of two such as 0:64 or 64:128",
-                        (unsigned long long)first, (unsigned long long)options->last);
+        return mcv_fail(error, MCV_USAGE,
+                        "render: %s has %u sensors, so there is no sensor number %u", scene->path,
+                        scene->sensor_count, sensor);
+    if (options->last > 0 &&
+        (options->last <= first || !is_power_of_two(count) || first % count != 0))
+        return mcv_fail(
+            error, MCV_USAGE,
+            "render: samples %llu:%llu are no aligned power of two such as 0:64 or 64:128",
+            (unsigned long long)first, (unsigned long long)options->last);
     if (options->last == 0 && first > 0)
-        return mcv_fail(error, MCV_USAGE, "render: samples from %llu have no end; give one", (unsigned long long)first);
+        return mcv_fail(error, MCV_USAGE, "render: samples from %llu have no end; give one",
+                        (unsigned long long)first);
     if (options->last == 0 && !(options->error > 0) && !(options->seconds > 0))
-        return mcv_fail(error, MCV_USAGE, "render: nothing says when to stop; give a number of samples, an error or a time");
+        return mcv_fail(
+            error, MCV_USAGE,
+            "render: nothing says when to stop; give a number of samples, an error or a time");
     return MCV_OK;
 }
 
-mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, bool sample_emitters, mcv_film *film,
-                      mcv_render_stats *stats, mcv_error *error) {
+mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options,
+                      bool sample_emitters, mcv_film *film, mcv_render_stats *stats,
+                      mcv_error *error) {
     const double start = mcv_seconds();
     *film = (mcv_film){0};
     *stats = (mcv_render_stats){.device = "reference (double precision)"};
@@ -170,7 +199,8 @@ mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_
     pass r = {.world = &world, .sensor = &scene->sensors[sensor], .options = options, .film = film};
     uint32_t width, height;
     mcv_sensor_film_size(r.sensor, &width, &height);
-    MCV_TRY(mcv_film_new(film, width, height, mcv_scene_channels(scene), options->replicates, error));
+    MCV_TRY(
+        mcv_film_new(film, width, height, mcv_scene_channels(scene), options->replicates, error));
 
     pthread_t *threads = calloc(thread_count(options, height), sizeof *threads);
     int *winding = calloc(scene->instance_count + (size_t)1, sizeof *winding);
@@ -178,12 +208,15 @@ mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_
     r.rows = calloc(height, sizeof *r.rows);
     mcv_result result = MCV_OK;
     if (!threads || !winding || !r.sums || !r.rows)
-        result = mcv_fail(error, MCV_FAILED, "render: no memory for a round of %u x %u pixels; give fewer replicates", width, height);
+        result = mcv_fail(error, MCV_FAILED,
+                          "render: no memory for a round of %u x %u pixels; give fewer replicates",
+                          width, height);
     if (result == MCV_OK) result = ref_geometry_new(scene, &world.geometry, error);
     if (result == MCV_OK) result = ref_emitters_new(scene, &world.emitters, error);
     if (result == MCV_OK) result = ref_gloss_tables_new(scene, &world.gloss, error);
     if (result == MCV_OK) {
-        const double lens[3] = {r.sensor->to_world.m[9], r.sensor->to_world.m[10], r.sensor->to_world.m[11]};
+        const double lens[3] = {r.sensor->to_world.m[9], r.sensor->to_world.m[10],
+                                r.sensor->to_world.m[11]};
         result = ref_media_at(&world.geometry, ref_from(lens), winding, &world.media, error);
     }
     if (result == MCV_OK) {
@@ -202,7 +235,8 @@ mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_
     return result;
 }
 
-mcv_result mcv_reference_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options, mcv_film *film,
+mcv_result mcv_reference_render(const mcv_scene *scene, uint32_t sensor,
+                                const mcv_render_options *options, mcv_film *film,
                                 mcv_render_stats *stats, mcv_error *error) {
     MCV_TRY(ref_render(scene, sensor, options, true, film, stats, error));
     const mcv_result result = mcv_render_check_finite(scene, sensor, stats, error);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Exact surfaces, piece by piece in double: the conics' roots by their formula, the aspheres' between samples along the ray. A ray that
- * starts on a piece does not meet it at 0 again.
+ * Exact surfaces, piece by piece in double: the conics' roots by their formula, the aspheres'
+ * between samples along the ray. A ray that starts on a piece does not meet it at 0 again.
  */
 #ifndef MCVISI_HOST_REFERENCE_SOLIDS_H
 #define MCVISI_HOST_REFERENCE_SOLIDS_H
@@ -10,8 +10,10 @@
 
 enum { REF_PIECES = 3, REF_MEETINGS = 8 };
 
-/* The distances, above 0 and unsorted, at which a ray meets a piece; returns how many. `on`: it starts on the piece. */
-int ref_meet_piece(const mcv_solid *solid, int piece, ref_vec origin, ref_vec direction, bool on, double distances[REF_MEETINGS]);
+/* The distances, above 0 and unsorted, at which a ray meets a piece; returns how many. `on`: it
+ * starts on the piece. */
+int ref_meet_piece(const mcv_solid *solid, int piece, ref_vec origin, ref_vec direction, bool on,
+                   double distances[REF_MEETINGS]);
 
 /* Moves a point that lies near the piece onto it, and gives the unit normal outwards. */
 void ref_on_piece(const mcv_solid *solid, int piece, ref_vec *position, ref_vec *normal);

@@ -12,18 +12,20 @@ static double decode(uint8_t value) {
 static uint32_t wrap(double texel, uint32_t size, uint32_t mode) {
     if (mode == CLAMP_TO_EDGE) return (uint32_t)fmin(fmax(texel, 0), size - 1.0);
     const double period = mode == MIRRORED_REPEAT ? 2.0 * size : size;
-    const double remainder = fmod(texel, period), place = remainder < 0 ? remainder + period : remainder;
+    const double remainder = fmod(texel, period),
+                 place = remainder < 0 ? remainder + period : remainder;
     return (uint32_t)(place < size ? place : period - 1 - place);
 }
 
 void ref_texel(const mcv_texture *texture, uint32_t column, uint32_t row, double rgb[3]) {
     const size_t number = (size_t)row * texture->width + column;
     for (int channel = 0; channel < 3; ++channel)
-        rgb[channel] =
-            texture->linear ? texture->linear[3 * number + (size_t)channel] : decode(texture->rgba[4 * number + (size_t)channel]);
+        rgb[channel] = texture->linear ? texture->linear[3 * number + (size_t)channel]
+                                       : decode(texture->rgba[4 * number + (size_t)channel]);
 }
 
-void ref_texture_lookup(const mcv_scene *scene, uint32_t texture, const double texcoord[2][2], double rgb[3]) {
+void ref_texture_lookup(const mcv_scene *scene, uint32_t texture, const double texcoord[2][2],
+                        double rgb[3]) {
     rgb[0] = rgb[1] = rgb[2] = 1;
     if (texture == MCV_NONE) return;
     const mcv_texture *t = &scene->textures[texture];
@@ -44,8 +46,10 @@ void ref_texture_lookup(const mcv_scene *scene, uint32_t texture, const double t
     for (int channel = 0; channel < 3; ++channel) rgb[channel] = 0;
     for (int i = 0; i < 4; ++i) {
         const int right = i & 1, bottom = i >> 1;
-        const uint32_t column = wrap(left + right, t->width, t->wrap_s), row = wrap(top + bottom, t->height, t->wrap_t);
-        const double share = (right ? right_share : 1 - right_share) * (bottom ? bottom_share : 1 - bottom_share);
+        const uint32_t column = wrap(left + right, t->width, t->wrap_s),
+                       row = wrap(top + bottom, t->height, t->wrap_t);
+        const double share =
+            (right ? right_share : 1 - right_share) * (bottom ? bottom_share : 1 - bottom_share);
         double texel[3];
         ref_texel(t, column, row, texel);
         for (int channel = 0; channel < 3; ++channel) rgb[channel] += share * texel[channel];

@@ -5,10 +5,12 @@
 #include "scene/scene.h"
 
 /*
- * A texture's linear R, G, B where glTF's two sets of coordinates are those (0, 0 is the top-left corner of the image): by the set and
- * the transform of the texture, decoded from sRGB (IEC 61966-2-1), then interpolated. `texture` MCV_NONE is white.
+ * A texture's linear R, G, B where glTF's two sets of coordinates are those (0, 0 is the top-left
+ * corner of the image): by the set and the transform of the texture, decoded from sRGB (IEC
+ * 61966-2-1), then interpolated. `texture` MCV_NONE is white.
  */
-void ref_texture_lookup(const mcv_scene *scene, uint32_t texture, const double texcoord[2][2], double rgb[3]);
+void ref_texture_lookup(const mcv_scene *scene, uint32_t texture, const double texcoord[2][2],
+                        double rgb[3]);
 
 /* Linear R, G, B of one texel. */
 void ref_texel(const mcv_texture *texture, uint32_t column, uint32_t row, double rgb[3]);

@@ -18,7 +18,10 @@ static mcv_result append(vertices *all, mcv_vertex vertex, mcv_error *error) {
     if (all->count == all->capacity) {
         const size_t capacity = all->capacity ? 2 * all->capacity : 1024;
         mcv_vertex *items = realloc(all->items, capacity * sizeof *items);
-        if (!items) return mcv_fail(error, MCV_FAILED, "trace: no memory for %zu vertices; trace fewer rays at a time", capacity);
+        if (!items)
+            return mcv_fail(error, MCV_FAILED,
+                            "trace: no memory for %zu vertices; trace fewer rays at a time",
+                            capacity);
         all->items = items;
         all->capacity = capacity;
     }
@@ -32,17 +35,18 @@ static void store(double out[3], ref_vec v) {
     out[2] = v.z;
 }
 
-/* Bends the ray at a surface and completes the vertex: direction, event, transmittance. False: the path ends. */
-static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_hits *hits, ref_vec *direction, ref_media *media,
-                 mcv_vertex *vertex) {
+/* Bends the ray at a surface and completes the vertex: direction, event, transmittance. False: the
+ * path ends. */
+static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_hits *hits,
+                 ref_vec *direction, ref_media *media, mcv_vertex *vertex) {
     const mcv_material *material = &scene->materials[scene->instances[surface->instance].material];
     const double ior = ref_media_ior(ref_media_filling(media, scene), 0);
     double texture[3];
     ref_texture_lookup(scene, material->texture, surface->texcoord, texture);
-    const ref_meeting meeting = ref_meet(surface, *direction);
+    const ref_interaction interaction = ref_make_interaction(surface, *direction);
     double reflectance;
     vertex->event = MCV_EVENT_END;
-    store(vertex->normal, meeting.normal);
+    store(vertex->normal, interaction.normal);
     switch (material->type) {
     case MCV_MATERIAL_MIRROR:
         vertex->event = MCV_EVENT_REFLECT;
@@ -53,50 +57,64 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_h
         vertex->event = MCV_EVENT_REFLECT;
         vertex->transmittance *=
             material->as.retroreflector.reflectance[0] *
-            ref_retroreflector_efficiency(&material->as.retroreflector, (ref_vec){ref_length(ref_cross(*direction, meeting.normal)), 0,
-                                                                                  -ref_dot(*direction, meeting.normal)});
+            ref_retroreflector_efficiency(
+                &material->as.retroreflector,
+                (ref_vec){ref_length(ref_cross(*direction, interaction.normal)), 0,
+                          -ref_dot(*direction, interaction.normal)});
         *direction = ref_scale(-1, *direction);
         return true;
     case MCV_MATERIAL_CONDUCTOR:
         if (mcv_material_is_rough(material)) break;
         vertex->event = MCV_EVENT_REFLECT;
-        vertex->transmittance *= ref_conductor_reflectance(material->as.conductor.n[0] / ior, material->as.conductor.k[0] / ior,
-                                                           fmin(-ref_dot(*direction, meeting.normal), 1));
+        vertex->transmittance *= ref_conductor_reflectance(
+            material->as.conductor.n[0] / ior, material->as.conductor.k[0] / ior,
+            fmin(-ref_dot(*direction, interaction.normal), 1));
         break;
     case MCV_MATERIAL_BEAM_SPLITTER: /* goes straight on */
         vertex->event = MCV_EVENT_PASS;
         vertex->transmittance *= material->as.beam_splitter.transmittance[0];
         break;
     case MCV_MATERIAL_SHEET:
-        reflectance = ref_sheet_reflectance(ref_reflectance(&meeting, ior, material->as.sheet.ior));
-        vertex->event = reflectance == 1 ? MCV_EVENT_REFLECT : MCV_EVENT_PASS; /* 1: total reflection */
-        if (reflectance < 1) vertex->transmittance *= (1 - reflectance) * material->as.sheet.transmittance[0] * texture[0];
+        reflectance =
+            ref_sheet_reflectance(ref_reflectance(&interaction, ior, material->as.sheet.ior));
+        vertex->event =
+            reflectance == 1 ? MCV_EVENT_REFLECT : MCV_EVENT_PASS; /* 1: total reflection */
+        if (reflectance < 1)
+            vertex->transmittance *=
+                (1 - reflectance) * material->as.sheet.transmittance[0] * texture[0];
         break;
     case MCV_MATERIAL_DIELECTRIC: {
         ref_media beyond;
         ref_media_cross_all(media, &beyond, hits->count, hits->instances, hits->fronts);
-        const double from = ref_media_ior(ref_media_filling(media, scene), 0), to = ref_media_ior(ref_media_filling(&beyond, scene), 0);
+        const double from = ref_media_ior(ref_media_filling(media, scene), 0),
+                     to = ref_media_ior(ref_media_filling(&beyond, scene), 0);
         if (mcv_material_is_rough(material) && from != to) break;
-        reflectance = ref_reflectance(&meeting, from, to);
-        if (from != to) reflectance = ref_coated(reflectance, mcv_material_coating(material, meeting.front ? from : to), from, to);
-        vertex->event = reflectance == 1 ? MCV_EVENT_REFLECT : from == to ? MCV_EVENT_PASS : MCV_EVENT_REFRACT;
+        reflectance = ref_reflectance(&interaction, from, to);
+        if (from != to)
+            reflectance =
+                ref_coated(reflectance,
+                           mcv_material_coating(material, interaction.front ? from : to), from, to);
+        vertex->event = reflectance == 1 ? MCV_EVENT_REFLECT
+                        : from == to     ? MCV_EVENT_PASS
+                                         : MCV_EVENT_REFRACT;
         if (vertex->event == MCV_EVENT_REFLECT) break;
         vertex->transmittance *= 1 - reflectance;
-        *direction = ref_refract(&meeting, from, to);
+        *direction = ref_refract(&interaction, from, to);
         *media = beyond;
         break;
     }
     default:
         break;
     }
-    if (vertex->event == MCV_EVENT_REFLECT) *direction = ref_reflect(&meeting);
+    if (vertex->event == MCV_EVENT_REFLECT) *direction = ref_reflect(&interaction);
     return vertex->event != MCV_EVENT_END;
 }
 
-static mcv_result trace_ray(const ref_world *world, ref_media media, uint32_t ray, ref_vec origin, ref_vec direction, vertices *all,
-                            mcv_error *error) {
+static mcv_result trace_ray(const ref_world *world, ref_media media, uint32_t ray, ref_vec origin,
+                            ref_vec direction, vertices *all, mcv_error *error) {
     const mcv_scene *scene = world->scene;
-    mcv_vertex vertex = {.ray = ray, .triangle = MCV_NONE, .event = MCV_EVENT_START, .transmittance = 1};
+    mcv_vertex vertex = {
+        .ray = ray, .triangle = MCV_NONE, .event = MCV_EVENT_START, .transmittance = 1};
     store(vertex.position, origin);
     store(vertex.direction, direction);
     vertex.ior = ref_media_ior(ref_media_filling(&media, scene), 0);
@@ -139,28 +157,35 @@ static mcv_result trace_ray(const ref_world *world, ref_media media, uint32_t ra
     return MCV_OK;
 }
 
-static mcv_result trace_rays(const ref_world *world, const mcv_trace_ray *rays, size_t ray_count, int *winding, vertices *all,
-                             mcv_error *error) {
+static mcv_result trace_rays(const ref_world *world, const mcv_trace_ray *rays, size_t ray_count,
+                             int *winding, vertices *all, mcv_error *error) {
     for (size_t i = 0; i < ray_count; ++i) {
         const ref_vec origin = ref_from(rays[i].origin), direction = ref_from(rays[i].direction);
         const double length = ref_length(direction);
         ref_media media;
         if (!isfinite(ref_length(origin)) || !isfinite(length) || !(length > 0))
-            return mcv_fail(error, MCV_BAD_INPUT, "trace: ray %zu has no finite origin and direction; the direction must not be 0", i);
+            return mcv_fail(
+                error, MCV_BAD_INPUT,
+                "trace: ray %zu has no finite origin and direction; the direction must not be 0",
+                i);
         MCV_TRY(ref_media_at(&world->geometry, origin, winding, &media, error));
-        MCV_TRY(trace_ray(world, media, (uint32_t)i, origin, ref_scale(1 / length, direction), all, error));
+        MCV_TRY(trace_ray(world, media, (uint32_t)i, origin, ref_scale(1 / length, direction), all,
+                          error));
     }
     return MCV_OK;
 }
 
-mcv_result mcv_reference_trace(const mcv_scene *scene, const mcv_trace_ray *rays, size_t ray_count, const mcv_render_options *options,
-                               mcv_vertex **vertices_out, size_t *vertex_count, mcv_error *error) {
+mcv_result mcv_reference_trace(const mcv_scene *scene, const mcv_trace_ray *rays, size_t ray_count,
+                               const mcv_render_options *options, mcv_vertex **vertices_out,
+                               size_t *vertex_count, mcv_error *error) {
     ref_world world = {.scene = scene, .depth = options->depth};
     vertices all = {0};
     int *winding = calloc(scene->instance_count + (size_t)1, sizeof *winding);
     *vertices_out = NULL;
     *vertex_count = 0;
-    mcv_result result = winding ? MCV_OK : mcv_fail(error, MCV_FAILED, "trace: no memory for the instances of %s", scene->path);
+    mcv_result result = winding ? MCV_OK
+                                : mcv_fail(error, MCV_FAILED,
+                                           "trace: no memory for the instances of %s", scene->path);
     if (result == MCV_OK) result = ref_geometry_new(scene, &world.geometry, error);
     if (result == MCV_OK) result = ref_emitters_new(scene, &world.emitters, error);
     if (result == MCV_OK) result = trace_rays(&world, rays, ray_count, winding, &all, error);

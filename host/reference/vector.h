@@ -9,9 +9,15 @@ typedef struct ref_vec {
     double x, y, z;
 } ref_vec;
 
-static inline ref_vec ref_add(ref_vec a, ref_vec b) { return (ref_vec){a.x + b.x, a.y + b.y, a.z + b.z}; }
-static inline ref_vec ref_sub(ref_vec a, ref_vec b) { return (ref_vec){a.x - b.x, a.y - b.y, a.z - b.z}; }
-static inline ref_vec ref_scale(double s, ref_vec a) { return (ref_vec){s * a.x, s * a.y, s * a.z}; }
+static inline ref_vec ref_add(ref_vec a, ref_vec b) {
+    return (ref_vec){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+static inline ref_vec ref_sub(ref_vec a, ref_vec b) {
+    return (ref_vec){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+static inline ref_vec ref_scale(double s, ref_vec a) {
+    return (ref_vec){s * a.x, s * a.y, s * a.z};
+}
 static inline double ref_dot(ref_vec a, ref_vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 static inline ref_vec ref_cross(ref_vec a, ref_vec b) {
     return (ref_vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -21,7 +27,9 @@ static inline ref_vec ref_unit(ref_vec a) { return ref_scale(1 / ref_length(a), 
 static inline ref_vec ref_from(const double a[3]) { return (ref_vec){a[0], a[1], a[2]}; }
 
 /* The angle between two vectors in [0, π], exact to rounding where an arc cosine is not. */
-static inline double ref_angle(ref_vec a, ref_vec b) { return atan2(ref_length(ref_cross(a, b)), ref_dot(a, b)); }
+static inline double ref_angle(ref_vec a, ref_vec b) {
+    return atan2(ref_length(ref_cross(a, b)), ref_dot(a, b));
+}
 
 /* Two unit vectors that complete the unit vector n to an orthogonal frame. */
 static inline void ref_frame(ref_vec n, ref_vec *s, ref_vec *t) {

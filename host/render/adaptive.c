@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the mean variance: what a pixel is taken to have at least, since a look of few samples misses things. */
+/* Of the mean variance: what a pixel is taken to have at least, since a look of few samples misses
+ * things. */
 static const double LEAST_VARIANCE = 0.02;
 
 enum { LARGEST_RADIUS = 8, BISECTIONS = 20 };
@@ -29,8 +30,10 @@ static void measure_variance(const mcv_film *look, uint32_t first, double *varia
         for (uint32_t c = 0; c < look->channels; ++c) {
             double values[MCV_MAX_REPLICATES];
             uint32_t count = 0;
-            for (uint32_t r = first; r < look->replicates; r += 2) values[count++] = look->sums[r * stride + c * pixels + i];
-            variances[i] += mcv_estimate_replicates(values, count).variance * count / look->channels;
+            for (uint32_t r = first; r < look->replicates; r += 2)
+                values[count++] = look->sums[r * stride + c * pixels + i];
+            variances[i] +=
+                mcv_estimate_replicates(values, count).variance * count / look->channels;
         }
     }
 }
@@ -41,7 +44,8 @@ static void blur_row(double *row, uint32_t width, uint32_t radius) {
     double sum = 0;
     for (uint32_t x = 0; x < radius && x < width; ++x) sum += row[x];
     for (uint32_t x = 0; x < width; ++x) {
-        const uint32_t first = x > radius ? x - radius : 0, last = x + radius < width ? x + radius : width - 1;
+        const uint32_t first = x > radius ? x - radius : 0,
+                       last = x + radius < width ? x + radius : width - 1;
         if (x + radius < width) sum += row[x + radius];
         if (x > radius) sum -= before[(x - radius - 1) % (radius + 1)];
         before[x % (radius + 1)] = row[x];
@@ -56,10 +60,13 @@ static void blur(const plan *p, const double *from, uint32_t radius, bool of_roo
     for (uint32_t y = 0; y < height + radius; ++y) {
         const double *entering = y < height ? from + (size_t)y * width : NULL;
         const double *leaving = y > 2 * radius ? from + (size_t)(y - 2 * radius - 1) * width : NULL;
-        for (uint32_t x = 0; entering && x < width; ++x) p->columns[x] += of_roots ? sqrt(entering[x]) : entering[x];
-        for (uint32_t x = 0; leaving && x < width; ++x) p->columns[x] -= of_roots ? sqrt(leaving[x]) : leaving[x];
+        for (uint32_t x = 0; entering && x < width; ++x)
+            p->columns[x] += of_roots ? sqrt(entering[x]) : entering[x];
+        for (uint32_t x = 0; leaving && x < width; ++x)
+            p->columns[x] -= of_roots ? sqrt(leaving[x]) : leaving[x];
         if (y < radius) continue;
-        const uint32_t first = y > 2 * radius ? y - 2 * radius : 0, last = y < height ? y : height - 1;
+        const uint32_t first = y > 2 * radius ? y - 2 * radius : 0,
+                       last = y < height ? y : height - 1;
         double *row = to + (size_t)(y - radius) * width;
         for (uint32_t x = 0; x < width; ++x) row[x] = p->columns[x] / (last - first + 1);
         blur_row(row, width, radius);
@@ -73,8 +80,10 @@ static double mean_of(const double *values, size_t count) {
     return sum / (double)count;
 }
 
-/* What each pixel would take of the samples with the variance of its surroundings, 1 on the average. */
-static void share_samples(const plan *p, const double *variances, uint32_t radius, bool of_roots, double fall) {
+/* What each pixel would take of the samples with the variance of its surroundings, 1 on the
+ * average. */
+static void share_samples(const plan *p, const double *variances, uint32_t radius, bool of_roots,
+                          double fall) {
     const size_t count = pixels_of(p);
     blur(p, variances, radius, of_roots, p->shares);
     const double least = LEAST_VARIANCE * mean_of(p->shares, count);
@@ -86,7 +95,8 @@ static void share_samples(const plan *p, const double *variances, uint32_t radiu
     for (size_t i = 0; i < count; ++i) p->shares[i] /= mean;
 }
 
-/* What would be left of the variance that one half shows with the samples that the other half asks for; both ways. */
+/* What would be left of the variance that one half shows with the samples that the other half asks
+ * for; both ways. */
 static double foretell(const plan *p, uint32_t radius, bool of_roots) {
     double left = 0;
     for (int half = 0; half < 2; ++half) {
@@ -100,7 +110,8 @@ static double foretell(const plan *p, uint32_t radius, bool of_roots) {
 static double round_share(double share) {
     static const double least = 1.0 / (1 << -MCV_LOWEST_LEVEL), most = 1 << MCV_HIGHEST_LEVEL;
     double power = least;
-    for (double next = 2 * least; next <= most; next *= 2) power = share > M_SQRT1_2 * next ? next : power;
+    for (double next = 2 * least; next <= most; next *= 2)
+        power = share > M_SQRT1_2 * next ? next : power;
     return power;
 }
 
@@ -139,20 +150,24 @@ static void allocate(const plan *p, double fall, double budget, signed char *lev
     }
     share_samples(p, p->all, best, best_of_roots, fall);
     /* Pixels that are alike shall not all cross a power of two together. */
-    for (size_t i = 0; i < count; ++i) p->shares[i] *= 1 + 0x1p-39 * (double)((uint32_t)i * 0x9e3779b9u);
+    for (size_t i = 0; i < count; ++i)
+        p->shares[i] *= 1 + 0x1p-39 * (double)((uint32_t)i * 0x9e3779b9u);
     const double factor = fitting_factor(p, budget);
-    for (size_t i = 0; i < count; ++i) levels[i] = (signed char)ilogb(round_share(factor * p->shares[i]));
+    for (size_t i = 0; i < count; ++i)
+        levels[i] = (signed char)ilogb(round_share(factor * p->shares[i]));
     *gain = alike / least;
 }
 
-mcv_result mcv_allocate_samples(const mcv_film *look, double fall, double budget, signed char *levels, double *gain, mcv_error *error) {
+mcv_result mcv_allocate_samples(const mcv_film *look, double fall, double budget,
+                                signed char *levels, double *gain, mcv_error *error) {
     const size_t count = (size_t)look->width * look->height;
     plan p = {.width = look->width, .height = look->height};
     double **planes[] = {&p.halves[0], &p.halves[1], &p.all, &p.shares};
     bool enough = (p.columns = malloc(look->width * sizeof *p.columns)) != NULL;
     *gain = 1;
     memset(levels, 0, count);
-    for (int i = 0; i < 4; ++i) enough = (*planes[i] = malloc(count * sizeof(double))) != NULL && enough;
+    for (int i = 0; i < 4; ++i)
+        enough = (*planes[i] = malloc(count * sizeof(double))) != NULL && enough;
     if (enough) {
         for (uint32_t half = 0; half < 2; ++half) measure_variance(look, half, p.halves[half]);
         for (size_t i = 0; i < count; ++i) p.all[i] = 0.5 * (p.halves[0][i] + p.halves[1][i]);
@@ -160,5 +175,6 @@ mcv_result mcv_allocate_samples(const mcv_film *look, double fall, double budget
     }
     for (int i = 0; i < 4; ++i) free(*planes[i]);
     free(p.columns);
-    return enough ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the samples of %zu pixels", count);
+    return enough ? MCV_OK
+                  : mcv_fail(error, MCV_FAILED, "no memory for the samples of %zu pixels", count);
 }

@@ -10,7 +10,7 @@ enum {
     MAX_SLOTS = 4096,     /* of a slice: its state is on a thread's stack */
     MAX_STREAM_PATHS = 1 << 20,
     MAX_STREAM_SLOTS = 1 << 22, /* few paths have all of their branches */
-    STREAM_GROUP = 64,          /* as in kernels/stream.cl */
+    STREAM_GROUP = 64,          /* as in kernels/schedule/stream.cl */
     STREAM_ARGUMENTS = MCV_SCENE_ARGUMENTS + 7,
 };
 
@@ -22,12 +22,18 @@ static uint32_t fitting_paths(const mcv_cl *cl, size_t bytes_per_path, uint32_t 
 
 static bool aims(const mcv_schedule *s) { return s->scene->packed.features >> MCV_FEATURE_AIM & 1; }
 
-static bool traces_light(const mcv_schedule *s) { return s->scene->packed.features >> MCV_FEATURE_LIGHT_TRACING & 1; }
+static bool traces_light(const mcv_schedule *s) {
+    return s->scene->packed.features >> MCV_FEATURE_LIGHT_TRACING & 1;
+}
 
 static mcv_result open_tile(mcv_schedule *s, const char *options, mcv_error *error) {
-    MCV_TRY(mcv_cl_build(s->cl, "tile", options, &s->program, error));
-    if (aims(s)) MCV_TRY(mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
-    if (traces_light(s)) MCV_TRY(mcv_cl_kernel(s->program, "trace_emitter_paths", &s->kernels[MCV_KERNEL_trace_emitter_paths], error));
+    MCV_TRY(mcv_cl_build(s->cl, "schedule/tile", options, &s->program, error));
+    if (aims(s))
+        MCV_TRY(
+            mcv_cl_kernel(s->program, "guide_pupil", &s->kernels[MCV_KERNEL_guide_pupil], error));
+    if (traces_light(s))
+        MCV_TRY(mcv_cl_kernel(s->program, "trace_emitter_paths",
+                              &s->kernels[MCV_KERNEL_trace_emitter_paths], error));
     return mcv_cl_kernel(s->program, "render_tile", &s->kernels[MCV_KERNEL_generate_rays], error);
 }
 
@@ -35,26 +41,32 @@ static mcv_result open_stream(mcv_schedule *s, const char *options, mcv_error *e
     const uint32_t MCV_WITH_AIM = aims(s);
     const uint32_t MCV_WITH_LIGHT_TRACING = traces_light(s);
     const uint32_t MCV_WITH_NEXT_EVENT = s->scene->packed.features >> MCV_FEATURE_NEXT_EVENT & 1;
-    MCV_TRY(mcv_cl_build(s->cl, "stream", options, &s->program, error));
+    MCV_TRY(mcv_cl_build(s->cl, "schedule/stream", options, &s->program, error));
 #define MCV_X(stage, runs) \
     if (runs) MCV_TRY(mcv_cl_kernel(s->program, #stage, &s->kernels[MCV_KERNEL_##stage], error));
     MCV_STREAM_KERNELS(MCV_X)
 #undef MCV_X
-    const size_t path_bytes = 4 * (size_t)mcv_path_words(s->scene->packed.features, s->scene->packed.channels);
+    const size_t path_bytes =
+        4 * (size_t)mcv_path_words(s->scene->packed.features, s->scene->packed.channels);
     const size_t slots = (size_t)s->capacity * s->branches;
-    MCV_TRY(mcv_cl_buffer(s->cl, "the paths of a launch", path_bytes * slots, NULL, &s->paths, error));
-    MCV_TRY(mcv_cl_buffer(s->cl, "the queues", 3 * sizeof(cl_uint) * slots, NULL, &s->queues, error));
-    return mcv_cl_buffer(s->cl, "the lengths of the queues", 2 * sizeof(cl_uint) * (s->depth + 1), NULL, &s->lengths, error);
+    MCV_TRY(
+        mcv_cl_buffer(s->cl, "the paths of a launch", path_bytes * slots, NULL, &s->paths, error));
+    MCV_TRY(
+        mcv_cl_buffer(s->cl, "the queues", 3 * sizeof(cl_uint) * slots, NULL, &s->queues, error));
+    return mcv_cl_buffer(s->cl, "the lengths of the queues", 2 * sizeof(cl_uint) * (s->depth + 1),
+                         NULL, &s->lengths, error);
 }
 
-mcv_result mcv_schedule_open(mcv_cl *cl, const mcv_device_scene *scene, uint32_t sensor_type, const mcv_render_options *options,
-                             mcv_schedule *schedule, mcv_error *error) {
+mcv_result mcv_schedule_open(mcv_cl *cl, const mcv_device_scene *scene, uint32_t sensor_type,
+                             const mcv_render_options *options, mcv_schedule *schedule,
+                             mcv_error *error) {
     mcv_schedule *s = schedule;
     char defines[1024];
     const mcv_packed *packed = &scene->packed;
     memset(s, 0, sizeof *s);
     s->branches = mcv_path_branches(packed->features);
-    const size_t path_bytes = 4 * (size_t)mcv_path_words(packed->features, packed->channels) * s->branches;
+    const size_t path_bytes =
+        4 * (size_t)mcv_path_words(packed->features, packed->channels) * s->branches;
     s->cl = cl;
     s->scene = scene;
     s->depth = options->depth;
@@ -63,15 +75,26 @@ mcv_result mcv_schedule_open(mcv_cl *cl, const mcv_device_scene *scene, uint32_t
     s->slice = options->slice > 0 ? options->slice : DEFAULT_SLICE;
     if (s->slice > MAX_SLOTS / s->branches) s->slice = MAX_SLOTS / s->branches;
     const uint32_t unit = s->kind == MCV_SCHEDULE_TILE ? s->slice : MCV_BLOCK;
-    const uint32_t streamed = MAX_STREAM_SLOTS / s->branches < MAX_STREAM_PATHS ? MAX_STREAM_SLOTS / s->branches : MAX_STREAM_PATHS;
-    s->capacity = fitting_paths(cl, path_bytes, s->kind == MCV_SCHEDULE_TILE ? MAX_SLICES * s->slice : streamed) / unit * unit;
-    if (s->capacity == 0) return mcv_fail(error, MCV_DEVICE, "%s: too little memory for a slice of %u paths", cl->name, unit);
+    const uint32_t streamed = MAX_STREAM_SLOTS / s->branches < MAX_STREAM_PATHS
+                                  ? MAX_STREAM_SLOTS / s->branches
+                                  : MAX_STREAM_PATHS;
+    s->capacity = fitting_paths(cl, path_bytes,
+                                s->kind == MCV_SCHEDULE_TILE ? MAX_SLICES * s->slice : streamed) /
+                  unit * unit;
+    if (s->capacity == 0)
+        return mcv_fail(error, MCV_DEVICE, "%s: too little memory for a slice of %u paths",
+                        cl->name, unit);
 
-    mcv_feature_options(packed->features, packed->channels, sensor_type, options->sampler, s->slice, defines, sizeof defines);
-    MCV_TRY(s->kind == MCV_SCHEDULE_TILE ? open_tile(s, defines, error) : open_stream(s, defines, error));
+    mcv_feature_options(packed->features, packed->channels, sensor_type, options->sampler, s->slice,
+                        defines, sizeof defines);
+    MCV_TRY(s->kind == MCV_SCHEDULE_TILE ? open_tile(s, defines, error)
+                                         : open_stream(s, defines, error));
     const size_t counter_sets = s->kind == MCV_SCHEDULE_TILE ? s->capacity / s->slice : 1;
-    MCV_TRY(mcv_cl_buffer(cl, "the sums of a launch", 8 * (size_t)s->capacity * packed->channels, NULL, &s->sums, error));
-    return mcv_cl_buffer(cl, "the counters of a launch", sizeof(cl_uint) * counter_sets * MCV_COUNTER_COUNT, NULL, &s->counters, error);
+    MCV_TRY(mcv_cl_buffer(cl, "the sums of a launch", 8 * (size_t)s->capacity * packed->channels,
+                          NULL, &s->sums, error));
+    return mcv_cl_buffer(cl, "the counters of a launch",
+                         sizeof(cl_uint) * counter_sets * MCV_COUNTER_COUNT, NULL, &s->counters,
+                         error);
 }
 
 /* Nothing is written any more to where the answers go. */
@@ -119,10 +142,11 @@ static mcv_result add_counters(mcv_schedule *s, mcv_render_stats *stats, mcv_err
     return result;
 }
 
-static mcv_result launch(mcv_schedule *s, uint32_t kernel, size_t global, size_t local, const mcv_arg *arguments, size_t count,
-                         mcv_error *error) {
+static mcv_result launch(mcv_schedule *s, uint32_t kernel, size_t global, size_t local,
+                         const mcv_arg *arguments, size_t count, mcv_error *error) {
     const uint32_t i = s->launch_count;
-    MCV_TRY(mcv_cl_launch(s->cl, s->kernels[kernel], global, local, arguments, count, &s->launches[i], error));
+    MCV_TRY(mcv_cl_launch(s->cl, s->kernels[kernel], global, local, arguments, count,
+                          &s->launches[i], error));
     s->launched[i] = kernel;
     ++s->launch_count;
     return MCV_OK;
@@ -136,7 +160,8 @@ static void add_times(mcv_schedule *s, mcv_render_stats *stats) {
 #undef MCV_X
     };
     for (uint32_t i = 0; i < s->launch_count; ++i) {
-        const bool tile = s->kind == MCV_SCHEDULE_TILE && s->launched[i] == MCV_KERNEL_generate_rays;
+        const bool tile =
+            s->kind == MCV_SCHEDULE_TILE && s->launched[i] == MCV_KERNEL_generate_rays;
         const char *name = tile ? "render_tile" : names[s->launched[i]];
         uint32_t stage = 0;
         while (stage < stats->stage_count && strcmp(stats->stages[stage].name, name) != 0) ++stage;
@@ -152,12 +177,15 @@ static mcv_result start_tile(mcv_schedule *s, const mcv_frame *frame, mcv_error 
     arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->sums);
     arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->counters);
     s->counter_sets = (frame->path_count + s->slice - 1) / s->slice;
-    return launch(s, MCV_KERNEL_generate_rays, s->counter_sets, 1, arguments, MCV_SCENE_ARGUMENTS + 2, error);
+    return launch(s, MCV_KERNEL_generate_rays, s->counter_sets, 1, arguments,
+                  MCV_SCENE_ARGUMENTS + 2, error);
 }
 
 static mcv_result zero(mcv_cl *cl, cl_mem buffer, size_t bytes, mcv_error *error) {
     const cl_uint nothing = 0;
-    MCV_TRY_CL(clEnqueueFillBuffer(cl->queue, buffer, &nothing, sizeof nothing, 0, bytes, 0, NULL, NULL), error);
+    MCV_TRY_CL(
+        clEnqueueFillBuffer(cl->queue, buffer, &nothing, sizeof nothing, 0, bytes, 0, NULL, NULL),
+        error);
     return MCV_OK;
 }
 
@@ -176,7 +204,8 @@ static mcv_result launch_stage(mcv_schedule *s, uint32_t kernel, size_t items, m
 }
 
 /* The stages of the next depth, for at most so many paths; then asks how many live on. */
-static mcv_result launch_depth(mcv_schedule *s, size_t items, mcv_render_stats *stats, mcv_error *error) {
+static mcv_result launch_depth(mcv_schedule *s, size_t items, mcv_render_stats *stats,
+                               mcv_error *error) {
     const uint32_t depth = s->stream.depth;
     const uint32_t asked = depth % MCV_DEPTHS_AHEAD;
     MCV_TRY(launch_stage(s, MCV_KERNEL_intersect_closest, items, error));
@@ -185,7 +214,8 @@ static mcv_result launch_depth(mcv_schedule *s, size_t items, mcv_render_stats *
         MCV_TRY(launch_stage(s, MCV_KERNEL_intersect_shadow, items, error));
     }
     MCV_TRY(launch_stage(s, MCV_KERNEL_shade_surfaces, items, error));
-    MCV_TRY_CL(clEnqueueReadBuffer(s->cl->queue, s->lengths, CL_FALSE, sizeof(cl_uint) * (depth + 1), sizeof(cl_uint),
+    MCV_TRY_CL(clEnqueueReadBuffer(s->cl->queue, s->lengths, CL_FALSE,
+                                   sizeof(cl_uint) * (depth + 1), sizeof(cl_uint),
                                    &s->stream.living[asked], 0, NULL, &s->stream.answers[asked]),
                error);
     ++s->stream.depth;
@@ -200,7 +230,8 @@ static uint32_t most_paths(const mcv_schedule *s, uint32_t paths, uint32_t depth
     return paths * (depths + 1 < s->branches ? depths + 1 : s->branches);
 }
 
-/* How many paths lived so many depths ago, or waits until that is known; with all that may have branched off since. */
+/* How many paths lived so many depths ago, or waits until that is known; with all that may have
+ * branched off since. */
 static mcv_result living_paths(mcv_schedule *s, cl_uint *living, mcv_error *error) {
     const uint32_t asked = s->stream.depth % MCV_DEPTHS_AHEAD;
     const uint32_t most = s->stream.frame.path_count * s->branches;
@@ -210,12 +241,16 @@ static mcv_result living_paths(mcv_schedule *s, cl_uint *living, mcv_error *erro
     clReleaseEvent(s->stream.answers[asked]);
     s->stream.answers[asked] = NULL;
     *living = s->stream.living[asked];
-    if (*living < most) *living = most_paths(s, *living, MCV_DEPTHS_AHEAD) < most ? most_paths(s, *living, MCV_DEPTHS_AHEAD) : most;
+    if (*living < most)
+        *living = most_paths(s, *living, MCV_DEPTHS_AHEAD) < most
+                      ? most_paths(s, *living, MCV_DEPTHS_AHEAD)
+                      : most;
     return MCV_OK;
 }
 
 /* The first depths of a pass, without waiting for any. */
-static mcv_result start_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
+static mcv_result start_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render_stats *stats,
+                               mcv_error *error) {
     s->stream.frame = *frame;
     s->stream.depth = 0;
     s->counter_sets = 1;
@@ -243,7 +278,8 @@ static mcv_result finish_stream(mcv_schedule *s, mcv_render_stats *stats, mcv_er
     return MCV_OK;
 }
 
-mcv_result mcv_schedule_aim(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
+mcv_result mcv_schedule_aim(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats,
+                            mcv_error *error) {
     mcv_schedule *s = schedule;
     mcv_arg arguments[MCV_SCENE_ARGUMENTS + 1];
     if (!aims(s)) return MCV_OK;
@@ -251,9 +287,9 @@ mcv_result mcv_schedule_aim(mcv_schedule *schedule, const mcv_frame *frame, mcv_
     const size_t pixels = (size_t)frame->width * frame->height;
     MCV_TRY(mcv_cl_write(s->cl, s->scene->frame, 0, sizeof *frame, frame, error));
     mcv_device_scene_arguments(s->scene, arguments);
-    arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->scene->aims);
-    MCV_TRY(launch(s, MCV_KERNEL_aim_pupils, tile ? (pixels + s->slice - 1) / s->slice : pixels, tile ? 1 : STREAM_GROUP, arguments,
-                   MCV_SCENE_ARGUMENTS + 1, error));
+    arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->scene->pupil_guides);
+    MCV_TRY(launch(s, MCV_KERNEL_guide_pupil, tile ? (pixels + s->slice - 1) / s->slice : pixels,
+                   tile ? 1 : STREAM_GROUP, arguments, MCV_SCENE_ARGUMENTS + 1, error));
     MCV_TRY(mcv_cl_finish(s->cl, error));
     add_times(s, stats);
     return MCV_OK;
@@ -267,22 +303,28 @@ static mcv_result start_light(mcv_schedule *s, const mcv_frame *frame, mcv_error
     arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->scene->splats);
     arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->counters);
     const bool tile = s->kind == MCV_SCHEDULE_TILE;
-    const size_t span = (size_t)s->slice << frame->log2_thinning; /* of one work-item of the tile schedule */
-    return launch(s, MCV_KERNEL_trace_emitter_paths, tile ? (frame->path_count + span - 1) / span : frame->path_count,
+    const size_t span = (size_t)s->slice
+                        << frame->log2_thinning; /* of one work-item of the tile schedule */
+    return launch(s, MCV_KERNEL_trace_emitter_paths,
+                  tile ? (frame->path_count + span - 1) / span : frame->path_count,
                   tile ? 1 : STREAM_GROUP, arguments, MCV_SCENE_ARGUMENTS + 2, error);
 }
 
-mcv_result mcv_schedule_start(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
+mcv_result mcv_schedule_start(mcv_schedule *schedule, const mcv_frame *frame,
+                              mcv_render_stats *stats, mcv_error *error) {
     MCV_TRY(mcv_cl_write(schedule->cl, schedule->scene->frame, 0, sizeof *frame, frame, error));
-    MCV_TRY(schedule->kind == MCV_SCHEDULE_TILE ? start_tile(schedule, frame, error) : start_stream(schedule, frame, stats, error));
+    MCV_TRY(schedule->kind == MCV_SCHEDULE_TILE ? start_tile(schedule, frame, error)
+                                                : start_stream(schedule, frame, stats, error));
     if (!frame->listed) MCV_TRY(start_light(schedule, frame, error));
     MCV_TRY_CL(clFlush(schedule->cl->queue), error);
     return MCV_OK;
 }
 
-mcv_result mcv_schedule_trace_light(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats, mcv_error *error) {
+mcv_result mcv_schedule_trace_light(mcv_schedule *schedule, const mcv_frame *frame,
+                                    mcv_render_stats *stats, mcv_error *error) {
     mcv_schedule *s = schedule;
-    s->counter_sets = s->kind == MCV_SCHEDULE_TILE ? (frame->path_count + s->slice - 1) / s->slice : 1;
+    s->counter_sets =
+        s->kind == MCV_SCHEDULE_TILE ? (frame->path_count + s->slice - 1) / s->slice : 1;
     MCV_TRY(mcv_cl_write(s->cl, s->scene->frame, 0, sizeof *frame, frame, error));
     MCV_TRY(zero(s->cl, s->counters, sizeof(cl_uint) * s->counter_sets * MCV_COUNTER_COUNT, error));
     MCV_TRY(start_light(s, frame, error));

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where lights of a rig stand and how large they are: outside of the camera's view, and as the part's size asks for. */
+/* Where lights of a rig stand and how large they are: outside of the camera's view, and as the
+ * part's size asks for. */
 #include "rig/rig.h"
 
 #include <math.h>
@@ -10,31 +11,45 @@ static double lens_diameter(const mcv_rig *r) {
     return r->directions > 1 ? M_SQRT2 * side : side;
 }
 
-/* From the field, which grows or shrinks towards the lens, and the bundle of rays about each of its points. */
+/* From the field, which grows or shrinks towards the lens, and the bundle of rays about each of its
+ * points. */
 static double widen(const mcv_rig *r, double field, double distance) {
-    if (r->wishes.kind == MCV_RIG_TELECENTRIC) return field + fabs(distance) * r->magnification / r->f_number; /* 2 NA */
+    if (r->wishes.kind == MCV_RIG_TELECENTRIC)
+        return field + fabs(distance) * r->magnification / r->f_number; /* 2 NA */
     const double share = distance / r->working_distance;
     return field * (1 - share) + lens_diameter(r) * fabs(share);
 }
 
-double mcv_rig_view(const mcv_rig *r, double distance) { return widen(r, hypot(r->field[0], r->field[1]), distance); }
+double mcv_rig_view(const mcv_rig *r, double distance) {
+    return widen(r, hypot(r->field[0], r->field[1]), distance);
+}
 
-double mcv_rig_view_side(const mcv_rig *r, int axis, double distance) { return widen(r, r->field[axis], distance); }
+double mcv_rig_view_side(const mcv_rig *r, int axis, double distance) {
+    return widen(r, r->field[axis], distance);
+}
 
 /*
- * Behind the part. Telecentric: a parallel panel whose cone is a little wider than what the camera takes in. Transparent: one whose cone
- * reaches from the field's corner to between the middle and the edge of the lens: it fills most of the J x K directions everywhere, and its
- * edge lies within them, where its shift shows what turns light aside. Else a diffuse panel that fills the view.
+ * Behind the part. Telecentric: a parallel panel whose cone is a little wider than what the camera
+ * takes in. Transparent: one whose cone reaches from the field's corner to between the middle and
+ * the edge of the lens: it fills most of the J x K directions everywhere, and its edge lies within
+ * them, where its shift shows what turns light aside. Else a diffuse panel that fills the view.
  */
 static void behind(mcv_rig *r, mcv_rig_light *light) {
-    const double degrees = 180 / M_PI, corner = 0.5 * hypot(r->field[0], r->field[1]) / r->working_distance;
+    const double degrees = 180 / M_PI,
+                 corner = 0.5 * hypot(r->field[0], r->field[1]) / r->working_distance;
     light->distance = 0.5 * r->depth + 0.5 * r->field[0];
     for (int i = 0; i < 2; ++i)
-        light->size[i] = 1.2 * (r->wishes.kind == MCV_RIG_TELECENTRIC ? r->field[i] : mcv_rig_view_side(r, i, -light->distance));
+        light->size[i] = 1.2 * (r->wishes.kind == MCV_RIG_TELECENTRIC
+                                    ? r->field[i]
+                                    : mcv_rig_view_side(r, i, -light->distance));
     if (r->wishes.kind == MCV_RIG_TELECENTRIC)
-        light->half_angle = fmin(90, mcv_rig_usual(1.2 * degrees * asin(fmin(1, r->magnification / (2 * r->f_number))), true));
+        light->half_angle = fmin(
+            90, mcv_rig_usual(1.2 * degrees * asin(fmin(1, r->magnification / (2 * r->f_number))),
+                              true));
     if (r->wishes.kind == MCV_RIG_TRANSPARENT)
-        light->half_angle = degrees * atan(fmax(1.05 * corner, 0.5 * (corner + 0.5 * lens_diameter(r) / r->working_distance)));
+        light->half_angle =
+            degrees * atan(fmax(1.05 * corner,
+                                0.5 * (corner + 0.5 * lens_diameter(r) / r->working_distance)));
 }
 
 /* A flat ring about the view, half way to the camera. */
@@ -45,9 +60,11 @@ static void around(const mcv_rig *r, mcv_rig_light *light) {
     light->reach = light->distance;
 }
 
-/* A low ring close to the part's front: its band stands 15° above it as seen from the middle, faces it, and spans 7° to 23°. */
+/* A low ring close to the part's front: its band stands 15° above it as seen from the middle, faces
+ * it, and spans 7° to 23°. */
 static void low(const mcv_rig *r, mcv_rig_light *light) {
-    const double radius = mcv_rig_usual(1.3 * 0.5 * fmax(mcv_rig_view(r, 0.5 * r->depth), mcv_rig_view(r, -0.5 * r->depth)), true);
+    const double radius = mcv_rig_usual(
+        1.3 * 0.5 * fmax(mcv_rig_view(r, 0.5 * r->depth), mcv_rig_view(r, -0.5 * r->depth)), true);
     const double elevation = 15, half = 0.15 * radius;
     light->distance = 0.5 * r->depth + radius * tan(elevation * M_PI / 180);
     light->inner = 2 * (radius - half);
@@ -57,9 +74,10 @@ static void low(const mcv_rig *r, mcv_rig_light *light) {
 }
 
 /*
- * A half mirror before the part, a tenth of its height above it. Window and panel are as large as what the camera sees of the panel in a
- * mirror in the part's place: its view, as far behind as the way to the panel is long. A cone keeps the panel's light off the part where it
- * would pass by the mirror.
+ * A half mirror before the part, a tenth of its height above it. Window and panel are as large as
+ * what the camera sees of the panel in a mirror in the part's place: its view, as far behind as the
+ * way to the panel is long. A cone keeps the panel's light off the part where it would pass by the
+ * mirror.
  */
 static void along(const mcv_rig *r, mcv_rig_light *light) {
     light->size[0] = light->size[1] = 0;
@@ -67,19 +85,25 @@ static void along(const mcv_rig *r, mcv_rig_light *light) {
         light->distance = 0.5 * r->depth + 0.6 * light->size[1];
         const double way = light->distance + 0.55 * light->size[1];
         for (int k = 0; k < 2; ++k)
-            light->size[k] = fmin(1.1 * fmax(mcv_rig_view_side(r, k, -way), mcv_rig_view_side(r, k, way)), 10 * r->working_distance);
+            light->size[k] =
+                fmin(1.1 * fmax(mcv_rig_view_side(r, k, -way), mcv_rig_view_side(r, k, way)),
+                     10 * r->working_distance);
     }
     light->half_angle = 30;
     light->reach = light->distance + 0.5 * light->size[1];
 }
 
-/* A dome whose opening lies at the part's front, and three times as wide as its hole: a ninth of its light is missing. */
+/* A dome whose opening lies at the part's front, and three times as wide as its hole: a ninth of
+ * its light is missing. */
 static void over(const mcv_rig *r, mcv_rig_light *light) {
     double radius = 0;
     for (int i = 0; i < 50; ++i) {
         const double top = 0.5 * r->depth + radius;
         light->inner = 1.1 * fmax(mcv_rig_view(r, top), mcv_rig_view(r, 0.5 * r->depth));
-        radius = fmin(0.5 * mcv_rig_usual(fmax(3 * light->inner, 1.5 * hypot(r->across[0], r->across[1])), true), 10 * r->working_distance);
+        radius =
+            fmin(0.5 * mcv_rig_usual(
+                           fmax(3 * light->inner, 1.5 * hypot(r->across[0], r->across[1])), true),
+                 10 * r->working_distance);
     }
     light->outer = 2 * radius;
     light->distance = 0.5 * r->depth;
@@ -87,9 +111,11 @@ static void over(const mcv_rig *r, mcv_rig_light *light) {
 }
 
 void mcv_rig_choose_light(mcv_rig *r) {
-    const bool back = r->wishes.kind == MCV_RIG_TELECENTRIC || r->wishes.kind == MCV_RIG_TRANSPARENT;
+    const bool back =
+        r->wishes.kind == MCV_RIG_TELECENTRIC || r->wishes.kind == MCV_RIG_TRANSPARENT;
     r->light = (mcv_rig_light){.type = r->wishes.light};
-    if (r->light.type == MCV_RIG_LIGHT_AUTO) r->light.type = back ? MCV_RIG_LIGHT_BACKLIGHT : MCV_RIG_LIGHT_RING;
+    if (r->light.type == MCV_RIG_LIGHT_AUTO)
+        r->light.type = back ? MCV_RIG_LIGHT_BACKLIGHT : MCV_RIG_LIGHT_RING;
     switch (r->light.type) {
     case MCV_RIG_LIGHT_RING:
         around(r, &r->light);

@@ -2,7 +2,7 @@
 #include "rig/rig.h"
 
 #include "core/basics.h"
-#include "scene/load.h"
+#include "loader/load.h"
 #include "scene/params.h"
 
 #include <ctype.h>
@@ -15,7 +15,10 @@
 static const struct {
     uint32_t resolution[2], directions;
     double pixel;
-} films[MCV_RIG_KIND_COUNT] = {{{1280, 1024}, 1, 4.8e-6}, {{1280, 1024}, 1, 4.8e-6}, {{160, 128}, 8, 4.8e-6}, {{160, 120}, 9, 4e-6}};
+} films[MCV_RIG_KIND_COUNT] = {{{1280, 1024}, 1, 4.8e-6},
+                               {{1280, 1024}, 1, 4.8e-6},
+                               {{160, 128}, 8, 4.8e-6},
+                               {{160, 120}, 9, 4e-6}};
 
 static const double margin = 1.15; /* field over part */
 
@@ -30,9 +33,12 @@ const char *const mcv_rig_lights[] = {
 #undef MCV_X
 };
 
-/* --- the part --------------------------------------------------------------------------------------------------- */
+/* --- the part
+ * ---------------------------------------------------------------------------------------------------
+ */
 
-static void add_points(mcv_rig *r, const mcv_mesh *mesh, const mcv_transform *to_world, double unit) {
+static void add_points(mcv_rig *r, const mcv_mesh *mesh, const mcv_transform *to_world,
+                       double unit) {
     for (size_t v = 0; v < mesh->vertex_count; ++v) {
         const float *from = mesh->positions + 3 * v;
         double world[3];
@@ -47,7 +53,7 @@ static void add_points(mcv_rig *r, const mcv_mesh *mesh, const mcv_transform *to
 
 static mcv_result read_stl(mcv_rig *r, double unit, mcv_error *error) {
     const char *path = r->wishes.part;
-    const mcv_place place = mcv_place_file(path);
+    const mcv_json_path place = mcv_place_file(path);
     const mcv_transform identity = mcv_transform_identity();
     mcv_bytes bytes;
     uint32_t mesh;
@@ -63,8 +69,9 @@ static mcv_result read_stl(mcv_rig *r, double unit, mcv_error *error) {
     mcv_scene_free(scene);
     if (result == MCV_OK && !r->wishes.unit)
         return mcv_fail(error, MCV_USAGE,
-                        "%s: an .stl file does not tell its unit: the part is %.4g x %.4g x %.4g of it; give --unit, most are in mm", path,
-                        size[0], size[1], size[2]);
+                        "%s: an .stl file does not tell its unit: the part is %.4g x %.4g x %.4g "
+                        "of it; give --unit, most are in mm",
+                        path, size[0], size[1], size[2]);
     return result;
 }
 
@@ -72,9 +79,12 @@ static mcv_result read_gltf(mcv_rig *r, double unit, mcv_error *error) {
     mcv_scene *scene;
     MCV_TRY(mcv_scene_load(r->wishes.part, (mcv_overrides){NULL, 0}, &scene, error));
     for (uint32_t i = 0; i < scene->instance_count; ++i)
-        add_points(r, scene->meshes + scene->instances[i].mesh, &scene->instances[i].to_world, unit);
+        add_points(r, scene->meshes + scene->instances[i].mesh, &scene->instances[i].to_world,
+                   unit);
     mcv_scene_free(scene);
-    return r->triangles ? MCV_OK : mcv_fail(error, MCV_BAD_INPUT, "%s: holds no mesh to look at", r->wishes.part);
+    return r->triangles
+               ? MCV_OK
+               : mcv_fail(error, MCV_BAD_INPUT, "%s: holds no mesh to look at", r->wishes.part);
 }
 
 static mcv_result read_part(mcv_rig *r, mcv_error *error) {
@@ -84,18 +94,24 @@ static mcv_result read_part(mcv_rig *r, mcv_error *error) {
     r->stl = mcv_ends_in(path, ".stl");
     for (int i = 0; i < 3; ++i) r->lower[i] = INFINITY, r->upper[i] = -INFINITY;
     if (!r->stl && !mcv_ends_in(path, ".glb") && !mcv_ends_in(path, ".gltf"))
-        return mcv_fail(error, MCV_USAGE, "%s: must be a .gltf, .glb or .stl file: %s", path, mcv_conversion(path));
+        return mcv_fail(error, MCV_USAGE, "%s: must be a .gltf, .glb or .stl file: %s", path,
+                        mcv_conversion(path));
     if (unit_name) {
         snprintf(one, sizeof one, "1%.16s", unit_name);
-        if (!isalpha((unsigned char)unit_name[0]) || !mcv_parse_quantity(one, MCV_PARAM_length, &unit))
-            return mcv_fail(error, MCV_USAGE, "--unit %s: must be one of nm, um, mm, cm, m, inch", unit_name);
+        if (!isalpha((unsigned char)unit_name[0]) ||
+            !mcv_parse_quantity(one, MCV_PARAM_length, &unit))
+            return mcv_fail(error, MCV_USAGE, "--unit %s: must be one of nm, um, mm, cm, m, inch",
+                            unit_name);
     }
     MCV_TRY(r->stl ? read_stl(r, unit, error) : read_gltf(r, unit, error));
     for (int i = 0; i < 3; ++i) largest = fmax(largest, r->upper[i] - r->lower[i]);
-    return largest > 0 ? MCV_OK : mcv_fail(error, MCV_BAD_INPUT, "%s: all of it is one point", path);
+    return largest > 0 ? MCV_OK
+                       : mcv_fail(error, MCV_BAD_INPUT, "%s: all of it is one point", path);
 }
 
-/* --- its material ----------------------------------------------------------------------------------------------- */
+/* --- its material
+ * -----------------------------------------------------------------------------------------------
+ */
 
 static int index_of(const char *word, const char *const *words) {
     for (int i = 0; words[i]; ++i)
@@ -104,20 +120,28 @@ static int index_of(const char *word, const char *const *words) {
 }
 
 /* Types that need no parameters; diffuse as grey as a part without a wish. */
-static const char *const plain_types[] = {"diffuse", "dielectric", "mirror", "absorber", "retroreflector", "metallicRoughness", NULL};
+static const char *const plain_types[] = {
+    "diffuse", "dielectric", "mirror", "absorber", "retroreflector", "metallicRoughness", NULL};
 
 static mcv_result fail_material(const char *name, mcv_error *error) {
-    const char *const *const lists[] = {mcv_param_options("metal"), mcv_param_options("glass") + 1, plain_types};
+    const char *const *const lists[] = {mcv_param_options("metal"), mcv_param_options("glass") + 1,
+                                        plain_types};
     const char *words[64];
     char list[1024] = "";
     size_t n = 0;
     for (int k = 0; k < 3; ++k)
         for (int i = 0; lists[k][i] && n < 64; ++i) {
             words[n++] = lists[k][i];
-            snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : k ? "; " : "", lists[k][i]);
+            snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s",
+                     i   ? ", "
+                     : k ? "; "
+                         : "",
+                     lists[k][i]);
         }
     const char *nearest = mcv_nearest_word(name, words, n);
-    if (nearest) return mcv_fail(error, MCV_USAGE, "--material %s: there is none: did you mean %s?", name, nearest);
+    if (nearest)
+        return mcv_fail(error, MCV_USAGE, "--material %s: there is none: did you mean %s?", name,
+                        nearest);
     return mcv_fail(error, MCV_USAGE, "--material %s: there is none: known are %s", name, list);
 }
 
@@ -128,7 +152,8 @@ static mcv_result choose_material(mcv_rig *r, mcv_error *error) {
     if (!name && !r->stl) return MCV_OK;
     if (!name) name = r->wishes.kind == MCV_RIG_TRANSPARENT ? "N-BK7" : "diffuse";
     if (index_of(name, mcv_param_options("metal")) >= 0) {
-        snprintf(r->material, room, "{\"type\": \"conductor\", \"metal\": \"%s\", \"roughness\": 0.3}", name);
+        snprintf(r->material, room,
+                 "{\"type\": \"conductor\", \"metal\": \"%s\", \"roughness\": 0.3}", name);
     } else if (index_of(name, mcv_param_options("glass")) > 0) {
         snprintf(r->material, room, "{\"type\": \"dielectric\", \"glass\": \"%s\"}", name);
         clear = true;
@@ -144,7 +169,9 @@ static mcv_result choose_material(mcv_rig *r, mcv_error *error) {
     return MCV_OK;
 }
 
-/* --- the view --------------------------------------------------------------------------------------------------- */
+/* --- the view
+ * ---------------------------------------------------------------------------------------------------
+ */
 
 static mcv_result read_view(const char *text, double direction[3], mcv_error *error) {
     static const char *const words[] = {"right", "left", "top", "bottom", "front", "back", NULL};
@@ -154,17 +181,22 @@ static mcv_result read_view(const char *text, double direction[3], mcv_error *er
     if (word >= 0) return MCV_OK;
     const bool numbers = text[strspn(text, "0123456789.eE+-,")] == '\0';
     // NOLINTNEXTLINE(cert-err34-c): digits only, and what is out of range is not finite
-    if (numbers && sscanf(text, "%lf,%lf,%lf%c", direction, direction + 1, direction + 2, &end) == 3) {
+    if (numbers &&
+        sscanf(text, "%lf,%lf,%lf%c", direction, direction + 1, direction + 2, &end) == 3) {
         const double length = hypot(hypot(direction[0], direction[1]), direction[2]);
         for (int i = 0; i < 3; ++i) direction[i] /= length;
         if (isfinite(length) && length > 0) return MCV_OK;
     }
     const char *nearest = mcv_nearest_word(text, words, 6);
     if (nearest) return mcv_fail(error, MCV_USAGE, "--view %s: did you mean %s?", text, nearest);
-    return mcv_fail(error, MCV_USAGE, "--view %s: must be front, back, left, right, top, bottom, or a direction X,Y,Z from the part", text);
+    return mcv_fail(error, MCV_USAGE,
+                    "--view %s: must be front, back, left, right, top, bottom, or a direction "
+                    "X,Y,Z from the part",
+                    text);
 }
 
-/* Unless the wish says so along the part's shortest side, so that the largest is seen; the longer of what is seen lies horizontally. */
+/* Unless the wish says so along the part's shortest side, so that the largest is seen; the longer
+ * of what is seen lies horizontally. */
 static mcv_result look(mcv_rig *r, mcv_error *error) {
     double size[3], to_camera[3] = {0, 0, 0}, right[3] = {1, 0, 0}, up[3], extent[3] = {0, 0, 0};
     int axis = 2;
@@ -197,7 +229,9 @@ static mcv_result look(mcv_rig *r, mcv_error *error) {
     return MCV_OK;
 }
 
-/* --- the lens --------------------------------------------------------------------------------------------------- */
+/* --- the lens
+ * ---------------------------------------------------------------------------------------------------
+ */
 
 double mcv_rig_usual(double x, bool above) {
     static const double series[] = {1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10};
@@ -218,8 +252,9 @@ static void set_field(mcv_rig *r) {
 }
 
 /*
- * The smallest of the usual f-numbers at which all of the part is blurred by a pixel at most: a depth z from the plane in focus is
- * blurred by z m²/N in the image, to first order. The largest where none is enough.
+ * The smallest of the usual f-numbers at which all of the part is blurred by a pixel at most: a
+ * depth z from the plane in focus is blurred by z m²/N in the image, to first order. The largest
+ * where none is enough.
  */
 static double choose_f_number(const mcv_rig *r) {
     static const double usual[] = {4, 5.6, 8, 11, 16};
@@ -235,42 +270,58 @@ static double choose_f_number(const mcv_rig *r) {
 
 /* The wished magnification, given as such or as the field's width; 0 without. */
 static double wished_magnification(const mcv_rig *r) {
-    return r->wishes.field_of_view > 0 ? film_side(r, 0) / r->wishes.field_of_view : r->wishes.magnification;
+    return r->wishes.field_of_view > 0 ? film_side(r, 0) / r->wishes.field_of_view
+                                       : r->wishes.magnification;
 }
 
 /* `least`: the working distance that the light asks for. */
 static void choose_telecentric(mcv_rig *r, double least) {
-    const double wished = wished_magnification(r), needed[2] = {margin * r->across[0], margin * fmax(r->across[1], 1e-3 * r->across[0])};
-    r->magnification = wished > 0 ? wished : mcv_rig_usual(fmin(film_side(r, 0) / needed[0], film_side(r, 1) / needed[1]), false);
+    const double wished = wished_magnification(r),
+                 needed[2] = {margin * r->across[0],
+                              margin * fmax(r->across[1], 1e-3 * r->across[0])};
+    r->magnification =
+        wished > 0
+            ? wished
+            : mcv_rig_usual(fmin(film_side(r, 0) / needed[0], film_side(r, 1) / needed[1]), false);
     set_field(r);
     const double m = r->magnification;
-    r->working_distance = r->wishes.working_distance > 0 ? r->wishes.working_distance
-                          : r->wishes.focal_length > 0   ? r->wishes.focal_length * (1 + m) / m
-                                                         : mcv_rig_usual(fmax(least, fmax(2 * r->field[0], 2 * r->depth)), true);
+    r->working_distance =
+        r->wishes.working_distance > 0 ? r->wishes.working_distance
+        : r->wishes.focal_length > 0
+            ? r->wishes.focal_length * (1 + m) / m
+            : mcv_rig_usual(fmax(least, fmax(2 * r->field[0], 2 * r->depth)), true);
     r->focal_length = r->working_distance * m / (1 + m);
 }
 
-/* At which a focal length frames the part. The nearest face must fit: the field there is (W - depth/2)/W of that in focus. */
+/* At which a focal length frames the part. The nearest face must fit: the field there is (W -
+ * depth/2)/W of that in focus. */
 static double framing_distance(const mcv_rig *r, double f, double scale) {
-    /* W - depth/2 = scale b with b = W f/(W - f): the larger root of W² - (scale f + f + depth/2) W + f depth/2 = 0. */
+    /* W - depth/2 = scale b with b = W f/(W - f): the larger root of W² - (scale f + f + depth/2) W
+     * + f depth/2 = 0. */
     const double half = 0.5 * r->depth, p = 0.5 * (scale * f + f + half);
     return p + sqrt(fmax(0, p * p - f * half));
 }
 
-/* Whether the camera stands far enough: three fields away for a mild perspective, and where the light leaves it room. */
+/* Whether the camera stands far enough: three fields away for a mild perspective, and where the
+ * light leaves it room. */
 static bool is_far_enough(const mcv_rig *r, double f, double distance, double field, double least) {
     const double lens = f / (distance - f) * distance / choose_f_number(r); /* b/N */
     if (distance < fmax(least, 3 * field + r->depth)) return false;
-    /* The panel lights a cone within the pupil from everywhere in the field if the lens is wider than that (light.c). */
-    return r->wishes.kind != MCV_RIG_TRANSPARENT || lens >= 1.2 * field * hypot(1, film_side(r, 1) / film_side(r, 0));
+    /* The panel lights a cone within the pupil from everywhere in the field if the lens is wider
+     * than that (light.c). */
+    return r->wishes.kind != MCV_RIG_TRANSPARENT ||
+           lens >= 1.2 * field * hypot(1, film_side(r, 1) / film_side(r, 0));
 }
 
 static void choose_entocentric(mcv_rig *r, double least) {
-    static const double usual[] = {4e-3, 6e-3, 8e-3, 12e-3, 16e-3, 25e-3, 35e-3, 50e-3, 75e-3, 100e-3, 150e-3, 200e-3, 300e-3};
+    static const double usual[] = {4e-3,  6e-3,  8e-3,   12e-3,  16e-3,  25e-3, 35e-3,
+                                   50e-3, 75e-3, 100e-3, 150e-3, 200e-3, 300e-3};
     enum { LONGEST = sizeof usual / sizeof usual[0] };
     const int count = r->wishes.kind == MCV_RIG_TRANSPARENT || least > 0 ? LONGEST : LONGEST - 3;
-    const double needed[2] = {margin * r->across[0], margin * fmax(r->across[1], 1e-3 * r->across[0])};
-    const double scale = fmax(needed[0] / film_side(r, 0), needed[1] / film_side(r, 1)), m = wished_magnification(r);
+    const double needed[2] = {margin * r->across[0],
+                              margin * fmax(r->across[1], 1e-3 * r->across[0])};
+    const double scale = fmax(needed[0] / film_side(r, 0), needed[1] / film_side(r, 1)),
+                 m = wished_magnification(r);
     double f = r->wishes.focal_length, distance = r->wishes.working_distance;
     if (distance > 0 && m > 0) f = distance * m / (1 + m);
     if (distance > 0 && !(f > 0)) { /* the longest that frames the part */
@@ -291,33 +342,45 @@ static void choose_entocentric(mcv_rig *r, double least) {
     set_field(r);
 }
 
-/* --- all of it -------------------------------------------------------------------------------------------------- */
+/* --- all of it
+ * --------------------------------------------------------------------------------------------------
+ */
 
 static mcv_result check_wishes(const mcv_rig *r, mcv_error *error) {
     const mcv_rig_wishes *w = &r->wishes;
     const bool scale = w->magnification > 0 || w->field_of_view > 0;
     if (w->magnification > 0 && w->field_of_view > 0)
-        return mcv_fail(error, MCV_USAGE, "--magnification and --field-of-view say the same: give one of them");
+        return mcv_fail(error, MCV_USAGE,
+                        "--magnification and --field-of-view say the same: give one of them");
     if (w->kind == MCV_RIG_TELECENTRIC && w->focal_length > 0 && w->working_distance > 0)
         return mcv_fail(error, MCV_USAGE,
-                        "--focal-length follows from the working distance and the magnification of a telecentric camera: leave it out");
+                        "--focal-length follows from the working distance and the magnification of "
+                        "a telecentric camera: leave it out");
     if (w->kind != MCV_RIG_TELECENTRIC && scale && w->focal_length > 0 && w->working_distance > 0)
-        return mcv_fail(error, MCV_USAGE, "focal length, working distance and magnification depend on each other: give two of them");
-    if (w->kind == MCV_RIG_TRANSPARENT && w->light != MCV_RIG_LIGHT_AUTO && w->light != MCV_RIG_LIGHT_BACKLIGHT)
-        return mcv_fail(error, MCV_USAGE, "--light %s: a transparent part is lit from behind: leave it out, or take another kind",
-                        mcv_rig_lights[w->light]);
+        return mcv_fail(error, MCV_USAGE,
+                        "focal length, working distance and magnification depend on each other: "
+                        "give two of them");
+    if (w->kind == MCV_RIG_TRANSPARENT && w->light != MCV_RIG_LIGHT_AUTO &&
+        w->light != MCV_RIG_LIGHT_BACKLIGHT)
+        return mcv_fail(
+            error, MCV_USAGE,
+            "--light %s: a transparent part is lit from behind: leave it out, or take another kind",
+            mcv_rig_lights[w->light]);
     return MCV_OK;
 }
 
 mcv_result mcv_rig_choose(const mcv_rig_wishes *wishes, mcv_rig *r, mcv_error *error) {
-    *r = (mcv_rig){.wishes = *wishes, .directions = films[wishes->kind].directions, .pixel = films[wishes->kind].pixel};
+    *r = (mcv_rig){.wishes = *wishes,
+                   .directions = films[wishes->kind].directions,
+                   .pixel = films[wishes->kind].pixel};
     MCV_TRY(check_wishes(r, error));
     MCV_TRY(read_part(r, error));
     MCV_TRY(choose_material(r, error));
     MCV_TRY(look(r, error));
     if (wishes->pixel_size > 0) r->pixel = wishes->pixel_size;
     for (int i = 0; i < 2; ++i)
-        r->pixels[i] = r->directions * (wishes->resolution[0] ? wishes->resolution[i] : films[wishes->kind].resolution[i]);
+        r->pixels[i] = r->directions * (wishes->resolution[0] ? wishes->resolution[i]
+                                                              : films[wishes->kind].resolution[i]);
     enum { TRIES = 12 };
     double least = 0;
     for (int i = 0; i < TRIES; ++i) {
@@ -326,17 +389,23 @@ mcv_result mcv_rig_choose(const mcv_rig_wishes *wishes, mcv_rig *r, mcv_error *e
         else
             choose_entocentric(r, least);
         r->f_number = choose_f_number(r);
-        if (!(r->magnification > 1e-6 && r->magnification < 1e4 && r->working_distance - 0.5 * r->depth > r->focal_length))
-            return mcv_fail(
-                error, MCV_BAD_INPUT, "%s: no usual lens sees a part of %.3g m x %.3g m x %.3g m%s: is --unit right, which is %s?",
-                wishes->part, r->across[0], r->across[1], r->depth,
-                wishes->working_distance > 0 || wishes->focal_length > 0 ? " as wished" : "", wishes->unit ? wishes->unit : "m by default");
+        if (!(r->magnification > 1e-6 && r->magnification < 1e4 &&
+              r->working_distance - 0.5 * r->depth > r->focal_length))
+            return mcv_fail(error, MCV_BAD_INPUT,
+                            "%s: no usual lens sees a part of %.3g m x %.3g m x %.3g m%s: is "
+                            "--unit right, which is %s?",
+                            wishes->part, r->across[0], r->across[1], r->depth,
+                            wishes->working_distance > 0 || wishes->focal_length > 0 ? " as wished"
+                                                                                     : "",
+                            wishes->unit ? wishes->unit : "m by default");
         mcv_rig_choose_light(r);
         if (r->light.reach <= r->working_distance) return MCV_OK;
         least = fmin(1.05 * r->light.reach, 1.5 * r->working_distance);
     }
     return mcv_fail(error, MCV_USAGE,
-                    "a %s light for this part reaches %s towards the camera, whose lens is %s away: wish for a larger --f-number, a longer "
+                    "a %s light for this part reaches %s towards the camera, whose lens is %s "
+                    "away: wish for a larger --f-number, a longer "
                     "--working-distance or --focal-length",
-                    mcv_rig_lights[r->light.type], mcv_rig_length(r->light.reach, 3), mcv_rig_length(r->working_distance, 3));
+                    mcv_rig_lights[r->light.type], mcv_rig_length(r->light.reach, 3),
+                    mcv_rig_length(r->working_distance, 3));
 }

@@ -1,20 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A rig around a part: optics of usual sizes that frame it and a light as it would stand on a bench, as a scene for people to read and
- * edit. What is wished is kept, the rest is chosen for the part's size.
+ * A rig around a part: optics of usual sizes that frame it and a light as it would stand on a
+ * bench, as a scene for people to read and edit. What is wished is kept, the rest is chosen for the
+ * part's size.
  */
 #ifndef MCVISI_HOST_RIG_RIG_H
 #define MCVISI_HOST_RIG_RIG_H
 
 #include "mcvisi/mcvisi.h"
 
-/* X(NAME, "word"): kinds of camera; the last is the report's experiment (section 5): light field camera and parallel panel. */
+/* X(NAME, "word"): kinds of camera; the last is the report's experiment (section 5): light field
+ * camera and parallel panel. */
 #define MCV_RIG_KINDS(X) \
-    X(TELECENTRIC, "telecentric") X(ENTOCENTRIC, "entocentric") X(LIGHT_FIELD, "lightfield") X(TRANSPARENT, "transparent")
+    X(TELECENTRIC, "telecentric") \
+    X(ENTOCENTRIC, "entocentric") X(LIGHT_FIELD, "lightfield") X(TRANSPARENT, "transparent")
 
-/* Kinds of light; the first is the usual one of the camera: a ring, or behind the part for telecentric and transparent. */
+/* Kinds of light; the first is the usual one of the camera: a ring, or behind the part for
+ * telecentric and transparent. */
 #define MCV_RIG_LIGHTS(X) \
-    X(AUTO, "auto") X(BACKLIGHT, "backlight") X(RING, "ring") X(DARK_FIELD, "darkfield") X(COAXIAL, "coaxial") X(DOME, "dome")
+    X(AUTO, "auto") \
+    X(BACKLIGHT, "backlight") X(RING, "ring") X(DARK_FIELD, "darkfield") X(COAXIAL, "coaxial") \
+        X(DOME, "dome")
 
 enum {
 #define MCV_X(NAME, word) MCV_RIG_##NAME,
@@ -32,10 +38,11 @@ extern const char *const mcv_rig_lights[MCV_RIG_LIGHT_COUNT];
 /* What a rig shall have; NULL and 0: chosen. Lengths in metres. */
 typedef struct mcv_rig_wishes {
     int kind, light;
-    const char *part;       /* a .stl, .glb or .gltf file */
-    const char *unit;       /* of its lengths, as MCVISI_assets takes it; must be given for .stl */
-    const char *material;   /* a metal, a glass or a type of material, in place of the part's own */
-    const char *view;       /* front, back, left, right, top, bottom (+z, -z, -x, +x, +y, -y), or X,Y,Z: the side that faces the camera */
+    const char *part;     /* a .stl, .glb or .gltf file */
+    const char *unit;     /* of its lengths, as MCVISI_assets takes it; must be given for .stl */
+    const char *material; /* a metal, a glass or a type of material, in place of the part's own */
+    const char *view; /* front, back, left, right, top, bottom (+z, -z, -x, +x, +y, -y), or X,Y,Z:
+                         the side that faces the camera */
     uint32_t resolution[2]; /* pixels of the film; macro pixels of a light field camera */
     double pixel_size, focal_length, magnification, f_number, working_distance;
     double field_of_view; /* width, in the plane in focus */
@@ -57,9 +64,10 @@ typedef struct mcv_rig {
     bool stl;
     double lower[3], upper[3]; /* the part's box */
     uint32_t triangles;
-    double centre[3], across[2], depth; /* of the part, as the camera sees it: the longer side is horizontal */
-    double azimuth, elevation, roll;    /* of the camera [degrees] */
-    uint32_t pixels[2], directions;     /* of the film; of a macro pixel, 1 without */
+    double centre[3], across[2],
+        depth; /* of the part, as the camera sees it: the longer side is horizontal */
+    double azimuth, elevation, roll; /* of the camera [degrees] */
+    uint32_t pixels[2], directions;  /* of the film; of a macro pixel, 1 without */
     double pixel;
     double magnification, focal_length, working_distance, f_number, field[2];
     mcv_rig_light light;
@@ -68,28 +76,33 @@ typedef struct mcv_rig {
 } mcv_rig;
 
 /*
- * Reads the part and chooses. MCV_USAGE for wishes that contradict each other, MCV_BAD_INPUT for a part that cannot be read or that no
- * usual lens sees.
+ * Reads the part and chooses. MCV_USAGE for wishes that contradict each other, MCV_BAD_INPUT for a
+ * part that cannot be read or that no usual lens sees.
  */
 mcv_result mcv_rig_choose(const mcv_rig_wishes *wishes, mcv_rig *rig, mcv_error *error);
 
 /* light.c: the light about the chosen camera. */
 void mcv_rig_choose_light(mcv_rig *rig);
 
-/* The diameter of the view, at a distance from the plane in focus towards the camera (negative: behind it); and its width or height. */
+/* The diameter of the view, at a distance from the plane in focus towards the camera (negative:
+ * behind it); and its width or height. */
 double mcv_rig_view(const mcv_rig *rig, double distance);
 double mcv_rig_view_side(const mcv_rig *rig, int axis, double distance);
 
-/* The next number of the usual series (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 of each decade) at or above x, or at or below it. */
+/* The next number of the usual series (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 of each decade) at or
+ * above x, or at or below it. */
 double mcv_rig_usual(double x, bool above);
 
 /*
- * write.c: writes the rig; NULL: PART-KIND.gltf beside the part. The part must lie in the rig's folder or below it. An existing file that
- * differs is replaced by `force` only (MCV_USAGE); one that does not is left as it is. `path` gets the name, of PATH_MAX bytes.
+ * write.c: writes the rig; NULL: PART-KIND.gltf beside the part. The part must lie in the rig's
+ * folder or below it. An existing file that differs is replaced by `force` only (MCV_USAGE); one
+ * that does not is left as it is. `path` gets the name, of PATH_MAX bytes.
  */
-mcv_result mcv_rig_write(const mcv_rig *rig, const char *output, bool force, char *path, mcv_error *error);
+mcv_result mcv_rig_write(const mcv_rig *rig, const char *output, bool force, char *path,
+                         mcv_error *error);
 
-/* "12.5mm": so many digits in the unit that suits. Three of them are on their way to printf at most. */
+/* "12.5mm": so many digits in the unit that suits. Three of them are on their way to printf at
+ * most. */
 const char *mcv_rig_length(double metres, int digits);
 
 #endif

@@ -3,7 +3,7 @@
 #include "rig/rig.h"
 
 #include "core/basics.h"
-#include "output/file.h"
+#include "core/output_file.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -20,7 +20,11 @@ const char *mcv_rig_length(double metres, int digits) {
     static _Thread_local int next;
     char *text = texts[next++ % 4];
     const char *unit = metres >= 1 ? "m" : metres >= 1e-3 ? "mm" : "um";
-    snprintf(text, sizeof texts[0], "%.*g%s", digits, metres * (metres >= 1 ? 1 : metres >= 1e-3 ? 1e3 : 1e6), unit);
+    snprintf(text, sizeof texts[0], "%.*g%s", digits,
+             metres * (metres >= 1      ? 1
+                       : metres >= 1e-3 ? 1e3
+                                        : 1e6),
+             unit);
     return text;
 }
 
@@ -28,32 +32,50 @@ enum { CHOSEN = 4, GIVEN = 9 }; /* digits of lengths */
 
 static const char *length(double metres) { return mcv_rig_length(metres, CHOSEN); }
 
-/* --- elements --------------------------------------------------------------------------------------------------- */
+/* --- elements
+ * ---------------------------------------------------------------------------------------------------
+ */
 
-static bool is_light_field(const mcv_rig *r) { return r->wishes.kind == MCV_RIG_LIGHT_FIELD || r->wishes.kind == MCV_RIG_TRANSPARENT; }
+static bool is_light_field(const mcv_rig *r) {
+    return r->wishes.kind == MCV_RIG_LIGHT_FIELD || r->wishes.kind == MCV_RIG_TRANSPARENT;
+}
 
 /* Where something of the lens is wished, what follows from it must not be rounded. */
 static int lens_digits(const mcv_rig *r) {
     const mcv_rig_wishes *w = &r->wishes;
-    return w->focal_length > 0 || w->working_distance > 0 || w->magnification > 0 || w->field_of_view > 0 ? GIVEN : CHOSEN;
+    return w->focal_length > 0 || w->working_distance > 0 || w->magnification > 0 ||
+                   w->field_of_view > 0
+               ? GIVEN
+               : CHOSEN;
 }
 
 static void print_sensor(FILE *out, const mcv_rig *r) {
     const mcv_rig_wishes *w = &r->wishes;
     const int digits = lens_digits(r);
     if (w->kind == MCV_RIG_TELECENTRIC)
-        fprintf(out, "{\"name\": \"camera\", \"type\": \"telecentric\", \"magnification\": %.*g, \"workingDistance\": \"%s\", ",
-                digits == GIVEN ? GIVEN : 6, r->magnification, mcv_rig_length(r->working_distance, digits));
+        fprintf(out,
+                "{\"name\": \"camera\", \"type\": \"telecentric\", \"magnification\": %.*g, "
+                "\"workingDistance\": \"%s\", ",
+                digits == GIVEN ? GIVEN : 6, r->magnification,
+                mcv_rig_length(r->working_distance, digits));
     else
-        fprintf(out, "{\"name\": \"camera\", \"type\": \"%s\", \"focalLength\": \"%s\", \"focusDistance\": \"%s\", ",
-                is_light_field(r) ? "lightField" : "thinLens", mcv_rig_length(r->focal_length, digits),
+        fprintf(out,
+                "{\"name\": \"camera\", \"type\": \"%s\", \"focalLength\": \"%s\", "
+                "\"focusDistance\": \"%s\", ",
+                is_light_field(r) ? "lightField" : "thinLens",
+                mcv_rig_length(r->focal_length, digits),
                 mcv_rig_length(r->working_distance, digits));
     if (is_light_field(r))
-        fprintf(out, "\"fNumber\": %g,\n         \"spatialResolution\": [%u, %u], \"angularResolution\": [%u, %u], ", r->f_number,
-                r->pixels[0] / r->directions, r->pixels[1] / r->directions, r->directions, r->directions);
+        fprintf(out,
+                "\"fNumber\": %g,\n         \"spatialResolution\": [%u, %u], "
+                "\"angularResolution\": [%u, %u], ",
+                r->f_number, r->pixels[0] / r->directions, r->pixels[1] / r->directions,
+                r->directions, r->directions);
     else
-        fprintf(out, "\"fNumber\": %g,\n         \"resolution\": [%u, %u], ", r->f_number, r->pixels[0], r->pixels[1]);
-    fprintf(out, "\"pixelSize\": \"%s\", \"radiometry\": \"irradiance\"}", mcv_rig_length(r->pixel, w->pixel_size > 0 ? GIVEN : CHOSEN));
+        fprintf(out, "\"fNumber\": %g,\n         \"resolution\": [%u, %u], ", r->f_number,
+                r->pixels[0], r->pixels[1]);
+    fprintf(out, "\"pixelSize\": \"%s\", \"radiometry\": \"irradiance\"}",
+            mcv_rig_length(r->pixel, w->pixel_size > 0 ? GIVEN : CHOSEN));
 }
 
 static void print_emitter(FILE *out, const mcv_rig *r) {
@@ -61,28 +83,34 @@ static void print_emitter(FILE *out, const mcv_rig *r) {
     fprintf(out, "{\"name\": \"light\", ");
     switch (light->type) {
     case MCV_RIG_LIGHT_BACKLIGHT:
-        fprintf(out, "\"type\": \"%s\", \"size\": [\"%s\", \"%s\"], ", light->half_angle > 0 ? "parallel" : "area", length(light->size[0]),
+        fprintf(out, "\"type\": \"%s\", \"size\": [\"%s\", \"%s\"], ",
+                light->half_angle > 0 ? "parallel" : "area", length(light->size[0]),
                 length(light->size[1]));
         if (light->half_angle > 0) fprintf(out, "\"halfAngle\": \"%.4gdeg\", ", light->half_angle);
         break;
     case MCV_RIG_LIGHT_COAXIAL:
-        fprintf(out, "\"type\": \"coaxial\", \"size\": [\"%s\", \"%s\"], \"halfAngle\": \"%.4gdeg\", ", length(light->size[0]),
-                length(light->size[1]), light->half_angle);
+        fprintf(out,
+                "\"type\": \"coaxial\", \"size\": [\"%s\", \"%s\"], \"halfAngle\": \"%.4gdeg\", ",
+                length(light->size[0]), length(light->size[1]), light->half_angle);
         break;
     case MCV_RIG_LIGHT_DOME:
-        fprintf(out, "\"type\": \"dome\", \"diameter\": \"%s\", \"holeDiameter\": \"%s\", ", length(light->outer), length(light->inner));
+        fprintf(out, "\"type\": \"dome\", \"diameter\": \"%s\", \"holeDiameter\": \"%s\", ",
+                length(light->outer), length(light->inner));
         break;
     default:
-        fprintf(out, "\"type\": \"ring\", \"innerDiameter\": \"%s\", \"outerDiameter\": \"%s\", ", length(light->inner),
-                length(light->outer));
+        fprintf(out, "\"type\": \"ring\", \"innerDiameter\": \"%s\", \"outerDiameter\": \"%s\", ",
+                length(light->inner), length(light->outer));
         if (light->tilt > 0) fprintf(out, "\"tilt\": \"%gdeg\", ", light->tilt);
         break;
     }
     fprintf(out, "\"radiance\": 1}");
 }
 
-static void print_pose(FILE *out, double distance, int digits, double azimuth, double elevation, double roll) {
-    fprintf(out, "\"MCVISI_pose\": {\"target\": \"centre\", \"distance\": \"%s\", \"azimuth\": \"%gdeg\", \"elevation\": \"%gdeg\"",
+static void print_pose(FILE *out, double distance, int digits, double azimuth, double elevation,
+                       double roll) {
+    fprintf(out,
+            "\"MCVISI_pose\": {\"target\": \"centre\", \"distance\": \"%s\", \"azimuth\": "
+            "\"%gdeg\", \"elevation\": \"%gdeg\"",
             mcv_rig_length(distance, digits), azimuth + 0.0, elevation + 0.0); /* + 0: no -0 */
     fprintf(out, ", \"roll\": \"%gdeg\"}", roll);
 }
@@ -100,8 +128,10 @@ static void print_note(FILE *out, const mcv_rig *r) {
     static const char *const lights[MCV_RIG_LIGHT_COUNT] = {
         [MCV_RIG_LIGHT_BACKLIGHT] = "it stands dark before a backlight",
         [MCV_RIG_LIGHT_RING] = "a ring light is about the view",
-        [MCV_RIG_LIGHT_DARK_FIELD] = "a low ring lights it at 7 to 23 degrees, so that edges, scratches and dust shine",
-        [MCV_RIG_LIGHT_COAXIAL] = "light comes along the view by a half mirror, so that flat polished faces shine",
+        [MCV_RIG_LIGHT_DARK_FIELD] =
+            "a low ring lights it at 7 to 23 degrees, so that edges, scratches and dust shine",
+        [MCV_RIG_LIGHT_COAXIAL] =
+            "light comes along the view by a half mirror, so that flat polished faces shine",
         [MCV_RIG_LIGHT_DOME] = "a dome lights it from everywhere, with few highlights and shadows"};
     switch (r->wishes.kind) {
     case MCV_RIG_TELECENTRIC:
@@ -111,17 +141,23 @@ static void print_note(FILE *out, const mcv_rig *r) {
         fprintf(out, "A camera with a thin lens sees the part");
         break;
     default:
-        fprintf(out, "A light field camera, whose macro pixels hold %u x %u directions, sees the part", r->directions, r->directions);
+        fprintf(out,
+                "A light field camera, whose macro pixels hold %u x %u directions, sees the part",
+                r->directions, r->directions);
         break;
     }
     if (r->wishes.kind == MCV_RIG_TRANSPARENT)
-        fprintf(out, " before a parallel panel: what turns light aside shows in `mcvisi lightfield emd-gradient`. ");
+        fprintf(out, " before a parallel panel: what turns light aside shows in `mcvisi lightfield "
+                     "emd-gradient`. ");
     else if (r->wishes.kind == MCV_RIG_TELECENTRIC && r->light.type == MCV_RIG_LIGHT_BACKLIGHT)
-        fprintf(out, " before a backlight: silhouettes that do not grow with nearness, for measuring. ");
+        fprintf(out,
+                " before a backlight: silhouettes that do not grow with nearness, for measuring. ");
     else
         fprintf(out, "; %s. ", lights[r->light.type]);
-    fprintf(out, "The part is %s x %s across and %s deep, ", length(r->across[0]), length(r->across[1]), length(r->depth));
-    fprintf(out, "the field in focus %s x %s. Lengths: metres, or texts with a unit.", length(r->field[0]), length(r->field[1]));
+    fprintf(out, "The part is %s x %s across and %s deep, ", length(r->across[0]),
+            length(r->across[1]), length(r->depth));
+    fprintf(out, "the field in focus %s x %s. Lengths: metres, or texts with a unit.",
+            length(r->field[0]), length(r->field[1]));
 }
 
 static void print_asset(FILE *out, const mcv_rig *r, const char *uri) {
@@ -129,15 +165,20 @@ static void print_asset(FILE *out, const mcv_rig *r, const char *uri) {
     fprintf(out, "{\"name\": \"part\", \"uri\": \"");
     print_uri(out, uri);
     fprintf(out, "\"%s%s%s%s%s}", unit ? ", \"unit\": \"" : "", unit ? unit : "", unit ? "\"" : "",
-            r->material[0] ? ", \"material\": \"part\"" : "", r->needs_normals ? ", \"creaseAngle\": \"30deg\"" : "");
+            r->material[0] ? ", \"material\": \"part\"" : "",
+            r->needs_normals ? ", \"creaseAngle\": \"30deg\"" : "");
 }
 
 static void print_rig(FILE *out, const mcv_rig *r, const char *uri) {
     const bool back = r->light.type == MCV_RIG_LIGHT_BACKLIGHT;
-    fprintf(out, "{\n  \"asset\": {\"version\": \"2.0\", \"generator\": \"mcvisi new %s\", \"extras\": {\"note\": \"",
+    fprintf(out,
+            "{\n  \"asset\": {\"version\": \"2.0\", \"generator\": \"mcvisi new %s\", \"extras\": "
+            "{\"note\": \"",
             mcv_rig_kinds[r->wishes.kind]);
     print_note(out, r);
-    fprintf(out, "\"}},\n  \"extensionsUsed\": [\"MCVISI_sensors\", \"MCVISI_emitters\", \"MCVISI_assets\", \"MCVISI_pose\"%s],\n",
+    fprintf(out,
+            "\"}},\n  \"extensionsUsed\": [\"MCVISI_sensors\", \"MCVISI_emitters\", "
+            "\"MCVISI_assets\", \"MCVISI_pose\"%s],\n",
             r->material[0] ? ", \"MCVISI_materials\"" : "");
     fprintf(out, "  \"extensions\": {\n    \"MCVISI_sensors\": {\n      \"sensors\": [\n        ");
     print_sensor(out, r);
@@ -147,50 +188,75 @@ static void print_rig(FILE *out, const mcv_rig *r, const char *uri) {
     print_asset(out, r, uri);
     fprintf(out, "\n      ]\n    }\n  },\n");
     if (r->material[0])
-        fprintf(out, "  \"materials\": [\n    {\"name\": \"part\", \"extensions\": {\"MCVISI_materials\": %s}}\n  ],\n", r->material);
-    fprintf(out, "  \"scene\": 0,\n  \"scenes\": [\n    {\"nodes\": [0, 1, 2, 3]}\n  ],\n  \"nodes\": [\n");
-    fprintf(out, "    {\"name\": \"part\", \"extensions\": {\"MCVISI_assets\": {\"asset\": 0}}},\n");
-    fprintf(out, "    {\"name\": \"centre\", \"translation\": [%.9g, %.9g, %.9g], ", r->centre[0], r->centre[1], r->centre[2]);
-    fprintf(out, "\"extras\": {\"note\": \"The middle of the part, at which camera and light look.\"}},\n");
-    fprintf(out, "    {\"name\": \"camera\", \"extensions\": {\"MCVISI_sensors\": {\"sensor\": 0}, ");
+        fprintf(out,
+                "  \"materials\": [\n    {\"name\": \"part\", \"extensions\": "
+                "{\"MCVISI_materials\": %s}}\n  ],\n",
+                r->material);
+    fprintf(
+        out,
+        "  \"scene\": 0,\n  \"scenes\": [\n    {\"nodes\": [0, 1, 2, 3]}\n  ],\n  \"nodes\": [\n");
+    fprintf(out,
+            "    {\"name\": \"part\", \"extensions\": {\"MCVISI_assets\": {\"asset\": 0}}},\n");
+    fprintf(out, "    {\"name\": \"centre\", \"translation\": [%.9g, %.9g, %.9g], ", r->centre[0],
+            r->centre[1], r->centre[2]);
+    fprintf(
+        out,
+        "\"extras\": {\"note\": \"The middle of the part, at which camera and light look.\"}},\n");
+    fprintf(out,
+            "    {\"name\": \"camera\", \"extensions\": {\"MCVISI_sensors\": {\"sensor\": 0}, ");
     print_pose(out, r->working_distance, lens_digits(r), r->azimuth, r->elevation, r->roll);
-    fprintf(out, "}},\n    {\"name\": \"light\", \"extensions\": {\"MCVISI_emitters\": {\"emitter\": 0}, ");
-    print_pose(out, r->light.distance, CHOSEN, back && fabs(r->elevation) < 90 ? r->azimuth - 180 : r->azimuth,
+    fprintf(
+        out,
+        "}},\n    {\"name\": \"light\", \"extensions\": {\"MCVISI_emitters\": {\"emitter\": 0}, ");
+    print_pose(out, r->light.distance, CHOSEN,
+               back && fabs(r->elevation) < 90 ? r->azimuth - 180 : r->azimuth,
                back ? -r->elevation : r->elevation, r->roll);
     fprintf(out, "}}\n  ]\n}\n");
 }
 
-/* --- files ------------------------------------------------------------------------------------------------------ */
+/* --- files
+ * ------------------------------------------------------------------------------------------------------
+ */
 
 static mcv_result plan_output(const mcv_rig *r, const char *output, char *path, mcv_error *error) {
     const char *part = r->wishes.part, *dot = strrchr(part, '.');
     const int stem = (int)(dot ? dot - part : (long)strlen(part));
     const int length_of = output ? snprintf(path, PATH_MAX, "%s", output)
-                                 : snprintf(path, PATH_MAX, "%.*s-%s.gltf", stem, part, mcv_rig_kinds[r->wishes.kind]);
-    if (length_of >= PATH_MAX) return mcv_fail(error, MCV_USAGE, "the path of the rig is longer than %d bytes", PATH_MAX);
-    if (!mcv_ends_in(path, ".gltf")) return mcv_fail(error, MCV_USAGE, "%s: the name of a rig must end in .gltf", path);
-    if (mcv_same_file(path, part)) return mcv_fail(error, MCV_USAGE, "%s is the part: give the rig another name", path);
+                                 : snprintf(path, PATH_MAX, "%.*s-%s.gltf", stem, part,
+                                            mcv_rig_kinds[r->wishes.kind]);
+    if (length_of >= PATH_MAX)
+        return mcv_fail(error, MCV_USAGE, "the path of the rig is longer than %d bytes", PATH_MAX);
+    if (!mcv_ends_in(path, ".gltf"))
+        return mcv_fail(error, MCV_USAGE, "%s: the name of a rig must end in .gltf", path);
+    if (mcv_same_file(path, part))
+        return mcv_fail(error, MCV_USAGE, "%s is the part: give the rig another name", path);
     return mcv_output_check(path, error);
 }
 
-/* The part's path from the rig's folder, in or below which it must lie: a rig and its parts move together. */
-static mcv_result find_uri(const char *rig_path, const char *part_path, char uri[PATH_MAX], mcv_error *error) {
+/* The part's path from the rig's folder, in or below which it must lie: a rig and its parts move
+ * together. */
+static mcv_result find_uri(const char *rig_path, const char *part_path, char uri[PATH_MAX],
+                           mcv_error *error) {
     char copy[PATH_MAX], folder[PATH_MAX], file[PATH_MAX];
     snprintf(copy, sizeof copy, "%s", rig_path);
-    if (!realpath(part_path, file)) return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", part_path, strerror(errno));
-    if (!realpath(dirname(copy), folder)) return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", rig_path, strerror(errno));
+    if (!realpath(part_path, file))
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", part_path, strerror(errno));
+    if (!realpath(dirname(copy), folder))
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", rig_path, strerror(errno));
     size_t start = strlen(folder);
     if (start > 1) ++start; /* but for the root, the slash comes behind it */
     if (strncmp(file, folder, start - 1) != 0 || file[start - 1] != '/')
         return mcv_fail(error, MCV_USAGE,
-                        "%s does not lie in the folder of %s or below it: copy it there, or write the rig beside it by -o", part_path,
-                        rig_path);
+                        "%s does not lie in the folder of %s or below it: copy it there, or write "
+                        "the rig beside it by -o",
+                        part_path, rig_path);
     snprintf(uri, PATH_MAX, "%s", file + start);
     return MCV_OK;
 }
 
 /* What people have edited is not written over by a second `new`. */
-static mcv_result replace(const char *path, const char *text, size_t size, bool force, mcv_error *error) {
+static mcv_result replace(const char *path, const char *text, size_t size, bool force,
+                          mcv_error *error) {
     uint8_t *old;
     size_t old_size;
     if (!force && access(path, F_OK) == 0) {
@@ -198,13 +264,16 @@ static mcv_result replace(const char *path, const char *text, size_t size, bool 
         const bool same = old_size == size && memcmp(old, text, size) == 0;
         free(old);
         if (same) return MCV_OK;
-        return mcv_fail(error, MCV_USAGE, "%s exists and holds something else, perhaps edited: --force replaces it, -o takes another name",
+        return mcv_fail(error, MCV_USAGE,
+                        "%s exists and holds something else, perhaps edited: --force replaces it, "
+                        "-o takes another name",
                         path);
     }
     return mcv_output_whole(path, text, size, error);
 }
 
-mcv_result mcv_rig_write(const mcv_rig *r, const char *output, bool force, char *path, mcv_error *error) {
+mcv_result mcv_rig_write(const mcv_rig *r, const char *output, bool force, char *path,
+                         mcv_error *error) {
     char uri[PATH_MAX] = "", *text = NULL;
     size_t size = 0;
     MCV_TRY(plan_output(r, output, path, error));
@@ -213,8 +282,9 @@ mcv_result mcv_rig_write(const mcv_rig *r, const char *output, bool force, char 
     if (!stream) return mcv_fail(error, MCV_FAILED, "%s: no memory to write it", path);
     print_rig(stream, r, uri);
     const bool written = fclose(stream) == 0;
-    const mcv_result result =
-        written ? replace(path, text, size, force, error) : mcv_fail(error, MCV_FAILED, "%s: no memory to write it", path);
+    const mcv_result result = written
+                                  ? replace(path, text, size, force, error)
+                                  : mcv_fail(error, MCV_FAILED, "%s: no memory to write it", path);
     free(text);
     return result;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "scene/camera_model.h"
 
-#include "scene/json.h"
+#include "core/json.h"
 #include "scene/sensors.h"
 #include "scene/transform.h"
 
@@ -10,7 +10,8 @@
 
 static const char format[] = "mcvisi camera model 1";
 
-/* --- from a sensor ---------------------------------------------------------------------------------------------- */
+/* --- from a sensor
+ * ---------------------------------------------------------------------------------------------- */
 
 /* R and t: to the optical frame with y down. */
 static void place(const mcv_transform *to_world, mcv_camera_model *model) {
@@ -35,20 +36,24 @@ static double image_distance(const mcv_sensor *sensor) {
 static mcv_result copy_frames(const mcv_scene *scene, mcv_camera_model *model, mcv_error *error) {
     const uint32_t count = scene->frame_count;
     model->nodes = calloc((size_t)count + 1, sizeof *model->nodes);
-    if (!model->nodes) return mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model", scene->path);
+    if (!model->nodes)
+        return mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model", scene->path);
     for (int of_asset = 0; of_asset < 2; ++of_asset)
         for (uint32_t i = 0; i < count; ++i) {
             if (scene->frames[i].of_asset != (of_asset != 0)) continue;
             mcv_placement *frame = model->nodes + model->node_count;
             *frame = scene->frames[i];
             frame->name = strdup(scene->frames[i].name);
-            if (!frame->name) return mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model", scene->path);
+            if (!frame->name)
+                return mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model",
+                                scene->path);
             ++model->node_count;
         }
     return MCV_OK;
 }
 
-mcv_result mcv_camera_model_of(const mcv_scene *scene, const mcv_sensor *sensor, mcv_camera_model *model, mcv_error *error) {
+mcv_result mcv_camera_model_of(const mcv_scene *scene, const mcv_sensor *sensor,
+                               mcv_camera_model *model, mcv_error *error) {
     const mcv_readout readout = mcv_sensor_readout(sensor);
     const mcv_optics optics = mcv_sensor_optics(sensor);
     const bool sharp = optics.magnification > 0;
@@ -66,16 +71,19 @@ mcv_result mcv_camera_model_of(const mcv_scene *scene, const mcv_sensor *sensor,
         model->macro[i] = readout.angular[i];
         model->pixel[i] = readout.pitch[i] * readout.binning[i];
         model->object_pixel[i] = sharp ? model->pixel[i] / optics.magnification : 0;
-        centre[i] = readout.angular[i] * (readout.centre[i] - readout.first[i]) / readout.binning[i];
+        centre[i] =
+            readout.angular[i] * (readout.centre[i] - readout.first[i]) / readout.binning[i];
         focal[i] = readout.angular[i] * image_distance(sensor) / model->pixel[i];
     }
     if (model->telecentric) {
         for (int i = 0; i < 2; ++i) {
-            for (int j = 0; j < 3; ++j) model->affine[4 * i + j] = model->rotation[3 * i + j] / model->object_pixel[i];
+            for (int j = 0; j < 3; ++j)
+                model->affine[4 * i + j] = model->rotation[3 * i + j] / model->object_pixel[i];
             model->affine[4 * i + 3] = model->translation[i] / model->object_pixel[i] + centre[i];
         }
     } else {
-        memcpy(model->k, (const double[9]){focal[0], 0, centre[0], 0, focal[1], centre[1], 0, 0, 1}, sizeof model->k);
+        memcpy(model->k, (const double[9]){focal[0], 0, centre[0], 0, focal[1], centre[1], 0, 0, 1},
+               sizeof model->k);
     }
     const mcv_result result = copy_frames(scene, model, error);
     if (result != MCV_OK) mcv_camera_model_free(model);
@@ -92,7 +100,9 @@ void mcv_camera_model_free(mcv_camera_model *model) {
 bool mcv_camera_model_fit(mcv_camera_model *model, uint32_t width, uint32_t height) {
     const uint32_t size[2] = {width, height};
     if (width == model->size[0] && height == model->size[1]) return true;
-    if ((uint64_t)width * model->macro[0] != model->size[0] || (uint64_t)height * model->macro[1] != model->size[1]) return false;
+    if ((uint64_t)width * model->macro[0] != model->size[0] ||
+        (uint64_t)height * model->macro[1] != model->size[1])
+        return false;
     for (int i = 0; i < 2; ++i) {
         model->k[4 * i] /= model->macro[i];
         model->k[3 * i + 2] /= model->macro[i];
@@ -102,7 +112,9 @@ bool mcv_camera_model_fit(mcv_camera_model *model, uint32_t width, uint32_t heig
     return true;
 }
 
-/* --- projection ------------------------------------------------------------------------------------------------- */
+/* --- projection
+ * -------------------------------------------------------------------------------------------------
+ */
 
 static void to_camera(const mcv_camera_model *model, const double world[3], double p[3]) {
     for (int i = 0; i < 3; ++i) {
@@ -111,7 +123,8 @@ static void to_camera(const mcv_camera_model *model, const double world[3], doub
     }
 }
 
-bool mcv_camera_model_project(const mcv_camera_model *model, const double world[3], double pixel[2]) {
+bool mcv_camera_model_project(const mcv_camera_model *model, const double world[3],
+                              double pixel[2]) {
     double p[3];
     to_camera(model, world, p);
     if (!model->telecentric && !(p[2] > 0)) return false;
@@ -130,49 +143,66 @@ double mcv_camera_model_depth(const mcv_camera_model *model, const double world[
 }
 
 void mcv_camera_model_scale(const mcv_camera_model *model, double depth, double per_metre[2]) {
-    for (int i = 0; i < 2; ++i) per_metre[i] = model->telecentric ? 1 / model->object_pixel[i] : model->k[4 * i] / depth;
+    for (int i = 0; i < 2; ++i)
+        per_metre[i] = model->telecentric ? 1 / model->object_pixel[i] : model->k[4 * i] / depth;
 }
 
-void mcv_camera_model_unproject(const mcv_camera_model *model, const double pixel[2], double depth, double world[3]) {
+void mcv_camera_model_unproject(const mcv_camera_model *model, const double pixel[2], double depth,
+                                double world[3]) {
     double p[3] = {0, 0, depth};
     for (int i = 0; i < 2; ++i) {
         /* A (X, 1) = p / object_pixel + c: the centre is what is left of the last column. */
         const double centre =
-            model->telecentric ? model->affine[4 * i + 3] - model->translation[i] / model->object_pixel[i] : model->k[3 * i + 2];
-        p[i] = model->telecentric ? (pixel[i] - centre) * model->object_pixel[i] : (pixel[i] - centre) / model->k[4 * i] * depth;
+            model->telecentric
+                ? model->affine[4 * i + 3] - model->translation[i] / model->object_pixel[i]
+                : model->k[3 * i + 2];
+        p[i] = model->telecentric ? (pixel[i] - centre) * model->object_pixel[i]
+                                  : (pixel[i] - centre) / model->k[4 * i] * depth;
     }
     for (int j = 0; j < 3; ++j) {
         world[j] = 0;
-        for (int i = 0; i < 3; ++i) world[j] += model->rotation[3 * i + j] * (p[i] - model->translation[i]);
+        for (int i = 0; i < 3; ++i)
+            world[j] += model->rotation[3 * i + j] * (p[i] - model->translation[i]);
     }
 }
 
 /* How many nodes have the name, of the rig or of its assets; *frame is the last. */
-static uint32_t count_named(const mcv_camera_model *model, const char *name, bool of_asset, const mcv_placement **frame) {
+static uint32_t count_named(const mcv_camera_model *model, const char *name, bool of_asset,
+                            const mcv_placement **frame) {
     uint32_t count = 0;
     for (uint32_t i = 0; i < model->node_count; ++i) {
-        if (model->nodes[i].of_asset != of_asset || strcmp(model->nodes[i].name, name) != 0) continue;
+        if (model->nodes[i].of_asset != of_asset || strcmp(model->nodes[i].name, name) != 0)
+            continue;
         *frame = model->nodes + i;
         ++count;
     }
     return count;
 }
 
-mcv_result mcv_camera_model_node(const mcv_camera_model *model, const char *name, const char *what, const mcv_placement **frame,
-                                 mcv_error *error) {
-    const uint32_t rigs = count_named(model, name, false, frame), found = rigs ? rigs : count_named(model, name, true, frame);
+mcv_result mcv_camera_model_node(const mcv_camera_model *model, const char *name, const char *what,
+                                 const mcv_placement **frame, mcv_error *error) {
+    const uint32_t rigs = count_named(model, name, false, frame),
+                   found = rigs ? rigs : count_named(model, name, true, frame);
     if (found == 1) return MCV_OK;
-    if (found > 1) return mcv_fail(error, MCV_USAGE, "%s: %u nodes are called \"%s\": give them names of their own", what, found, name);
+    if (found > 1)
+        return mcv_fail(error, MCV_USAGE,
+                        "%s: %u nodes are called \"%s\": give them names of their own", what, found,
+                        name);
     const char **names = calloc((size_t)model->node_count + 1, sizeof *names);
     for (uint32_t i = 0; names && i < model->node_count; ++i) names[i] = model->nodes[i].name;
     const char *nearest = names ? mcv_nearest_word(name, names, model->node_count) : NULL;
     free((void *)names);
-    if (nearest) return mcv_fail(error, MCV_USAGE, "%s: there is no node \"%s\"; did you mean \"%s\"?", what, name, nearest);
-    return mcv_fail(error, MCV_USAGE, "%s: there is no node \"%s\" among the %u that it names%s", what, name, model->node_count,
+    if (nearest)
+        return mcv_fail(error, MCV_USAGE, "%s: there is no node \"%s\"; did you mean \"%s\"?", what,
+                        name, nearest);
+    return mcv_fail(error, MCV_USAGE, "%s: there is no node \"%s\" among the %u that it names%s",
+                    what, name, model->node_count,
                     model->node_count == MCV_CAMERA_MODEL_NODES ? ": --scene knows all" : "");
 }
 
-/* --- JSON ------------------------------------------------------------------------------------------------------- */
+/* --- JSON
+ * -------------------------------------------------------------------------------------------------------
+ */
 
 static void put_numbers(json_t *object, const char *key, const double *values, size_t count) {
     json_t *array = json_array();
@@ -180,11 +210,13 @@ static void put_numbers(json_t *object, const char *key, const double *values, s
     json_object_set_new(object, key, array);
 }
 
-static void put_matrix(json_t *object, const char *key, const double *values, size_t rows, size_t columns) {
+static void put_matrix(json_t *object, const char *key, const double *values, size_t rows,
+                       size_t columns) {
     json_t *matrix = json_array();
     for (size_t i = 0; i < rows; ++i) {
         json_t *row = json_array();
-        for (size_t j = 0; j < columns; ++j) json_array_append_new(row, json_real(values[columns * i + j]));
+        for (size_t j = 0; j < columns; ++j)
+            json_array_append_new(row, json_real(values[columns * i + j]));
         json_array_append_new(matrix, row);
     }
     json_object_set_new(object, key, matrix);
@@ -225,7 +257,9 @@ static void put_render_error(json_t *object, const mcv_render_error *e) {
     put_number(render, "freedom", e->freedom);
     for (size_t i = 0; i < count; ++i) {
         json_array_append_new(lists[0], json_integer((json_int_t)e->items[i].level));
-        for (int k = 0; k < 2; ++k) json_array_append_new(lists[1 + k], json_integer(llround(error_steps * e->items[i].errors[k])));
+        for (int k = 0; k < 2; ++k)
+            json_array_append_new(lists[1 + k],
+                                  json_integer(llround(error_steps * e->items[i].errors[k])));
     }
     json_object_set_new(render, "level", lists[0]);
     json_object_set_new(render, "milliBelow", lists[1]);
@@ -236,7 +270,8 @@ static void put_render_error(json_t *object, const mcv_render_error *e) {
 char *mcv_camera_model_write(const mcv_camera_model *model) {
     json_t *object = json_object(), *nodes = json_array();
     json_object_set_new(object, "format", json_string(format));
-    json_object_set_new(object, "model", json_string(model->telecentric ? "telecentric" : "perspective"));
+    json_object_set_new(object, "model",
+                        json_string(model->telecentric ? "telecentric" : "perspective"));
     json_object_set_new(object, "pixels", json_string("from the top-left corner of the image"));
     put_numbers(object, "centreOfFirstPixel", (const double[]){0.5, 0.5}, 2);
     json_object_set_new(object, "axes", json_string("x right, y down, z forward; metres"));
@@ -257,7 +292,8 @@ char *mcv_camera_model_write(const mcv_camera_model *model) {
     put_number(object, "blackLevel", model->black_level);
     put_number(object, "gain", model->gain);
     if (model->render_error.items) put_render_error(object, &model->render_error);
-    for (uint32_t i = 0; i < model->node_count && i < MCV_CAMERA_MODEL_NODES; ++i) json_array_append_new(nodes, node_of(model->nodes + i));
+    for (uint32_t i = 0; i < model->node_count && i < MCV_CAMERA_MODEL_NODES; ++i)
+        json_array_append_new(nodes, node_of(model->nodes + i));
     json_object_set_new(object, "nodes", nodes);
     char *text = json_dumps(object, JSON_COMPACT | JSON_ENSURE_ASCII | JSON_REAL_PRECISION(17));
     json_decref(object);
@@ -265,9 +301,9 @@ char *mcv_camera_model_write(const mcv_camera_model *model) {
 }
 
 /* A member that must be there: an array of arrays, or of numbers where there is one row. */
-static mcv_result get_matrix(const json_t *object, const char *key, size_t rows, size_t columns, double *out, const mcv_place *where,
-                             mcv_error *error) {
-    const mcv_place here = mcv_place_key(where, key);
+static mcv_result get_matrix(const json_t *object, const char *key, size_t rows, size_t columns,
+                             double *out, const mcv_json_path *where, mcv_error *error) {
+    const mcv_json_path here = mcv_json_path_key(where, key);
     const json_t *matrix = json_object_get(object, key);
     bool right = json_array_size(matrix) == (rows == 1 ? columns : rows);
     for (size_t i = 0; right && i < rows; ++i) {
@@ -283,15 +319,17 @@ static mcv_result get_matrix(const json_t *object, const char *key, size_t rows,
     return mcv_fail_at(&here, error, "must be %zu x %zu numbers", rows, columns);
 }
 
-static mcv_result get_number(const json_t *object, const char *key, double absent, double *out, const mcv_place *where, mcv_error *error) {
+static mcv_result get_number(const json_t *object, const char *key, double absent, double *out,
+                             const mcv_json_path *where, mcv_error *error) {
     *out = absent;
     return mcv_json_number(object, key, -DBL_MAX, DBL_MAX, out, where, error);
 }
 
 /* Two whole numbers, or 1 and 1. */
-static mcv_result get_pair(const json_t *object, const char *key, uint32_t out[2], const mcv_place *where, mcv_error *error) {
+static mcv_result get_pair(const json_t *object, const char *key, uint32_t out[2],
+                           const mcv_json_path *where, mcv_error *error) {
     double pair[2] = {1, 1};
-    const mcv_place here = mcv_place_key(where, key);
+    const mcv_json_path here = mcv_json_path_key(where, key);
     MCV_TRY(mcv_json_numbers(object, key, 2, 1, 1 << 24, pair, where, error));
     for (int i = 0; i < 2; ++i) {
         if (pair[i] != floor(pair[i])) return mcv_fail_at(&here, error, "must be whole numbers");
@@ -300,21 +338,23 @@ static mcv_result get_pair(const json_t *object, const char *key, uint32_t out[2
     return MCV_OK;
 }
 
-static mcv_result get_lengths(const json_t *object, const char *key, double out[2], const mcv_place *where, mcv_error *error) {
-    const mcv_place here = mcv_place_key(where, key);
+static mcv_result get_lengths(const json_t *object, const char *key, double out[2],
+                              const mcv_json_path *where, mcv_error *error) {
+    const mcv_json_path here = mcv_json_path_key(where, key);
     MCV_TRY(get_matrix(object, key, 1, 2, out, where, error));
     return out[0] > 0 && out[1] > 0 ? MCV_OK : mcv_fail_at(&here, error, "must be lengths above 0");
 }
 
-static mcv_result get_nodes(const json_t *object, mcv_camera_model *model, const mcv_place *where, mcv_error *error) {
-    const mcv_place list = mcv_place_key(where, "nodes");
+static mcv_result get_nodes(const json_t *object, mcv_camera_model *model,
+                            const mcv_json_path *where, mcv_error *error) {
+    const mcv_json_path list = mcv_json_path_key(where, "nodes");
     const json_t *nodes = json_object_get(object, "nodes"), *node;
     size_t i;
     if (!json_is_array(nodes)) return mcv_fail_at(&list, error, "must be an array");
     model->nodes = calloc(json_array_size(nodes) + 1, sizeof *model->nodes);
     if (!model->nodes) return mcv_fail_memory(where, error);
     json_array_foreach(nodes, i, node) {
-        const mcv_place here = mcv_place_index(&list, i);
+        const mcv_json_path here = mcv_place_index(&list, i);
         double matrix[12] = {0};
         mcv_placement *frame = model->nodes + model->node_count;
         MCV_TRY(get_matrix(node, "toWorld", 3, 4, matrix, &here, error));
@@ -330,8 +370,9 @@ static mcv_result get_nodes(const json_t *object, mcv_camera_model *model, const
     return MCV_OK;
 }
 
-static mcv_result get_render_error(const json_t *object, mcv_render_error *out, const mcv_place *where, mcv_error *error) {
-    const mcv_place here = mcv_place_key(where, "renderError");
+static mcv_result get_render_error(const json_t *object, mcv_render_error *out,
+                                   const mcv_json_path *where, mcv_error *error) {
+    const mcv_json_path here = mcv_json_path_key(where, "renderError");
     json_t *render = NULL;
     double channels = 0;
     if (!json_object_get(object, "renderError")) return MCV_OK;
@@ -342,25 +383,31 @@ static mcv_result get_render_error(const json_t *object, mcv_render_error *out, 
     MCV_TRY(get_number(render, "freedom", 0, &out->freedom, &here, error));
     /* Before there is memory for them: as many as the text has. */
     const size_t count = json_array_size(json_object_get(render, "level"));
-    if (!(channels >= 1 && channels <= 1 << 12) || count != (uint64_t)out->cells[0] * out->cells[1] * (uint64_t)channels)
+    if (!(channels >= 1 && channels <= 1 << 12) ||
+        count != (uint64_t)out->cells[0] * out->cells[1] * (uint64_t)channels)
         return mcv_fail_at(&here, error, "must have a level for each of cells x channels");
     out->channels = (uint32_t)channels;
     double *lists = calloc(3 * count, sizeof *lists);
     mcv_error_cell *items = calloc(count, sizeof *items);
     mcv_result result = lists && items ? MCV_OK : mcv_fail_memory(where, error);
     if (result == MCV_OK) result = get_matrix(render, "level", 1, count, lists, &here, error);
-    if (result == MCV_OK) result = get_matrix(render, "milliBelow", 1, count, lists + count, &here, error);
-    if (result == MCV_OK) result = get_matrix(render, "milliAbove", 1, count, lists + 2 * count, &here, error);
+    if (result == MCV_OK)
+        result = get_matrix(render, "milliBelow", 1, count, lists + count, &here, error);
+    if (result == MCV_OK)
+        result = get_matrix(render, "milliAbove", 1, count, lists + 2 * count, &here, error);
     for (size_t i = 0; result == MCV_OK && i < count; ++i)
-        items[i] = (mcv_error_cell){lists[i], {lists[count + i] / error_steps, lists[2 * count + i] / error_steps}};
+        items[i] = (mcv_error_cell){
+            lists[i], {lists[count + i] / error_steps, lists[2 * count + i] / error_steps}};
     free(lists);
     out->items = result == MCV_OK ? items : NULL;
     if (result != MCV_OK) free(items);
     return result;
 }
 
-static mcv_result get_all(const json_t *object, mcv_camera_model *model, const mcv_place *where, mcv_error *error) {
-    const mcv_place kind_place = mcv_place_key(where, "model"), size = mcv_place_key(where, "size");
+static mcv_result get_all(const json_t *object, mcv_camera_model *model, const mcv_json_path *where,
+                          mcv_error *error) {
+    const mcv_json_path kind_place = mcv_json_path_key(where, "model"),
+                        size = mcv_json_path_key(where, "size");
     const char *kind = "";
     MCV_TRY(mcv_json_string(object, "model", &kind, where, error));
     model->telecentric = strcmp(kind, "telecentric") == 0;
@@ -386,10 +433,12 @@ static mcv_result get_all(const json_t *object, mcv_camera_model *model, const m
     return get_nodes(object, model, where, error);
 }
 
-mcv_result mcv_camera_model_read(const char *text, const char *path, mcv_camera_model *model, bool *is_one, mcv_error *error) {
+mcv_result mcv_camera_model_read(const char *text, const char *path, mcv_camera_model *model,
+                                 bool *is_one, mcv_error *error) {
     json_t *object = text ? json_loads(text, 0, NULL) : NULL;
     const char *said = json_string_value(json_object_get(object, "format"));
-    const mcv_place file = mcv_place_file(path), where = mcv_place_key(&file, MCV_CAMERA_MODEL_KEY);
+    const mcv_json_path file = mcv_place_file(path),
+                        where = mcv_json_path_key(&file, MCV_CAMERA_MODEL_KEY);
     *model = (mcv_camera_model){0};
     *is_one = said && strcmp(said, format) == 0;
     const mcv_result result = *is_one ? get_all(object, model, &where, error) : MCV_OK;

@@ -8,43 +8,54 @@
 
 double mcv_emitter_half_angle(const mcv_emitter *emitter) {
     if (emitter->type == MCV_EMITTER_PARALLEL) return emitter->as.parallel.halfAngle;
-    if (emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR) return emitter->as.telecentric_projector.halfAngle;
+    if (emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR)
+        return emitter->as.telecentric_projector.halfAngle;
     return (double)NAN;
 }
 
 bool mcv_emitter_has_surface(uint32_t type) {
-    return type != MCV_EMITTER_ENVIRONMENT && type != MCV_EMITTER_POINT && type != MCV_EMITTER_SPOT && type != MCV_EMITTER_DIRECTIONAL;
+    return type != MCV_EMITTER_ENVIRONMENT && type != MCV_EMITTER_POINT &&
+           type != MCV_EMITTER_SPOT && type != MCV_EMITTER_DIRECTIONAL;
 }
 
-mcv_result mcv_emitter_check(mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_emitter_check(mcv_emitter *emitter, const mcv_json_path *place, mcv_error *error) {
     if (mcv_emitter_half_angle(emitter) == 0) {
-        const mcv_place here = mcv_place_key(place, "halfAngle");
-        return mcv_fail_at(&here, error, "0 would be a collimated beam: use the type \"collimatedBeam\", or give an angle above 0");
+        const mcv_json_path here = mcv_json_path_key(place, "halfAngle");
+        return mcv_fail_at(&here, error,
+                           "0 would be a collimated beam: use the type \"collimatedBeam\", or give "
+                           "an angle above 0");
     }
     MCV_TRY(mcv_params_check(mcv_emitter_table(emitter->type), &emitter->as, place, error));
     if (emitter->type == MCV_EMITTER_PROJECTOR) {
         mcv_projector_params *p = &emitter->as.projector;
-        return mcv_lens_resolve((mcv_lens){p->focalLength, &p->imageDistance, &p->focusDistance, &p->lensDiameter, &p->fNumber}, place,
-                                error);
+        return mcv_lens_resolve((mcv_lens){p->focalLength, &p->imageDistance, &p->focusDistance,
+                                           &p->lensDiameter, &p->fNumber},
+                                place, error);
     }
-    if (emitter->type != MCV_EMITTER_SPOT || emitter->as.spot.innerConeAngle <= emitter->as.spot.outerConeAngle) return MCV_OK;
-    const mcv_place here = mcv_place_key(place, "innerConeAngle");
-    return mcv_fail_at(&here, error, "%g rad must be at most outerConeAngle %g rad", emitter->as.spot.innerConeAngle,
-                       emitter->as.spot.outerConeAngle);
+    if (emitter->type != MCV_EMITTER_SPOT ||
+        emitter->as.spot.innerConeAngle <= emitter->as.spot.outerConeAngle)
+        return MCV_OK;
+    const mcv_json_path here = mcv_json_path_key(place, "innerConeAngle");
+    return mcv_fail_at(&here, error, "%g rad must be at most outerConeAngle %g rad",
+                       emitter->as.spot.innerConeAngle, emitter->as.spot.outerConeAngle);
 }
 
 static void *parameter(const mcv_emitter *emitter, const char *key) {
     return mcv_params_find(mcv_emitter_table(emitter->type), key, &emitter->as);
 }
 
-double *mcv_emitter_parameter(mcv_emitter *emitter, const char *key) { return parameter(emitter, key); }
+double *mcv_emitter_parameter(mcv_emitter *emitter, const char *key) {
+    return parameter(emitter, key);
+}
 
 uint32_t *mcv_emitter_image(mcv_emitter *emitter) { return parameter(emitter, "image"); }
 
 void mcv_emitter_size(const mcv_emitter *emitter, double size[2]) {
     const double *given = parameter(emitter, "size");
     for (int i = 0; i < 2; ++i)
-        size[i] = emitter->type == MCV_EMITTER_PROJECTOR ? emitter->as.projector.lensDiameter : given ? given[i] : (double)NAN;
+        size[i] = emitter->type == MCV_EMITTER_PROJECTOR ? emitter->as.projector.lensDiameter
+                  : given                                ? given[i]
+                                                         : (double)NAN;
 }
 
 bool mcv_emitter_mirrors(const mcv_emitter *emitter) {
@@ -52,7 +63,9 @@ bool mcv_emitter_mirrors(const mcv_emitter *emitter) {
     return mirror && *mirror;
 }
 
-static const struct { const char *key, *unit; } brightnesses[] = {{"radiance", "W/(m² sr)"}, {"irradiance", "W/m²"}, {"intensity", "W/sr"}};
+static const struct {
+    const char *key, *unit;
+} brightnesses[] = {{"radiance", "W/(m² sr)"}, {"irradiance", "W/m²"}, {"intensity", "W/sr"}};
 
 const char *mcv_emitter_brightness(const mcv_emitter *emitter, const char **unit) {
     int i = 0;
@@ -65,35 +78,45 @@ mcv_pattern *mcv_emitter_pattern(mcv_emitter *emitter) { return parameter(emitte
 
 uint32_t *mcv_emitter_index(mcv_emitter *emitter) { return parameter(emitter, "index"); }
 
-mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *emitter,
+                                   const mcv_json_path *place, mcv_error *error) {
     const uint32_t *image = parameter(emitter, "image");
-    const mcv_place here = mcv_place_key(place, "image");
+    const mcv_json_path here = mcv_json_path_key(place, "image");
     if (!image || *image == MCV_NONE) return MCV_OK;
-    if (*image >= scene->texture_count) return mcv_fail_at(&here, error, "texture %u does not exist", *image);
+    if (*image >= scene->texture_count)
+        return mcv_fail_at(&here, error, "texture %u does not exist", *image);
     if (!mcv_emitter_has_surface(emitter->type)) return MCV_OK;
     const mcv_mesh *mesh = scene->meshes + scene->instances[emitter->instance].mesh;
     if (mesh->triangle_count != 2 || !mesh->texcoords)
-        return mcv_fail_at(place, error, "an image must lie on a rectangle of two triangles with texture coordinates");
+        return mcv_fail_at(
+            place, error,
+            "an image must lie on a rectangle of two triangles with texture coordinates");
     if (emitter->type != MCV_EMITTER_LIGHT_FIELD_EMITTER) return MCV_OK;
     const mcv_light_field_emitter_params *p = &emitter->as.light_field_emitter;
     const mcv_texture *texture = scene->textures + *image;
     const uint64_t width = (uint64_t)p->spatialResolution[0] * p->angularResolution[0];
     const uint64_t height = (uint64_t)p->spatialResolution[1] * p->angularResolution[1];
     if (texture->width == width && texture->height == height) return MCV_OK;
-    return mcv_fail_at(&here, error, "has %u x %u pixels, but must have %llu x %llu: spatial times angular resolution", texture->width,
-                       texture->height, (unsigned long long)width, (unsigned long long)height);
+    return mcv_fail_at(
+        &here, error,
+        "has %u x %u pixels, but must have %llu x %llu: spatial times angular resolution",
+        texture->width, texture->height, (unsigned long long)width, (unsigned long long)height);
 }
 
 /* Area of the unit disk between its centre and (x, y), with the sign of x y; |x|, |y| <= 1. */
 static double disk_share(double x, double y) {
-    const double a = fabs(x), b = fabs(y), edge = sqrt(1 - b * b); /* where the disk's edge meets y = b */
+    const double a = fabs(x), b = fabs(y),
+                 edge = sqrt(1 - b * b); /* where the disk's edge meets y = b */
     if (a <= edge) return x * y;
-    const double segment = 0.5 * (a * sqrt(1 - a * a) + asin(a) - edge * b - asin(edge)); /* below the edge, from there to a */
+    const double segment = 0.5 * (a * sqrt(1 - a * a) + asin(a) - edge * b -
+                                  asin(edge)); /* below the edge, from there to a */
     return copysign(edge * b + segment, x * y);
 }
 
-/* Projected solid angle [sr] of the directions of a light field's angular pixel: its area within the unit disk. */
-static double direction_share(const mcv_light_field_emitter_params *p, uint32_t column, uint32_t row) {
+/* Projected solid angle [sr] of the directions of a light field's angular pixel: its area within
+ * the unit disk. */
+static double direction_share(const mcv_light_field_emitter_params *p, uint32_t column,
+                              uint32_t row) {
     const double j = p->angularResolution[0], k = p->angularResolution[1], a = p->angularRange;
     const double x0 = a * (2 * column / j - 1), x1 = a * (2 * (column + 1) / j - 1);
     const double y0 = a * (2 * row / k - 1), y1 = a * (2 * (row + 1) / k - 1);
@@ -108,28 +131,35 @@ static double beam_radius(const mcv_collimated_beam_params *p) {
 }
 
 /* A pixel's share of the disk that a beam leaves; 1 for the whole rectangle. */
-static double aperture_share(const mcv_collimated_beam_params *p, const mcv_texture *texture, uint32_t column, uint32_t row) {
-    const double radius = beam_radius(p), w = p->size[0] / (2 * radius), h = p->size[1] / (2 * radius);
+static double aperture_share(const mcv_collimated_beam_params *p, const mcv_texture *texture,
+                             uint32_t column, uint32_t row) {
+    const double radius = beam_radius(p), w = p->size[0] / (2 * radius),
+                 h = p->size[1] / (2 * radius);
     if (isinf(radius)) return 1;
-    const double x0 = clamped(w * (2.0 * column / texture->width - 1)), x1 = clamped(w * (2.0 * (column + 1) / texture->width - 1));
-    const double y0 = clamped(h * (2.0 * row / texture->height - 1)), y1 = clamped(h * (2.0 * (row + 1) / texture->height - 1));
+    const double x0 = clamped(w * (2.0 * column / texture->width - 1)),
+                 x1 = clamped(w * (2.0 * (column + 1) / texture->width - 1));
+    const double y0 = clamped(h * (2.0 * row / texture->height - 1)),
+                 y1 = clamped(h * (2.0 * (row + 1) / texture->height - 1));
     return disk_share(x1, y1) - disk_share(x0, y1) - disk_share(x1, y0) + disk_share(x0, y0);
 }
 
-void mcv_projector_resolution(const mcv_projector_params *p, const mcv_texture *texture, uint32_t pixels[2]) {
+void mcv_projector_resolution(const mcv_projector_params *p, const mcv_texture *texture,
+                              uint32_t pixels[2]) {
     const bool pattern = p->pattern.type != MCV_NONE;
     pixels[0] = pattern ? p->pattern.resolution[0] : texture->width;
     pixels[1] = pattern ? p->pattern.resolution[1] : texture->height;
 }
 
 /* Tangents of the half-angles that a projector's image fills, seen from the middle of the lens. */
-static void image_tangents(const mcv_projector_params *p, const mcv_texture *texture, double tangents[2]) {
+static void image_tangents(const mcv_projector_params *p, const mcv_texture *texture,
+                           double tangents[2]) {
     uint32_t pixels[2];
     mcv_projector_resolution(p, texture, pixels);
     for (int i = 0; i < 2; ++i) tangents[i] = pixels[i] * p->pixelSize[i] / (2 * p->imageDistance);
 }
 
-/* What a projector's lens sends of radiance 1 per area of the image over b²: 2π R²/(B (A + B)) at the distance m from the axis. */
+/* What a projector's lens sends of radiance 1 per area of the image over b²: 2π R²/(B (A + B)) at
+ * the distance m from the axis. */
 static double lens_share(const mcv_projector_params *p, double m_squared) {
     const double r = p->lensDiameter / 2, blur = mcv_kappa(p->focalLength, p->imageDistance) * r;
     const double a = 1 + m_squared - blur * blur, sum = 1 + m_squared + blur * blur;
@@ -138,11 +168,14 @@ static double lens_share(const mcv_projector_params *p, double m_squared) {
 }
 
 /*
- * The same of the image's part [x0, x1] x [y0, y1], over b: Gauss's rule of 2 x 2 points in cells of at most 0.02, in which the fourth
- * derivatives, of the order of 100 times the value, leave 1e-8 of it at most.
+ * The same of the image's part [x0, x1] x [y0, y1], over b: Gauss's rule of 2 x 2 points in cells
+ * of at most 0.02, in which the fourth derivatives, of the order of 100 times the value, leave 1e-8
+ * of it at most.
  */
-static double image_share(const mcv_projector_params *p, double x0, double x1, double y0, double y1) {
-    const double cell = 0.02, columns = fmax(ceil((x1 - x0) / cell), 1), rows = fmax(ceil((y1 - y0) / cell), 1);
+static double image_share(const mcv_projector_params *p, double x0, double x1, double y0,
+                          double y1) {
+    const double cell = 0.02, columns = fmax(ceil((x1 - x0) / cell), 1),
+                 rows = fmax(ceil((y1 - y0) / cell), 1);
     const double width = (x1 - x0) / columns, height = (y1 - y0) / rows, off = sqrt(1 / 12.0);
     double sum = 0;
     for (double i = 0; i < columns; ++i)
@@ -156,7 +189,8 @@ static double image_share(const mcv_projector_params *p, double x0, double x1, d
 }
 
 /* What a pixel sends at equal values, in any unit. */
-static double pixel_share(const mcv_emitter *emitter, const mcv_texture *texture, uint32_t column, uint32_t row) {
+static double pixel_share(const mcv_emitter *emitter, const mcv_texture *texture, uint32_t column,
+                          uint32_t row) {
     const mcv_light_field_emitter_params *p = &emitter->as.light_field_emitter;
     switch (emitter->type) {
     case MCV_EMITTER_LIGHT_FIELD_EMITTER:
@@ -169,7 +203,8 @@ static double pixel_share(const mcv_emitter *emitter, const mcv_texture *texture
         double edge[2];
         image_tangents(&emitter->as.projector, texture, edge);
         const double width = 2 * edge[0] / texture->width, height = 2 * edge[1] / texture->height;
-        return image_share(&emitter->as.projector, column * width - edge[0], (column + 1) * width - edge[0], row * height - edge[1],
+        return image_share(&emitter->as.projector, column * width - edge[0],
+                           (column + 1) * width - edge[0], row * height - edge[1],
                            (row + 1) * height - edge[1]);
     }
     default:
@@ -196,15 +231,19 @@ void mcv_emitter_image_mean(const mcv_scene *scene, const mcv_emitter *emitter, 
 double mcv_emitter_solid_angle(const mcv_emitter *emitter) {
     if (emitter->type == MCV_EMITTER_PROJECTOR) return (double)NAN;
     if (emitter->type == MCV_EMITTER_AREA) return 2 * M_PI;
-    if (emitter->type == MCV_EMITTER_ENVIRONMENT || emitter->type == MCV_EMITTER_POINT) return 4 * M_PI;
-    if (emitter->type == MCV_EMITTER_COLLIMATED_BEAM || emitter->type == MCV_EMITTER_DIRECTIONAL) return 0;
+    if (emitter->type == MCV_EMITTER_ENVIRONMENT || emitter->type == MCV_EMITTER_POINT)
+        return 4 * M_PI;
+    if (emitter->type == MCV_EMITTER_COLLIMATED_BEAM || emitter->type == MCV_EMITTER_DIRECTIONAL)
+        return 0;
     if (emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) {
         const double a = emitter->as.light_field_emitter.angularRange;
         /* The hemisphere without four caps, which no longer meet from a = sin 45° on. */
         if (2 * a * a >= 1) return 2 * M_PI - 4 * M_PI * (1 - a);
         return 8 * a * asin(a / sqrt(1 - a * a)) - 4 * atan(a * a / sqrt(1 - 2 * a * a));
     }
-    const double s = sin((emitter->type == MCV_EMITTER_SPOT ? emitter->as.spot.outerConeAngle : mcv_emitter_half_angle(emitter)) / 2);
+    const double s = sin((emitter->type == MCV_EMITTER_SPOT ? emitter->as.spot.outerConeAngle
+                                                            : mcv_emitter_half_angle(emitter)) /
+                         2);
     return 4 * M_PI * s * s;
 }
 
@@ -228,7 +267,9 @@ static double half_sine_squared(double angle) {
 static double projector_unit_power(const mcv_scene *scene, const mcv_emitter *emitter) {
     const mcv_texture pixel = {.width = 1, .height = 1};
     double edge[2];
-    image_tangents(&emitter->as.projector, emitter->texture == MCV_NONE ? &pixel : scene->textures + emitter->texture, edge);
+    image_tangents(&emitter->as.projector,
+                   emitter->texture == MCV_NONE ? &pixel : scene->textures + emitter->texture,
+                   edge);
     return image_share(&emitter->as.projector, -edge[0], edge[0], -edge[1], edge[1]);
 }
 
@@ -242,24 +283,30 @@ double mcv_emitter_unit_power(const mcv_scene *scene, const mcv_emitter *emitter
     case MCV_EMITTER_POINT:
         return 4 * M_PI;
     case MCV_EMITTER_SPOT: /* 1 - cosθ = 2 sin²(θ/2) */
-        return 4 * M_PI / 3 * (2 * half_sine_squared(spot->innerConeAngle) + half_sine_squared(spot->outerConeAngle));
+        return 4 * M_PI / 3 *
+               (2 * half_sine_squared(spot->innerConeAngle) +
+                half_sine_squared(spot->outerConeAngle));
     case MCV_EMITTER_PROJECTOR:
         return projector_unit_power(scene, emitter);
     case MCV_EMITTER_COLLIMATED_BEAM:
-        return beam->aperture == MCV_APERTURE_CIRCLE ? M_PI * beam_radius(beam) * beam_radius(beam) : emitter->area;
+        return beam->aperture == MCV_APERTURE_CIRCLE ? M_PI * beam_radius(beam) * beam_radius(beam)
+                                                     : emitter->area;
     default:
         return mcv_emitter_projected_solid_angle(emitter) * emitter->area;
     }
 }
 
-mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter,
+                               const mcv_json_path *place, mcv_error *error) {
     const char *unit, *key = mcv_emitter_brightness(emitter, &unit);
     const double *brightness = mcv_emitter_parameter(emitter, key);
     const double *power = mcv_emitter_parameter(emitter, "power");
     const bool has_power = power && !isnan(power[0]);
-    if (isnan(brightness[0]) && !has_power) return mcv_fail_at(place, error, "needs %s [%s] or power [W]", key, unit);
+    if (isnan(brightness[0]) && !has_power)
+        return mcv_fail_at(place, error, "needs %s [%s] or power [W]", key, unit);
     if (!isnan(brightness[0]) && has_power)
-        return mcv_fail_at(place, error, "has both %s %g and power %g: give one, the other follows", key, brightness[0], power[0]);
+        return mcv_fail_at(place, error, "has both %s %g and power %g: give one, the other follows",
+                           key, brightness[0], power[0]);
     if (!has_power) {
         memcpy(emitter->radiance, brightness, sizeof emitter->radiance);
         return MCV_OK;
@@ -268,17 +315,22 @@ mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter, con
     mcv_emitter_image_mean(scene, emitter, mean);
     for (int i = 0; i < 3; ++i) {
         if (power[i] > 0 && mean[i] == 0)
-            return mcv_fail_at(place, error, "its image is black in channel %c, so that no %s gives a power of %g W there: give %s",
+            return mcv_fail_at(place, error,
+                               "its image is black in channel %c, so that no %s gives a power of "
+                               "%g W there: give %s",
                                "RGB"[i], key, power[i], key);
-        emitter->radiance[i] = power[i] > 0 ? power[i] / (mcv_emitter_unit_power(scene, emitter) * mean[i]) : 0;
+        emitter->radiance[i] =
+            power[i] > 0 ? power[i] / (mcv_emitter_unit_power(scene, emitter) * mean[i]) : 0;
     }
     if (isfinite(emitter->radiance[0] + emitter->radiance[1] + emitter->radiance[2])) return MCV_OK;
-    return mcv_fail_at(place, error, "an area of %g m² with this cone is too small for a power of %g W", emitter->area, power[0]);
+    return mcv_fail_at(place, error,
+                       "an area of %g m² with this cone is too small for a power of %g W",
+                       emitter->area, power[0]);
 }
 
 /*
- * Do all vertices of all triangles have the same normal, and does the cone about it leave all triangles on their front? Nothing emits
- * from the back, whatever the normals say.
+ * Do all vertices of all triangles have the same normal, and does the cone about it leave all
+ * triangles on their front? Nothing emits from the back, whatever the normals say.
  */
 static bool common_cone(const mcv_scene *scene, uint32_t instance, double beta, double normal[3]) {
     const uint32_t count = scene->meshes[scene->instances[instance].mesh].triangle_count;
@@ -287,9 +339,13 @@ static bool common_cone(const mcv_scene *scene, uint32_t instance, double beta, 
         mcv_scene_vertex_normals(scene, instance, t, normals);
         mcv_scene_face_normal(scene, instance, t, face);
         const double length = hypot(hypot(face[0], face[1]), face[2]);
-        if (length > 0 && !(face[0] * normals[0][0] + face[1] * normals[0][1] + face[2] * normals[0][2] > sin(beta) * length)) return false;
+        if (length > 0 &&
+            !(face[0] * normals[0][0] + face[1] * normals[0][1] + face[2] * normals[0][2] >
+              sin(beta) * length))
+            return false;
         if (t == 0) memcpy(normal, normals[0], sizeof normals[0]);
-        for (int corner = 0; corner < 3; ++corner) /* The device holds the axis in float32: what rounds to it is it. */
+        for (int corner = 0; corner < 3;
+             ++corner) /* The device holds the axis in float32: what rounds to it is it. */
             for (int i = 0; i < 3; ++i)
                 if ((float)normals[corner][i] != (float)normal[i]) return false;
     }
@@ -310,7 +366,8 @@ void mcv_parallel_prepare(const mcv_scene *scene, uint32_t index, mcv_parallel *
     };
 }
 
-void mcv_light_field_emitter_prepare(const mcv_scene *scene, uint32_t index, mcv_light_field_emitter *device) {
+void mcv_light_field_emitter_prepare(const mcv_scene *scene, uint32_t index,
+                                     mcv_light_field_emitter *device) {
     const mcv_light_field_emitter_params *p = &scene->emitters[index].as.light_field_emitter;
     const double *m = scene->instances[scene->emitters[index].instance].to_world.m;
     *device = (mcv_light_field_emitter){.macro_width = p->spatialResolution[0],
@@ -345,7 +402,8 @@ void mcv_projector_prepare(const mcv_scene *scene, uint32_t index, mcv_projector
     const double kappa = mcv_kappa(p->focalLength, p->imageDistance);
     double edge[2];
     image_tangents(p, scene->textures + scene->emitters[index].texture, edge);
-    *device = (mcv_projector){.blur = {(float)(kappa * p->lensDiameter / (2 * edge[0])), (float)(kappa * p->lensDiameter / (2 * edge[1]))}};
+    *device = (mcv_projector){.blur = {(float)(kappa * p->lensDiameter / (2 * edge[0])),
+                                       (float)(kappa * p->lensDiameter / (2 * edge[1]))}};
     for (int i = 0; i < 3; ++i) {
         device->x[i] = (float)(to_world->m[3 * i] / (p->mirror ? -2 * edge[0] : 2 * edge[0]));
         device->y[i] = (float)(to_world->m[3 * i + 1] / (-2 * edge[1]));
@@ -353,7 +411,8 @@ void mcv_projector_prepare(const mcv_scene *scene, uint32_t index, mcv_projector
     forward(to_world, device->axis);
 }
 
-void mcv_collimated_beam_prepare(const mcv_scene *scene, uint32_t index, mcv_collimated_beam *device) {
+void mcv_collimated_beam_prepare(const mcv_scene *scene, uint32_t index,
+                                 mcv_collimated_beam *device) {
     const mcv_collimated_beam_params *p = &scene->emitters[index].as.collimated_beam;
     const mcv_transform *to_world = &scene->instances[scene->emitters[index].instance].to_world;
     *device = (mcv_collimated_beam){.half_width = (float)(p->size[0] / 2),
@@ -366,16 +425,21 @@ void mcv_collimated_beam_prepare(const mcv_scene *scene, uint32_t index, mcv_col
     forward(to_world, device->axis);
 }
 
-void mcv_spot_prepare(const mcv_scene *scene, uint32_t index, const double centre[3], mcv_spot *device) {
+void mcv_spot_prepare(const mcv_scene *scene, uint32_t index, const double centre[3],
+                      mcv_spot *device) {
     const mcv_emitter *emitter = scene->emitters + index;
     const mcv_spot_params *p = &emitter->as.spot;
     const bool point = emitter->type == MCV_EMITTER_POINT;
     const double range = point ? emitter->as.point.range : p->range;
-    const double outer = half_sine_squared(p->outerConeAngle), inner = half_sine_squared(p->innerConeAngle);
+    const double outer = half_sine_squared(p->outerConeAngle),
+                 inner = half_sine_squared(p->innerConeAngle);
     *device = (mcv_spot){.edge = point ? 2 : (float)outer,
-                         .slope = point ? 1 : (float)fmin(1 / (outer - inner), FLT_MAX), /* finite for a sharp edge, too */
+                         .slope = point ? 1
+                                        : (float)fmin(1 / (outer - inner),
+                                                      FLT_MAX), /* finite for a sharp edge, too */
                          .inverse_range_4 = isnan(range) ? 0 : (float)pow(range, -4)};
-    for (int i = 0; i < 3; ++i) device->position[i] = (float)(emitter->to_world.m[9 + i] - centre[i]);
+    for (int i = 0; i < 3; ++i)
+        device->position[i] = (float)(emitter->to_world.m[9 + i] - centre[i]);
     forward(&emitter->to_world, device->axis);
 }
 

@@ -10,7 +10,8 @@ uint32_t mcv_scene_instance_of(const mcv_scene *scene, uint32_t global) {
         const uint32_t piece = global - scene->triangle_count;
         return scene->solids[piece / 3].instances[piece % 3];
     }
-    /* The last instance that starts at or before the triangle: later ones without triangles do not hold it. */
+    /* The last instance that starts at or before the triangle: later ones without triangles do not
+     * hold it. */
     uint32_t low = 0, high = scene->instance_count;
     while (high - low > 1) {
         const uint32_t middle = low + (high - low) / 2;
@@ -22,7 +23,8 @@ uint32_t mcv_scene_instance_of(const mcv_scene *scene, uint32_t global) {
     return low;
 }
 
-void mcv_scene_triangle(const mcv_scene *scene, uint32_t instance, uint32_t local, uint32_t vertices[3]) {
+void mcv_scene_triangle(const mcv_scene *scene, uint32_t instance, uint32_t local,
+                        uint32_t vertices[3]) {
     const mcv_instance *placed = scene->instances + instance;
     const uint32_t *indices = scene->meshes[placed->mesh].indices + 3 * (size_t)local;
     const bool mirrored = mcv_transform_determinant(&placed->to_world) < 0;
@@ -50,13 +52,15 @@ void mcv_scene_box(const mcv_scene *scene, uint32_t instance, double lower[3], d
     }
 }
 
-void mcv_scene_corners(const mcv_scene *scene, uint32_t instance, uint32_t local, double corners[3][3]) {
+void mcv_scene_corners(const mcv_scene *scene, uint32_t instance, uint32_t local,
+                       double corners[3][3]) {
     uint32_t vertices[3];
     mcv_scene_triangle(scene, instance, local, vertices);
     for (int i = 0; i < 3; ++i) mcv_scene_vertex(scene, instance, vertices[i], corners[i]);
 }
 
-void mcv_scene_face_normal(const mcv_scene *scene, uint32_t instance, uint32_t local, double normal[3]) {
+void mcv_scene_face_normal(const mcv_scene *scene, uint32_t instance, uint32_t local,
+                           double normal[3]) {
     double corners[3][3], edge[2][3];
     mcv_scene_corners(scene, instance, local, corners);
     for (int i = 0; i < 3; ++i) {
@@ -66,12 +70,14 @@ void mcv_scene_face_normal(const mcv_scene *scene, uint32_t instance, uint32_t l
     mcv_cross3(edge[0], edge[1], normal);
 }
 
-void mcv_scene_vertex_normals(const mcv_scene *scene, uint32_t instance, uint32_t local, double normals[3][3]) {
+void mcv_scene_vertex_normals(const mcv_scene *scene, uint32_t instance, uint32_t local,
+                              double normals[3][3]) {
     const mcv_instance *placed = scene->instances + instance;
     const float *stored = scene->meshes[placed->mesh].normals;
     double face[3];
     mcv_scene_face_normal(scene, instance, local, face);
-    if (!mcv_normalize3(face, face)) memcpy(face, (double[3]){0, 0, 1}, sizeof face); /* a triangle without area is never hit */
+    if (!mcv_normalize3(face, face))
+        memcpy(face, (double[3]){0, 0, 1}, sizeof face); /* a triangle without area is never hit */
     uint32_t vertices[3];
     mcv_scene_triangle(scene, instance, local, vertices);
     for (int i = 0; i < 3; ++i) {
@@ -85,7 +91,8 @@ void mcv_scene_vertex_normals(const mcv_scene *scene, uint32_t instance, uint32_
     }
 }
 
-void mcv_scene_tangent(const mcv_scene *scene, uint32_t instance, uint32_t vertex, double tangent[4]) {
+void mcv_scene_tangent(const mcv_scene *scene, uint32_t instance, uint32_t vertex,
+                       double tangent[4]) {
     const mcv_instance *placed = scene->instances + instance;
     const float *t = scene->meshes[placed->mesh].tangents + 4 * (size_t)vertex;
     mcv_transform_vector(&placed->to_world, (const double[3]){t[0], t[1], t[2]}, tangent);

@@ -5,13 +5,14 @@
 
 #include <stdlib.h>
 
-static mcv_result check_finite(const float *values, uint32_t count, uint32_t components, const char *key, const mcv_place *place,
-                               mcv_error *error) {
+static mcv_result check_finite(const float *values, uint32_t count, uint32_t components,
+                               const char *key, const mcv_json_path *place, mcv_error *error) {
     if (!values) return MCV_OK;
-    const mcv_place here = mcv_place_key(place, key);
+    const mcv_json_path here = mcv_json_path_key(place, key);
     for (size_t i = 0; i < (size_t)count * components; ++i)
         if (!isfinite(values[i]))
-            return mcv_fail_at(&here, error, "vertex %zu has the coordinate %g, but must be finite", i / components, (double)values[i]);
+            return mcv_fail_at(&here, error, "vertex %zu has the coordinate %g, but must be finite",
+                               i / components, (double)values[i]);
     return MCV_OK;
 }
 
@@ -31,8 +32,9 @@ static void add_faces(const mcv_mesh *mesh, double *sums) {
     }
 }
 
-/* Sums the faces around each vertex whose normal has no direction; one without any face that has one looks along z. */
-static mcv_result repair_normals(mcv_mesh *mesh, const mcv_place *place, mcv_error *error) {
+/* Sums the faces around each vertex whose normal has no direction; one without any face that has
+ * one looks along z. */
+static mcv_result repair_normals(mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error) {
     double *sums = calloc(mesh->vertex_count, 3 * sizeof *sums);
     if (!sums) return mcv_fail_memory(place, error);
     add_faces(mesh, sums);
@@ -47,7 +49,8 @@ static mcv_result repair_normals(mcv_mesh *mesh, const mcv_place *place, mcv_err
     return MCV_OK;
 }
 
-mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_json_path *place,
+                          mcv_error *error) {
     MCV_TRY(check_finite(mesh->positions, mesh->vertex_count, 3, "POSITION", place, error));
     MCV_TRY(check_finite(mesh->normals, mesh->vertex_count, 3, "NORMAL", place, error));
     MCV_TRY(check_finite(mesh->texcoords, mesh->vertex_count, 2, "TEXCOORD_0", place, error));
@@ -55,9 +58,11 @@ mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_place *p
     MCV_TRY(check_finite(mesh->tangents, mesh->vertex_count, 4, "TANGENT", place, error));
     for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; ++i)
         if (mesh->indices[i] >= mesh->vertex_count) {
-            const mcv_place here = mcv_place_key(place, "indices");
-            return mcv_fail_at(&here, error, "index %u of triangle %zu points to nothing: vertices go from 0 to %u", mesh->indices[i],
-                               i / 3, mesh->vertex_count - 1);
+            const mcv_json_path here = mcv_json_path_key(place, "indices");
+            return mcv_fail_at(
+                &here, error,
+                "index %u of triangle %zu points to nothing: vertices go from 0 to %u",
+                mesh->indices[i], i / 3, mesh->vertex_count - 1);
         }
     *repaired = 0;
     for (size_t v = 0; mesh->normals && v < mesh->vertex_count; ++v) {
@@ -69,13 +74,17 @@ mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_place *p
     return *repaired ? repair_normals(mesh, place, error) : MCV_OK;
 }
 
-/* Adds to the sums of three vertices how the position changes with u and with v, by the triangle's area in u and v. */
+/* Adds to the sums of three vertices how the position changes with u and with v, by the triangle's
+ * area in u and v. */
 static void add_gradients(const mcv_mesh *mesh, const uint32_t v[3], double *sums) {
     double edge[2][3], du[2], dv[2];
     for (int e = 0; e < 2; ++e) {
-        for (int i = 0; i < 3; ++i) edge[e][i] = (double)mesh->positions[3 * (size_t)v[e + 1] + i] - mesh->positions[3 * (size_t)v[0] + i];
+        for (int i = 0; i < 3; ++i)
+            edge[e][i] = (double)mesh->positions[3 * (size_t)v[e + 1] + i] -
+                         mesh->positions[3 * (size_t)v[0] + i];
         du[e] = (double)mesh->texcoords[2 * (size_t)v[e + 1]] - mesh->texcoords[2 * (size_t)v[0]];
-        dv[e] = (double)mesh->texcoords[2 * (size_t)v[e + 1] + 1] - mesh->texcoords[2 * (size_t)v[0] + 1];
+        dv[e] = (double)mesh->texcoords[2 * (size_t)v[e + 1] + 1] -
+                mesh->texcoords[2 * (size_t)v[0] + 1];
     }
     const double sign = du[0] * dv[1] - du[1] * dv[0] < 0 ? -1 : 1;
     for (int corner = 0; corner < 3; ++corner)
@@ -85,22 +94,26 @@ static void add_gradients(const mcv_mesh *mesh, const uint32_t v[3], double *sum
         }
 }
 
-mcv_result mcv_mesh_make_tangents(mcv_mesh *mesh, const mcv_place *place, mcv_error *error) {
-    double *sums = calloc(mesh->vertex_count, 9 * sizeof *sums); /* ∂p/∂u, ∂p/∂v; then the faces' normals */
+mcv_result mcv_mesh_make_tangents(mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error) {
+    double *sums =
+        calloc(mesh->vertex_count, 9 * sizeof *sums); /* ∂p/∂u, ∂p/∂v; then the faces' normals */
     mesh->tangents = malloc(4 * sizeof(float) * mesh->vertex_count);
     if (!sums || !mesh->tangents) {
         free(sums);
         return mcv_fail_memory(place, error);
     }
     double *normals = sums + 6 * (size_t)mesh->vertex_count;
-    for (size_t t = 0; mesh->texcoords && t < mesh->triangle_count; ++t) add_gradients(mesh, mesh->indices + 3 * t, sums);
+    for (size_t t = 0; mesh->texcoords && t < mesh->triangle_count; ++t)
+        add_gradients(mesh, mesh->indices + 3 * t, sums);
     add_faces(mesh, normals);
     for (size_t v = 0; v < mesh->vertex_count; ++v) {
         double unit[3] = {1, 0, 0}, bitangent[3];
         const double *across = sums + 6 * v + 3;
         const bool given = mcv_normalize3(sums + 6 * v, unit);
         mcv_cross3(normals + 3 * v, unit, bitangent);
-        const bool mirrored = given && bitangent[0] * across[0] + bitangent[1] * across[1] + bitangent[2] * across[2] < 0;
+        const bool mirrored =
+            given &&
+            bitangent[0] * across[0] + bitangent[1] * across[1] + bitangent[2] * across[2] < 0;
         for (int i = 0; i < 3; ++i) mesh->tangents[4 * v + i] = (float)unit[i];
         mesh->tangents[4 * v + 3] = mirrored ? -1 : 1;
     }

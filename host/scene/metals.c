@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Refractive indices n - ik of metals at room temperature, in the order of the options of `metal` (mcvisi/params.h), by wavelength [nm]:
- *   P. B. Johnson and R. W. Christy, Optical constants of the noble metals, Phys. Rev. B 6, 4370 (1972);
- *   P. B. Johnson and R. W. Christy, Optical constants of transition metals, Phys. Rev. B 9, 5056 (1974);
- *   A. D. Rakić, Algorithm for the determination of intrinsic optical constants of metal films, Appl. Opt. 34, 4755 (1995).
- * Evaporated films; polished metal with an oxide reflects less.
+ * Refractive indices n - ik of metals at room temperature, in the order of the options of `metal`
+ * (mcvisi/params.h), by wavelength [nm]: P. B. Johnson and R. W. Christy, Optical constants of the
+ * noble metals, Phys. Rev. B 6, 4370 (1972); P. B. Johnson and R. W. Christy, Optical constants of
+ * transition metals, Phys. Rev. B 9, 5056 (1974); A. D. Rakić, Algorithm for the determination of
+ * intrinsic optical constants of metal films, Appl. Opt. 34, 4755 (1995). Evaporated films;
+ * polished metal with an oxide reflects less.
  */
 #include "scene/scene.h"
 
@@ -15,11 +16,13 @@ static const struct {
     } rows[20];
 } metals[] = {
     /* aluminium: Rakić 1995 */
-    {20, {{413.28, 0.52135, 5.0008}, {442.80, 0.60790, 5.3676}, {476.87, 0.72780, 5.7781}, {516.60, 0.87340, 6.2418},
-          {563.57, 1.0728, 6.7839},  {619.93, 1.3660, 7.4052},  {652.25, 1.5724, 7.7354},  {688.81, 1.8301, 8.0601},
-          {729.32, 2.1606, 8.3565},  {774.91, 2.6154, 8.4914},  {794.78, 2.7675, 8.3866},  {815.69, 2.7668, 8.2573},
-          {837.74, 2.6945, 8.1878},  {885.61, 2.2802, 8.1134},  {911.66, 1.9739, 8.3058},  {939.28, 1.6784, 8.5970},
-          {968.63, 1.4867, 9.0655},  {999.88, 1.4359, 9.4939},  {1033.2, 1.3998, 9.8914},  {1127.1, 1.3281, 10.969}}},
+    {20, {{413.28, 0.52135, 5.0008}, {442.80, 0.60790, 5.3676}, {476.87, 0.72780, 5.7781},
+          {516.60, 0.87340, 6.2418}, {563.57, 1.0728, 6.7839},  {619.93, 1.3660, 7.4052},
+          {652.25, 1.5724, 7.7354},  {688.81, 1.8301, 8.0601},  {729.32, 2.1606, 8.3565},
+          {774.91, 2.6154, 8.4914},  {794.78, 2.7675, 8.3866},  {815.69, 2.7668, 8.2573},
+          {837.74, 2.6945, 8.1878},  {885.61, 2.2802, 8.1134},  {911.66, 1.9739, 8.3058},
+          {939.28, 1.6784, 8.5970},  {968.63, 1.4867, 9.0655},  {999.88, 1.4359, 9.4939},
+          {1033.2, 1.3998, 9.8914},  {1127.1, 1.3281, 10.969}}},
     /* chromium: Johnson and Christy 1974 */
     {15,
      {{431, 2.19, 3.04},
@@ -148,12 +151,16 @@ static const struct {
 };
 
 void mcv_metal_index(int metal, double wavelength, double *n, double *k) {
-    const double nanometres =
-        fmin(fmax(1e9 * wavelength, metals[metal].rows[0].wavelength), metals[metal].rows[metals[metal].count - 1].wavelength);
+    const double nanometres = fmin(fmax(1e9 * wavelength, metals[metal].rows[0].wavelength),
+                                   metals[metal].rows[metals[metal].count - 1].wavelength);
     int row = 0;
-    while (row < metals[metal].count - 2 && metals[metal].rows[row + 1].wavelength < nanometres) ++row;
-    const double low = metals[metal].rows[row].wavelength, high = metals[metal].rows[row + 1].wavelength;
+    while (row < metals[metal].count - 2 && metals[metal].rows[row + 1].wavelength < nanometres)
+        ++row;
+    const double low = metals[metal].rows[row].wavelength,
+                 high = metals[metal].rows[row + 1].wavelength;
     const double share = (nanometres - low) / (high - low);
-    *n = metals[metal].rows[row].n + share * (metals[metal].rows[row + 1].n - metals[metal].rows[row].n);
-    *k = metals[metal].rows[row].k + share * (metals[metal].rows[row + 1].k - metals[metal].rows[row].k);
+    *n = metals[metal].rows[row].n +
+         share * (metals[metal].rows[row + 1].n - metals[metal].rows[row].n);
+    *k = metals[metal].rows[row].k +
+         share * (metals[metal].rows[row + 1].k - metals[metal].rows[row].k);
 }

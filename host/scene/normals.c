@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Vertex normals by crease angle. Corners of triangles that lie in exactly the same place are one vertex. Around it, triangles that share
- * an edge are joined where their normals differ by at most the crease angle; those that are joined, be it by way of others, share one
- * normal. So a surface stays continuous where it is smooth, and sharp at a crease.
+ * Vertex normals by crease angle. Corners of triangles that lie in exactly the same place are one
+ * vertex. Around it, triangles that share an edge are joined where their normals differ by at most
+ * the crease angle; those that are joined, be it by way of others, share one normal. So a surface
+ * stays continuous where it is smooth, and sharp at a crease.
  *
- * The normal is the sum of the triangles', weighed by sin α/(|a| |b|) of the edges a and b at the vertex and the angle α between them
- * (N. Max, Weights for computing vertex normals from facet normals, Journal of Graphics Tools 4, 1 (1999)). On a sphere and on a cylinder
- * it is the exact one, however uneven the triangles are. Weights by angle, or by area, are so only where the triangles are alike on all
- * sides.
+ * The normal is the sum of the triangles', weighed by sin α/(|a| |b|) of the edges a and b at the
+ * vertex and the angle α between them (N. Max, Weights for computing vertex normals from facet
+ * normals, Journal of Graphics Tools 4, 1 (1999)). On a sphere and on a cylinder it is the exact
+ * one, however uneven the triangles are. Weights by angle, or by area, are so only where the
+ * triangles are alike on all sides.
  */
 #include "scene/mesh.h"
 
@@ -16,7 +18,8 @@
 #include <float.h>
 #include <stdlib.h>
 
-/* A corner, as what lies around a vertex is sorted and joined by. `before` and `after` are the places of the triangle's other corners. */
+/* A corner, as what lies around a vertex is sorted and joined by. `before` and `after` are the
+ * places of the triangle's other corners. */
 typedef struct corner {
     const float *at;
     uint32_t place, before, after;
@@ -60,8 +63,9 @@ static double cosine(const creasing *c, uint32_t a, uint32_t b) {
 }
 
 /*
- * The face's unit normal. A triangle lower than 64 rounding errors of its coordinates, as CAD programs leave them between planes, would
- * have a normal that is off by a degree or more: it tells no direction.
+ * The face's unit normal. A triangle lower than 64 rounding errors of its coordinates, as CAD
+ * programs leave them between planes, would have a normal that is off by a degree or more: it tells
+ * no direction.
  */
 static void face_normal(const float *corners, float normal[3]) {
     double edge[3][3], longest = 0, largest = 0, across[3], unit[3] = {0, 0, 0};
@@ -86,7 +90,8 @@ static double weight_at(const creasing *c, uint32_t i) {
     double edge[2][3], across[3], squared[2] = {0, 0};
     for (uint32_t k = 0; k < 2; ++k)
         for (int axis = 0; axis < 3; ++axis) {
-            edge[k][axis] = (double)c->positions[3 * (size_t)(first + (i + 1 + k) % 3) + axis] - c->positions[3 * (size_t)i + axis];
+            edge[k][axis] = (double)c->positions[3 * (size_t)(first + (i + 1 + k) % 3) + axis] -
+                            c->positions[3 * (size_t)i + axis];
             squared[k] += edge[k][axis] * edge[k][axis];
         }
     mcv_cross3(edge[0], edge[1], across);
@@ -97,7 +102,8 @@ static double weight_at(const creasing *c, uint32_t i) {
 /* Numbers the places where corners lie, and lists the corners in their order. */
 static void find_places(creasing *c) {
     corner *sorted = c->corners;
-    for (uint32_t i = 0; i < c->count; ++i) sorted[i] = (corner){.at = c->positions + 3 * (size_t)i};
+    for (uint32_t i = 0; i < c->count; ++i)
+        sorted[i] = (corner){.at = c->positions + 3 * (size_t)i};
     qsort(sorted, c->count, sizeof *sorted, compare_corners);
     uint32_t place = 0;
     for (uint32_t k = 0; k < c->count; ++k) {
@@ -108,7 +114,7 @@ static void find_places(creasing *c) {
 }
 
 /* From sorted corners to those of the mesh, by number. */
-static mcv_result number_corners(creasing *c, const mcv_place *place, mcv_error *error) {
+static mcv_result number_corners(creasing *c, const mcv_json_path *place, mcv_error *error) {
     corner *numbered = malloc(((size_t)c->count + 1) * sizeof *numbered);
     if (!numbered) return mcv_fail_memory(place, error);
     for (uint32_t k = 0; k < c->count; ++k) numbered[c->order[k]] = c->corners[k];
@@ -143,7 +149,8 @@ static int compare_before(const void *a, const void *b, void *user) {
     return p != q ? (p < q ? -1 : 1) : i < k ? -1 : i > k;
 }
 
-/* The first of n corners at one vertex, sorted by `before`, whose triangle comes to the vertex from this place; n where there is none. */
+/* The first of n corners at one vertex, sorted by `before`, whose triangle comes to the vertex from
+ * this place; n where there is none. */
 static uint32_t first_from(const creasing *c, const uint32_t *around, uint32_t n, uint32_t from) {
     uint32_t low = 0, high = n;
     while (low < high) {
@@ -156,12 +163,15 @@ static uint32_t first_from(const creasing *c, const uint32_t *around, uint32_t n
     return low < n && c->corners[around[low]].before == from ? low : n;
 }
 
-/* Joins the corners around one vertex: those across the edge to `after`, in which the neighbour comes to the vertex. */
+/* Joins the corners around one vertex: those across the edge to `after`, in which the neighbour
+ * comes to the vertex. */
 static void join_around(creasing *c, uint32_t *around, uint32_t n) {
     qsort_r(around, n, sizeof *around, compare_before, c);
     for (uint32_t k = 0; k < n; ++k) {
         const uint32_t from = c->corners[around[k]].after;
-        for (uint32_t i = first_from(c, around, n, from); i < n && c->corners[around[i]].before == from; ++i) join(c, around[k], around[i]);
+        for (uint32_t i = first_from(c, around, n, from);
+             i < n && c->corners[around[i]].before == from; ++i)
+            join(c, around[k], around[i]);
     }
     /* Past a triangle without direction its two neighbours are next to each other. */
     for (uint32_t k = 0; k < n; ++k) {
@@ -173,8 +183,10 @@ static void join_around(creasing *c, uint32_t *around, uint32_t n) {
     }
 }
 
-/* Each corner's normal: the sum of those joined to it. One of a triangle without direction takes all around the vertex. */
-static void sum_around(creasing *c, const uint32_t *around, uint32_t n, double (*sums)[3], float *normals) {
+/* Each corner's normal: the sum of those joined to it. One of a triangle without direction takes
+ * all around the vertex. */
+static void sum_around(creasing *c, const uint32_t *around, uint32_t n, double (*sums)[3],
+                       float *normals) {
     double all[3] = {0, 0, 0};
     for (uint32_t k = 0; k < n; ++k) memset(sums[around[k]], 0, sizeof *sums);
     for (uint32_t k = 0; k < n; ++k) {
@@ -193,25 +205,31 @@ static void sum_around(creasing *c, const uint32_t *around, uint32_t n, double (
     }
 }
 
-static mcv_result crease(creasing *c, double (*sums)[3], float *normals, const mcv_place *place, mcv_error *error) {
+static mcv_result crease(creasing *c, double (*sums)[3], float *normals, const mcv_json_path *place,
+                         mcv_error *error) {
     find_places(c);
     MCV_TRY(number_corners(c, place, error));
     for (uint32_t first = 0, last; first < c->count; first = last) {
-        for (last = first; last < c->count && c->corners[c->order[last]].place == c->corners[c->order[first]].place;) ++last;
+        for (last = first; last < c->count &&
+                           c->corners[c->order[last]].place == c->corners[c->order[first]].place;)
+            ++last;
         join_around(c, c->order + first, last - first);
         sum_around(c, c->order + first, last - first, sums, normals);
     }
     return MCV_OK;
 }
 
-mcv_result mcv_mesh_make_normals(mcv_mesh *mesh, double crease_angle, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_mesh_make_normals(mcv_mesh *mesh, double crease_angle, const mcv_json_path *place,
+                                 mcv_error *error) {
     const size_t count = 3 * (size_t)mesh->triangle_count;
     creasing c = {.positions = mesh->positions,
                   .normals = calloc(count + 1, 3 * sizeof *c.normals),
                   .corners = calloc(count + 1, sizeof *c.corners),
                   .order = calloc(count + 1, sizeof *c.order),
                   .count = (uint32_t)count,
-                  .least_cosine = cos(crease_angle) - 1e-6}; /* faces at the angle itself are joined, whatever the rounding */
+                  .least_cosine =
+                      cos(crease_angle) -
+                      1e-6}; /* faces at the angle itself are joined, whatever the rounding */
     double(*sums)[3] = calloc(count + 1, sizeof *sums);
     float *normals = calloc(count + 1, 3 * sizeof *normals);
     mcv_result result = MCV_OK;

@@ -2,7 +2,8 @@
 /* mcv_sensor_optics: what an optics engineer asks of a sensor. */
 #include "scene/sensors.h"
 
-/* Width and height of the film that is read out, and how far the pixels at its two edges are from the principal point [m]. */
+/* Width and height of the film that is read out, and how far the pixels at its two edges are from
+ * the principal point [m]. */
 typedef struct image_area {
     double size[2], edge[2][2];
 } image_area;
@@ -23,10 +24,12 @@ static double field_angle(const image_area *area, int axis, double image_distanc
 }
 
 /*
- * Field, f-number, NA and depth of field of a lens of diameter D that images with (f, b) on film whose pixels are p: a point
- * at depth z is blurred to b D |1/z - κ| on the film, so the limits are 1/z = κ ± blur, blur = p/(b D).
+ * Field, f-number, NA and depth of field of a lens of diameter D that images with (f, b) on film
+ * whose pixels are p: a point at depth z is blurred to b D |1/z - κ| on the film, so the limits are
+ * 1/z = κ ± blur, blur = p/(b D).
  */
-static mcv_optics entocentric(double f, double b, double diameter, const image_area *area, double blur) {
+static mcv_optics entocentric(double f, double b, double diameter, const image_area *area,
+                              double blur) {
     const double k = mcv_kappa(f, b);
     mcv_optics optics = {
         .focused_depth = 1 / k,
@@ -48,7 +51,8 @@ static mcv_optics entocentric(double f, double b, double diameter, const image_a
 mcv_optics mcv_sensor_optics(const mcv_sensor *sensor) {
     const mcv_readout readout = mcv_sensor_readout(sensor);
     const image_area area = area_of(&readout);
-    const double pixel = fmin(readout.binning[0] * readout.pitch[0], readout.binning[1] * readout.pitch[1]);
+    const double pixel =
+        fmin(readout.binning[0] * readout.pitch[0], readout.binning[1] * readout.pitch[1]);
     mcv_optics optics = {.focused_depth = NAN,
                          .magnification = NAN,
                          .field = {NAN, NAN},
@@ -58,7 +62,8 @@ mcv_optics mcv_sensor_optics(const mcv_sensor *sensor) {
                          .macro_pixel = {NAN, NAN}};
     switch (sensor->type) {
     case MCV_SENSOR_PINHOLE: {
-        for (int i = 0; i < 2; ++i) optics.field_angle[i] = field_angle(&area, i, sensor->as.pinhole.imageDistance);
+        for (int i = 0; i < 2; ++i)
+            optics.field_angle[i] = field_angle(&area, i, sensor->as.pinhole.imageDistance);
         break;
     }
     case MCV_SENSOR_THIN_LENS: {
@@ -72,15 +77,18 @@ mcv_optics mcv_sensor_optics(const mcv_sensor *sensor) {
         double blur[2];
         for (int i = 0; i < 2; ++i) {
             const double n = p->angularResolution[i];
-            blur[i] = readout.binning[i] * n * p->pixelSize[i] / (p->imageDistance * p->lensDiameter / n);
+            blur[i] =
+                readout.binning[i] * n * p->pixelSize[i] / (p->imageDistance * p->lensDiameter / n);
         }
-        optics = entocentric(p->focalLength, p->imageDistance, p->lensDiameter, &area, fmin(blur[0], blur[1]));
+        optics = entocentric(p->focalLength, p->imageDistance, p->lensDiameter, &area,
+                             fmin(blur[0], blur[1]));
         for (int i = 0; i < 2; ++i) optics.macro_pixel[i] = readout.pitch[i];
         break;
     }
     case MCV_SENSOR_TELECENTRIC: {
         const mcv_telecentric_params *p = &sensor->as.telecentric;
-        /* A point Δz out of focus is blurred to 2 m NA Δz on the film, before the plane in focus as behind it. */
+        /* A point Δz out of focus is blurred to 2 m NA Δz on the film, before the plane in focus as
+         * behind it. */
         const double depth = pixel / (2 * p->magnification * p->numericalAperture);
         optics.focused_depth = p->workingDistance;
         optics.magnification = p->magnification;

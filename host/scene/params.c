@@ -58,16 +58,21 @@ size_t mcv_param_components(mcv_param_kind kind) {
     }
 }
 
-bool mcv_param_integral(mcv_param_kind kind) { return kind == MCV_PARAM_integer || kind == MCV_PARAM_int2 || kind == MCV_PARAM_int4; }
+bool mcv_param_integral(mcv_param_kind kind) {
+    return kind == MCV_PARAM_integer || kind == MCV_PARAM_int2 || kind == MCV_PARAM_int4;
+}
 
 /* Does its field begin with a number that is MCV_NONE where it is unset? */
-static bool numbered(mcv_param_kind kind) { return kind == MCV_PARAM_image || kind == MCV_PARAM_pattern; }
+static bool numbered(mcv_param_kind kind) {
+    return kind == MCV_PARAM_image || kind == MCV_PARAM_pattern;
+}
 
 static double get(const mcv_param *param, const void *params, size_t i) {
     const char *field = (const char *)params + param->offset;
     if (mcv_param_integral(param->kind)) return ((const uint32_t *)(const void *)field)[i];
     if (numbered(param->kind)) return *(const uint32_t *)(const void *)field;
-    if (param->kind == MCV_PARAM_choice || param->kind == MCV_PARAM_flag) return *(const int *)(const void *)field;
+    if (param->kind == MCV_PARAM_choice || param->kind == MCV_PARAM_flag)
+        return *(const int *)(const void *)field;
     return ((const double *)(const void *)field)[i];
 }
 
@@ -93,7 +98,8 @@ void mcv_params_set_defaults(mcv_param_table table, void *params) {
     memset(params, 0, table.struct_size);
     for (size_t i = 0; i < table.count; ++i) {
         const mcv_param *param = table.params + i;
-        const bool given = param->default_value != MCV_REQUIRED && param->default_value != MCV_UNSET;
+        const bool given =
+            param->default_value != MCV_REQUIRED && param->default_value != MCV_UNSET;
         const bool number = param->kind == MCV_PARAM_int4 || numbered(param->kind);
         const bool counts = param->kind == MCV_PARAM_integer || param->kind == MCV_PARAM_int2;
         const double unset = counts ? 0 : number ? MCV_NONE : (double)NAN;
@@ -115,13 +121,16 @@ bool mcv_parse_quantity(const char *text, mcv_param_kind kind, double *value) {
         mcv_param_kind kind;
         double si, times;
     } units[] = {
-        {"nm", MCV_PARAM_length, 1e9, 1},     {"um", MCV_PARAM_length, 1e6, 1},  {"µm", MCV_PARAM_length, 1e6, 1},
-        {"mm", MCV_PARAM_length, 1e3, 1},     {"cm", MCV_PARAM_length, 1e2, 1},  {"m", MCV_PARAM_length, 1, 1},
-        {"rad", MCV_PARAM_angle, 1, 1},       {"mrad", MCV_PARAM_angle, 1e3, 1}, {"deg", MCV_PARAM_angle, 180 / M_PI, 1},
-        {"inch", MCV_PARAM_length, 1e4, 254},
+        {"nm", MCV_PARAM_length, 1e9, 1},        {"um", MCV_PARAM_length, 1e6, 1},
+        {"µm", MCV_PARAM_length, 1e6, 1},        {"mm", MCV_PARAM_length, 1e3, 1},
+        {"cm", MCV_PARAM_length, 1e2, 1},        {"m", MCV_PARAM_length, 1, 1},
+        {"rad", MCV_PARAM_angle, 1, 1},          {"mrad", MCV_PARAM_angle, 1e3, 1},
+        {"deg", MCV_PARAM_angle, 180 / M_PI, 1}, {"inch", MCV_PARAM_length, 1e4, 254},
     };
     /* Digits only: strtod would take "inf", "nan" and hexadecimal too. */
-    if (text[strspn(text, " +-.")] < '0' || text[strspn(text, " +-.")] > '9' || strchr(text, 'x') || strchr(text, 'X')) return false;
+    if (text[strspn(text, " +-.")] < '0' || text[strspn(text, " +-.")] > '9' || strchr(text, 'x') ||
+        strchr(text, 'X'))
+        return false;
     char *end;
     const double number = strtod(text, &end);
     if (end == text || !isfinite(number)) return false;
@@ -129,7 +138,8 @@ bool mcv_parse_quantity(const char *text, mcv_param_kind kind, double *value) {
     *value = number;
     if (!*end) return true;
     for (size_t i = 0; i < sizeof units / sizeof units[0]; ++i)
-        if (strcmp(end, units[i].name) == 0 && (kind == units[i].kind || kind == MCV_PARAM_choice)) {
+        if (strcmp(end, units[i].name) == 0 &&
+            (kind == units[i].kind || kind == MCV_PARAM_choice)) {
             /* Divided, because 1e6 is exact in binary and 1e-6 is not. */
             *value = number * units[i].times / units[i].si;
             return true;
@@ -154,24 +164,30 @@ static const char *example(mcv_param_kind kind) {
     }
 }
 
-static mcv_result parse_number(const mcv_param *param, const json_t *value, double *number, const mcv_place *place, mcv_error *error) {
+static mcv_result parse_number(const mcv_param *param, const json_t *value, double *number,
+                               const mcv_json_path *place, mcv_error *error) {
     const mcv_param_kind kind = param->kind == MCV_PARAM_length2 ? MCV_PARAM_length : param->kind;
-    if (json_is_string(value) && !mcv_param_integral(param->kind) && param->kind != MCV_PARAM_spectrum) {
+    if (json_is_string(value) && !mcv_param_integral(param->kind) &&
+        param->kind != MCV_PARAM_spectrum) {
         if (mcv_parse_quantity(json_string_value(value), kind, number)) return MCV_OK;
-        return mcv_fail_at(place, error, "\"%s\" must be %s", json_string_value(value), example(kind));
+        return mcv_fail_at(place, error, "\"%s\" must be %s", json_string_value(value),
+                           example(kind));
     }
     if (!json_is_number(value)) return mcv_fail_at(place, error, "must be %s", example(kind));
     *number = json_number_value(value);
     if (!mcv_param_integral(param->kind)) return MCV_OK;
     /* Checked here because it must fit the field. */
     if (!(*number >= param->min && *number <= param->max) || *number != floor(*number))
-        return mcv_fail_at(place, error, "%g must be an integer from %g to %g", *number, param->min, param->max);
+        return mcv_fail_at(place, error, "%g must be an integer from %g to %g", *number, param->min,
+                           param->max);
     return MCV_OK;
 }
 
-/* What people write for what an option calls otherwise; where there is no such thing, what comes close. */
-static const char *const other_names[][2] = {{"acrylic", "PMMA"},       {"plexiglass", "PMMA"}, {"quartz", "fusedSilica"},
-                                             {"silica", "fusedSilica"}, {"steel", "iron"},      {"stainlessSteel", "iron"},
+/* What people write for what an option calls otherwise; where there is no such thing, what comes
+ * close. */
+static const char *const other_names[][2] = {{"acrylic", "PMMA"},       {"plexiglass", "PMMA"},
+                                             {"quartz", "fusedSilica"}, {"silica", "fusedSilica"},
+                                             {"steel", "iron"},         {"stainlessSteel", "iron"},
                                              {"chrome", "chromium"}};
 
 /* The option that is likely meant, or NULL: glasses of today have the old names behind "N-". */
@@ -179,14 +195,16 @@ static const char *nearest_option(const char *text, const char *const *options) 
     size_t count = 0;
     while (options[count]) ++count;
     for (size_t i = 0; i < count; ++i)
-        if (strncmp(options[i], "N-", 2) == 0 && strcasecmp(options[i] + 2, text) == 0) return options[i];
+        if (strncmp(options[i], "N-", 2) == 0 && strcasecmp(options[i] + 2, text) == 0)
+            return options[i];
     for (size_t i = 0; i < sizeof other_names / sizeof other_names[0]; ++i)
         for (size_t k = 0; k < count && strcasecmp(other_names[i][0], text) == 0; ++k)
             if (strcmp(options[k], other_names[i][1]) == 0) return options[k];
     return mcv_nearest_word(text, options, count);
 }
 
-static mcv_result parse_choice(const mcv_param *param, const json_t *value, void *params, const mcv_place *place, mcv_error *error) {
+static mcv_result parse_choice(const mcv_param *param, const json_t *value, void *params,
+                               const mcv_json_path *place, mcv_error *error) {
     const char *const *options = mcv_param_options(param->key);
     const char *text = json_string_value(value);
     char list[512] = "";
@@ -195,72 +213,87 @@ static mcv_result parse_choice(const mcv_param *param, const json_t *value, void
             set(param, params, 0, i);
             return MCV_OK;
         }
-        snprintf(list + strlen(list), sizeof list - strlen(list), "%s\"%s\"", i ? " or " : "", options[i]);
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s\"%s\"", i ? " or " : "",
+                 options[i]);
     }
     const char *nearest = text ? nearest_option(text, options) : NULL;
-    if (nearest) return mcv_fail_at(place, error, "\"%s\" must be %s: did you mean \"%s\"?", text, list, nearest);
-    return text ? mcv_fail_at(place, error, "\"%s\" must be %s", text, list) : mcv_fail_at(place, error, "must be %s", list);
+    if (nearest)
+        return mcv_fail_at(place, error, "\"%s\" must be %s: did you mean \"%s\"?", text, list,
+                           nearest);
+    return text ? mcv_fail_at(place, error, "\"%s\" must be %s", text, list)
+                : mcv_fail_at(place, error, "must be %s", list);
 }
 
 /* Which image it is only the loader can tell (load_images.c); here it is only marked as given. */
-static mcv_result parse_image(const mcv_param *param, const json_t *value, void *params, const mcv_place *place, mcv_error *error) {
+static mcv_result parse_image(const mcv_param *param, const json_t *value, void *params,
+                              const mcv_json_path *place, mcv_error *error) {
     if (!json_is_integer(value) && !json_is_string(value) && !json_is_object(value))
-        return mcv_fail_at(place, error, "must be the index or the name of one of the file's images, or {\"uri\": FILE.exr}");
+        return mcv_fail_at(
+            place, error,
+            "must be the index or the name of one of the file's images, or {\"uri\": FILE.exr}");
     set(param, params, 0, 0);
     return MCV_OK;
 }
 
-static mcv_result parse_flag(const mcv_param *param, const json_t *value, void *params, const mcv_place *place, mcv_error *error) {
+static mcv_result parse_flag(const mcv_param *param, const json_t *value, void *params,
+                             const mcv_json_path *place, mcv_error *error) {
     if (!json_is_boolean(value)) return mcv_fail_at(place, error, "must be true or false");
     set(param, params, 0, json_is_true(value));
     return MCV_OK;
 }
 
-static mcv_result parse_value(const mcv_param *param, const json_t *value, void *params, const mcv_place *place, mcv_error *error) {
+static mcv_result parse_value(const mcv_param *param, const json_t *value, void *params,
+                              const mcv_json_path *place, mcv_error *error) {
     if (param->kind == MCV_PARAM_choice) return parse_choice(param, value, params, place, error);
     if (param->kind == MCV_PARAM_image) return parse_image(param, value, params, place, error);
     if (param->kind == MCV_PARAM_flag) return parse_flag(param, value, params, place, error);
     if (param->kind == MCV_PARAM_pattern)
-        return mcv_pattern_parse(value, (mcv_pattern *)(void *)((char *)params + param->offset), place, error);
+        return mcv_pattern_parse(value, (mcv_pattern *)(void *)((char *)params + param->offset),
+                                 place, error);
     const size_t n = mcv_param_components(param->kind);
     if (json_is_array(value) && (n == 1 || json_array_size(value) != n)) {
-        if (n == 1) return mcv_fail_at(place, error, "must be %s, not an array", example(param->kind));
-        return mcv_fail_at(place, error, "has %zu values, but must have %zu%s", json_array_size(value), n,
-                           n == 4 ? "" : " (or be one for all)");
+        if (n == 1)
+            return mcv_fail_at(place, error, "must be %s, not an array", example(param->kind));
+        return mcv_fail_at(place, error, "has %zu values, but must have %zu%s",
+                           json_array_size(value), n, n == 4 ? "" : " (or be one for all)");
     }
-    if (!json_is_array(value) && n == 4) return mcv_fail_at(place, error, "must be an array of 4 integers");
+    if (!json_is_array(value) && n == 4)
+        return mcv_fail_at(place, error, "must be an array of 4 integers");
     for (size_t i = 0; i < n; ++i) {
-        const mcv_place element = mcv_place_index(place, i);
+        const mcv_json_path element = mcv_place_index(place, i);
         double number = 0;
-        MCV_TRY(json_is_array(value) ? parse_number(param, json_array_get(value, i), &number, &element, error)
-                                     : parse_number(param, value, &number, place, error));
+        MCV_TRY(json_is_array(value)
+                    ? parse_number(param, json_array_get(value, i), &number, &element, error)
+                    : parse_number(param, value, &number, place, error));
         set(param, params, i, number);
     }
     return MCV_OK;
 }
 
-static mcv_result fail_unknown(mcv_param_table table, const char *const *others, const mcv_place *place, const char *key,
-                               mcv_error *error) {
+static mcv_result fail_unknown(mcv_param_table table, const char *const *others,
+                               const mcv_json_path *place, const char *key, mcv_error *error) {
     const char *words[64];
     char list[1024] = "";
     size_t n = 0;
     for (size_t i = 0; i < table.count && n < 48; ++i) words[n++] = table.params[i].key;
     for (size_t i = 0; others[i] && n < 64; ++i) words[n++] = others[i];
     const char *nearest = mcv_nearest_word(key, words, n);
-    if (nearest) return mcv_fail_at(place, error, "unknown key \"%s\": did you mean \"%s\"?", key, nearest);
-    for (size_t i = 0; i < n; ++i) snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "", words[i]);
+    if (nearest)
+        return mcv_fail_at(place, error, "unknown key \"%s\": did you mean \"%s\"?", key, nearest);
+    for (size_t i = 0; i < n; ++i)
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "", words[i]);
     return mcv_fail_at(place, error, "unknown key \"%s\": known are %s", key, list);
 }
 
-mcv_result mcv_params_parse(mcv_param_table table, const json_t *object, const char *const *others, void *params, const mcv_place *place,
-                            mcv_error *error) {
+mcv_result mcv_params_parse(mcv_param_table table, const json_t *object, const char *const *others,
+                            void *params, const mcv_json_path *place, mcv_error *error) {
     const char *key;
     json_t *value;
     json_object_foreach((json_t *)object, key, value) {
         size_t i = 0, other = 0;
         while (i < table.count && strcmp(table.params[i].key, key) != 0) ++i;
         while (others[other] && strcmp(others[other], key) != 0) ++other;
-        const mcv_place here = mcv_place_key(place, key);
+        const mcv_json_path here = mcv_json_path_key(place, key);
         if (i < table.count)
             MCV_TRY(parse_value(table.params + i, value, params, &here, error));
         else if (!others[other])
@@ -269,37 +302,44 @@ mcv_result mcv_params_parse(mcv_param_table table, const json_t *object, const c
     return MCV_OK;
 }
 
-mcv_result mcv_params_check(mcv_param_table table, const void *params, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_params_check(mcv_param_table table, const void *params, const mcv_json_path *place,
+                            mcv_error *error) {
     for (size_t i = 0; i < table.count; ++i) {
         const mcv_param *param = table.params + i;
-        const mcv_place here = mcv_place_key(place, param->key);
+        const mcv_json_path here = mcv_json_path_key(place, param->key);
         if (mcv_param_unset(param, params)) {
-            if (param->default_value == MCV_REQUIRED) return mcv_fail_at(&here, error, "is missing: %s", param->doc);
+            if (param->default_value == MCV_REQUIRED)
+                return mcv_fail_at(&here, error, "is missing: %s", param->doc);
             if (param->default_value == MCV_UNSET || !isnan(get(param, params, 0))) continue;
         }
         for (size_t j = 0; j < mcv_param_components(param->kind); ++j) {
             const double value = get(param, params, j);
             if (value >= param->min && value <= param->max) continue;
             if (param->min == MCV_POSITIVE)
-                return mcv_fail_at(&here, error, "%g must be above 0 and at most %g: %s", value, param->max, param->doc);
-            return mcv_fail_at(&here, error, "%g must lie from %g to %g: %s", value, param->min, param->max, param->doc);
+                return mcv_fail_at(&here, error, "%g must be above 0 and at most %g: %s", value,
+                                   param->max, param->doc);
+            return mcv_fail_at(&here, error, "%g must lie from %g to %g: %s", value, param->min,
+                               param->max, param->doc);
         }
     }
     return MCV_OK;
 }
 
-mcv_result mcv_element_type(const json_t *object, const char *const *types, uint32_t count, uint32_t *type, const mcv_place *place,
-                            mcv_error *error) {
+mcv_result mcv_element_type(const json_t *object, const char *const *types, uint32_t count,
+                            uint32_t *type, const mcv_json_path *place, mcv_error *error) {
     char list[512] = "";
     const char *name = NULL;
-    const mcv_place here = mcv_place_key(place, "type");
+    const mcv_json_path here = mcv_json_path_key(place, "type");
     MCV_TRY(mcv_json_string(object, "type", &name, place, error));
     for (*type = 0; *type < count; ++*type) {
         if (name && strcmp(name, types[*type]) == 0) return MCV_OK;
-        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", *type ? ", " : "", types[*type]);
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", *type ? ", " : "",
+                 types[*type]);
     }
     if (!name) return mcv_fail_at(&here, error, "is missing: one of %s", list);
     const char *nearest = mcv_nearest_word(name, types, count);
-    if (nearest) return mcv_fail_at(&here, error, "unknown type \"%s\": did you mean \"%s\"?", name, nearest);
+    if (nearest)
+        return mcv_fail_at(&here, error, "unknown type \"%s\": did you mean \"%s\"?", name,
+                           nearest);
     return mcv_fail_at(&here, error, "unknown type \"%s\": known are %s", name, list);
 }

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Parameters of elements (mcvisi/params.h) from JSON values, by the tables that their lists generate. */
+/* Parameters of elements (mcvisi/params.h) from JSON values, by the tables that their lists
+ * generate. */
 #ifndef MCVISI_HOST_SCENE_PARAMS_H
 #define MCVISI_HOST_SCENE_PARAMS_H
 
-#include "scene/json.h"
+#include "core/json.h"
 #include "scene/scene.h"
 
 /* A row of a table: expanded where `element_params` is the parameter struct. */
@@ -15,20 +16,23 @@ mcv_param_table mcv_pose_table(void);
 mcv_param_table mcv_asset_table(void);
 
 /*
- * A number with a unit, "3.45um" or "0.5 deg", in SI. `kind` says which units fit: lengths take nm um mm cm m inch, angles
- * deg mrad rad, numbers none; MCV_PARAM_choice takes any of these. False where the text is not such a quantity.
+ * A number with a unit, "3.45um" or "0.5 deg", in SI. `kind` says which units fit: lengths take nm
+ * um mm cm m inch, angles deg mrad rad, numbers none; MCV_PARAM_choice takes any of these. False
+ * where the text is not such a quantity.
  */
 bool mcv_parse_quantity(const char *text, mcv_param_kind kind, double *value);
 
 /*
- * Reads the members of `object` into `params`, which the caller has set to defaults. A member that is neither a
- * parameter nor one of `others` (name, type …; ended by NULL) is an error that suggests the nearest key.
+ * Reads the members of `object` into `params`, which the caller has set to defaults. A member that
+ * is neither a parameter nor one of `others` (name, type …; ended by NULL) is an error that
+ * suggests the nearest key.
  */
-mcv_result mcv_params_parse(mcv_param_table table, const json_t *object, const char *const *others, void *params, const mcv_place *place,
-                            mcv_error *error);
+mcv_result mcv_params_parse(mcv_param_table table, const json_t *object, const char *const *others,
+                            void *params, const mcv_json_path *place, mcv_error *error);
 
 /* Are all required parameters given and all given ones in range? */
-mcv_result mcv_params_check(mcv_param_table table, const void *params, const mcv_place *place, mcv_error *error);
+mcv_result mcv_params_check(mcv_param_table table, const void *params, const mcv_json_path *place,
+                            mcv_error *error);
 
 /* Does a kind hold integers? */
 bool mcv_param_integral(mcv_param_kind kind);
@@ -43,8 +47,8 @@ bool mcv_param_unset(const mcv_param *param, const void *params);
 const char *const *mcv_param_options(const char *key);
 
 /* The number that "type" names in a list of elements; an error lists the types. */
-mcv_result mcv_element_type(const json_t *object, const char *const *types, uint32_t count, uint32_t *type, const mcv_place *place,
-                            mcv_error *error);
+mcv_result mcv_element_type(const json_t *object, const char *const *types, uint32_t count,
+                            uint32_t *type, const mcv_json_path *place, mcv_error *error);
 extern const char *const mcv_sensor_types[MCV_SENSOR_COUNT];
 extern const char *const mcv_emitter_types[MCV_EMITTER_TYPE_COUNT]; /* presets too */
 extern const char *const mcv_material_types[MCV_MATERIAL_COUNT];

@@ -3,7 +3,7 @@
 #ifndef MCVISI_HOST_SCENE_PRESETS_H
 #define MCVISI_HOST_SCENE_PRESETS_H
 
-#include "scene/place.h"
+#include "core/json_path.h"
 #include "scene/scene.h"
 
 typedef struct mcv_preset {
@@ -15,7 +15,9 @@ typedef struct mcv_preset {
     } as;
 } mcv_preset;
 
-/* Checks the parameters, and makes the emitter the element that shines: area, or parallel where a half-angle is given. */
-mcv_result mcv_preset_resolve(const mcv_preset *preset, mcv_emitter *emitter, const mcv_place *place, mcv_error *error);
+/* Checks the parameters, and makes the emitter the element that shines: area, or parallel where a
+ * half-angle is given. */
+mcv_result mcv_preset_resolve(const mcv_preset *preset, mcv_emitter *emitter,
+                              const mcv_json_path *place, mcv_error *error);
 
 #endif

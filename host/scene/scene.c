@@ -13,7 +13,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Red, green and blue; and what stands for all light: the d line of helium, at which catalogues give refractive indices. */
+/* Red, green and blue; and what stands for all light: the d line of helium, at which catalogues
+ * give refractive indices. */
 static const double default_wavelengths[3] = {611.4e-9, 549.1e-9, 464.2e-9};
 static const double grey_wavelength = 587.6e-9;
 
@@ -54,11 +55,13 @@ void mcv_scene_free(mcv_scene *scene) {
     free(scene);
 }
 
-/* --- adding ----------------------------------------------------------------------------------------------------- */
+/* --- adding
+ * -----------------------------------------------------------------------------------------------------
+ */
 
 /*
- * Appends a copy of `element` to *array. The capacity is the power of two at or above count, so it is not kept. Sizes are
- * those of the element, arrays are arrays of it.
+ * Appends a copy of `element` to *array. The capacity is the power of two at or above count, so it
+ * is not kept. Sizes are those of the element, arrays are arrays of it.
  */
 static bool append(void *array, uint32_t *count, const void *element, size_t size) {
     void *elements;
@@ -85,22 +88,25 @@ static void *copy(const void *from, size_t size, bool *failed) {
     return to;
 }
 
-static char *copy_name(const char *name, bool *failed) { return copy(name ? name : "", name ? strlen(name) + 1 : 1, failed); }
+static char *copy_name(const char *name, bool *failed) {
+    return copy(name ? name : "", name ? strlen(name) + 1 : 1, failed);
+}
 
 /* FILE: KIND/NAME, for the messages of the add functions. */
 typedef struct element_place {
-    mcv_place file, kind, element;
+    mcv_json_path file, kind, element;
 } element_place;
 
-static const mcv_place *place_element(element_place *place, const mcv_scene *scene, const char *kind, const char *name, uint32_t index) {
+static const mcv_json_path *place_element(element_place *place, const mcv_scene *scene,
+                                          const char *kind, const char *name, uint32_t index) {
     place->file = mcv_place_file(scene->path);
-    place->kind = mcv_place_key(&place->file, kind);
-    place->element = mcv_place_element(&place->kind, name, index);
+    place->kind = mcv_json_path_key(&place->file, kind);
+    place->element = mcv_json_path_element(&place->kind, name, index);
     return &place->element;
 }
 
 mcv_result mcv_scene_take_texture(mcv_scene *scene, mcv_texture *texture, mcv_error *error) {
-    const mcv_place file = mcv_place_file(scene->path);
+    const mcv_json_path file = mcv_place_file(scene->path);
     if (append(&scene->textures, &scene->texture_count, texture, sizeof *texture)) return MCV_OK;
     free(texture->name);
     if (!texture->shares_pixels) {
@@ -112,7 +118,8 @@ mcv_result mcv_scene_take_texture(mcv_scene *scene, mcv_texture *texture, mcv_er
 
 mcv_result mcv_scene_add_texture(mcv_scene *scene, const mcv_texture *texture, mcv_error *error) {
     element_place place;
-    const mcv_place *here = place_element(&place, scene, "textures", texture->name, scene->texture_count);
+    const mcv_json_path *here =
+        place_element(&place, scene, "textures", texture->name, scene->texture_count);
     if (texture->width == 0 || texture->height == 0 || !texture->rgba == !texture->linear)
         return mcv_fail_at(here, error, "must have pixels");
     bool failed = false;
@@ -120,7 +127,8 @@ mcv_result mcv_scene_add_texture(mcv_scene *scene, const mcv_texture *texture, m
     own.shares_pixels = false;
     own.name = copy_name(texture->name, &failed);
     own.rgba = copy(texture->rgba, 4 * (size_t)texture->width * texture->height, &failed);
-    own.linear = copy(texture->linear, 3 * sizeof(float) * texture->width * texture->height, &failed);
+    own.linear =
+        copy(texture->linear, 3 * sizeof(float) * texture->width * texture->height, &failed);
     if (!failed) return mcv_scene_take_texture(scene, &own, error);
     free(own.name);
     free(own.rgba);
@@ -128,75 +136,97 @@ mcv_result mcv_scene_add_texture(mcv_scene *scene, const mcv_texture *texture, m
     return mcv_fail_memory(here, error);
 }
 
-static mcv_result check_shares(const double reflectance[3], const char *key, const double other[3], const mcv_place *here,
-                               mcv_error *error) {
+static mcv_result check_shares(const double reflectance[3], const char *key, const double other[3],
+                               const mcv_json_path *here, mcv_error *error) {
     for (int k = 0; k < 3; ++k)
         if (reflectance[k] + other[k] > 1)
-            return mcv_fail_at(here, error, "reflectance %g and %s %g must not be more than 1 together", reflectance[k], key, other[k]);
+            return mcv_fail_at(here, error,
+                               "reflectance %g and %s %g must not be more than 1 together",
+                               reflectance[k], key, other[k]);
     return MCV_OK;
 }
 
 /* What no single parameter shows. */
-static mcv_result check_material(const mcv_material *material, const mcv_place *here, mcv_error *error) {
-    if (material->type == MCV_MATERIAL_DIELECTRIC && material->as.dielectric.priority != floor(material->as.dielectric.priority))
-        return mcv_fail_at(here, error, "priority %g must be an integer", material->as.dielectric.priority);
+static mcv_result check_material(const mcv_material *material, const mcv_json_path *here,
+                                 mcv_error *error) {
+    if (material->type == MCV_MATERIAL_DIELECTRIC &&
+        material->as.dielectric.priority != floor(material->as.dielectric.priority))
+        return mcv_fail_at(here, error, "priority %g must be an integer",
+                           material->as.dielectric.priority);
     if (material->type == MCV_MATERIAL_DIFFUSE)
-        return check_shares(material->as.diffuse.reflectance, "transmittance", material->as.diffuse.transmittance, here, error);
+        return check_shares(material->as.diffuse.reflectance, "transmittance",
+                            material->as.diffuse.transmittance, here, error);
     if (material->type == MCV_MATERIAL_BEAM_SPLITTER)
-        return check_shares(material->as.beam_splitter.reflectance, "transmittance", material->as.beam_splitter.transmittance, here, error);
+        return check_shares(material->as.beam_splitter.reflectance, "transmittance",
+                            material->as.beam_splitter.transmittance, here, error);
     if (material->type == MCV_MATERIAL_RETROREFLECTOR)
-        return check_shares(material->as.retroreflector.reflectance, "diffuseReflectance", material->as.retroreflector.diffuseReflectance,
-                            here, error);
+        return check_shares(material->as.retroreflector.reflectance, "diffuseReflectance",
+                            material->as.retroreflector.diffuseReflectance, here, error);
     return MCV_OK;
 }
 
 /* What depends on the wavelength: of a channel, or of a grey scene. */
 static void settle_material(const mcv_scene *scene, mcv_material *material, bool coloured) {
-    mcv_conductor_params *metal = material->type == MCV_MATERIAL_CONDUCTOR && material->by_name ? &material->as.conductor : NULL;
-    mcv_dielectric_params *glass = material->type == MCV_MATERIAL_DIELECTRIC ? &material->as.dielectric : NULL;
+    mcv_conductor_params *metal = material->type == MCV_MATERIAL_CONDUCTOR && material->by_name
+                                      ? &material->as.conductor
+                                      : NULL;
+    mcv_dielectric_params *glass =
+        material->type == MCV_MATERIAL_DIELECTRIC ? &material->as.dielectric : NULL;
     for (int k = 0; k < 3; ++k) {
-        const double own = scene->wavelengths[k] > 0 ? scene->wavelengths[k] : default_wavelengths[k];
+        const double own =
+            scene->wavelengths[k] > 0 ? scene->wavelengths[k] : default_wavelengths[k];
         const double wavelength = coloured ? own : grey_wavelength;
         if (metal) mcv_metal_index(metal->metal, wavelength, metal->n + k, metal->k + k);
         if (glass && glass->glass > 0) glass->ior[k] = mcv_glass_index(glass->glass, wavelength);
-        if (glass && glass->abbeNumber > 0) glass->ior[k] = mcv_cauchy_index(material->ior_d, glass->abbeNumber, wavelength);
+        if (glass && glass->abbeNumber > 0)
+            glass->ior[k] = mcv_cauchy_index(material->ior_d, glass->abbeNumber, wavelength);
     }
 }
 
-mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material, mcv_error *error) {
+mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material,
+                                  mcv_error *error) {
     element_place place;
-    const mcv_place *here = place_element(&place, scene, "materials", material->name, scene->material_count);
-    if (material->type >= MCV_MATERIAL_COUNT) return mcv_fail_at(here, error, "%u is no type of material", material->type);
+    const mcv_json_path *here =
+        place_element(&place, scene, "materials", material->name, scene->material_count);
+    if (material->type >= MCV_MATERIAL_COUNT)
+        return mcv_fail_at(here, error, "%u is no type of material", material->type);
     if (material->texture != MCV_NONE && material->texture >= scene->texture_count)
         return mcv_fail_at(here, error, "texture %u does not exist", material->texture);
     const uint32_t surface_texture = mcv_material_surface_texture(material);
-    if (surface_texture != MCV_NONE && (surface_texture >= scene->texture_count || !scene->textures[surface_texture].linear))
-        return mcv_fail_at(here, error, "texture %u does not exist or is not linear", surface_texture);
+    if (surface_texture != MCV_NONE &&
+        (surface_texture >= scene->texture_count || !scene->textures[surface_texture].linear))
+        return mcv_fail_at(here, error, "texture %u does not exist or is not linear",
+                           surface_texture);
     MCV_TRY(mcv_params_check(mcv_material_table(material->type), &material->as, here, error));
     MCV_TRY(check_material(material, here, error));
     bool failed = false;
     mcv_material own = *material;
     mcv_conductor_params *metal = own.type == MCV_MATERIAL_CONDUCTOR ? &own.as.conductor : NULL;
-    if (metal && isnan(metal->n[0]) != isnan(metal->k[0])) return mcv_fail_at(here, error, "n and k must be given together");
+    if (metal && isnan(metal->n[0]) != isnan(metal->k[0]))
+        return mcv_fail_at(here, error, "n and k must be given together");
     own.by_name = metal && isnan(metal->n[0]);
     mcv_dielectric_params *glass = own.type == MCV_MATERIAL_DIELECTRIC ? &own.as.dielectric : NULL;
     if (glass && glass->glass > 0) {
         if (!mcv_is_grey(glass->ior) || glass->ior[0] != 1.5) /* 1.5: none is given */
             return mcv_fail_at(here, error, "has both glass and ior: give one of them");
-        if (glass->abbeNumber > 0) return mcv_fail_at(here, error, "has both glass and abbeNumber: give one of them");
+        if (glass->abbeNumber > 0)
+            return mcv_fail_at(here, error, "has both glass and abbeNumber: give one of them");
     }
     if (glass && glass->abbeNumber > 0 && !mcv_is_grey(glass->ior))
-        return mcv_fail_at(here, error, "has an abbeNumber and ior for each channel: give one number, n_d, as ior");
+        return mcv_fail_at(
+            here, error,
+            "has an abbeNumber and ior for each channel: give one number, n_d, as ior");
     own.ior_d = glass ? glass->ior[0] : 0;
     settle_material(scene, &own, own.by_name || scene->wavelengths[0] > 0);
     own.name = copy_name(material->name, &failed);
-    if (!failed && append(&scene->materials, &scene->material_count, &own, sizeof own)) return MCV_OK;
+    if (!failed && append(&scene->materials, &scene->material_count, &own, sizeof own))
+        return MCV_OK;
     free(own.name);
     return mcv_fail_memory(here, error);
 }
 
 mcv_result mcv_scene_take_mesh(mcv_scene *scene, mcv_mesh *mesh, mcv_error *error) {
-    const mcv_place file = mcv_place_file(scene->path);
+    const mcv_json_path file = mcv_place_file(scene->path);
     if (append(&scene->meshes, &scene->mesh_count, mesh, sizeof *mesh)) return MCV_OK;
     mcv_mesh_free(mesh);
     return mcv_fail_memory(&file, error);
@@ -204,8 +234,10 @@ mcv_result mcv_scene_take_mesh(mcv_scene *scene, mcv_mesh *mesh, mcv_error *erro
 
 mcv_result mcv_scene_add_mesh(mcv_scene *scene, const mcv_mesh *mesh, mcv_error *error) {
     element_place place;
-    const mcv_place *here = place_element(&place, scene, "meshes", mesh->name, scene->mesh_count);
-    if (!mesh->positions || !mesh->indices || mesh->vertex_count == 0) return mcv_fail_at(here, error, "must have positions and indices");
+    const mcv_json_path *here =
+        place_element(&place, scene, "meshes", mesh->name, scene->mesh_count);
+    if (!mesh->positions || !mesh->indices || mesh->vertex_count == 0)
+        return mcv_fail_at(here, error, "must have positions and indices");
     const size_t vertices = mesh->vertex_count;
     bool failed = false;
     mcv_mesh own = *mesh;
@@ -217,24 +249,32 @@ mcv_result mcv_scene_add_mesh(mcv_scene *scene, const mcv_mesh *mesh, mcv_error 
     own.tangents = copy(mesh->tangents, 4 * vertices * sizeof(float), &failed);
     own.indices = copy(mesh->indices, 3 * (size_t)mesh->triangle_count * sizeof(uint32_t), &failed);
     uint32_t repaired;
-    const mcv_result result = failed ? mcv_fail_memory(here, error) : mcv_mesh_check(&own, &repaired, here, error);
+    const mcv_result result =
+        failed ? mcv_fail_memory(here, error) : mcv_mesh_check(&own, &repaired, here, error);
     if (result == MCV_OK) return mcv_scene_take_mesh(scene, &own, error);
     mcv_mesh_free(&own);
     return result;
 }
 
-mcv_result mcv_scene_add_instance(mcv_scene *scene, const mcv_instance *instance, mcv_error *error) {
+mcv_result mcv_scene_add_instance(mcv_scene *scene, const mcv_instance *instance,
+                                  mcv_error *error) {
     element_place place;
-    const mcv_place *here = place_element(&place, scene, "nodes", instance->name, scene->instance_count);
-    if (instance->mesh >= scene->mesh_count) return mcv_fail_at(here, error, "mesh %u does not exist", instance->mesh);
-    if (instance->material >= scene->material_count) return mcv_fail_at(here, error, "material %u does not exist", instance->material);
+    const mcv_json_path *here =
+        place_element(&place, scene, "nodes", instance->name, scene->instance_count);
+    if (instance->mesh >= scene->mesh_count)
+        return mcv_fail_at(here, error, "mesh %u does not exist", instance->mesh);
+    if (instance->material >= scene->material_count)
+        return mcv_fail_at(here, error, "material %u does not exist", instance->material);
     for (int i = 0; i < 12; ++i)
-        if (!isfinite(instance->to_world.m[i])) return mcv_fail_at(here, error, "its transform must be finite");
+        if (!isfinite(instance->to_world.m[i]))
+            return mcv_fail_at(here, error, "its transform must be finite");
     const uint32_t triangles = scene->meshes[instance->mesh].triangle_count;
     if (triangles > INT32_MAX - scene->triangle_count)
-        return mcv_fail_at(here, error, "%u triangles and these %u are more than %d", scene->triangle_count, triangles, INT32_MAX);
+        return mcv_fail_at(here, error, "%u triangles and these %u are more than %d",
+                           scene->triangle_count, triangles, INT32_MAX);
     mcv_mesh *mesh = &scene->meshes[instance->mesh];
-    if (mcv_material_roughness(&scene->materials[instance->material]).anisotropy > 0 && !mesh->tangents)
+    if (mcv_material_roughness(&scene->materials[instance->material]).anisotropy > 0 &&
+        !mesh->tangents)
         MCV_TRY(mcv_mesh_make_tangents(mesh, here, error));
     bool failed = false;
     mcv_instance own = *instance;
@@ -249,27 +289,37 @@ mcv_result mcv_scene_add_instance(mcv_scene *scene, const mcv_instance *instance
     return mcv_fail_memory(here, error);
 }
 
-static mcv_result check_emitter_instance(const mcv_scene *scene, mcv_emitter *emitter, const mcv_place *place, mcv_error *error) {
+static mcv_result check_emitter_instance(const mcv_scene *scene, mcv_emitter *emitter,
+                                         const mcv_json_path *place, mcv_error *error) {
     if (!mcv_emitter_has_surface(emitter->type)) {
         emitter->instance = MCV_NONE;
         emitter->area = 0;
-        for (uint32_t i = 0; i < scene->emitter_count && emitter->type == MCV_EMITTER_ENVIRONMENT; ++i)
+        for (uint32_t i = 0; i < scene->emitter_count && emitter->type == MCV_EMITTER_ENVIRONMENT;
+             ++i)
             if (scene->emitters[i].type == MCV_EMITTER_ENVIRONMENT)
-                return mcv_fail_at(place, error, "\"%s\" is an environment already: a scene has one at most", scene->emitters[i].name);
+                return mcv_fail_at(place, error,
+                                   "\"%s\" is an environment already: a scene has one at most",
+                                   scene->emitters[i].name);
         return MCV_OK;
     }
-    if (emitter->instance >= scene->instance_count) return mcv_fail_at(place, error, "instance %u does not exist", emitter->instance);
+    if (emitter->instance >= scene->instance_count)
+        return mcv_fail_at(place, error, "instance %u does not exist", emitter->instance);
     const mcv_instance *instance = scene->instances + emitter->instance;
-    if (instance->emitter != MCV_NONE) return mcv_fail_at(place, error, "node \"%s\" has an emitter already", instance->name);
+    if (instance->emitter != MCV_NONE)
+        return mcv_fail_at(place, error, "node \"%s\" has an emitter already", instance->name);
     emitter->area = mcv_scene_area(scene, emitter->instance);
     if (emitter->area > 0 && isfinite(emitter->area)) return MCV_OK;
-    return mcv_fail_at(place, error, "node \"%s\" has an area of %g m², but must have one to emit from", instance->name, emitter->area);
+    return mcv_fail_at(place, error,
+                       "node \"%s\" has an area of %g m², but must have one to emit from",
+                       instance->name, emitter->area);
 }
 
 mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, mcv_error *error) {
     element_place place;
-    const mcv_place *here = place_element(&place, scene, "emitters", emitter->name, scene->emitter_count);
-    if (emitter->type >= MCV_EMITTER_COUNT) return mcv_fail_at(here, error, "%u is no type of emitter", emitter->type);
+    const mcv_json_path *here =
+        place_element(&place, scene, "emitters", emitter->name, scene->emitter_count);
+    if (emitter->type >= MCV_EMITTER_COUNT)
+        return mcv_fail_at(here, error, "%u is no type of emitter", emitter->type);
     if (emitter->texture != MCV_NONE && emitter->texture >= scene->texture_count)
         return mcv_fail_at(here, error, "texture %u does not exist", emitter->texture);
     mcv_emitter own = *emitter;
@@ -281,7 +331,8 @@ mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, m
     bool failed = false;
     own.name = copy_name(emitter->name, &failed);
     if (!failed && append(&scene->emitters, &scene->emitter_count, &own, sizeof own)) {
-        if (own.instance != MCV_NONE) scene->instances[own.instance].emitter = scene->emitter_count - 1;
+        if (own.instance != MCV_NONE)
+            scene->instances[own.instance].emitter = scene->emitter_count - 1;
         return MCV_OK;
     }
     free(own.name);
@@ -290,21 +341,28 @@ mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, m
 
 /* To the rounding of floats, in which others may have kept it. */
 static bool is_rigid(const mcv_transform *t) {
-    const double *m = t->m, rounding = 6 * FLT_EPSILON; /* of three products of two rounded numbers */
+    const double *m = t->m,
+                 rounding = 6 * FLT_EPSILON; /* of three products of two rounded numbers */
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j <= i; ++j)
-            if (!(fabs(m[i] * m[j] + m[3 + i] * m[3 + j] + m[6 + i] * m[6 + j] - (i == j)) <= rounding)) return false;
+            if (!(fabs(m[i] * m[j] + m[3 + i] * m[3 + j] + m[6 + i] * m[6 + j] - (i == j)) <=
+                  rounding))
+                return false;
     return mcv_transform_determinant(t) > 0;
 }
 
 mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_error *error) {
     element_place place;
-    const mcv_place *here = place_element(&place, scene, "sensors", sensor->name, scene->sensor_count);
-    if (sensor->type >= MCV_SENSOR_COUNT) return mcv_fail_at(here, error, "%u is no type of sensor", sensor->type);
+    const mcv_json_path *here =
+        place_element(&place, scene, "sensors", sensor->name, scene->sensor_count);
+    if (sensor->type >= MCV_SENSOR_COUNT)
+        return mcv_fail_at(here, error, "%u is no type of sensor", sensor->type);
     mcv_sensor own = *sensor;
     MCV_TRY(mcv_sensor_resolve(&own, here, error));
     if (!is_rigid(&sensor->to_world))
-        return mcv_fail_at(here, error, "its frame must be turned and moved only, not scaled, sheared or mirrored");
+        return mcv_fail_at(
+            here, error,
+            "its frame must be turned and moved only, not scaled, sheared or mirrored");
     bool failed = false;
     own.name = copy_name(sensor->name, &failed);
     if (!failed && append(&scene->sensors, &scene->sensor_count, &own, sizeof own)) return MCV_OK;
@@ -312,9 +370,10 @@ mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_
     return mcv_fail_memory(here, error);
 }
 
-mcv_result mcv_scene_add_frame(mcv_scene *scene, const char *name, bool of_asset, const mcv_transform *to_world, mcv_error *error) {
+mcv_result mcv_scene_add_frame(mcv_scene *scene, const char *name, bool of_asset,
+                               const mcv_transform *to_world, mcv_error *error) {
     mcv_placement frame = {.of_asset = of_asset, .to_world = *to_world};
-    const mcv_place file = mcv_place_file(scene->path);
+    const mcv_json_path file = mcv_place_file(scene->path);
     if (!*name) return MCV_OK;
     for (int j = 0; j < 3; ++j) {
         const double column[3] = {to_world->m[j], to_world->m[3 + j], to_world->m[6 + j]};
@@ -322,47 +381,59 @@ mcv_result mcv_scene_add_frame(mcv_scene *scene, const char *name, bool of_asset
         if (!mcv_normalize3(column, axis)) return MCV_OK;
         for (int i = 0; i < 3; ++i) frame.to_world.m[3 * i + j] = axis[i];
     }
-    if ((frame.name = strdup(name)) && append(&scene->frames, &scene->frame_count, &frame, sizeof frame)) return MCV_OK;
+    if ((frame.name = strdup(name)) &&
+        append(&scene->frames, &scene->frame_count, &frame, sizeof frame))
+        return MCV_OK;
     free(frame.name);
     return mcv_fail_memory(&file, error);
 }
 
-mcv_result mcv_scene_add_solid(mcv_scene *scene, const mcv_solid *solid, const char *name, uint32_t body, uint32_t rim, mcv_error *error) {
+mcv_result mcv_scene_add_solid(mcv_scene *scene, const mcv_solid *solid, const char *name,
+                               uint32_t body, uint32_t rim, mcv_error *error) {
     element_place place;
-    const mcv_place *here = place_element(&place, scene, "nodes", name, scene->instance_count);
+    const mcv_json_path *here = place_element(&place, scene, "nodes", name, scene->instance_count);
     float positions[24];
     uint32_t no_indices;
     MCV_TRY(mcv_solid_check(solid, here, error));
     MCV_TRY(mcv_solid_check_materials(solid, scene, body, rim, here, error));
-    if (scene->solid_count == MCV_MAX_SOLIDS) return mcv_fail_at(here, error, "more than %d bodies with exact surfaces", MCV_MAX_SOLIDS);
+    if (scene->solid_count == MCV_MAX_SOLIDS)
+        return mcv_fail_at(here, error, "more than %d bodies with exact surfaces", MCV_MAX_SOLIDS);
     mcv_solid own = *solid;
     const uint32_t first = scene->instance_count, materials[2] = {body, rim};
     mcv_solid_box(solid, positions);
-    const mcv_mesh mesh = {.name = (char *)name, .vertex_count = 8, .positions = positions, .indices = &no_indices};
-    const mcv_instance instance = {.name = (char *)name, .mesh = scene->mesh_count, .to_world = solid->to_world};
+    const mcv_mesh mesh = {
+        .name = (char *)name, .vertex_count = 8, .positions = positions, .indices = &no_indices};
+    const mcv_instance instance = {
+        .name = (char *)name, .mesh = scene->mesh_count, .to_world = solid->to_world};
     MCV_TRY(mcv_scene_add_mesh(scene, &mesh, error));
     for (int i = 0; i < (body == rim ? 1 : 2); ++i) {
         mcv_instance part = instance;
         part.material = materials[i];
         MCV_TRY(mcv_scene_add_instance(scene, &part, error));
     }
-    for (int piece = 0; piece < 3; ++piece) own.instances[piece] = piece == MCV_PIECE_SIDE ? scene->instance_count - 1 : first;
-    return append(&scene->solids, &scene->solid_count, &own, sizeof own) ? MCV_OK : mcv_fail_memory(here, error);
+    for (int piece = 0; piece < 3; ++piece)
+        own.instances[piece] = piece == MCV_PIECE_SIDE ? scene->instance_count - 1 : first;
+    return append(&scene->solids, &scene->solid_count, &own, sizeof own)
+               ? MCV_OK
+               : mcv_fail_memory(here, error);
 }
 
 mcv_result mcv_scene_warn(mcv_scene *scene, mcv_error *error, const char *format, ...) {
-    const mcv_place file = mcv_place_file(scene->path);
+    const mcv_json_path file = mcv_place_file(scene->path);
     char *text = NULL;
     va_list arguments;
     va_start(arguments, format);
     const int length = vasprintf(&text, format, arguments);
     va_end(arguments);
-    if (length >= 0 && append(&scene->warnings, &scene->warning_count, &text, sizeof text)) return MCV_OK;
+    if (length >= 0 && append(&scene->warnings, &scene->warning_count, &text, sizeof text))
+        return MCV_OK;
     if (length >= 0) free(text);
     return mcv_fail_memory(&file, error);
 }
 
-/* --- wavelengths ------------------------------------------------------------------------------------------------ */
+/* --- wavelengths
+ * ------------------------------------------------------------------------------------------------
+ */
 
 double mcv_scene_wavelength(const mcv_scene *scene, int channel) {
     if (scene->wavelengths[channel] > 0) return scene->wavelengths[channel];
@@ -372,22 +443,31 @@ double mcv_scene_wavelength(const mcv_scene *scene, int channel) {
 void mcv_scene_settle_spectra(mcv_scene *scene) {
     bool coloured = scene->wavelengths[0] > 0;
     for (uint32_t i = 0; i < scene->material_count; ++i)
-        if (scene->materials[i].type == MCV_MATERIAL_DIELECTRIC && scene->materials[i].as.dielectric.abbeNumber > 0) coloured = true;
+        if (scene->materials[i].type == MCV_MATERIAL_DIELECTRIC &&
+            scene->materials[i].as.dielectric.abbeNumber > 0)
+            coloured = true;
     /* Grey first: if the scene is, it stays so. */
     for (int pass = coloured; pass < 2; ++pass) {
-        for (uint32_t i = 0; i < scene->material_count; ++i) settle_material(scene, scene->materials + i, pass);
+        for (uint32_t i = 0; i < scene->material_count; ++i)
+            settle_material(scene, scene->materials + i, pass);
         if (mcv_scene_channels(scene) == 1) return;
     }
 }
 
-/* --- channels --------------------------------------------------------------------------------------------------- */
+/* --- channels
+ * ---------------------------------------------------------------------------------------------------
+ */
 
-bool mcv_is_grey(const double spectrum[3]) { return spectrum[0] == spectrum[1] && spectrum[1] == spectrum[2]; }
+bool mcv_is_grey(const double spectrum[3]) {
+    return spectrum[0] == spectrum[1] && spectrum[1] == spectrum[2];
+}
 
 static bool grey_parameters(mcv_param_table table, const void *params) {
     for (size_t i = 0; i < table.count; ++i)
-        if (table.params[i].kind == MCV_PARAM_spectrum && !mcv_param_unset(table.params + i, params) &&
-            !mcv_is_grey((const double *)(const void *)((const char *)params + table.params[i].offset)))
+        if (table.params[i].kind == MCV_PARAM_spectrum &&
+            !mcv_param_unset(table.params + i, params) &&
+            !mcv_is_grey(
+                (const double *)(const void *)((const char *)params + table.params[i].offset)))
             return false;
     return true;
 }
@@ -396,7 +476,8 @@ uint32_t mcv_scene_channels(const mcv_scene *scene) {
     for (uint32_t i = 0; i < scene->emitter_count; ++i)
         if (!mcv_is_grey(scene->emitters[i].radiance)) return 3;
     for (uint32_t i = 0; i < scene->material_count; ++i)
-        if (!grey_parameters(mcv_material_table(scene->materials[i].type), &scene->materials[i].as)) return 3;
+        if (!grey_parameters(mcv_material_table(scene->materials[i].type), &scene->materials[i].as))
+            return 3;
     for (uint32_t i = 0; i < scene->texture_count; ++i) {
         const mcv_texture *texture = scene->textures + i;
         if (texture->is_data) continue;

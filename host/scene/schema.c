@@ -5,20 +5,23 @@
 #include "scene/pattern.h"
 #include "scene/surfaces.h"
 
-const char *const mcv_schema_names[] = {"MCVISI_sensors", "MCVISI_emitters", "MCVISI_materials", "MCVISI_assets",
-                                        "MCVISI_pose",    "MCVISI_spectrum", "MCVISI_surfaces",  NULL};
+const char *const mcv_schema_names[] = {
+    "MCVISI_sensors", "MCVISI_emitters", "MCVISI_materials", "MCVISI_assets",
+    "MCVISI_pose",    "MCVISI_spectrum", "MCVISI_surfaces",  NULL};
 
 /* What one number of a parameter may be. */
 static json_t *scalar_schema(const mcv_param *param) {
     json_t *schema = json_object();
     const char *units = NULL;
-    if (param->kind == MCV_PARAM_length || param->kind == MCV_PARAM_length2) units = "nm|um|µm|mm|cm|m|inch";
+    if (param->kind == MCV_PARAM_length || param->kind == MCV_PARAM_length2)
+        units = "nm|um|µm|mm|cm|m|inch";
     if (param->kind == MCV_PARAM_angle) units = "deg|mrad|rad";
     if (units) {
         json_object_set_new(schema, "type", json_pack("[s, s]", "number", "string"));
         json_object_set_new(schema, "pattern", json_sprintf("^[-+.0-9eE]+ *(%s)?$", units));
     } else {
-        json_object_set_new(schema, "type", json_string(mcv_param_integral(param->kind) ? "integer" : "number"));
+        json_object_set_new(schema, "type",
+                            json_string(mcv_param_integral(param->kind) ? "integer" : "number"));
     }
     json_object_set_new(schema, "minimum", json_real(param->min == MCV_POSITIVE ? 0 : param->min));
     if (param->min == MCV_POSITIVE) json_object_set_new(schema, "exclusiveMinimum", json_true());
@@ -46,8 +49,9 @@ static json_t *param_schema(const mcv_param *param) {
     }
     if (param->kind == MCV_PARAM_image) {
         json_object_set_new(schema, "anyOf",
-                            json_pack("[{s:s, s:i}, {s:s}, {s:s, s:{s:{s:s}}, s:[s]}]", "type", "integer", "minimum", 0, "type", "string",
-                                      "type", "object", "properties", "uri", "type", "string", "required", "uri"));
+                            json_pack("[{s:s, s:i}, {s:s}, {s:s, s:{s:{s:s}}, s:[s]}]", "type",
+                                      "integer", "minimum", 0, "type", "string", "type", "object",
+                                      "properties", "uri", "type", "string", "required", "uri"));
         return schema;
     }
     if (param->kind == MCV_PARAM_pattern) {
@@ -58,12 +62,14 @@ static json_t *param_schema(const mcv_param *param) {
     if (n == 1)
         json_object_update_new(schema, scalar_schema(param));
     else if (n == 4)
-        json_object_update_new(
-            schema, json_pack("{s:s, s:o, s:i, s:i}", "type", "array", "items", scalar_schema(param), "minItems", n, "maxItems", n));
+        json_object_update_new(schema,
+                               json_pack("{s:s, s:o, s:i, s:i}", "type", "array", "items",
+                                         scalar_schema(param), "minItems", n, "maxItems", n));
     else
         json_object_set_new(schema, "anyOf",
-                            json_pack("[o, {s:s, s:o, s:i, s:i}]", scalar_schema(param), "type", "array", "items", scalar_schema(param),
-                                      "minItems", n, "maxItems", n));
+                            json_pack("[o, {s:s, s:o, s:i, s:i}]", scalar_schema(param), "type",
+                                      "array", "items", scalar_schema(param), "minItems", n,
+                                      "maxItems", n));
     if (param->default_value != MCV_REQUIRED && param->default_value != MCV_UNSET)
         json_object_set_new(schema, "default", json_real(param->default_value));
     return schema;
@@ -73,21 +79,25 @@ static json_t *param_schema(const mcv_param *param) {
 static json_t *object_schema(json_t *properties, json_t *required, mcv_param_table table) {
     for (size_t i = 0; i < table.count; ++i) {
         json_object_set_new(properties, table.params[i].key, param_schema(table.params + i));
-        if (table.params[i].default_value == MCV_REQUIRED) json_array_append_new(required, json_string(table.params[i].key));
+        if (table.params[i].default_value == MCV_REQUIRED)
+            json_array_append_new(required, json_string(table.params[i].key));
     }
-    return json_pack("{s:s, s:o, s:o}", "type", "object", "properties", properties, "required", required);
+    return json_pack("{s:s, s:o, s:o}", "type", "object", "properties", properties, "required",
+                     required);
 }
 
 static json_t *element_schema(const char *type, mcv_param_table table) {
-    return object_schema(json_pack("{s:{s:[s]}, s:{s:s}}", "type", "enum", type, "name", "type", "string"), json_pack("[s]", "type"),
-                         table);
+    return object_schema(
+        json_pack("{s:{s:[s]}, s:{s:s}}", "type", "enum", type, "name", "type", "string"),
+        json_pack("[s]", "type"), table);
 }
 
 static json_t *pattern_schema(void) {
     json_t *choice = json_array();
     for (uint32_t type = 0; type < MCV_PATTERN_COUNT; ++type)
-        json_array_append_new(choice, object_schema(json_pack("{s:{s:[s]}}", "type", "enum", mcv_pattern_types[type]),
-                                                    json_pack("[s]", "type"), mcv_pattern_table(type)));
+        json_array_append_new(
+            choice, object_schema(json_pack("{s:{s:[s]}}", "type", "enum", mcv_pattern_types[type]),
+                                  json_pack("[s]", "type"), mcv_pattern_table(type)));
     return choice;
 }
 
@@ -96,39 +106,52 @@ static json_t *material_schema(const char *description) {
 }
 
 static json_t *map_schema(const char *description) {
-    return json_pack("{s:s, s:s, s:{s:[s,s]}}", "description", description, "type", "object", "additionalProperties", "type", "string",
-                     "integer");
+    return json_pack("{s:s, s:s, s:{s:[s,s]}}", "description", description, "type", "object",
+                     "additionalProperties", "type", "string", "integer");
 }
 
 static json_t *asset_schema(void) {
-    json_t *properties = json_pack("{s:{s:s, s:s}, s:{s:s, s:[s,s,s,s,s,s], s:s}, s:{s:s}}", "uri", "description",
-                                   "a .gltf, .glb or .stl file beside the scene", "type", "string", "unit", "description",
-                                   "unit of the file's lengths; of an .stl file it must be given", "enum", "nm", "um", "mm", "cm", "m",
-                                   "inch", "default", "m", "name", "type", "string");
-    json_object_set_new(properties, "material", material_schema("a material of the scene, by name or index, for all of the file"));
-    json_object_set_new(properties, "materials", map_schema("of a glTF file: {\"NAME\": material of the scene}, by the file's materials"));
+    json_t *properties = json_pack(
+        "{s:{s:s, s:s}, s:{s:s, s:[s,s,s,s,s,s], s:s}, s:{s:s}}", "uri", "description",
+        "a .gltf, .glb or .stl file beside the scene", "type", "string", "unit", "description",
+        "unit of the file's lengths; of an .stl file it must be given", "enum", "nm", "um", "mm",
+        "cm", "m", "inch", "default", "m", "name", "type", "string");
+    json_object_set_new(
+        properties, "material",
+        material_schema("a material of the scene, by name or index, for all of the file"));
+    json_object_set_new(
+        properties, "materials",
+        map_schema("of a glTF file: {\"NAME\": material of the scene}, by the file's materials"));
     json_object_set_new(properties, "nodeMaterials",
-                        map_schema("of a glTF file: {\"NAME\": material of the scene}, for the file's nodes of this name and all below"));
+                        map_schema("of a glTF file: {\"NAME\": material of the scene}, for the "
+                                   "file's nodes of this name and all below"));
     return object_schema(properties, json_pack("[s]", "uri"), mcv_asset_table());
 }
 
 static json_t *pose_schema(void) {
-    json_t *properties = json_pack("{s:{s:s, s:[s,s,s]}}", "target", "description", "a node (name or index) or a point [x, y, z] [m]",
-                                   "type", "string", "integer", "array");
+    json_t *properties = json_pack("{s:{s:s, s:[s,s,s]}}", "target", "description",
+                                   "a node (name or index) or a point [x, y, z] [m]", "type",
+                                   "string", "integer", "array");
     return object_schema(properties, json_pack("[s]", "target"), mcv_pose_table());
 }
 
 /* A wavelength, or three. */
 static json_t *spectrum_schema(void) {
-    const mcv_param length = {MCV_PARAM_length, "wavelengths", 0, MCV_UNSET, MCV_LEAST_WAVELENGTH, MCV_LARGEST_WAVELENGTH, ""};
-    json_t *three = json_pack("{s:s, s:o, s:i, s:i}", "type", "array", "items", scalar_schema(&length), "minItems", 3, "maxItems", 3);
-    json_t *wavelengths = json_pack("{s:s, s:[o, o]}", "description", "that red, green and blue stand for, or one for a grey scene [m]",
-                                    "anyOf", scalar_schema(&length), three);
-    return object_schema(json_pack("{s:o}", "wavelengths", wavelengths), json_pack("[s]", "wavelengths"), (mcv_param_table){0});
+    const mcv_param length = {MCV_PARAM_length,     "wavelengths",          0, MCV_UNSET,
+                              MCV_LEAST_WAVELENGTH, MCV_LARGEST_WAVELENGTH, ""};
+    json_t *three = json_pack("{s:s, s:o, s:i, s:i}", "type", "array", "items",
+                              scalar_schema(&length), "minItems", 3, "maxItems", 3);
+    json_t *wavelengths =
+        json_pack("{s:s, s:[o, o]}", "description",
+                  "that red, green and blue stand for, or one for a grey scene [m]", "anyOf",
+                  scalar_schema(&length), three);
+    return object_schema(json_pack("{s:o}", "wavelengths", wavelengths),
+                         json_pack("[s]", "wavelengths"), (mcv_param_table){0});
 }
 
 static json_t *asphere_schema(void) {
-    return json_pack("{s:s, s:s, s:{s:s}, s:i}", "description", "coefficients of r^4, r^6 and so on [m^(1-i)]", "type", "array", "items",
+    return json_pack("{s:s, s:s, s:{s:s}, s:i}", "description",
+                     "coefficients of r^4, r^6 and so on [m^(1-i)]", "type", "array", "items",
                      "type", "number", "maxItems", MCV_ASPHERE_TERMS);
 }
 
@@ -136,54 +159,75 @@ static json_t *asphere_schema(void) {
 static void add_body_members(json_t *definitions) {
     const char *const *types = mcv_body_types;
     for (uint32_t type = 0; type < MCV_BODY_COUNT; ++type) {
-        json_t *properties = json_object_get(json_object_get(definitions, types[type]), "properties");
+        json_t *properties =
+            json_object_get(json_object_get(definitions, types[type]), "properties");
         if (type != MCV_BODY_LENS) {
-            json_object_set_new(properties, "material", material_schema("a material of the file, by name or index"));
+            json_object_set_new(properties, "material",
+                                material_schema("a material of the file, by name or index"));
             continue;
         }
-        json_t *surface = object_schema(json_pack("{s:o, s:o, s:{s:s}}", "asphere", asphere_schema(), "material",
-                                                  material_schema("fills the space up to the next surface; without it is a gap"), "name",
-                                                  "type", "string"),
-                                        json_array(), mcv_lens_surface_table());
-        json_object_set_new(properties, "surfaces", json_pack("{s:s, s:i, s:o}", "type", "array", "minItems", 2, "items", surface));
-        json_object_set_new(properties, "rim", material_schema("of the edges, by name or index; without it they absorb"));
-        json_array_append_new(json_object_get(json_object_get(definitions, types[type]), "required"), json_string("surfaces"));
+        json_t *surface = object_schema(
+            json_pack(
+                "{s:o, s:o, s:{s:s}}", "asphere", asphere_schema(), "material",
+                material_schema("fills the space up to the next surface; without it is a gap"),
+                "name", "type", "string"),
+            json_array(), mcv_lens_surface_table());
+        json_object_set_new(
+            properties, "surfaces",
+            json_pack("{s:s, s:i, s:o}", "type", "array", "minItems", 2, "items", surface));
+        json_object_set_new(
+            properties, "rim",
+            material_schema("of the edges, by name or index; without it they absorb"));
+        json_array_append_new(
+            json_object_get(json_object_get(definitions, types[type]), "required"),
+            json_string("surfaces"));
     }
-    json_object_set_new(json_object_get(json_object_get(definitions, types[MCV_BODY_OPEN_SURFACE]), "properties"), "asphere",
-                        asphere_schema());
+    json_object_set_new(
+        json_object_get(json_object_get(definitions, types[MCV_BODY_OPEN_SURFACE]), "properties"),
+        "asphere", asphere_schema());
 }
 
 /* Adds definitions/TYPE for each type, and gives the choice of them. */
-static json_t *any_element(json_t *definitions, const char *const *types, uint32_t count, mcv_param_table (*table)(uint32_t)) {
+static json_t *any_element(json_t *definitions, const char *const *types, uint32_t count,
+                           mcv_param_table (*table)(uint32_t)) {
     json_t *choice = json_array();
     for (uint32_t type = 0; type < count; ++type) {
         json_object_set_new(definitions, types[type], element_schema(types[type], table(type)));
-        json_array_append_new(choice, json_pack("{s:o}", "$ref", json_sprintf("#/definitions/%s", types[type])));
+        json_array_append_new(
+            choice, json_pack("{s:o}", "$ref", json_sprintf("#/definitions/%s", types[type])));
     }
     return choice;
 }
 
 /* The root array KEYs and the index KEY (without s) on a node. */
-static json_t *indexed_schema(const char *key, const char *index, json_t *choice, json_t *definitions) {
+static json_t *indexed_schema(const char *key, const char *index, json_t *choice,
+                              json_t *definitions) {
     json_object_set_new(definitions, "node",
-                        json_pack("{s:s, s:s, s:{s:{s:s, s:i}}, s:[s]}", "description", "the extension object of a node", "type", "object",
-                                  "properties", index, "type", "integer", "minimum", 0, "required", index));
-    return json_pack("{s:s, s:{s:{s:s, s:i, s:{s:o}}}, s:[s], s:o}", "type", "object", "properties", key, "type", "array", "minItems", 1,
-                     "items", "oneOf", choice, "required", key, "definitions", definitions);
+                        json_pack("{s:s, s:s, s:{s:{s:s, s:i}}, s:[s]}", "description",
+                                  "the extension object of a node", "type", "object", "properties",
+                                  index, "type", "integer", "minimum", 0, "required", index));
+    return json_pack("{s:s, s:{s:{s:s, s:i, s:{s:o}}}, s:[s], s:o}", "type", "object", "properties",
+                     key, "type", "array", "minItems", 1, "items", "oneOf", choice, "required", key,
+                     "definitions", definitions);
 }
 
 mcv_result mcv_schema_write(FILE *stream, const char *name, mcv_error *error) {
     json_t *definitions = json_object(), *schema = NULL;
     if (strcmp(name, "MCVISI_sensors") == 0)
-        schema = indexed_schema("sensors", "sensor", any_element(definitions, mcv_sensor_types, MCV_SENSOR_COUNT, mcv_sensor_table),
-                                definitions);
+        schema = indexed_schema(
+            "sensors", "sensor",
+            any_element(definitions, mcv_sensor_types, MCV_SENSOR_COUNT, mcv_sensor_table),
+            definitions);
     else if (strcmp(name, "MCVISI_emitters") == 0)
-        schema = indexed_schema("emitters", "emitter",
-                                any_element(definitions, mcv_emitter_types, MCV_EMITTER_TYPE_COUNT, mcv_emitter_table), definitions);
+        schema = indexed_schema(
+            "emitters", "emitter",
+            any_element(definitions, mcv_emitter_types, MCV_EMITTER_TYPE_COUNT, mcv_emitter_table),
+            definitions);
     else if (strcmp(name, "MCVISI_materials") == 0)
-        schema =
-            json_pack("{s:s, s:o, s:o}", "type", "object", "oneOf",
-                      any_element(definitions, mcv_material_types, MCV_MATERIAL_COUNT, mcv_material_table), "definitions", definitions);
+        schema = json_pack(
+            "{s:s, s:o, s:o}", "type", "object", "oneOf",
+            any_element(definitions, mcv_material_types, MCV_MATERIAL_COUNT, mcv_material_table),
+            "definitions", definitions);
     else if (strcmp(name, "MCVISI_assets") == 0)
         schema = indexed_schema("assets", "asset", json_pack("[o]", asset_schema()), definitions);
     else if (strcmp(name, "MCVISI_pose") == 0)
@@ -197,9 +241,12 @@ mcv_result mcv_schema_write(FILE *stream, const char *name, mcv_error *error) {
     }
     if (!json_object_get(schema, "definitions")) json_decref(definitions);
     if (!schema) return mcv_fail(error, MCV_USAGE, "there is no schema of \"%s\"", name);
-    json_t *document = json_pack("{s:s, s:s}", "$schema", "http://json-schema.org/draft-04/schema", "title", name);
+    json_t *document =
+        json_pack("{s:s, s:s}", "$schema", "http://json-schema.org/draft-04/schema", "title", name);
     json_object_update_new(document, schema);
-    const bool written = json_dumpf(document, stream, JSON_INDENT(2)) == 0 && fputc('\n', stream) != EOF;
+    const bool written =
+        json_dumpf(document, stream, JSON_INDENT(2)) == 0 && fputc('\n', stream) != EOF;
     json_decref(document);
-    return written ? MCV_OK : mcv_fail(error, MCV_FAILED, "the schema of %s cannot be written", name);
+    return written ? MCV_OK
+                   : mcv_fail(error, MCV_FAILED, "the schema of %s cannot be written", name);
 }

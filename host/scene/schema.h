@@ -7,7 +7,8 @@
 
 #include <stdio.h>
 
-/* The extensions that have a schema, ended by NULL. Their files are include/mcvisi/schema/NAME.schema.json. */
+/* The extensions that have a schema, ended by NULL. Their files are
+ * include/mcvisi/schema/NAME.schema.json. */
 extern const char *const mcv_schema_names[];
 
 /* Writes the schema of one of them. */

@@ -3,20 +3,29 @@
 
 #include "scene/params.h"
 
-/* --- what is read out ------------------------------------------------------------------------------------------- */
+/* --- what is read out
+ * ------------------------------------------------------------------------------------------- */
 
-/* The parameters that say so, of any sensor; its resolution counts macro pixels of `angular` pixels each. */
+/* The parameters that say so, of any sensor; its resolution counts macro pixels of `angular` pixels
+ * each. */
 typedef struct film {
     const uint32_t *resolution, *region, *binning;
     const double *principal_point, *pixel_size;
     uint32_t angular[2];
 } film;
 
-#define MCV_FILM(p) ((film){(p)->resolution, (p)->regionOfInterest, (p)->binning, (p)->principalPoint, (p)->pixelSize, {1, 1}})
+#define MCV_FILM(p) \
+    ((film){(p)->resolution, \
+            (p)->regionOfInterest, \
+            (p)->binning, \
+            (p)->principalPoint, \
+            (p)->pixelSize, \
+            {1, 1}})
 
 static film light_field_film(const mcv_light_field_params *p) {
-    return (film){p->spatialResolution, p->regionOfInterest, p->binning,
-                  p->principalPoint,    p->pixelSize,        {p->angularResolution[0], p->angularResolution[1]}};
+    return (film){p->spatialResolution, p->regionOfInterest,
+                  p->binning,           p->principalPoint,
+                  p->pixelSize,         {p->angularResolution[0], p->angularResolution[1]}};
 }
 
 static const void *parameter(const mcv_sensor *sensor, const char *key) {
@@ -25,8 +34,9 @@ static const void *parameter(const mcv_sensor *sensor, const char *key) {
 
 static film film_of(const mcv_sensor *sensor) {
     if (sensor->type == MCV_SENSOR_LIGHT_FIELD) return light_field_film(&sensor->as.light_field);
-    return (film){parameter(sensor, "resolution"),     parameter(sensor, "regionOfInterest"), parameter(sensor, "binning"),
-                  parameter(sensor, "principalPoint"), parameter(sensor, "pixelSize"),        {1, 1}};
+    return (film){parameter(sensor, "resolution"), parameter(sensor, "regionOfInterest"),
+                  parameter(sensor, "binning"),    parameter(sensor, "principalPoint"),
+                  parameter(sensor, "pixelSize"),  {1, 1}};
 }
 
 static mcv_readout read_out(film f) {
@@ -39,25 +49,33 @@ static mcv_readout read_out(film f) {
         readout.size[i] = (all ? f.resolution[i] : f.region[i + 2]) / f.binning[i];
         readout.angular[i] = f.angular[i];
         readout.pitch[i] = f.angular[i] * f.pixel_size[i];
-        readout.centre[i] = isnan(f.principal_point[0]) ? f.resolution[i] / 2.0 : f.principal_point[i] / f.angular[i];
+        readout.centre[i] = isnan(f.principal_point[0]) ? f.resolution[i] / 2.0
+                                                        : f.principal_point[i] / f.angular[i];
     }
     return readout;
 }
 
 mcv_readout mcv_sensor_readout(const mcv_sensor *sensor) { return read_out(film_of(sensor)); }
 
-static mcv_result check_film(film f, const mcv_place *place, mcv_error *error) {
+static mcv_result check_film(film f, const mcv_json_path *place, mcv_error *error) {
     static const char *const lines[] = {"columns", "rows"};
-    const mcv_place region = mcv_place_key(place, "regionOfInterest"), binning = mcv_place_key(place, "binning");
+    const mcv_json_path region = mcv_json_path_key(place, "regionOfInterest"),
+                        binning = mcv_json_path_key(place, "binning");
     const bool all = f.region[0] == MCV_NONE;
     for (int i = 0; i < 2; ++i) {
-        const uint32_t first = all ? 0 : f.region[i], size = all ? f.resolution[i] : f.region[i + 2];
-        if (size == 0) return mcv_fail_at(&region, error, "has no %s: it is [column, row, width, height]", lines[i]);
+        const uint32_t first = all ? 0 : f.region[i],
+                       size = all ? f.resolution[i] : f.region[i + 2];
+        if (size == 0)
+            return mcv_fail_at(&region, error, "has no %s: it is [column, row, width, height]",
+                               lines[i]);
         if (first + size > f.resolution[i])
-            return mcv_fail_at(&region, error, "%s %u to %u leave the film, which has %u: it is [column, row, width, height]", lines[i],
-                               first, first + size, f.resolution[i]);
+            return mcv_fail_at(
+                &region, error,
+                "%s %u to %u leave the film, which has %u: it is [column, row, width, height]",
+                lines[i], first, first + size, f.resolution[i]);
         if (size % f.binning[i] != 0)
-            return mcv_fail_at(&binning, error, "%u does not divide the %u %s that are read out", f.binning[i], size, lines[i]);
+            return mcv_fail_at(&binning, error, "%u does not divide the %u %s that are read out",
+                               f.binning[i], size, lines[i]);
     }
     return MCV_OK;
 }
@@ -69,12 +87,17 @@ static mcv_centre centre(const mcv_readout *readout, int axis, uint32_t binning)
     return (mcv_centre){(int)halves, (float)(from_first - halves / 2)};
 }
 
-/* --- pinhole ---------------------------------------------------------------------------------------------------- */
+/* --- pinhole
+ * ----------------------------------------------------------------------------------------------------
+ */
 
-mcv_result mcv_pinhole_resolve(mcv_pinhole_params *params, const mcv_place *place, mcv_error *error) {
-    const mcv_place here = mcv_place_key(place, "radiometry");
+mcv_result mcv_pinhole_resolve(mcv_pinhole_params *params, const mcv_json_path *place,
+                               mcv_error *error) {
+    const mcv_json_path here = mcv_json_path_key(place, "radiometry");
     if (params->radiometry == MCV_RADIOMETRY_RADIANCE) return MCV_OK;
-    return mcv_fail_at(&here, error, "a pinhole has no aperture, so no irradiance: use \"radiance\" or a thinLens");
+    return mcv_fail_at(
+        &here, error,
+        "a pinhole has no aperture, so no irradiance: use \"radiance\" or a thinLens");
 }
 
 void mcv_pinhole_prepare(const mcv_pinhole_params *params, mcv_pinhole *device) {
@@ -87,53 +110,72 @@ void mcv_pinhole_prepare(const mcv_pinhole_params *params, mcv_pinhole *device) 
     };
 }
 
-/* --- what agrees ------------------------------------------------------------------------------------------------- */
+/* --- what agrees
+ * -------------------------------------------------------------------------------------------------
+ */
 
 /*
- * Values that follow from others may be given too, rounded: half a unit in the fourth digit of a datasheet's number. What
- * differs by more contradicts.
+ * Values that follow from others may be given too, rounded: half a unit in the fourth digit of a
+ * datasheet's number. What differs by more contradicts.
  */
 static const double agreement = 5e-4;
 
-static mcv_result settle(double *value, double follows, const char *key, const char *from, const mcv_place *place, mcv_error *error) {
-    const mcv_place here = mcv_place_key(place, key);
+static mcv_result settle(double *value, double follows, const char *key, const char *from,
+                         const mcv_json_path *place, mcv_error *error) {
+    const mcv_json_path here = mcv_json_path_key(place, key);
     if (isnan(*value))
         *value = follows;
-    else if (!(fabs(*value - follows) <= agreement * *value)) /* nothing given agrees with an infinite or negative one */
-        return mcv_fail_at(&here, error, "%.6g contradicts %s, from which %.6g follows: give one of them, or both alike", *value, from,
-                           follows);
+    else if (!(fabs(*value - follows) <=
+               agreement * *value)) /* nothing given agrees with an infinite or negative one */
+        return mcv_fail_at(
+            &here, error,
+            "%.6g contradicts %s, from which %.6g follows: give one of them, or both alike", *value,
+            from, follows);
     return MCV_OK;
 }
 
-/* --- thin lens -------------------------------------------------------------------------------------------------- */
+/* --- thin lens
+ * --------------------------------------------------------------------------------------------------
+ */
 
 /* A/h² where irradiance is measured, else 0. */
 static double etendue(int radiometry, double area, double distance) {
     return radiometry == MCV_RADIOMETRY_IRRADIANCE ? area / (distance * distance) : 0;
 }
 
-/* What turns a direction before the lens into one behind it, per metre from the axis; 0 where that is not asked for. */
-static double bend(int falloff, double focal_length) { return falloff == MCV_FALLOFF_IMAGE_SIDE ? 1 / focal_length : 0; }
+/* What turns a direction before the lens into one behind it, per metre from the axis; 0 where that
+ * is not asked for. */
+static double bend(int falloff, double focal_length) {
+    return falloff == MCV_FALLOFF_IMAGE_SIDE ? 1 / focal_length : 0;
+}
 
 static double disk_area(double diameter) { return M_PI / 4 * diameter * diameter; }
 
-mcv_result mcv_lens_resolve(mcv_lens l, const mcv_place *place, mcv_error *error) {
-    const mcv_place focus = mcv_place_key(place, "focusDistance");
-    if (isnan(*l.b) && isnan(*l.w)) return mcv_fail_at(place, error, "needs imageDistance or focusDistance, to say where it is in focus");
-    if (*l.w <= l.f) return mcv_fail_at(&focus, error, "%g m must exceed focalLength %g m", *l.w, l.f);
+mcv_result mcv_lens_resolve(mcv_lens l, const mcv_json_path *place, mcv_error *error) {
+    const mcv_json_path focus = mcv_json_path_key(place, "focusDistance");
+    if (isnan(*l.b) && isnan(*l.w))
+        return mcv_fail_at(place, error,
+                           "needs imageDistance or focusDistance, to say where it is in focus");
+    if (*l.w <= l.f)
+        return mcv_fail_at(&focus, error, "%g m must exceed focalLength %g m", *l.w, l.f);
     if (isnan(*l.b)) *l.b = l.f * *l.w / (*l.w - l.f);
     const double depth = 1 / mcv_kappa(l.f, *l.b);
     if (!isnan(*l.w) || (depth > 0 && isfinite(depth)))
         MCV_TRY(settle(l.w, depth, "focusDistance", "focalLength and imageDistance", place, error));
 
     if (isnan(*l.diameter) && isnan(*l.f_number))
-        return mcv_fail_at(place, error, "needs lensDiameter or fNumber, to say how wide it is open");
+        return mcv_fail_at(place, error,
+                           "needs lensDiameter or fNumber, to say how wide it is open");
     if (isnan(*l.diameter)) *l.diameter = *l.b / *l.f_number;
-    return settle(l.f_number, *l.b / *l.diameter, "fNumber", "imageDistance and lensDiameter", place, error);
+    return settle(l.f_number, *l.b / *l.diameter, "fNumber", "imageDistance and lensDiameter",
+                  place, error);
 }
 
-mcv_result mcv_thin_lens_resolve(mcv_thin_lens_params *p, const mcv_place *place, mcv_error *error) {
-    return mcv_lens_resolve((mcv_lens){p->focalLength, &p->imageDistance, &p->focusDistance, &p->lensDiameter, &p->fNumber}, place, error);
+mcv_result mcv_thin_lens_resolve(mcv_thin_lens_params *p, const mcv_json_path *place,
+                                 mcv_error *error) {
+    return mcv_lens_resolve((mcv_lens){p->focalLength, &p->imageDistance, &p->focusDistance,
+                                       &p->lensDiameter, &p->fNumber},
+                            place, error);
 }
 
 void mcv_thin_lens_prepare(const mcv_thin_lens_params *params, mcv_thin_lens *device) {
@@ -145,18 +187,22 @@ void mcv_thin_lens_prepare(const mcv_thin_lens_params *params, mcv_thin_lens *de
         .slope_y = (float)(readout.binning[1] * params->pixelSize[1] / params->imageDistance),
         .kappa = (float)mcv_kappa(params->focalLength, params->imageDistance),
         .radius = (float)(params->lensDiameter / 2),
-        .etendue = (float)etendue(params->radiometry, disk_area(params->lensDiameter), params->imageDistance),
+        .etendue = (float)etendue(params->radiometry, disk_area(params->lensDiameter),
+                                  params->imageDistance),
         .bend = (float)bend(params->falloff, params->focalLength),
     };
 }
 
-/* --- telecentric ------------------------------------------------------------------------------------------------ */
+/* --- telecentric
+ * ------------------------------------------------------------------------------------------------
+ */
 
 /*
- * f and b from any two of f, b, m, W; settle() compares the rest with them. Where more are given f and b count first: they
- * are the report's parameters.
+ * f and b from any two of f, b, m, W; settle() compares the rest with them. Where more are given f
+ * and b count first: they are the report's parameters.
  */
-static mcv_result resolve_distances(mcv_telecentric_params *p, const char **from, const mcv_place *place, mcv_error *error) {
+static mcv_result resolve_distances(mcv_telecentric_params *p, const char **from,
+                                    const mcv_json_path *place, mcv_error *error) {
     const double m = p->magnification, w = p->workingDistance;
     const bool f = !isnan(p->focalLength), b = !isnan(p->imageDistance);
     if (f && b) {
@@ -168,8 +214,10 @@ static mcv_result resolve_distances(mcv_telecentric_params *p, const char **from
         *from = "imageDistance and magnification";
         p->focalLength = p->imageDistance / (1 + m);
     } else if (f && !isnan(w)) {
-        const mcv_place here = mcv_place_key(place, "workingDistance");
-        if (w <= p->focalLength) return mcv_fail_at(&here, error, "%g m must exceed focalLength %g m", w, p->focalLength);
+        const mcv_json_path here = mcv_json_path_key(place, "workingDistance");
+        if (w <= p->focalLength)
+            return mcv_fail_at(&here, error, "%g m must exceed focalLength %g m", w,
+                               p->focalLength);
         *from = "focalLength and workingDistance";
         p->imageDistance = p->focalLength * w / (w - p->focalLength);
     } else if (b && !isnan(w)) {
@@ -180,15 +228,20 @@ static mcv_result resolve_distances(mcv_telecentric_params *p, const char **from
         p->focalLength = w * m / (1 + m);
         p->imageDistance = w * m;
     } else {
-        return mcv_fail_at(place, error, "a telecentric camera needs two of focalLength, imageDistance, magnification, workingDistance");
+        return mcv_fail_at(place, error,
+                           "a telecentric camera needs two of focalLength, imageDistance, "
+                           "magnification, workingDistance");
     }
-    const mcv_place here = mcv_place_key(place, "imageDistance");
+    const mcv_json_path here = mcv_json_path_key(place, "imageDistance");
     if (p->imageDistance > p->focalLength) return MCV_OK;
-    return mcv_fail_at(&here, error, "%g m must exceed focalLength %g m: the stop lies in the focal plane, the image behind it",
-                       p->imageDistance, p->focalLength);
+    return mcv_fail_at(
+        &here, error,
+        "%g m must exceed focalLength %g m: the stop lies in the focal plane, the image behind it",
+        p->imageDistance, p->focalLength);
 }
 
-mcv_result mcv_telecentric_resolve(mcv_telecentric_params *p, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_telecentric_resolve(mcv_telecentric_params *p, const mcv_json_path *place,
+                                   mcv_error *error) {
     const char *from = NULL;
     MCV_TRY(resolve_distances(p, &from, place, error));
     const double f = p->focalLength, b = p->imageDistance;
@@ -198,19 +251,27 @@ mcv_result mcv_telecentric_resolve(mcv_telecentric_params *p, const mcv_place *p
     const char *stop = "stopDiameter";
     if (isnan(p->stopDiameter)) {
         if (isnan(p->numericalAperture) && isnan(p->fNumber))
-            return mcv_fail_at(place, error, "a telecentric camera needs stopDiameter, fNumber or numericalAperture");
+            return mcv_fail_at(
+                place, error,
+                "a telecentric camera needs stopDiameter, fNumber or numericalAperture");
         stop = isnan(p->numericalAperture) ? "fNumber" : "numericalAperture";
-        p->stopDiameter = isnan(p->numericalAperture) ? (b - f) / p->fNumber : 2 * f * p->numericalAperture;
+        p->stopDiameter =
+            isnan(p->numericalAperture) ? (b - f) / p->fNumber : 2 * f * p->numericalAperture;
     }
-    MCV_TRY(settle(&p->numericalAperture, p->stopDiameter / (2 * f), "numericalAperture", stop, place, error));
+    MCV_TRY(settle(&p->numericalAperture, p->stopDiameter / (2 * f), "numericalAperture", stop,
+                   place, error));
     MCV_TRY(settle(&p->fNumber, (b - f) / p->stopDiameter, "fNumber", stop, place, error));
 
     if (isnan(p->lensDiameter)) {
-        /* The whole film's field, about the axis; its diagonal where the principal point is in the middle. */
+        /* The whole film's field, about the axis; its diagonal where the principal point is in the
+         * middle. */
         const mcv_readout readout = read_out(MCV_FILM(p));
         double corner[2];
-        for (int i = 0; i < 2; ++i) corner[i] = fmax(readout.centre[i], readout.film[i] - readout.centre[i]) * p->pixelSize[i];
-        p->lensDiameter = 2 * hypot(corner[0], corner[1]) / p->magnification + 2 * p->workingDistance * p->numericalAperture;
+        for (int i = 0; i < 2; ++i)
+            corner[i] =
+                fmax(readout.centre[i], readout.film[i] - readout.centre[i]) * p->pixelSize[i];
+        p->lensDiameter = 2 * hypot(corner[0], corner[1]) / p->magnification +
+                          2 * p->workingDistance * p->numericalAperture;
     }
     return MCV_OK;
 }
@@ -232,10 +293,15 @@ void mcv_telecentric_prepare(const mcv_telecentric_params *params, mcv_telecentr
     };
 }
 
-/* --- light field ------------------------------------------------------------------------------------------------ */
+/* --- light field
+ * ------------------------------------------------------------------------------------------------
+ */
 
-mcv_result mcv_light_field_resolve(mcv_light_field_params *p, const mcv_place *place, mcv_error *error) {
-    return mcv_lens_resolve((mcv_lens){p->focalLength, &p->imageDistance, &p->focusDistance, &p->lensDiameter, &p->fNumber}, place, error);
+mcv_result mcv_light_field_resolve(mcv_light_field_params *p, const mcv_json_path *place,
+                                   mcv_error *error) {
+    return mcv_lens_resolve((mcv_lens){p->focalLength, &p->imageDistance, &p->focusDistance,
+                                       &p->lensDiameter, &p->fNumber},
+                            place, error);
 }
 
 void mcv_light_field_prepare(const mcv_light_field_params *params, mcv_light_field *device) {
@@ -258,9 +324,11 @@ void mcv_light_field_prepare(const mcv_light_field_params *params, mcv_light_fie
     };
 }
 
-/* --- all -------------------------------------------------------------------------------------------------------- */
+/* --- all
+ * --------------------------------------------------------------------------------------------------------
+ */
 
-mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_json_path *place, mcv_error *error) {
     MCV_TRY(mcv_params_check(mcv_sensor_table(sensor->type), &sensor->as, place, error));
     MCV_TRY(check_film(film_of(sensor), place, error));
     switch (sensor->type) {

@@ -3,18 +3,20 @@
 #ifndef MCVISI_HOST_SCENE_SENSORS_H
 #define MCVISI_HOST_SCENE_SENSORS_H
 
-#include "scene/place.h"
+#include "core/json_path.h"
 #include "scene/scene.h"
 
-/* Fills in parameters that follow from others; refuses contradictions and what the sensor cannot do. */
+/* Fills in parameters that follow from others; refuses contradictions and what the sensor cannot
+ * do. */
 #define MCV_SENSOR_FUNCTIONS(name, key, NAME) \
-    mcv_result mcv_##name##_resolve(mcv_##name##_params *params, const mcv_place *place, mcv_error *error); \
+    mcv_result mcv_##name##_resolve(mcv_##name##_params *params, const mcv_json_path *place, \
+                                    mcv_error *error); \
     void mcv_##name##_prepare(const mcv_##name##_params *params, mcv_##name *device);
 MCV_SENSORS(MCV_SENSOR_FUNCTIONS)
 #undef MCV_SENSOR_FUNCTIONS
 
 /* Checks required parameters and ranges by the table, then resolves. */
-mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_place *place, mcv_error *error);
+mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_json_path *place, mcv_error *error);
 
 /* κ = (b - f)/(b f), the inverse of the focused depth [1/m]. */
 static inline double mcv_kappa(double focal_length, double image_distance) {
@@ -26,8 +28,9 @@ typedef struct mcv_lens {
     double f, *b, *w, *diameter, *f_number;
 } mcv_lens;
 
-/* b and D from what stands for them, and the other way round. A focus at infinity or behind the lens has no focusDistance. */
-mcv_result mcv_lens_resolve(mcv_lens l, const mcv_place *place, mcv_error *error);
+/* b and D from what stands for them, and the other way round. A focus at infinity or behind the
+ * lens has no focusDistance. */
+mcv_result mcv_lens_resolve(mcv_lens l, const mcv_json_path *place, mcv_error *error);
 
 /* What is read out of the film, in pixels; of a light field camera in macro pixels. */
 typedef struct mcv_readout {
@@ -42,18 +45,24 @@ typedef struct mcv_readout {
 mcv_readout mcv_sensor_readout(const mcv_sensor *sensor);
 
 /*
- * What an optics engineer asks of a sensor; lengths in m, angles in rad, NaN where the sensor has no such thing. First-order
- * optics of the thin lens: numbers on the axis. A light field camera's depth of field is that of its sub-aperture views,
- * whose pixel is a macro pixel and whose aperture is a (J, K)-th of the lens.
+ * What an optics engineer asks of a sensor; lengths in m, angles in rad, NaN where the sensor has
+ * no such thing. First-order optics of the thin lens: numbers on the axis. A light field camera's
+ * depth of field is that of its sub-aperture views, whose pixel is a macro pixel and whose aperture
+ * is a (J, K)-th of the lens.
  */
 typedef struct mcv_optics {
-    double focused_depth;      /* from the main lens to the plane in focus, 1/κ; infinite, or negative where it is virtual */
-    double magnification;      /* image size over object size in that plane: 0 at infinity, negative where it is virtual */
-    double field[2];           /* width and height seen in that plane (infinite at infinity) */
-    double field_angle[2];     /* full angles of view; 0 for telecentric */
-    double f_number;           /* working, image side: distance over diameter of the cone that meets the image */
-    double numerical_aperture; /* object side, radius over distance of the cone that leaves the plane in focus */
-    double depth_of_field[2];  /* depths of the nearest and the farthest plane blurred by one pixel; may be infinite */
+    double focused_depth;  /* from the main lens to the plane in focus, 1/κ; infinite, or negative
+                              where it is virtual */
+    double magnification;  /* image size over object size in that plane: 0 at infinity, negative
+                              where it is virtual */
+    double field[2];       /* width and height seen in that plane (infinite at infinity) */
+    double field_angle[2]; /* full angles of view; 0 for telecentric */
+    double
+        f_number; /* working, image side: distance over diameter of the cone that meets the image */
+    double numerical_aperture; /* object side, radius over distance of the cone that leaves the
+                                  plane in focus */
+    double depth_of_field[2];  /* depths of the nearest and the farthest plane blurred by one pixel;
+                                  may be infinite */
     double macro_pixel[2];     /* pitch of the macro pixels */
 } mcv_optics;
 mcv_optics mcv_sensor_optics(const mcv_sensor *sensor);

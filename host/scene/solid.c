@@ -21,7 +21,9 @@ static double sag(const mcv_cap *cap, double r2) {
     return c * r2 / (1 + sqrt(1 - (1 + cap->conic) * c * c * r2)) + terms * r2;
 }
 
-double mcv_cap_height(const mcv_cap *cap, double x, double y) { return cap->z + sag(cap, (cap->cylindrical ? 0 : x * x) + y * y); }
+double mcv_cap_height(const mcv_cap *cap, double x, double y) {
+    return cap->z + sag(cap, (cap->cylindrical ? 0 : x * x) + y * y);
+}
 
 double mcv_cap_bend(const mcv_cap *cap, double radius) {
     const double c = cap->curvature;
@@ -39,24 +41,31 @@ double mcv_cap_bend(const mcv_cap *cap, double radius) {
     return most * 1.25; /* polynomials of degree 18 at most, between 64 places */
 }
 
-mcv_result mcv_cap_check(const mcv_cap *cap, double radius, const mcv_place *place, mcv_error *error) {
+mcv_result mcv_cap_check(const mcv_cap *cap, double radius, const mcv_json_path *place,
+                         mcv_error *error) {
     const double c = cap->curvature, rest = 1 - (1 + cap->conic) * c * c * radius * radius;
     const double largest = 1 / (fabs(c) * sqrt(1 + cap->conic));
-    if (!isfinite(c) || !isfinite(cap->conic) || !isfinite(cap->z)) return mcv_fail_at(place, error, "must be finite");
+    if (!isfinite(c) || !isfinite(cap->conic) || !isfinite(cap->z))
+        return mcv_fail_at(place, error, "must be finite");
     if (rest < -1e-12) /* a hemisphere whose numbers are rounded */
         return mcv_fail_at(place, error,
-                           "a semi-diameter of %g m lies beyond the surface, which ends at %g m from the axis (radius %g m, conic %g)",
+                           "a semi-diameter of %g m lies beyond the surface, which ends at %g m "
+                           "from the axis (radius %g m, conic %g)",
                            radius, largest, 1 / c, cap->conic);
     if (is_asphere(cap) && rest < 1e-3)
         return mcv_fail_at(place, error,
-                           "an asphere must end before its base, at %g m from the axis, becomes upright; its semi-diameter is %g m",
+                           "an asphere must end before its base, at %g m from the axis, becomes "
+                           "upright; its semi-diameter is %g m",
                            largest, radius);
-    if (!isfinite(sag(cap, fmin(radius * radius, isfinite(largest) ? largest * largest : INFINITY))))
+    if (!isfinite(
+            sag(cap, fmin(radius * radius, isfinite(largest) ? largest * largest : INFINITY))))
         return mcv_fail_at(place, error, "has no finite sag at its semi-diameter of %g m", radius);
     return MCV_OK;
 }
 
-static double reach(const mcv_solid *solid) { return solid->side == MCV_SIDE_BOX ? hypot(solid->half[0], solid->half[1]) : solid->radius; }
+static double reach(const mcv_solid *solid) {
+    return solid->side == MCV_SIDE_BOX ? hypot(solid->half[0], solid->half[1]) : solid->radius;
+}
 
 /* The least and the most of a cap's height within the side. */
 static void height_range(const mcv_solid *solid, const mcv_cap *cap, double *low, double *high) {
@@ -66,72 +75,96 @@ static void height_range(const mcv_solid *solid, const mcv_cap *cap, double *low
         *low = fmin(*low, z), *high = fmax(*high, z);
     }
     /* Between two places it bends by this much at most. */
-    const double step = reach(solid) / PLACES, more = is_asphere(cap) ? mcv_cap_bend(cap, reach(solid)) * step * step / 8 : 0;
+    const double step = reach(solid) / PLACES,
+                 more = is_asphere(cap) ? mcv_cap_bend(cap, reach(solid)) * step * step / 8 : 0;
     *low -= more, *high += more;
 }
 
-static mcv_result check_gap(const mcv_solid *solid, const mcv_place *place, mcv_error *error) {
+static mcv_result check_gap(const mcv_solid *solid, const mcv_json_path *place, mcv_error *error) {
     const double edge = reach(solid), rounding = 1e-9 * edge;
     double most = -INFINITY;
     for (int i = 0; i <= PLACES; ++i)
-        for (int k = 0; k <= (solid->caps[0].cylindrical || solid->caps[1].cylindrical ? PLACES : 0); ++k) {
-            const double r = edge * (1 - 1e-15) * i / PLACES, angle = M_PI / 2 * k / PLACES, x = r * sin(angle), y = r * cos(angle);
-            const double gap = mcv_cap_height(solid->caps + 1, x, y) - mcv_cap_height(solid->caps, x, y);
+        for (int k = 0;
+             k <= (solid->caps[0].cylindrical || solid->caps[1].cylindrical ? PLACES : 0); ++k) {
+            const double r = edge * (1 - 1e-15) * i / PLACES, angle = M_PI / 2 * k / PLACES,
+                         x = r * sin(angle), y = r * cos(angle);
+            const double gap =
+                mcv_cap_height(solid->caps + 1, x, y) - mcv_cap_height(solid->caps, x, y);
             most = fmax(most, gap);
             if (!(gap >= -rounding))
-                return mcv_fail_at(place, error, "its surfaces intersect: %g m from the axis the second lies %g m before the first", r,
-                                   -gap);
+                return mcv_fail_at(place, error,
+                                   "its surfaces intersect: %g m from the axis the second lies %g "
+                                   "m before the first",
+                                   r, -gap);
         }
     return most > 0 ? MCV_OK : mcv_fail_at(place, error, "has no thickness");
 }
 
-mcv_result mcv_solid_check(const mcv_solid *solid, const mcv_place *place, mcv_error *error) {
-    if (!(reach(solid) > 0) || !isfinite(reach(solid))) return mcv_fail_at(place, error, "must have a size above 0");
+mcv_result mcv_solid_check(const mcv_solid *solid, const mcv_json_path *place, mcv_error *error) {
+    if (!(reach(solid) > 0) || !isfinite(reach(solid)))
+        return mcv_fail_at(place, error, "must have a size above 0");
     for (int i = 0; i < 12; ++i)
-        if (!isfinite(solid->to_world.m[i])) return mcv_fail_at(place, error, "its transform must be finite");
+        if (!isfinite(solid->to_world.m[i]))
+            return mcv_fail_at(place, error, "its transform must be finite");
     if (solid->side == MCV_SIDE_SPHERE) return MCV_OK;
     if (!(solid->hole < solid->radius) && solid->side == MCV_SIDE_OPEN)
-        return mcv_fail_at(place, error, "its hole of radius %g m must be smaller than itself, %g m", solid->hole, solid->radius);
-    for (int i = 0; i < (solid->side == MCV_SIDE_OPEN ? 1 : 2); ++i) MCV_TRY(mcv_cap_check(solid->caps + i, reach(solid), place, error));
+        return mcv_fail_at(place, error,
+                           "its hole of radius %g m must be smaller than itself, %g m", solid->hole,
+                           solid->radius);
+    for (int i = 0; i < (solid->side == MCV_SIDE_OPEN ? 1 : 2); ++i)
+        MCV_TRY(mcv_cap_check(solid->caps + i, reach(solid), place, error));
     return solid->side == MCV_SIDE_OPEN ? MCV_OK : check_gap(solid, place, error);
 }
 
-static mcv_result check_material(const mcv_solid *solid, const mcv_scene *scene, uint32_t material, const mcv_place *place,
-                                 mcv_error *error) {
+static mcv_result check_material(const mcv_solid *solid, const mcv_scene *scene, uint32_t material,
+                                 const mcv_json_path *place, mcv_error *error) {
     const mcv_material *m = scene->materials + material;
     if (m->texture != MCV_NONE || mcv_material_surface_texture(m) != MCV_NONE)
-        return mcv_fail_at(place, error, "material \"%s\" has a texture, but exact surfaces have no texture coordinates: choose another",
+        return mcv_fail_at(place, error,
+                           "material \"%s\" has a texture, but exact surfaces have no texture "
+                           "coordinates: choose another",
                            m->name);
     if (mcv_material_roughness(m).anisotropy > 0)
-        return mcv_fail_at(place, error, "material \"%s\" is anisotropic, but exact surfaces have no direction for it: choose another",
+        return mcv_fail_at(place, error,
+                           "material \"%s\" is anisotropic, but exact surfaces have no direction "
+                           "for it: choose another",
                            m->name);
     if (solid->side == MCV_SIDE_OPEN && m->type == MCV_MATERIAL_DIELECTRIC)
-        return mcv_fail_at(place, error, "material \"%s\" fills a body, but an open surface has no inside: use a lens", m->name);
+        return mcv_fail_at(
+            place, error,
+            "material \"%s\" fills a body, but an open surface has no inside: use a lens", m->name);
     return MCV_OK;
 }
 
 static bool passes_light(const mcv_material *m) {
-    const double *share = m->type == MCV_MATERIAL_DIFFUSE         ? m->as.diffuse.transmittance
-                          : m->type == MCV_MATERIAL_BEAM_SPLITTER ? m->as.beam_splitter.transmittance
-                          : m->type == MCV_MATERIAL_SHEET         ? m->as.sheet.transmittance
-                                                                  : NULL;
+    const double *share = m->type == MCV_MATERIAL_DIFFUSE ? m->as.diffuse.transmittance
+                          : m->type == MCV_MATERIAL_BEAM_SPLITTER
+                              ? m->as.beam_splitter.transmittance
+                          : m->type == MCV_MATERIAL_SHEET ? m->as.sheet.transmittance
+                                                          : NULL;
     if (m->type == MCV_MATERIAL_METALLIC_ROUGHNESS)
-        return m->as.metallic_roughness.transmission > 0 || m->as.metallic_roughness.diffuseTransmission > 0;
+        return m->as.metallic_roughness.transmission > 0 ||
+               m->as.metallic_roughness.diffuseTransmission > 0;
     return m->type == MCV_MATERIAL_DIELECTRIC || (share && share[0] + share[1] + share[2] > 0);
 }
 
 /* Light that came out of glass by an edge of something else would not know that it has. */
-static mcv_result check_rim(const mcv_scene *scene, uint32_t material, uint32_t rim, const mcv_place *place, mcv_error *error) {
+static mcv_result check_rim(const mcv_scene *scene, uint32_t material, uint32_t rim,
+                            const mcv_json_path *place, mcv_error *error) {
     const mcv_material *body = scene->materials + material, *edge = scene->materials + rim;
-    if (rim == material || !passes_light(edge) || (body->type != MCV_MATERIAL_DIELECTRIC && edge->type != MCV_MATERIAL_DIELECTRIC))
+    if (rim == material || !passes_light(edge) ||
+        (body->type != MCV_MATERIAL_DIELECTRIC && edge->type != MCV_MATERIAL_DIELECTRIC))
         return MCV_OK;
-    return mcv_fail_at(place, error, "the rim \"%s\" lets light through, but is not the body's material: choose an opaque one or \"%s\"",
+    return mcv_fail_at(place, error,
+                       "the rim \"%s\" lets light through, but is not the body's material: choose "
+                       "an opaque one or \"%s\"",
                        edge->name, body->name);
 }
 
-mcv_result mcv_solid_check_materials(const mcv_solid *solid, const mcv_scene *scene, uint32_t body, uint32_t rim, const mcv_place *place,
-                                     mcv_error *error) {
-    if (body >= scene->material_count || rim >= scene->material_count) return mcv_fail_at(place, error, "its material does not exist");
+mcv_result mcv_solid_check_materials(const mcv_solid *solid, const mcv_scene *scene, uint32_t body,
+                                     uint32_t rim, const mcv_json_path *place, mcv_error *error) {
+    if (body >= scene->material_count || rim >= scene->material_count)
+        return mcv_fail_at(place, error, "its material does not exist");
     MCV_TRY(check_material(solid, scene, body, place, error));
     MCV_TRY(check_material(solid, scene, rim, place, error));
     return check_rim(scene, body, rim, place, error);
@@ -139,7 +172,8 @@ mcv_result mcv_solid_check_materials(const mcv_solid *solid, const mcv_scene *sc
 
 void mcv_solid_box(const mcv_solid *solid, float corners[24]) {
     const bool box = solid->side == MCV_SIDE_BOX;
-    double lower[3] = {box ? -solid->half[0] : -solid->radius, box ? -solid->half[1] : -solid->radius, -solid->radius};
+    double lower[3] = {box ? -solid->half[0] : -solid->radius,
+                       box ? -solid->half[1] : -solid->radius, -solid->radius};
     double upper[3] = {-lower[0], -lower[1], solid->radius}, unused;
     if (solid->side != MCV_SIDE_SPHERE) {
         height_range(solid, solid->caps, lower + 2, upper + 2);
@@ -153,12 +187,16 @@ void mcv_solid_box(const mcv_solid *solid, float corners[24]) {
 }
 
 bool mcv_solid_holds(const mcv_solid *solid, const double point[3]) {
-    const double *m = solid->to_world.m, d[3] = {point[0] - m[9], point[1] - m[10], point[2] - m[11]};
+    const double *m = solid->to_world.m,
+                 d[3] = {point[0] - m[9], point[1] - m[10], point[2] - m[11]};
     double p[3];
     for (int k = 0; k < 3; ++k) p[k] = m[k] * d[0] + m[3 + k] * d[1] + m[6 + k] * d[2];
     const double r = hypot(p[0], p[1]);
     if (solid->side == MCV_SIDE_OPEN) return false;
     if (solid->side == MCV_SIDE_SPHERE) return hypot(r, p[2]) < solid->radius;
-    if (solid->side == MCV_SIDE_BOX ? fabs(p[0]) > solid->half[0] || fabs(p[1]) > solid->half[1] : r > solid->radius) return false;
-    return p[2] > mcv_cap_height(solid->caps, p[0], p[1]) && p[2] < mcv_cap_height(solid->caps + 1, p[0], p[1]);
+    if (solid->side == MCV_SIDE_BOX ? fabs(p[0]) > solid->half[0] || fabs(p[1]) > solid->half[1]
+                                    : r > solid->radius)
+        return false;
+    return p[2] > mcv_cap_height(solid->caps, p[0], p[1]) &&
+           p[2] < mcv_cap_height(solid->caps + 1, p[0], p[1]);
 }

@@ -4,24 +4,26 @@
 #define MCVISI_HOST_SCENE_SOLID_H
 
 #include "mcvisi/surfaces/solid.h"
-#include "scene/place.h"
+#include "core/json_path.h"
 #include "scene/scene.h"
 
 /* As many as a kernel's loop over all of them is meant for. */
 #define MCV_MAX_SOLIDS 1024
 
-/* The height of a cap's surface at (x, y), from the frame's origin; NaN beyond where it is defined. */
+/* The height of a cap's surface at (x, y), from the frame's origin; NaN beyond where it is defined.
+ */
 double mcv_cap_height(const mcv_cap *cap, double x, double y);
 
 /* Is the surface defined up to this radius? */
-mcv_result mcv_cap_check(const mcv_cap *cap, double radius, const mcv_place *place, mcv_error *error);
+mcv_result mcv_cap_check(const mcv_cap *cap, double radius, const mcv_json_path *place,
+                         mcv_error *error);
 
 /* Has it an inside: sizes above 0, caps that do not cross within the side? */
-mcv_result mcv_solid_check(const mcv_solid *solid, const mcv_place *place, mcv_error *error);
+mcv_result mcv_solid_check(const mcv_solid *solid, const mcv_json_path *place, mcv_error *error);
 
 /* May exact surfaces be of these materials, and the rim of another than the body? */
-mcv_result mcv_solid_check_materials(const mcv_solid *solid, const mcv_scene *scene, uint32_t body, uint32_t rim, const mcv_place *place,
-                                     mcv_error *error);
+mcv_result mcv_solid_check_materials(const mcv_solid *solid, const mcv_scene *scene, uint32_t body,
+                                     uint32_t rim, const mcv_json_path *place, mcv_error *error);
 
 /* The corners of its box in its frame, rounded outwards. */
 void mcv_solid_box(const mcv_solid *solid, float corners[24]);

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "scene/transform.h"
 
-mcv_transform mcv_transform_identity(void) { return (mcv_transform){{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}}; }
+mcv_transform mcv_transform_identity(void) {
+    return (mcv_transform){{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}};
+}
 
 void mcv_transform_vector(const mcv_transform *transform, const double v[3], double out[3]) {
     const double *m = transform->m;
@@ -38,7 +40,8 @@ void mcv_cross3(const double a[3], const double b[3], double out[3]) {
 bool mcv_normalize3(const double v[3], double out[3]) {
     const double length = hypot(hypot(v[0], v[1]), v[2]);
     if (!(length > 0) || !isfinite(length)) return false;
-    /* By the largest power of two first: a subnormal length would leave few digits in the quotient. */
+    /* By the largest power of two first: a subnormal length would leave few digits in the quotient.
+     */
     int exponent;
     frexp(length, &exponent);
     double scaled[3];
@@ -54,10 +57,12 @@ double mcv_transform_determinant(const mcv_transform *transform) {
     return cross[0] * transform->m[6] + cross[1] * transform->m[7] + cross[2] * transform->m[8];
 }
 
-mcv_transform mcv_transform_from_trs(const double translation[3], const double rotation[4], const double scale[3]) {
+mcv_transform mcv_transform_from_trs(const double translation[3], const double rotation[4],
+                                     const double scale[3]) {
     const double x = rotation[0], y = rotation[1], z = rotation[2], w = rotation[3];
-    const double r[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), 2 * (x * y + z * w),    1 - 2 * (x * x + z * z),
-                         2 * (y * z - x * w),     2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)};
+    const double r[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),
+                         2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+                         2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y)};
     mcv_transform transform;
     for (int i = 0; i < 9; ++i) transform.m[i] = r[i] * scale[i % 3];
     for (int i = 0; i < 3; ++i) transform.m[9 + i] = translation[i];
@@ -71,7 +76,8 @@ void mcv_transform_normal(const mcv_transform *transform, const double n[3], dou
     mcv_cross3(m + 3, m + 6, rows[0]);
     mcv_cross3(m + 6, m, rows[1]);
     mcv_cross3(m, m + 3, rows[2]);
-    for (int i = 0; i < 3; ++i) result[i] = sign * (rows[i][0] * n[0] + rows[i][1] * n[1] + rows[i][2] * n[2]);
+    for (int i = 0; i < 3; ++i)
+        result[i] = sign * (rows[i][0] * n[0] + rows[i][1] * n[1] + rows[i][2] * n[2]);
     memcpy(out, result, sizeof result);
 }
 
@@ -82,6 +88,7 @@ bool mcv_transform_rigid(const mcv_transform *transform, mcv_transform *rigid) {
     mcv_cross3(y, z, x);
     if (!mcv_normalize3(x, x)) return false;
     mcv_cross3(z, x, y);
-    *rigid = (mcv_transform){{x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2], m[9], m[10], m[11]}};
+    *rigid =
+        (mcv_transform){{x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2], m[9], m[10], m[11]}};
     return true;
 }

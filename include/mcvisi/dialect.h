@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The one file that knows that there are two languages. Everything in include/mcvisi/{sensors,emitters,materials} and
- * the headers beside this one is compiled as OpenCL C 1.2 on the device and as C11 on the host, with the same bits:
- * only + - * / sqrt fma, comparisons, integers. Contraction is off on both sides (host: -ffp-contract=off).
- * The clang front end alone defines only __OPENCL_C_VERSION__, drivers define __OPENCL_VERSION__ too.
+ * The one file that knows that there are two languages. Everything in
+ * include/mcvisi/{sensors,emitters,materials} and the headers beside this one is compiled as OpenCL
+ * C 1.2 on the device and as C11 on the host, with the same bits: only + - * / sqrt fma,
+ * comparisons, integers. Contraction is off on both sides (host: -ffp-contract=off). The clang
+ * front end alone defines only __OPENCL_C_VERSION__, drivers define __OPENCL_VERSION__ too.
  */
 #ifndef MCVISI_DIALECT_H
 #define MCVISI_DIALECT_H
@@ -16,8 +17,9 @@
 #define MCV_CONSTANT __constant
 #define MCV_FUNCTION static inline
 /*
- * A loop is only vectorised without calls. In the tile schedule these functions are not static: of static ones clang takes parameters off
- * that a scene does not need, and loses with the call the promise that the turns of a loop are independent.
+ * A loop is only vectorised without calls. In the tile schedule these functions are not static: of
+ * static ones clang takes parameters off that a scene does not need, and loses with the call the
+ * promise that the turns of a loop are independent.
  */
 #if defined(MCV_TILE) && defined(__clang__)
 #pragma clang diagnostic ignored "-Wstatic-in-inline"
@@ -25,7 +27,8 @@
 #else
 #define MCV_LOOP_FUNCTION static inline __attribute__((always_inline))
 #endif
-#define MCV_ASSERT_SIZE(type, bytes) typedef char mcv_size_of_##type[sizeof(type) == (bytes) ? 1 : -1]
+#define MCV_ASSERT_SIZE(type, bytes) \
+    typedef char mcv_size_of_##type[sizeof(type) == (bytes) ? 1 : -1]
 #define mcv_fma(a, b, c) fma((float)(a), (float)(b), (float)(c))
 #define mcv_sqrt(x) sqrt((float)(x))
 #define mcv_abs(x) fabs((float)(x))
@@ -42,7 +45,8 @@
 #define MCV_CONSTANT
 #define MCV_FUNCTION static inline
 #define MCV_LOOP_FUNCTION static inline
-#define MCV_ASSERT_SIZE(type, bytes) _Static_assert(sizeof(type) == (bytes), #type " has another size on the device")
+#define MCV_ASSERT_SIZE(type, bytes) \
+    _Static_assert(sizeof(type) == (bytes), #type " has another size on the device")
 typedef uint32_t uint;
 #define mcv_fma(a, b, c) fmaf((a), (b), (c))
 #define mcv_sqrt(x) sqrtf(x)

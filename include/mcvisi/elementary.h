@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Exponential and logarithm of +, -, *, / and fma alone: the same bits on every device, and loops over them are vectorised. */
+/* Exponential and logarithm of +, -, *, / and fma alone: the same bits on every device, and loops
+ * over them are vectorised. */
 #ifndef MCVISI_ELEMENTARY_H
 #define MCVISI_ELEMENTARY_H
 

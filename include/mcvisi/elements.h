@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The lists of all elements: X(name, "name in the scene file", NAME). One line here and one header make a new element;
- * enums, parser, dispatch, help and schema follow.
+ * The lists of all elements: X(name, "name in the scene file", NAME). One line here and one header
+ * make a new element; enums, parser, dispatch, help and schema follow.
  */
 #ifndef MCVISI_ELEMENTS_H
 #define MCVISI_ELEMENTS_H
@@ -24,7 +24,8 @@
     X(spot, "spot", SPOT) \
     X(directional, "directional", DIRECTIONAL)
 
-/* Types of emitters that the loader makes of geometry and the elements above: kernels know nothing of them. */
+/* Types of emitters that the loader makes of geometry and the elements above: kernels know nothing
+ * of them. */
 #define MCV_PRESETS(X) \
     X(ring, "ring", RING) \
     X(bar, "bar", BAR) \
@@ -48,7 +49,10 @@
 #define MCV_MATERIAL_ENUM(name, key, NAME) MCV_MATERIAL_##NAME,
 enum { MCV_SENSORS(MCV_SENSOR_ENUM) MCV_SENSOR_COUNT };
 enum { MCV_EMITTERS(MCV_EMITTER_ENUM) MCV_EMITTER_COUNT };
-enum { MCV_PRESET_BEFORE = MCV_EMITTER_COUNT - 1, MCV_PRESETS(MCV_PRESET_ENUM) MCV_EMITTER_TYPE_COUNT }; /* presets number on */
+enum {
+    MCV_PRESET_BEFORE = MCV_EMITTER_COUNT - 1,
+    MCV_PRESETS(MCV_PRESET_ENUM) MCV_EMITTER_TYPE_COUNT
+}; /* presets number on */
 enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Smooth interface between media of refractive indices n1 (where the path is) and n2: Snell and unpolarised Fresnel, free of
- * cancellation. The host gives η = n1/n2 and δ = (n2 - n1)(n2 + n1)/n2² from double, so that
+ * Smooth interface between media of refractive indices n1 (where the path is) and n2: Snell and
+ * unpolarised Fresnel, free of cancellation. The host gives η = n1/n2 and δ = (n2 - n1)(n2 +
+ * n1)/n2² from double, so that
  *
  *     c2² = c1² + s1² δ                         (δ may be negative; c2² <= 0: total reflection)
  *     r_s = -δ/(η c1 + c2)²                      R_s = r_s²
@@ -9,7 +10,8 @@
  *     t   = η d - δ/(η c1 + c2) n                (because η c1 - c2 = -δ/(η c1 + c2))
  *
  * keep their digits for tiny index steps and grazing light. n1 = n2 has δ = 0: exactly transparent.
- * Unpolarised light at each interface: a slab's transmittance deviates from the polarised truth (1.4 % at 60°, n = 1.5).
+ * Unpolarised light at each interface: a slab's transmittance deviates from the polarised truth
+ * (1.4 % at 60°, n = 1.5).
  */
 #ifndef MCVISI_INTERFACE_H
 #define MCVISI_INTERFACE_H
@@ -35,7 +37,8 @@ MCV_LOOP_FUNCTION float mcv_fresnel(mcv_device_interface between, float c1, floa
 }
 
 /* The share that a body's surface reflects, coating and all. */
-MCV_LOOP_FUNCTION float mcv_interface_reflectance(mcv_device_interface between, float c1, float c2) {
+MCV_LOOP_FUNCTION float mcv_interface_reflectance(mcv_device_interface between, float c1,
+                                                  float c2) {
     const float bare = mcv_fresnel(between, c1, c2);
 #if MCV_ON_DEVICE && MCV_WITH_COATING
     const float coated = mcv_fma(between.scale, bare, between.offset);
@@ -45,12 +48,15 @@ MCV_LOOP_FUNCTION float mcv_interface_reflectance(mcv_device_interface between, 
 }
 
 /* The unit vector t; d is unit, n unit on the side d comes from, c1 = -d·n, c2 > 0. */
-MCV_LOOP_FUNCTION mcv_vec3 mcv_refract(mcv_device_interface between, mcv_vec3 d, mcv_vec3 n, float c1, float c2) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_refract(mcv_device_interface between, mcv_vec3 d, mcv_vec3 n,
+                                       float c1, float c2) {
     const float bend = -between.delta / mcv_fma(between.eta, c1, c2);
     return mcv_normalize(mcv_along(mcv_scale(d, between.eta), bend, n));
 }
 
 /* d reflected at the plane of the unit normal n. */
-MCV_LOOP_FUNCTION mcv_vec3 mcv_reflect(mcv_vec3 d, mcv_vec3 n) { return mcv_renormalize(mcv_along(d, -2.0f * mcv_dot(d, n), n)); }
+MCV_LOOP_FUNCTION mcv_vec3 mcv_reflect(mcv_vec3 d, mcv_vec3 n) {
+    return mcv_renormalize(mcv_along(d, -2.0f * mcv_dot(d, n), n));
+}
 
 #endif

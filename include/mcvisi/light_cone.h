@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where light paths aim: at balls around smooth surfaces. They leave a place of a light for one of the cones that the balls fill from
- * there, chosen by solid angle, in a direction uniform in it: one that lies in n of the cones has the density n/ΣΩ. Where the light shines
- * into a smaller cone, or from within a ball, its own cone takes the ball's place.
+ * Where light paths aim: at balls around smooth surfaces. They leave a place of a light for one of
+ * the cones that the balls fill from there, chosen by solid angle, in a direction uniform in it:
+ * one that lies in n of the cones has the density n/ΣΩ. Where the light shines into a smaller cone,
+ * or from within a ball, its own cone takes the ball's place.
  *
- * Cones and angles are by half-angle sines and chords, Ω = 4π sin²(β/2): a float32 cosine cannot tell 0.02° from 0.
+ * Cones and angles are by half-angle sines and chords, Ω = 4π sin²(β/2): a float32 cosine cannot
+ * tell 0.02° from 0.
  */
 #ifndef MCVISI_LIGHT_CONE_H
 #define MCVISI_LIGHT_CONE_H
@@ -24,8 +26,8 @@ MCV_LOOP_FUNCTION int mcv_is_in_cone(mcv_cone cone, mcv_vec3 direction) {
     return cone.squared > 0.0f && (cone.own || 0.25f * mcv_dot(chord, chord) <= cone.squared);
 }
 
-/* The part of the light's own cone that a ball fills, or a larger one. Four roundings of unit vectors more: whatever meets the ball is in
- * it.
+/* The part of the light's own cone that a ball fills, or a larger one. Four roundings of unit
+ * vectors more: whatever meets the ball is in it.
  */
 MCV_LOOP_FUNCTION mcv_cone mcv_cone_to(mcv_ball ball, mcv_vec3 from, mcv_cone own) {
     mcv_cone cone;
@@ -38,7 +40,8 @@ MCV_LOOP_FUNCTION mcv_cone mcv_cone_to(mcv_ball ball, mcv_vec3 from, mcv_cone ow
     cone.squared = 0.5f * sine * sine / (1.0f + mcv_sqrt(mcv_fma(-sine, sine, 1.0f)));
     cone.own = 0;
     if (cone.squared + own.squared < 1.0f) {
-        const float apart = mcv_fma(mcv_sqrt(cone.squared), mcv_sqrt(1.0f - own.squared), mcv_sqrt(own.squared * (1.0f - cone.squared)));
+        const float apart = mcv_fma(mcv_sqrt(cone.squared), mcv_sqrt(1.0f - own.squared),
+                                    mcv_sqrt(own.squared * (1.0f - cone.squared)));
         const mcv_vec3 chord = mcv_sub(cone.axis, own.axis);
         if (0.25f * mcv_dot(chord, chord) > apart * apart) cone.squared = 0.0f;
     }
@@ -51,7 +54,8 @@ typedef struct mcv_aiming {
     uint within;
 } mcv_aiming;
 
-MCV_FUNCTION mcv_aiming mcv_aim_at(MCV_CONSTANT const mcv_ball *balls, uint count, mcv_vec3 from, mcv_cone own, mcv_vec3 direction) {
+MCV_FUNCTION mcv_aiming mcv_aim_at(MCV_CONSTANT const mcv_ball *balls, uint count, mcv_vec3 from,
+                                   mcv_cone own, mcv_vec3 direction) {
     mcv_aiming aimed;
     float sum = 0.0f;
     aimed.within = 0;
@@ -65,10 +69,11 @@ MCV_FUNCTION mcv_aiming mcv_aim_at(MCV_CONSTANT const mcv_ball *balls, uint coun
 }
 
 /*
- * A direction to one of the balls, and what is known of it (mcv_aim_at); *own becomes the cone that was chosen. `cones`: room for one of
- * each ball; xi, eta: in [0, 1).
+ * A direction to one of the balls, and what is known of it (mcv_aim_at); *own becomes the cone that
+ * was chosen. `cones`: room for one of each ball; xi, eta: in [0, 1).
  */
-MCV_FUNCTION mcv_vec3 mcv_aim_anywhere(MCV_CONSTANT const mcv_ball *balls, uint count, mcv_vec3 from, mcv_cone *own, float xi, float eta,
+MCV_FUNCTION mcv_vec3 mcv_aim_anywhere(MCV_CONSTANT const mcv_ball *balls, uint count,
+                                       mcv_vec3 from, mcv_cone *own, float xi, float eta,
                                        mcv_cone *cones, mcv_aiming *aimed) {
     mcv_cone chosen = *own;
     float sum = 0.0f, rest = 0.0f;
@@ -86,8 +91,9 @@ MCV_FUNCTION mcv_vec3 mcv_aim_anywhere(MCV_CONSTANT const mcv_ball *balls, uint 
         sum -= cones[i].squared;
     }
     /* What is left of the number is as good as a new one. */
-    const mcv_vec3 direction =
-        mcv_from_frame(mcv_sample_cone(mcv_sqrt(chosen.squared), rest < 0.99999994f ? rest : 0.99999994f, eta), chosen.axis);
+    const mcv_vec3 direction = mcv_from_frame(
+        mcv_sample_cone(mcv_sqrt(chosen.squared), rest < 0.99999994f ? rest : 0.99999994f, eta),
+        chosen.axis);
     aimed->within = 0;
     for (uint i = 0; i < count; ++i) aimed->within += (uint)mcv_is_in_cone(cones[i], direction);
     *own = chosen;

@@ -2,8 +2,9 @@
 /*
  * MC ViSi: simulation of machine-vision systems. The public C API.
  *
- * Every function that can fail returns an mcv_result and writes one sentence into the caller's mcv_error: what
- * happened, where (file, JSON path, call), what would be right. Nothing here exits or prints. Units are SI.
+ * Every function that can fail returns an mcv_result and writes one sentence into the caller's
+ * mcv_error: what happened, where (file, JSON path, call), what would be right. Nothing here exits
+ * or prints. Units are SI.
  */
 #ifndef MCVISI_MCVISI_H
 #define MCVISI_MCVISI_H
@@ -16,7 +17,8 @@
 extern "C" {
 #endif
 
-/* X(NAME, exit code, meaning): the codes a function returns are the codes the program exits with. */
+/* X(NAME, exit code, meaning): the codes a function returns are the codes the program exits with.
+ */
 #define MCV_RESULTS(X) \
     X(OK, 0, "done") \
     X(FAILED, 1, "the work failed") \
@@ -37,7 +39,8 @@ typedef struct mcv_error {
     char text[2048];
 } mcv_error;
 
-/* Writes the sentence (printf style) and returns code, so that a failing function ends in `return mcv_fail(…)`. */
+/* Writes the sentence (printf style) and returns code, so that a failing function ends in `return
+ * mcv_fail(…)`. */
 mcv_result mcv_fail(mcv_error *error, mcv_result code, const char *format, ...)
 #ifdef __GNUC__
     __attribute__((format(printf, 3, 4)))

@@ -4,13 +4,16 @@
  *
  *     X(kind, key, default, min, max, "doc [unit]")
  *
- * with kinds length, angle, number, integer, int2, int4, length2, number2, spectrum, choice, flag, image, pattern. The list generates the
- * struct that the host works with (SI, double), the parser, --set, `mcvisi check`, the help and the JSON schema. Both ends of [min, max]
- * are allowed; MCV_POSITIVE as min reads "above 0". A default of MCV_REQUIRED must be given; one of MCV_UNSET is NaN (0 for integer and
- * int2, MCV_NONE for int4, image and pattern) until the element's resolve function derives it or leaves it out. For a choice the default is
- * the name of the first option and min/max are 0 and the last index; its options stand in MCV_CHOICES below. A flag is true or false, 1 or
- * 0. An image is the index or the name of one of the file's images or {"uri": FILE.exr}; the loader sets it to the number of a texture. A
- * pattern is an object (mcvisi/pattern.h).
+ * with kinds length, angle, number, integer, int2, int4, length2, number2, spectrum, choice, flag,
+ * image, pattern. The list generates the struct that the host works with (SI, double), the parser,
+ * --set, `mcvisi check`, the help and the JSON schema. Both ends of [min, max] are allowed;
+ * MCV_POSITIVE as min reads "above 0". A default of MCV_REQUIRED must be given; one of MCV_UNSET is
+ * NaN (0 for integer and int2, MCV_NONE for int4, image and pattern) until the element's resolve
+ * function derives it or leaves it out. For a choice the default is the name of the first option
+ * and min/max are 0 and the last index; its options stand in MCV_CHOICES below. A flag is true or
+ * false, 1 or 0. An image is the index or the name of one of the file's images or {"uri":
+ * FILE.exr}; the loader sets it to the number of a texture. A pattern is an object
+ * (mcvisi/pattern.h).
  */
 #ifndef MCVISI_PARAMS_H
 #define MCVISI_PARAMS_H
@@ -26,7 +29,8 @@
 #define MCV_REQUIRED (-1e300)
 #define MCV_UNSET (-2e300)
 
-/* The fields a kind occupies in a parameter struct. length2, number2 and int2 also accept one number for both. */
+/* The fields a kind occupies in a parameter struct. length2, number2 and int2 also accept one
+ * number for both. */
 #define MCV_FIELD_length(key) double key;
 #define MCV_FIELD_angle(key) double key;
 #define MCV_FIELD_number(key) double key;
@@ -50,8 +54,9 @@
     X(aperture, "square", "circle") \
     X(orientation, "vertical", "horizontal") \
     X(metal, "aluminium", "chromium", "copper", "gold", "iron", "nickel", "silver", "titanium") \
-    X(glass, "none", "N-BK7", "N-K5", "N-BAK4", "N-SK2", "N-SK16", "N-SSK2", "N-LAK8", "N-LAK22", "N-LASF9", "N-BAF10", "F2", "N-F2", \
-      "F5", "SF5", "N-SF5", "SF6", "N-SF6", "N-SF10", "N-SF11", "N-SF57", "N-FK51A", "fusedSilica", "water", "PMMA", "polycarbonate")
+    X(glass, "none", "N-BK7", "N-K5", "N-BAK4", "N-SK2", "N-SK16", "N-SSK2", "N-LAK8", "N-LAK22", \
+      "N-LASF9", "N-BAF10", "F2", "N-F2", "F5", "SF5", "N-SF5", "SF6", "N-SF6", "N-SF10", \
+      "N-SF11", "N-SF57", "N-FK51A", "fusedSilica", "water", "PMMA", "polycarbonate")
 
 enum { MCV_RADIOMETRY_RADIANCE, MCV_RADIOMETRY_IRRADIANCE };
 enum { MCV_FALLOFF_OBJECT_SIDE, MCV_FALLOFF_IMAGE_SIDE };

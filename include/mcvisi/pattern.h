@@ -1,22 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sequences of patterns for structured light: the parameter `pattern` of a projector, in place of `image`; its `index` says which one of
- * the sequence is shown, as in --set emitters/proj/index=3. Values are linear, from 0 to 1. They change across the stripes only, from
- * pixel to pixel of `resolution`, W x H: with column x of W where the stripes are vertical (default), with row x of H where horizontal.
+ * Sequences of patterns for structured light: the parameter `pattern` of a projector, in place of
+ * `image`; its `index` says which one of the sequence is shown, as in --set emitters/proj/index=3.
+ * Values are linear, from 0 to 1. They change across the stripes only, from pixel to pixel of
+ * `resolution`, W x H: with column x of W where the stripes are vertical (default), with row x of H
+ * where horizontal.
  *
- * "phaseShift": N steps of P periods, I_k = ½ + ½ cos(2π P (x + ½)/W - 2π k/N), k = 0 … N - 1. Of values seen,
- * 2π P (x + ½)/W = atan2(Σ I_k sin(2π k/N), Σ I_k cos(2π k/N)), whatever the part's reflectance and other light.
+ * "phaseShift": N steps of P periods, I_k = ½ + ½ cos(2π P (x + ½)/W - 2π k/N), k = 0 … N - 1. Of
+ * values seen, 2π P (x + ½)/W = atan2(Σ I_k sin(2π k/N), Σ I_k cos(2π k/N)), whatever the part's
+ * reflectance and other light.
  *
- *     "pattern": {"type": "phaseShift", "steps": 4, "periods": 16, "resolution": [1280, 800]}, "index": 0
+ *     "pattern": {"type": "phaseShift", "steps": 4, "periods": 16, "resolution": [1280, 800]},
+ * "index": 0
  *
- * "grayCode": the bits of g = x xor (x >> 1), of which neighbours differ in one: index 0 … B - 1 shows bit B - 1 - index, the coarsest
- * first, with B the bits that W - 1 takes; B … 2 B - 1 show the same inverted, so that a pixel is lit where it is brighter than in its
- * inverse.
+ * "grayCode": the bits of g = x xor (x >> 1), of which neighbours differ in one: index 0 … B - 1
+ * shows bit B - 1 - index, the coarsest first, with B the bits that W - 1 takes; B … 2 B - 1 show
+ * the same inverted, so that a pixel is lit where it is brighter than in its inverse.
  *
- *     "pattern": {"type": "grayCode", "orientation": "horizontal", "resolution": [1280, 800]}, "index": 9
+ *     "pattern": {"type": "grayCode", "orientation": "horizontal", "resolution": [1280, 800]},
+ * "index": 9
  *
- * Phase shifting: V. Srinivasan, H. C. Liu, M. Halioua, Applied Optics 23 (1984) 3105. Gray code: S. Inokuchi, K. Sato, F. Matsuda, ICPR
- * 1984.
+ * Phase shifting: V. Srinivasan, H. C. Liu, M. Halioua, Applied Optics 23 (1984) 3105. Gray code:
+ * S. Inokuchi, K. Sato, F. Matsuda, ICPR 1984.
  */
 #ifndef MCVISI_PATTERN_H
 #define MCVISI_PATTERN_H

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the kernels need in double to meet smooth surfaces precisely (kernels/precise.h); beside it they read the tables of floats. */
+/* What the kernels need in double to meet smooth surfaces precisely (kernels/geometry/precise.h);
+ * beside it they read the tables of floats. */
 #ifndef MCVISI_PRECISE_H
 #define MCVISI_PRECISE_H
 

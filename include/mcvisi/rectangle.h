@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A rectangle as a receiver sees it: its solid angle, and places on it that are uniform in solid angle (Ureña, Fajardo and King, An
- * Area-Preserving Parametrization for Spherical Rectangles, 2013). Beside a place uniform by area the density of the choice
- * then holds neither 1/d² nor the cosine there, which vary much over a lamp close by.
+ * A rectangle as a receiver sees it: its solid angle, and places on it that are uniform in solid
+ * angle (Ureña, Fajardo and King, An Area-Preserving Parametrization for Spherical Rectangles,
+ * 2013). Beside a place uniform by area the density of the choice then holds neither 1/d² nor the
+ * cosine there, which vary much over a lamp close by.
  *
- * With the receiver as the origin, z its height above the rectangle's plane, and c(x) = x/√(x² + z²), the part of [x, 0] x [y, 0] is
- * A(x, y) = asin c(x) c(y) [sr], up to its sign. Let t(x) = A(x, y1) - A(x, y0): the part below x is t(x) - t(x0). In the triangle of the
- * sides c(y0), c(y1) and the angle t between them the law of sines says
+ * With the receiver as the origin, z its height above the rectangle's plane, and c(x) = x/√(x² +
+ * z²), the part of [x, 0] x [y, 0] is A(x, y) = asin c(x) c(y) [sr], up to its sign. Let t(x) =
+ * A(x, y1) - A(x, y0): the part below x is t(x) - t(x0). In the triangle of the sides c(y0), c(y1)
+ * and the angle t between them the law of sines says
  *
  *     c(x) = sin t/√(c(y1)² + c(y0)² - 2 c(y1) c(y0) cos t)
  *
- * Along y, at that x, solid angle is uniform in y/√(x² + y² + z²). Angles are pairs (cosine, sine), whose sums lose no digits.
+ * Along y, at that x, solid angle is uniform in y/√(x² + y² + z²). Angles are pairs (cosine, sine),
+ * whose sums lose no digits.
  */
 #ifndef MCVISI_RECTANGLE_H
 #define MCVISI_RECTANGLE_H
@@ -24,13 +27,15 @@ typedef struct mcv_rectangle {
     float height;
     float y[3];
     uint padding;
-    float to_triangle[2][6]; /* of its two triangles: a place (s, t), in sides, is a[0] + a[1] s + a[2] t in u, the other three in v */
+    float to_triangle[2][6]; /* of its two triangles: a place (s, t), in sides, is a[0] + a[1] s +
+                                a[2] t in u, the other three in v */
 } mcv_rectangle;
 MCV_ASSERT_SIZE(mcv_rectangle, 96);
 
 /*
- * Solid angles from here on are sampled as such. The sum of angles is good to 4 u, here 1e-5 of itself; and seen as small as this,
- * a quarter across, what varies over the rectangle is smooth enough for area to be as good.
+ * Solid angles from here on are sampled as such. The sum of angles is good to 4 u, here 1e-5 of
+ * itself; and seen as small as this, a quarter across, what varies over the rectangle is smooth
+ * enough for area to be as good.
  */
 #define MCV_LEAST_SOLID_ANGLE 0.03f
 
@@ -71,7 +76,8 @@ MCV_LOOP_FUNCTION mcv_turn mcv_turn_at(mcv_slope x, mcv_slope low, mcv_slope hig
 }
 
 /* `facing`: the unit normal on its front. */
-MCV_LOOP_FUNCTION mcv_rectangle_view mcv_view_rectangle(MCV_GLOBAL const mcv_rectangle *r, mcv_vec3 facing, mcv_vec3 receiver) {
+MCV_LOOP_FUNCTION mcv_rectangle_view mcv_view_rectangle(MCV_GLOBAL const mcv_rectangle *r,
+                                                        mcv_vec3 facing, mcv_vec3 receiver) {
     mcv_rectangle_view view;
     const mcv_vec3 way = mcv_sub(mcv_vec(r->corner[0], r->corner[1], r->corner[2]), receiver);
     view.x0 = mcv_dot(way, mcv_vec(r->x[0], r->x[1], r->x[2]));
@@ -83,8 +89,9 @@ MCV_LOOP_FUNCTION mcv_rectangle_view mcv_view_rectangle(MCV_GLOBAL const mcv_rec
     const mcv_slope low = mcv_slope_of(view.y0, z_squared), high = mcv_slope_of(view.y1, z_squared);
     const mcv_turn from = mcv_turn_at(mcv_slope_of(view.x0, z_squared), low, high);
     const mcv_turn to = mcv_turn_at(mcv_slope_of(view.x1, z_squared), low, high);
-    const float angle = mcv_atan2(mcv_difference_of_products(to.sine, from.cosine, to.cosine, from.sine),
-                                  mcv_fma(to.cosine, from.cosine, to.sine * from.sine));
+    const float angle =
+        mcv_atan2(mcv_difference_of_products(to.sine, from.cosine, to.cosine, from.sine),
+                  mcv_fma(to.cosine, from.cosine, to.sine * from.sine));
     view.low = low.c;
     view.high = high.c;
     view.cosine = from.cosine;
@@ -94,12 +101,17 @@ MCV_LOOP_FUNCTION mcv_rectangle_view mcv_view_rectangle(MCV_GLOBAL const mcv_rec
 }
 
 /* Whether a receiver chooses places by solid angle, not by area. */
-MCV_FUNCTION int mcv_samples_solid_angle(mcv_rectangle_view view) { return (view.z > 0.0f) & (view.solid_angle >= MCV_LEAST_SOLID_ANGLE); }
+MCV_FUNCTION int mcv_samples_solid_angle(mcv_rectangle_view view) {
+    return (view.z > 0.0f) & (view.solid_angle >= MCV_LEAST_SOLID_ANGLE);
+}
 
-MCV_FUNCTION float mcv_clamp_share(float share) { return share > 0.0f ? share < 1.0f ? share : 1.0f : 0.0f; }
+MCV_FUNCTION float mcv_clamp_share(float share) {
+    return share > 0.0f ? share < 1.0f ? share : 1.0f : 0.0f;
+}
 
 /* The place (s, t), in the rectangle's sides, at the shares xi and eta of its solid angle. */
-MCV_LOOP_FUNCTION void mcv_sample_rectangle(MCV_GLOBAL const mcv_rectangle *r, mcv_rectangle_view view, float xi, float eta, float *s,
+MCV_LOOP_FUNCTION void mcv_sample_rectangle(MCV_GLOBAL const mcv_rectangle *r,
+                                            mcv_rectangle_view view, float xi, float eta, float *s,
                                             float *t) {
     float turn_sine, turn_cosine;
     mcv_sin_cos_turn(0.5f / MCV_PI * xi * view.solid_angle, &turn_sine, &turn_cosine);

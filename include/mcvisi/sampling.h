@@ -7,14 +7,16 @@
 
 #define MCV_PI 3.14159265358979323846f
 
-/* The cell of `count` that holds x in [0, 1]; 1 itself belongs to the last. What rounding puts outside belongs to the nearest. */
+/* The cell of `count` that holds x in [0, 1]; 1 itself belongs to the last. What rounding puts
+ * outside belongs to the nearest. */
 MCV_FUNCTION uint mcv_cell(float x, uint count) {
     const float at = x * (float)count;
     const uint i = at > 0.0f ? (uint)at : 0u;
     return i < count ? i : count - 1u;
 }
 
-/* sin and cos for |x| <= π/4: Taylor polynomials, absolute error below 8e-8 (no library function: same bits everywhere). */
+/* sin and cos for |x| <= π/4: Taylor polynomials, absolute error below 8e-8 (no library function:
+ * same bits everywhere). */
 MCV_LOOP_FUNCTION float mcv_sin_octant(float x) {
     const float x2 = x * x;
     float p = mcv_fma(x2, 2.7557319e-6f, -1.9841270e-4f);
@@ -47,8 +49,9 @@ MCV_LOOP_FUNCTION void mcv_sin_cos_turn(float turns, float *sine, float *cosine)
 }
 
 /*
- * The angle of (x, y) to the x axis in [-π, π], within 4e-7. Between the octants' thirds tan(a - π/4) = (tan a - 1)/(tan a + 1); the
- * polynomial interpolates (atan r/r - 1)/r² at Chebyshev's nodes of r <= tan(π/8): 7e-8 of the angle.
+ * The angle of (x, y) to the x axis in [-π, π], within 4e-7. Between the octants' thirds tan(a -
+ * π/4) = (tan a - 1)/(tan a + 1); the polynomial interpolates (atan r/r - 1)/r² at Chebyshev's
+ * nodes of r <= tan(π/8): 7e-8 of the angle.
  */
 MCV_LOOP_FUNCTION float mcv_atan2(float y, float x) {
     const float across = mcv_abs(x);
@@ -71,8 +74,8 @@ MCV_LOOP_FUNCTION float mcv_atan2(float y, float x) {
 }
 
 /*
- * The unit square to the unit disk by area, neighbours staying neighbours (Shirley and Chiu 1997). Writes cos and sin of
- * the angle, returns the radius in [0, 1].
+ * The unit square to the unit disk by area, neighbours staying neighbours (Shirley and Chiu 1997).
+ * Writes cos and sin of the angle, returns the radius in [0, 1].
  */
 MCV_LOOP_FUNCTION float mcv_disk(float xi, float eta, float *cosine, float *sine) {
     const float a = mcv_fma(2.0f, xi, -1.0f);
@@ -97,8 +100,8 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_sample_cosine(float xi, float eta) {
 }
 
 /*
- * A direction about +z, uniform in the solid angle 4π sin²(β/2) of a cone of half-angle β; sin_half = sin(β/2).
- * Stable down to the smallest cones: a float32 cosine cannot tell 0.02° from 0.
+ * A direction about +z, uniform in the solid angle 4π sin²(β/2) of a cone of half-angle β; sin_half
+ * = sin(β/2). Stable down to the smallest cones: a float32 cosine cannot tell 0.02° from 0.
  */
 MCV_LOOP_FUNCTION mcv_vec3 mcv_sample_cone(float sin_half, float xi, float eta) {
     float cosine, sine;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The scene as the device sees it: float32, re-centred, in tables of 4-byte scalars. host/render/pack.c fills them.
+ * The scene as the device sees it: float32, re-centred, in tables of 4-byte scalars.
+ * host/device/pack.c fills them.
  */
 #ifndef MCVISI_TABLES_H
 #define MCVISI_TABLES_H
@@ -33,7 +34,8 @@
 #include "mcvisi/emitters/directional.h"
 #endif
 
-/* Media that can be told apart along one path. Medium 0 is the surrounding vacuum, bit i of a path's set is medium i + 1. */
+/* Media that can be told apart along one path. Medium 0 is the surrounding vacuum, bit i of a
+ * path's set is medium i + 1. */
 #define MCV_MAX_MEDIA 32
 
 /* A ball around smooth surfaces that lie close together. */
@@ -44,8 +46,9 @@ typedef struct mcv_ball {
 #define MCV_MAX_BALLS 16
 
 /*
- * One pass: which paths to begin. A set is the samples of one replicate r of one pixel q, set = q R + r; path p of the pass is
- * sample first_sample + (p mod 2^k) of the set first_set + floor(p / 2^k).
+ * One pass: which paths to begin. A set is the samples of one replicate r of one pixel q, set = q R
+ * + r; path p of the pass is sample first_sample + (p mod 2^k) of the set first_set + floor(p /
+ * 2^k).
  */
 typedef struct mcv_frame {
     uint width, height; /* of the image [pixels] */
@@ -61,12 +64,14 @@ typedef struct mcv_frame {
     float sensor_index_squared[3]; /* n² of the medium the sensor lies in, by channel */
     float to_world[12];            /* row-major; of the optical frame (z towards the scene) */
     float environment[3];          /* its radiance, without an image */
-    /* Random numbers belong to pixels of the whole film, whatever region is read out: pixel (0, 0) of the image is that of the number … */
+    /* Random numbers belong to pixels of the whole film, whatever region is read out: pixel (0, 0)
+     * of the image is that of the number … */
     uint first_pixel;
     uint row_pitch;           /* and the next row's begins so many further */
     uint environment_emitter; /* the environment with an image */
     /* Light paths: */
-    uint light_cdf;    /* where in the table of cumulative shares those of the emitters begin from which they start */
+    uint light_cdf;    /* where in the table of cumulative shares those of the emitters begin from
+                          which they start */
     uint log2_pixels;  /* the pixels, numbered by tiles, fit into so many bits */
     float splat_scale; /* units of the splats per pixel value: a power of two */
     uint solid_count;
@@ -92,36 +97,48 @@ typedef struct mcv_device_instance {
 MCV_ASSERT_SIZE(mcv_device_instance, 20);
 
 /*
- * Surfaces that do not emit, without texture: diffuse ones, of microfacets that have no direction, of smooth bodies, and what absorbs all
- * light. Where there are few emitters, the lamp of one that sends its full radiance or nothing, without an image, is MCV_SHADED_BLACK and
- * its number and 1 more. And all others.
+ * Surfaces that do not emit, without texture: diffuse ones, of microfacets that have no direction,
+ * of smooth bodies, and what absorbs all light. Where there are few emitters, the lamp of one that
+ * sends its full radiance or nothing, without an image, is MCV_SHADED_BLACK and its number and 1
+ * more. And all others.
  */
-enum { MCV_SHADED_ALONE, MCV_SHADED_DIFFUSE, MCV_SHADED_GLOSSY, MCV_SHADED_SMOOTH, MCV_SHADED_BLACK };
+enum {
+    MCV_SHADED_ALONE,
+    MCV_SHADED_DIFFUSE,
+    MCV_SHADED_GLOSSY,
+    MCV_SHADED_SMOOTH,
+    MCV_SHADED_BLACK
+};
 #define MCV_MOST_LAMPS 16u
 
 typedef struct mcv_device_material {
     uint type;      /* MCV_MATERIAL_… */
     uint texture;   /* or MCV_NONE */
-    float value[3]; /* reflectance, transmittance, base colour; of a rough conductor what reflection from facet to facet leaves */
+    float value[3]; /* reflectance, transmittance, base colour; of a rough conductor what reflection
+                       from facet to facet leaves */
     float eta;      /* sheet: 1/n */
     float delta;    /* sheet: (n - 1)(n + 1)/n² */
-    uint
-        spreads; /* on how many sides light from one direction leaves in many, so that emitters are sampled from here; 0: smooth or black */
-    float passed[3]; /* beam splitter, diffuse: transmittance; retroreflector: diffuse reflectance */
-    float chance;    /* beam splitter, diffuse: with which it reflects */
-    float spread;    /* retroreflector: tangent of its divergence, 0: light returns exactly */
-    float fall;      /* retroreflector: 1/tangent of its entrance angle */
-    uint wide;       /* 1: spreads light so evenly that light paths connect it to the lens; 0: a lens would seldom lie in its highlights */
-    uint sharp;      /* 1: spreads light so little that light paths go through it as if it were smooth */
+    uint scattering_sides; /* on how many sides light from one direction leaves in many, so that
+                              emitters are sampled from here; 0: smooth or black */
+    float
+        passed[3]; /* beam splitter, diffuse: transmittance; retroreflector: diffuse reflectance */
+    float chance;  /* beam splitter, diffuse: with which it reflects */
+    float spread;  /* retroreflector: tangent of its divergence, 0: light returns exactly */
+    float fall;    /* retroreflector: 1/tangent of its entrance angle */
+    uint connectable;   /* 1: spreads light so evenly that light paths connect it to the lens; 0: a
+                           lens would seldom lie in its highlights */
+    uint near_specular; /* 1: spreads light so little that light paths go through it as if it were
+                           smooth */
 } mcv_device_material;
 MCV_ASSERT_SIZE(mcv_device_material, 64);
 
-/* What a glossy material has beyond the others, under the same index; kernels/gloss.h. */
+/* What a glossy material has beyond the others, under the same index; kernels/bsdf/microfacet.h. */
 typedef struct mcv_device_gloss {
     float roughness;    /* where no texture scales it */
     float anisotropy;   /* α_t = α + (1 - α) anisotropy; 0: the surface has no direction */
     float direction[2]; /* cosine and sine of the angle from the tangent */
-    uint table;         /* where its albedos begin, a block of means and rows per roughness; of a dielectric the interface has it */
+    uint table; /* where its albedos begin, a block of means and rows per roughness; of a dielectric
+                   the interface has it */
     uint azimuths;      /* rows of a block; 1: isotropic */
     uint roughnesses;   /* blocks, from 0 to `roughness`; 1: for just that */
     uint texture;       /* of roughness (green) and metallic (blue), or MCV_NONE */
@@ -130,7 +147,8 @@ typedef struct mcv_device_gloss {
     float transmission; /* share of the light below the layer that passes a thin wall */
     float diffuse_transmission;
     float n[3], k[3]; /* conductor: refractive index n - ik */
-    uint multiple;    /* where its tables of multiple scattering begin, one per roughness (MCV_MULTIPLE_ROUGHNESSES); or MCV_NONE */
+    uint multiple;    /* where its tables of multiple scattering begin, one per roughness
+                         (MCV_MULTIPLE_ROUGHNESSES); or MCV_NONE */
     uint padding[5];
 } mcv_device_gloss;
 MCV_ASSERT_SIZE(mcv_device_gloss, 96);
@@ -141,7 +159,8 @@ typedef struct mcv_device_medium {
 } mcv_device_medium;
 MCV_ASSERT_SIZE(mcv_device_medium, 16);
 
-/* What Snell and Fresnel need to go from one medium (index n1) to another (n2); computed in double. */
+/* What Snell and Fresnel need to go from one medium (index n1) to another (n2); computed in double.
+ */
 typedef struct mcv_device_interface {
     float eta;   /* n1/n2 */
     float delta; /* (n2 - n1)(n2 + n1)/n2² */
@@ -151,22 +170,25 @@ typedef struct mcv_device_interface {
 MCV_ASSERT_SIZE(mcv_device_interface, 16);
 
 typedef struct mcv_device_emitter {
-    uint type;     /* MCV_EMITTER_…; a telecentric projector is a parallel emitter with a texture, a point light a spot light */
+    uint type; /* MCV_EMITTER_…; a telecentric projector is a parallel emitter with a texture, a
+                  point light a spot light */
     uint instance; /* whose triangles emit, or MCV_NONE */
     uint texture;  /* or MCV_NONE */
-    uint cdf;      /* where its triangle_count + 1 entries begin in the table of cumulative shares, 2^31 = 1; an environment's, of pixels:
-                      kernels/environment.h */
+    uint cdf; /* where its triangle_count + 1 entries begin in the table of cumulative shares, 2^31
+                 = 1; an environment's, of pixels: kernels/light/environment.h */
     uint triangle_count;
     float probability; /* that next-event estimation chooses it */
     float radiance[3]; /* or irradiance or intensity, by its type */
     float middle[3];   /* of its box [m] */
     float area;        /* [m²] */
-    float light_flux;  /* of a light path, over the radiance (irradiance, intensity) and what it is aimed by; 0: none starts here */
+    float light_flux;  /* of a light path, over the radiance (irradiance, intensity) and what it is
+                          aimed by; 0: none starts here */
     uint media;        /* set of the media that surround it */
     float light_aim;   /* about what that is [sr, m²]; 1: nothing */
     float radius;      /* about the middle [m]; negative: the emitter is nowhere in particular */
     float facing[3];   /* normal of a flat one, else 0 */
-    float narrowest;   /* of its light, and how it widens with the distance: kernels/reach.h [m²] */
+    float narrowest; /* of its light, and how it widens with the distance: kernels/light/selection.h
+                        [m²] */
     float widening;
     float power; /* its share of all emitters' */
     uint padding;
@@ -221,20 +243,24 @@ typedef struct mcv_device_texture {
 MCV_ASSERT_SIZE(mcv_device_texture, 64);
 
 /*
- * Where in the pupil, in its radii, a pixel's rays of sight meet a parallel emitter within its cone, to first order: about
- * centre + shift · (place in the pixel from its middle) in the ellipse spread · (unit disk). Matrices row by row.
+ * Where in the pupil, in its radii, a pixel's rays of sight meet a parallel emitter within its
+ * cone, to first order: about centre + shift · (place in the pixel from its middle) in the ellipse
+ * spread · (unit disk). Matrices row by row.
  */
-typedef struct mcv_device_aim {
+typedef struct mcv_device_pupil_guide {
     float centre[2];
     float shift[4];
     float spread[4];
-    float advantage; /* density of the points in the ellipse over that of the pupil's: 1/|det spread|; 0: the pixel does not aim */
+    float advantage; /* density of the points in the ellipse over that of the pupil's: 1/|det
+                        spread|; 0: the pixel does not aim */
     uint padding;
-} mcv_device_aim;
-MCV_ASSERT_SIZE(mcv_device_aim, 48);
+} mcv_device_pupil_guide;
+MCV_ASSERT_SIZE(mcv_device_pupil_guide, 48);
 
-/* What a launch counts, per slice or in all, for the host to add up; lost energy in units of 2^-11 paths. */
-#define MCV_COUNTERS(X) X(paths) X(rays) X(shadow_rays) X(depth_cut) X(lost) X(nonfinite) X(unmatched) X(saturated)
+/* What a launch counts, per slice or in all, for the host to add up; lost energy in units of 2^-11
+ * paths. */
+#define MCV_COUNTERS(X) \
+    X(paths) X(rays) X(shadow_rays) X(depth_cut) X(lost) X(nonfinite) X(unmatched) X(saturated)
 enum {
 #define MCV_X(name) MCV_COUNTER_##name,
     MCV_COUNTERS(MCV_X)
@@ -243,12 +269,12 @@ enum {
 };
 
 /*
- * A traced ray to follow, and a vertex of its path (host/render/render.h says more). A rest is what rounding to float leaves of the number
- * before it; only with MIXED it is not 0.
+ * A traced ray to follow, and a vertex of its path (host/render/render.h says more). A rest is what
+ * rounding to float leaves of the number before it; only with MIXED it is not 0.
  */
 typedef struct mcv_device_ray {
     float origin[3], direction[3];
-    float origin_rest[3], direction_rest[3];
+    float origin_low[3], direction_low[3];
     uint media;
     uint padding[3];
 } mcv_device_ray;
@@ -263,20 +289,21 @@ typedef struct mcv_device_vertex {
     float transmittance;
     float radiance;
     float distance_rest;
-    float position_rest[3], normal_rest[3], direction_rest[3];
+    float position_rest[3], normal_rest[3], direction_low[3];
     uint padding[3];
 } mcv_device_vertex;
 MCV_ASSERT_SIZE(mcv_device_vertex, 112);
 
-/* So many emitters may be weighed against each other anew at each surface; of more, power alone decides. */
+/* So many emitters may be weighed against each other anew at each surface; of more, power alone
+ * decides. */
 #define MCV_MOST_REACHING 16
 
 /* Samples that the device sums before the host goes on with the same binary tree. */
 #define MCV_BLOCK 64
 
 /*
- * What each of up to 8 branches of the samples of a block may have at most, so that their sum is a float: 2^128 / 8 / MCV_BLOCK / 2. More
- * counts as not finite.
+ * What each of up to 8 branches of the samples of a block may have at most, so that their sum is a
+ * float: 2^128 / 8 / MCV_BLOCK / 2. More counts as not finite.
  */
 #define MCV_LARGEST_VALUE 0x1p118f
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Three-vectors of float for device and host. Plain scalars: a float3 has four lanes and another layout on the host. */
+/* Three-vectors of float for device and host. Plain scalars: a float3 has four lanes and another
+ * layout on the host. */
 #ifndef MCVISI_VECTOR_H
 #define MCVISI_VECTOR_H
 
@@ -17,9 +18,13 @@ MCV_FUNCTION mcv_vec3 mcv_vec(float x, float y, float z) {
     return v;
 }
 
-MCV_FUNCTION mcv_vec3 mcv_add(mcv_vec3 a, mcv_vec3 b) { return mcv_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
+MCV_FUNCTION mcv_vec3 mcv_add(mcv_vec3 a, mcv_vec3 b) {
+    return mcv_vec(a.x + b.x, a.y + b.y, a.z + b.z);
+}
 
-MCV_FUNCTION mcv_vec3 mcv_sub(mcv_vec3 a, mcv_vec3 b) { return mcv_vec(a.x - b.x, a.y - b.y, a.z - b.z); }
+MCV_FUNCTION mcv_vec3 mcv_sub(mcv_vec3 a, mcv_vec3 b) {
+    return mcv_vec(a.x - b.x, a.y - b.y, a.z - b.z);
+}
 
 MCV_FUNCTION mcv_vec3 mcv_scale(mcv_vec3 a, float s) { return mcv_vec(a.x * s, a.y * s, a.z * s); }
 
@@ -33,16 +38,20 @@ MCV_FUNCTION mcv_vec3 mcv_along(mcv_vec3 a, float s, mcv_vec3 b) {
     return mcv_vec(mcv_fma(s, b.x, a.x), mcv_fma(s, b.y, a.y), mcv_fma(s, b.z, a.z));
 }
 
-MCV_FUNCTION float mcv_dot(mcv_vec3 a, mcv_vec3 b) { return mcv_fma(a.x, b.x, mcv_fma(a.y, b.y, a.z * b.z)); }
+MCV_FUNCTION float mcv_dot(mcv_vec3 a, mcv_vec3 b) {
+    return mcv_fma(a.x, b.x, mcv_fma(a.y, b.y, a.z * b.z));
+}
 
-/* a b - c d with a relative error of at most 2 u and an exact sign (Kahan; Jeannerod, Louvet and Muller 2013). */
+/* a b - c d with a relative error of at most 2 u and an exact sign (Kahan; Jeannerod, Louvet and
+ * Muller 2013). */
 MCV_FUNCTION float mcv_difference_of_products(float a, float b, float c, float d) {
     const float cd = c * d;
     return mcv_fma(a, b, -cd) + mcv_fma(-c, d, cd);
 }
 
 MCV_LOOP_FUNCTION mcv_vec3 mcv_cross(mcv_vec3 a, mcv_vec3 b) {
-    return mcv_vec(mcv_difference_of_products(a.y, b.z, a.z, b.y), mcv_difference_of_products(a.z, b.x, a.x, b.z),
+    return mcv_vec(mcv_difference_of_products(a.y, b.z, a.z, b.y),
+                   mcv_difference_of_products(a.z, b.x, a.x, b.z),
                    mcv_difference_of_products(a.x, b.y, a.y, b.x));
 }
 
@@ -52,8 +61,11 @@ MCV_FUNCTION mcv_vec3 mcv_normalize(mcv_vec3 v) {
     return mcv_scale(v, squared > 0.0f ? 1.0f / mcv_sqrt(squared) : 1.0f);
 }
 
-/* A vector that is unit but for its rounding, made unit: without the bias that dividing by a length near 1 has. */
-MCV_FUNCTION mcv_vec3 mcv_renormalize(mcv_vec3 v) { return mcv_along(v, mcv_fma(-0.5f, mcv_dot(v, v), 0.5f), v); }
+/* A vector that is unit but for its rounding, made unit: without the bias that dividing by a length
+ * near 1 has. */
+MCV_FUNCTION mcv_vec3 mcv_renormalize(mcv_vec3 v) {
+    return mcv_along(v, mcv_fma(-0.5f, mcv_dot(v, v), 0.5f), v);
+}
 
 /*
  * Two unit vectors that make a right-handed frame with the unit vector n: x cross y = n.

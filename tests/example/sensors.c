@@ -1,11 +1,16 @@
 
-/* --- line scan: what the example adds to host/scene/sensors.c --------------------------------------------------- */
+/* --- line scan: what the example adds to host/scene/sensors.c
+ * --------------------------------------------------- */
 
-/* Derives what follows from other parameters (here nothing), and refuses what the sensor cannot do; ranges are checked already. */
-mcv_result mcv_line_scan_resolve(mcv_line_scan_params *params, const mcv_place *place, mcv_error *error) {
-    const mcv_place here = mcv_place_key(place, "radiometry");
+/* Derives what follows from other parameters (here nothing), and refuses what the sensor cannot do;
+ * ranges are checked already. */
+mcv_result mcv_line_scan_resolve(mcv_line_scan_params *params, const mcv_json_path *place,
+                                 mcv_error *error) {
+    const mcv_json_path here = mcv_json_path_key(place, "radiometry");
     if (params->radiometry == MCV_RADIOMETRY_RADIANCE) return MCV_OK;
-    return mcv_fail_at(&here, error, "a line scan camera has no aperture here, so no irradiance: use \"radiance\"");
+    return mcv_fail_at(
+        &here, error,
+        "a line scan camera has no aperture here, so no irradiance: use \"radiance\"");
 }
 
 /* The device's struct, in double up to the last rounding. */

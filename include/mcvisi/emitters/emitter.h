@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What all emitters share. Most are a set of triangles (a mesh, or the rectangle that `size` spans in the node's xy plane,
- * facing -z) that emits radiance from its front side only, by the interpolated normal. Sizes do not scale with the node.
- * Rectangles absorb what falls on them; meshes keep their material. Environment, point, spot and directional light have no
- * surface; these and the collimated beam no ray meets by chance, but for the environment: surfaces look for them.
+ * What all emitters share. Most are a set of triangles (a mesh, or the rectangle that `size` spans
+ * in the node's xy plane, facing -z) that emits radiance from its front side only, by the
+ * interpolated normal. Sizes do not scale with the node. Rectangles absorb what falls on them;
+ * meshes keep their material. Environment, point, spot and directional light have no surface; these
+ * and the collimated beam no ray meets by chance, but for the environment: surfaces look for them.
  *
  * An emitter is one header with
  *     MCV_<NAME>_PARAMS(X)      its parameters (mcvisi/params.h)
  *     mcv_<name>                what the device needs of them, 4-byte scalars
- *     mcv_<name>_evaluate       the share of its radiance that leaves a point in a direction (q_d, q_n unit)
- * and for what only surfaces find, what they need to look for it;
- * and one line in MCV_EMITTERS (mcvisi/elements.h); host/scene/emitters.c resolves and prepares.
+ *     mcv_<name>_evaluate       the share of its radiance that leaves a point in a direction (q_d,
+ * q_n unit) and for what only surfaces find, what they need to look for it; and one line in
+ * MCV_EMITTERS (mcvisi/elements.h); host/scene/emitters.c resolves and prepares.
  */
 #ifndef MCVISI_EMITTERS_EMITTER_H
 #define MCVISI_EMITTERS_EMITTER_H
@@ -22,17 +23,20 @@
 #define MCV_RADIANCE_PARAMS(X) \
     X(spectrum, radiance, MCV_UNSET, 0, 1e30, "radiance L in its cone [W/(m² sr)]") \
     X(spectrum, power, MCV_UNSET, 0, 1e30, "power of the whole emitter, in place of radiance [W]") \
-    X(length2, size, MCV_UNSET, MCV_POSITIVE, 1e6, "width and height of the rectangle, for a node without a mesh [m]")
+    X(length2, size, MCV_UNSET, MCV_POSITIVE, 1e6, \
+      "width and height of the rectangle, for a node without a mesh [m]")
 
 /* The same for a light without extent. */
 #define MCV_INTENSITY_PARAMS(X) \
     X(spectrum, intensity, MCV_UNSET, 0, 1e30, "radiant intensity I [W/sr]") \
     X(spectrum, power, MCV_UNSET, 0, 1e30, "power of the whole light, in place of intensity [W]") \
-    X(length, range, MCV_UNSET, MCV_POSITIVE, 1e6, "distance at which its light ends, instead of never [m]")
+    X(length, range, MCV_UNSET, MCV_POSITIVE, 1e6, \
+      "distance at which its light ends, instead of never [m]")
 
 /* The same for an emitter whose radiance an image modulates; it is always a rectangle. */
 #define MCV_IMAGE_PARAMS(X) \
-    X(image, image, MCV_REQUIRED, 0, 4294967294.0, "index or name of one of the file's images, or {\"uri\": FILE.exr}") \
+    X(image, image, MCV_REQUIRED, 0, 4294967294.0, \
+      "index or name of one of the file's images, or {\"uri\": FILE.exr}") \
     MCV_IMAGE_RADIANCE_PARAMS(X)
 
 /* And where one of a sequence of patterns (mcvisi/pattern.h) may take the image's place. */
@@ -41,7 +45,8 @@
     MCV_IMAGE_RADIANCE_PARAMS(X)
 
 #define MCV_PICTURE_PARAMS(X) \
-    X(image, image, MCV_UNSET, 0, 4294967294.0, "index or name of one of the file's images, or {\"uri\": FILE.exr}") \
+    X(image, image, MCV_UNSET, 0, 4294967294.0, \
+      "index or name of one of the file's images, or {\"uri\": FILE.exr}") \
     X(pattern, pattern, MCV_UNSET, 0, 4294967294.0, "a sequence of patterns, in place of image") \
     X(integer, index, 0, 0, 131071, "which one of the pattern's sequence")
 

@@ -1,21 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Environment (type "environment"): radiance from everywhere behind the scene, infinitely far away, met by rays that leave it. At most one
- * per scene; its node's place has no meaning.
+ * Environment (type "environment"): radiance from everywhere behind the scene, infinitely far away,
+ * met by rays that leave it. At most one per scene; its node's place has no meaning.
  *
- * Without `image` it is the same radiance from everywhere, and nothing looks for it. With one, of W x H pixels by longitude and latitude,
- * it is `radiance` times the pixel's value: in the node's frame, which the node's rotation turns, the direction d towards the sky lies in
+ * Without `image` it is the same radiance from everywhere, and nothing looks for it. With one, of W
+ * x H pixels by longitude and latitude, it is `radiance` times the pixel's value: in the node's
+ * frame, which the node's rotation turns, the direction d towards the sky lies in
  *
  *     column = W (1/2 + atan2(d_x, -d_z)/2π)        row = H acos(d_y)/π
  *
- * so that the image's middle lies at the node's -z, its top at +y, and who looks along -z has its right half on the right. A pixel is
- * uniform, nothing is interpolated. Surfaces that spread light choose a pixel by its brightness times its solid angle
- * Ω = (4π/W) sin(π/2H) sin((2 row + 1) π/2H), in it a direction by solid angle, weighed against their own choice by the balance heuristic.
+ * so that the image's middle lies at the node's -z, its top at +y, and who looks along -z has its
+ * right half on the right. A pixel is uniform, nothing is interpolated. Surfaces that spread light
+ * choose a pixel by its brightness times its solid angle Ω = (4π/W) sin(π/2H) sin((2 row + 1)
+ * π/2H), in it a direction by solid angle, weighed against their own choice by the balance
+ * heuristic.
  *
  *     {"type": "environment", "radiance": 0.1}
  *     {"type": "environment", "image": {"uri": "hall.exr"}, "radiance": 2}
  *
- * From the emitter's side: a direction chosen so, a place uniform on a disk across it that the scene's bounding sphere throws.
+ * From the emitter's side: a direction chosen so, a place uniform on a disk across it that the
+ * scene's bounding sphere throws.
  */
 #ifndef MCVISI_EMITTERS_ENVIRONMENT_H
 #define MCVISI_EMITTERS_ENVIRONMENT_H
@@ -25,7 +29,8 @@
 #define MCV_ENVIRONMENT_PARAMS(X) \
     X(spectrum, radiance, 1, 0, 1e30, "radiance L, of an image's value 1 [W/(m² sr)]") \
     X(image, image, MCV_UNSET, 0, 4294967294.0, \
-      "by longitude and latitude: index or name of one of the file's images, or {\"uri\": FILE.exr}")
+      "by longitude and latitude: index or name of one of the file's images, or {\"uri\": " \
+      "FILE.exr}")
 
 typedef struct mcv_environment {
     float x[3], y[3], z[3]; /* the node's axes in the world */
@@ -35,7 +40,8 @@ typedef struct mcv_environment {
 MCV_ASSERT_SIZE(mcv_environment, 48);
 
 /* The image's pixel in a unit direction towards the sky. */
-MCV_FUNCTION void mcv_environment_pixel(MCV_GLOBAL const mcv_environment *sky, mcv_vec3 direction, uint *column, uint *row) {
+MCV_FUNCTION void mcv_environment_pixel(MCV_GLOBAL const mcv_environment *sky, mcv_vec3 direction,
+                                        uint *column, uint *row) {
     const float right = mcv_dot(direction, mcv_vec(sky->x[0], sky->x[1], sky->x[2]));
     const float up = mcv_dot(direction, mcv_vec(sky->y[0], sky->y[1], sky->y[2]));
     const float back = mcv_dot(direction, mcv_vec(sky->z[0], sky->z[1], sky->z[2]));
@@ -54,12 +60,15 @@ MCV_FUNCTION float mcv_environment_solid_angle(MCV_GLOBAL const mcv_environment 
     const float quarter = 0.25f / (float)sky->height;
     float height, middle, unused;
     mcv_sin_cos_turn(quarter, &height, &unused);
-    mcv_sin_cos_turn((float)(2u * mcv_environment_from_pole(sky, row) + 1u) * quarter, &middle, &unused);
+    mcv_sin_cos_turn((float)(2u * mcv_environment_from_pole(sky, row) + 1u) * quarter, &middle,
+                     &unused);
     return 4.0f * MCV_PI / (float)sky->width * height * middle;
 }
 
-/* A direction in the pixel, uniform in its solid angle: sin²(θ/2) is uniform, from the nearer pole, where a cosine has no digits. */
-MCV_FUNCTION mcv_vec3 mcv_environment_sample(MCV_GLOBAL const mcv_environment *sky, uint column, uint row, float xi, float eta) {
+/* A direction in the pixel, uniform in its solid angle: sin²(θ/2) is uniform, from the nearer pole,
+ * where a cosine has no digits. */
+MCV_FUNCTION mcv_vec3 mcv_environment_sample(MCV_GLOBAL const mcv_environment *sky, uint column,
+                                             uint row, float xi, float eta) {
     const float quarter = 0.25f / (float)sky->height;
     const float first = (float)mcv_environment_from_pole(sky, row);
     float s0, s1, sine, cosine, unused;
@@ -70,7 +79,8 @@ MCV_FUNCTION mcv_vec3 mcv_environment_sample(MCV_GLOBAL const mcv_environment *s
     const float left = 1.0f - q;
     const float level = left > 0.0f ? 2.0f * mcv_sqrt(q * left) : 0.0f;
     const float up = mcv_fma(-2.0f, q, 1.0f);
-    mcv_vec3 d = mcv_scale(mcv_vec(sky->y[0], sky->y[1], sky->y[2]), 2u * row < sky->height ? up : -up);
+    mcv_vec3 d =
+        mcv_scale(mcv_vec(sky->y[0], sky->y[1], sky->y[2]), 2u * row < sky->height ? up : -up);
     d = mcv_along(d, level * sine, mcv_vec(sky->x[0], sky->x[1], sky->x[2]));
     return mcv_along(d, -level * cosine, mcv_vec(sky->z[0], sky->z[1], sky->z[2]));
 }

@@ -1,31 +1,36 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Projector (type "projector"): the thin lens camera reversed. An image of W x H pixels of size l stands at the distance b behind a lens of
- * focal length f, the node's origin in its middle; every point o = (o_x, o_y) of the lens's disk of diameter D sends the light of the
- * pixel that a thin lens camera at that node would see from there in that direction. In the node's frame (x right, y up, z along
- * the optical axis, the node's -z), with κ = (b - f)/(b f) = 1/throw and the direction d:
+ * Projector (type "projector"): the thin lens camera reversed. An image of W x H pixels of size l
+ * stands at the distance b behind a lens of focal length f, the node's origin in its middle; every
+ * point o = (o_x, o_y) of the lens's disk of diameter D sends the light of the pixel that a thin
+ * lens camera at that node would see from there in that direction. In the node's frame (x right, y
+ * up, z along the optical axis, the node's -z), with κ = (b - f)/(b f) = 1/throw and the direction
+ * d:
  *
  *     column = W/2 + b/l_x (d_x/d_z + κ o_x)        row = H/2 - b/l_y (d_y/d_z + κ o_y)
  *
- * The picture is sharp at the depth 1/κ, where a pixel is l/(b κ) large, and blurred before and behind. Row 0 lies at +y and column 0 at
- * -x, so that on a wall it reads right from behind the projector; "mirror": true flips the columns. A pixel is uniform, nothing is
- * interpolated. The emitter is a square of side D that absorbs what falls on it; outside the disk it is dark.
+ * The picture is sharp at the depth 1/κ, where a pixel is l/(b κ) large, and blurred before and
+ * behind. Row 0 lies at +y and column 0 at -x, so that on a wall it reads right from behind the
+ * projector; "mirror": true flips the columns. A pixel is uniform, nothing is interpolated. The
+ * emitter is a square of side D that absorbs what falls on it; outside the disk it is dark.
  *
- * `radiance` is that of the value 1, as it leaves the lens; `power` is what leaves the lens, per channel. Through a disk of radius R = D/2
- * a direction element dm = l_x l_y/b² of the image at the distance m from the axis, over b, sends (by inversion of the disk)
+ * `radiance` is that of the value 1, as it leaves the lens; `power` is what leaves the lens, per
+ * channel. Through a disk of radius R = D/2 a direction element dm = l_x l_y/b² of the image at the
+ * distance m from the axis, over b, sends (by inversion of the disk)
  *
- *     dΦ = L dm 2π R²/(B (A + B)),   A = 1 + m² - κ²R²,   B² = (1 + (m - κR)²) (1 + (m + κR)²);   on the axis in focus at infinity L πR²
- * dm.
+ *     dΦ = L dm 2π R²/(B (A + B)),   A = 1 + m² - κ²R²,   B² = (1 + (m - κR)²) (1 + (m + κR)²); on
+ * the axis in focus at infinity L πR² dm.
  *
- * `pattern` with `index` takes the image's place (mcvisi/pattern.h); its `resolution` is W x H then.
+ * `pattern` with `index` takes the image's place (mcvisi/pattern.h); its `resolution` is W x H
+ * then.
  *
  * imageDistance may be given as focusDistance, the throw; lensDiameter as fNumber = b/D.
  *
- *     {"type": "projector", "image": "stripes", "focalLength": "16mm", "focusDistance": "300mm", "fNumber": 2.8, "pixelSize": "7.6um",
- *      "power": 0.5}
+ *     {"type": "projector", "image": "stripes", "focalLength": "16mm", "focusDistance": "300mm",
+ * "fNumber": 2.8, "pixelSize": "7.6um", "power": 0.5}
  *
- * From the emitter's side: a place uniform on the square (density 1/D²; outside the disk it is dark), a place uniform on the image,
- * whence the direction.
+ * From the emitter's side: a place uniform on the square (density 1/D²; outside the disk it is
+ * dark), a place uniform on the image, whence the direction.
  */
 #ifndef MCVISI_EMITTERS_PROJECTOR_H
 #define MCVISI_EMITTERS_PROJECTOR_H
@@ -35,14 +40,16 @@
 
 #define MCV_PROJECTOR_PARAMS(X) \
     MCV_PICTURE_PARAMS(X) \
-    X(length2, pixelSize, MCV_REQUIRED, MCV_POSITIVE, 1, "width and height of the image's pixels behind the lens [m]") \
+    X(length2, pixelSize, MCV_REQUIRED, MCV_POSITIVE, 1, \
+      "width and height of the image's pixels behind the lens [m]") \
     MCV_LENS_PARAMS(X) \
     X(spectrum, radiance, MCV_UNSET, 0, 1e30, "radiance L of the image's value 1 [W/(m² sr)]") \
     X(spectrum, power, MCV_UNSET, 0, 1e30, "power that leaves the lens, in place of radiance [W]") \
     X(flag, mirror, 0, 0, 1, "column 0 at +x instead of -x")
 
 typedef struct mcv_projector {
-    float x[3], y[3]; /* the image's axes in the world, to the right and down, in units that make tangents shares of its sides */
+    float x[3], y[3]; /* the image's axes in the world, to the right and down, in units that make
+                         tangents shares of its sides */
     float axis[3];    /* unit; in which it shines */
     float blur[2];    /* how far the lens's whole width moves the picture, in the image's sides */
     uint padding;
@@ -50,26 +57,36 @@ typedef struct mcv_projector {
 MCV_ASSERT_SIZE(mcv_projector, 48);
 
 /*
- * Where on the image, in its sides from the upper left corner, the light comes from that leaves the place (s, t) on the lens's square, in
- * its sides from its upper left corner, in a unit direction. 0 where none does.
+ * Where on the image, in its sides from the upper left corner, the light comes from that leaves the
+ * place (s, t) on the lens's square, in its sides from its upper left corner, in a unit direction.
+ * 0 where none does.
  */
-MCV_FUNCTION int mcv_projector_place(MCV_GLOBAL const mcv_projector *emitter, float s, float t, mcv_vec3 direction, float *across,
-                                     float *down) {
+MCV_FUNCTION int mcv_projector_place(MCV_GLOBAL const mcv_projector *emitter, float s, float t,
+                                     mcv_vec3 direction, float *across, float *down) {
     const float right = s - 0.5f;
     const float below = t - 0.5f;
-    const float ahead = mcv_dot(direction, mcv_vec(emitter->axis[0], emitter->axis[1], emitter->axis[2]));
+    const float ahead =
+        mcv_dot(direction, mcv_vec(emitter->axis[0], emitter->axis[1], emitter->axis[2]));
     if (!(mcv_fma(right, right, below * below) <= 0.25f) || !(ahead > 0.0f)) return 0;
-    *across = mcv_fma(emitter->blur[0], right, mcv_dot(direction, mcv_vec(emitter->x[0], emitter->x[1], emitter->x[2])) / ahead) + 0.5f;
-    *down = mcv_fma(emitter->blur[1], below, mcv_dot(direction, mcv_vec(emitter->y[0], emitter->y[1], emitter->y[2])) / ahead) + 0.5f;
+    *across =
+        mcv_fma(emitter->blur[0], right,
+                mcv_dot(direction, mcv_vec(emitter->x[0], emitter->x[1], emitter->x[2])) / ahead) +
+        0.5f;
+    *down =
+        mcv_fma(emitter->blur[1], below,
+                mcv_dot(direction, mcv_vec(emitter->y[0], emitter->y[1], emitter->y[2])) / ahead) +
+        0.5f;
     return *across >= 0.0f && *across <= 1.0f && *down >= 0.0f && *down <= 1.0f;
 }
 
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
 /*
- * The direction of a light path from a place on the lens's square to a place (xi, eta) on the image; *cosine gets that of its angle to
- * the axis. Each carries the flux L cos⁴θ A M, A being the square's area, M the image's in tangents: nothing outside the disk.
+ * The direction of a light path from a place on the lens's square to a place (xi, eta) on the
+ * image; *cosine gets that of its angle to the axis. Each carries the flux L cos⁴θ A M, A being the
+ * square's area, M the image's in tangents: nothing outside the disk.
  */
-MCV_FUNCTION mcv_vec3 mcv_projector_emit(MCV_GLOBAL const mcv_projector *emitter, float s, float t, float xi, float eta, float *cosine) {
+MCV_FUNCTION mcv_vec3 mcv_projector_emit(MCV_GLOBAL const mcv_projector *emitter, float s, float t,
+                                         float xi, float eta, float *cosine) {
     const mcv_vec3 x = mcv_vec(emitter->x[0], emitter->x[1], emitter->x[2]);
     const mcv_vec3 y = mcv_vec(emitter->y[0], emitter->y[1], emitter->y[2]);
     const float across = mcv_fma(-emitter->blur[0], s - 0.5f, xi - 0.5f) / mcv_dot(x, x);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Beam splitter (type "beamSplitter"): an infinitely thin smooth plate that reflects one share of the light and passes another straight,
- * whatever the angle and the side; the rest is absorbed. Per channel reflectance + transmittance <= 1. The coaxial illumination of a
- * camera: a plate at 45° before its lens.
+ * Beam splitter (type "beamSplitter"): an infinitely thin smooth plate that reflects one share of
+ * the light and passes another straight, whatever the angle and the side; the rest is absorbed. Per
+ * channel reflectance + transmittance <= 1. The coaxial illumination of a camera: a plate at 45°
+ * before its lens.
  *
  *     {"type": "beamSplitter", "reflectance": 0.5, "transmittance": 0.5}
  */

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Conductor (type "conductor"): an opaque metal of complex index n - ik that reflects by Fresnel's formulas; smooth with roughness 0, else
- * made of microfacets (mcvisi/materials/microfacet.h) with α = roughness². What microfacets send on to each other leaves them where walks
- * from microfacet to microfacet do (Heitz et al. 2016, host/render/multiple.c), so that a metal that absorbs nothing stays white. Brushed
- * and turned metal: anisotropy s in (0, 1] widens the highlight along the mesh's tangent, α_t = α + (1 - α) s²
- * (KHR_materials_anisotropy); what its microfacets send on to each other is right in sum only (Kulla and Conty 2017). Roughness between 0
- * and 0.032 is 0.032.
+ * Conductor (type "conductor"): an opaque metal of complex index n - ik that reflects by Fresnel's
+ * formulas; smooth with roughness 0, else made of microfacets (mcvisi/materials/microfacet.h) with
+ * α = roughness². What microfacets send on to each other leaves them where walks from microfacet to
+ * microfacet do (Heitz et al. 2016, host/device/multiple.c), so that a metal that absorbs nothing
+ * stays white. Brushed and turned metal: anisotropy s in (0, 1] widens the highlight along the
+ * mesh's tangent, α_t = α + (1 - α) s² (KHR_materials_anisotropy); what its microfacets send on to
+ * each other is right in sum only (Kulla and Conty 2017). Roughness between 0 and 0.032 is 0.032.
  *
- * n and k are given as such, or by a metal's name: then they are those of its table in host/scene/metals.c at the wavelengths of the
- * scene (MCVISI_spectrum, see the README).
+ * n and k are given as such, or by a metal's name: then they are those of its table in
+ * host/scene/metals.c at the wavelengths of the scene (MCVISI_spectrum, see the README).
  *
  *     {"type": "conductor", "metal": "copper", "roughness": 0.3}
  *     {"type": "conductor", "n": [0.27, 0.68, 1.32], "k": [3.61, 2.63, 2.29]}
@@ -19,7 +20,8 @@
 #include "mcvisi/materials/material.h"
 
 #define MCV_CONDUCTOR_PARAMS(X) \
-    X(spectrum, n, MCV_UNSET, 0, 100, "real part of the refractive index n - ik, in place of a metal's name") \
+    X(spectrum, n, MCV_UNSET, 0, 100, \
+      "real part of the refractive index n - ik, in place of a metal's name") \
     X(spectrum, k, MCV_UNSET, 0, 100, "its extinction coefficient") \
     MCV_ROUGHNESS_PARAMS(X, 0) \
     X(choice, metal, 0, 0, 7, "whose n and k at the scene's wavelengths it has")

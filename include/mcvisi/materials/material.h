@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What all materials share. In a scene a material stands in the extension object MCVISI_materials of a glTF material,
+ * What all materials share. In a scene a material stands in the extension object MCVISI_materials
+ * of a glTF material,
  * {"type": …, parameters}; core glTF materials are mapped to them (see the README).
  *
- * A path carries L/n² (so a smooth interface multiplies by its transmittance only); pixel = n_sensor² Σ … L_e/n_emitter².
- * Interpolated normals bend light, the triangle's face decides on which side it goes on.
+ * A path carries L/n² (so a smooth interface multiplies by its transmittance only); pixel =
+ * n_sensor² Σ … L_e/n_emitter². Interpolated normals bend light, the triangle's face decides on
+ * which side it goes on.
  *
  * A material is one header with
  *     MCV_<NAME>_PARAMS(X)    its parameters (mcvisi/params.h)
- *     what light does at it   for the device; kernels/scatter.h puts it together with the path
+ *     what light does at it   for the device; kernels/bsdf/bsdf.h puts it together with the path
  * and one line in MCV_MATERIALS (mcvisi/elements.h).
  */
 #ifndef MCVISI_MATERIALS_MATERIAL_H
@@ -21,7 +23,9 @@
 /* Parameters of a surface that may be made of microfacets. */
 #define MCV_ROUGHNESS_PARAMS(X, smoothest) \
     X(number, roughness, smoothest, 0, 1, "perceptual roughness: α is its square; 0: smooth") \
-    X(number, anisotropy, 0, 0, 1, "how much rougher the surface is along the tangent than across") \
-    X(angle, anisotropyRotation, 0, -100, 100, "of the rougher direction from the tangent, counter-clockwise [rad]")
+    X(number, anisotropy, 0, 0, 1, \
+      "how much rougher the surface is along the tangent than across") \
+    X(angle, anisotropyRotation, 0, -100, 100, \
+      "of the rougher direction from the tangent, counter-clockwise [rad]")
 
 #endif

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rough surfaces as microfacets: normals distributed by GGX (Walter, Marschner, Li and Torrance 2007; Trowbridge and Reitz 1975), which
- * hide and shadow each other by Smith's height-correlated function (Heitz 2014), chosen among those that are visible (Dupuy and Benyoub
- * 2023). α = roughness²; where the surface is anisotropic α differs along the tangent and across.
+ * Rough surfaces as microfacets: normals distributed by GGX (Walter, Marschner, Li and Torrance
+ * 2007; Trowbridge and Reitz 1975), which hide and shadow each other by Smith's height-correlated
+ * function (Heitz 2014), chosen among those that are visible (Dupuy and Benyoub 2023). α =
+ * roughness²; where the surface is anisotropic α differs along the tangent and across.
  *
  * Vectors are given in the frame (tangent, bitangent, normal) of the surface.
  */
@@ -13,19 +14,21 @@
 #include "mcvisi/materials/material.h"
 
 /*
- * The narrowest α: a direction in float32 is known to about 1e-7, so that below it the share of a microfacet's slope that is lost to
- * rounding would pass 1e-4.
+ * The narrowest α: a direction in float32 is known to about 1e-7, so that below it the share of a
+ * microfacet's slope that is lost to rounding would pass 1e-4.
  */
 #define MCV_LEAST_ALPHA 1e-3f
 
-/* Rows of a table of albedos: cosines μ = (row/(rows - 1))², azimuths where α differs, roughnesses where a texture gives it. */
+/* Rows of a table of albedos: cosines μ = (row/(rows - 1))², azimuths where α differs, roughnesses
+ * where a texture gives it. */
 #define MCV_ALBEDO_COSINES 64
 #define MCV_ALBEDO_AZIMUTHS 17
 #define MCV_ALBEDO_ROUGHNESSES 17
 
 /*
- * A table of multiple scattering: rows and columns of cosines, where √μ/(√μ + √(1 - μ)) goes from 0 to 1 by equal steps; angles φ between
- * azimuths, where c (1 + k)/(c + k) does, with c = |cos φ/2| and k the sum of the cosines and of this; words of an entry; roughnesses.
+ * A table of multiple scattering: rows and columns of cosines, where √μ/(√μ + √(1 - μ)) goes from 0
+ * to 1 by equal steps; angles φ between azimuths, where c (1 + k)/(c + k) does, with c = |cos φ/2|
+ * and k the sum of the cosines and of this; words of an entry; roughnesses.
  */
 #define MCV_MULTIPLE_COSINES 23
 #define MCV_INTERFACE_COSINES 16 /* of rough glass */
@@ -48,25 +51,29 @@ MCV_LOOP_FUNCTION float mcv_ggx_lambda(mcv_alpha alpha, mcv_vec3 w) {
 }
 
 /*
- * The mean, over the heights at which light meets microfacets first, of being seen from two directions on opposite sides, with these Λ:
- * ∫ u^a (1 - u)^b du (Heitz and others 2016), Euler's B(1 + a, 1 + b), by Stirling's series for arguments larger by 2. Relative error
- * below 2e-6 (1 + a + b).
+ * The mean, over the heights at which light meets microfacets first, of being seen from two
+ * directions on opposite sides, with these Λ: ∫ u^a (1 - u)^b du (Heitz and others 2016), Euler's
+ * B(1 + a, 1 + b), by Stirling's series for arguments larger by 2. Relative error below 2e-6 (1 + a
+ * + b).
  */
 MCV_LOOP_FUNCTION float mcv_opposite_masking(float a, float b) {
     const float x = (a < 1e9f ? a : 1e9f) + 1.0f;
     const float y = (b < 1e9f ? b : 1e9f) + 1.0f;
     const float s = x + y;
-    const float step = (s / x) * ((s + 1.0f) / (x + 1.0f)) * ((s + 2.0f) / y) * ((s + 3.0f) / (y + 1.0f));
+    const float step =
+        (s / x) * ((s + 1.0f) / (x + 1.0f)) * ((s + 2.0f) / y) * ((s + 3.0f) / (y + 1.0f));
     const float p = x + 2.0f;
     const float q = y + 2.0f;
     const float r = s + 4.0f;
     const float u = 1.0f / p;
     const float v = 1.0f / q;
     const float w = 1.0f / r;
-    const float series = mcv_fma(mcv_fma(u * u, mcv_fma(u * u, 7.9365079e-4f, -2.7777778e-3f), 8.3333333e-2f), u,
-                                 mcv_fma(mcv_fma(v * v, mcv_fma(v * v, 7.9365079e-4f, -2.7777778e-3f), 8.3333333e-2f), v,
-                                         -mcv_fma(w * w, mcv_fma(w * w, 7.9365079e-4f, -2.7777778e-3f), 8.3333333e-2f) * w));
-    const float powers = mcv_fma(p - 0.5f, mcv_log_1_plus(q * u), (q - 0.5f) * mcv_log_1_plus(p * v));
+    const float series = mcv_fma(
+        mcv_fma(u * u, mcv_fma(u * u, 7.9365079e-4f, -2.7777778e-3f), 8.3333333e-2f), u,
+        mcv_fma(mcv_fma(v * v, mcv_fma(v * v, 7.9365079e-4f, -2.7777778e-3f), 8.3333333e-2f), v,
+                -mcv_fma(w * w, mcv_fma(w * w, 7.9365079e-4f, -2.7777778e-3f), 8.3333333e-2f) * w));
+    const float powers =
+        mcv_fma(p - 0.5f, mcv_log_1_plus(q * u), (q - 0.5f) * mcv_log_1_plus(p * v));
     return step * mcv_exp_minus(powers - series) * (2.5066283f / mcv_sqrt(r)); /* √2π */
 }
 
@@ -86,7 +93,8 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_ggx_sample(mcv_alpha alpha, mcv_vec3 o, float xi,
     const float q = r * r * (1.0f + s.z);
     const float around = q < 2.0f ? mcv_sqrt(q * (2.0f - q)) : 0.0f;
     const float z = mcv_fma(-r, r, 1.0f) * (1.0f + s.z);
-    return mcv_normalize(mcv_vec(alpha.x * mcv_fma(around, cosine, s.x), alpha.y * mcv_fma(around, sine, s.y), z));
+    return mcv_normalize(
+        mcv_vec(alpha.x * mcv_fma(around, cosine, s.x), alpha.y * mcv_fma(around, sine, s.y), z));
 }
 
 /* Schlick's (1 - c)^5. */
@@ -95,7 +103,8 @@ MCV_LOOP_FUNCTION float mcv_schlick(float c) {
     return (m * m) * (m * m) * m;
 }
 
-/* The share of unpolarised light that a metal of complex index n - ik, relative to the medium before it, reflects. */
+/* The share of unpolarised light that a metal of complex index n - ik, relative to the medium
+ * before it, reflects. */
 MCV_LOOP_FUNCTION float mcv_conductor_fresnel(float n, float k, float cosine) {
     const float c2 = cosine * cosine;
     const float s2 = 1.0f - c2;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Mirror (type "mirror", and glTF metal without roughness): a smooth opaque surface that reflects a share of the light,
- * whatever the angle, on both sides.
+ * Mirror (type "mirror", and glTF metal without roughness): a smooth opaque surface that reflects a
+ * share of the light, whatever the angle, on both sides.
  *
  *     {"type": "mirror", "reflectance": 0.95}
  */
@@ -10,6 +10,7 @@
 
 #include "mcvisi/materials/material.h"
 
-#define MCV_MIRROR_PARAMS(X) X(spectrum, reflectance, 1, 0, 1, "share of the light that is reflected")
+#define MCV_MIRROR_PARAMS(X) \
+    X(spectrum, reflectance, 1, 0, 1, "share of the light that is reflected")
 
 #endif

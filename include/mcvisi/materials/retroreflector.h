@@ -1,20 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Retroreflector (type "retroreflector"): sends light back to where it comes from, whatever the angle of incidence θ; tape, reflex foil,
- * corner cubes. By default it is ideal: the share `reflectance` returns exactly along its way. A real one
- *  - loses light with the angle of incidence: the share that returns is reflectance times s²(θ) = 1/(1 + (tanθ/tanθ_h)⁴), half at the
- *    `entranceAngle` θ_h;
- *  - spreads what returns about the way back, with the density p(δ) = a² cosδ/(π (a² cos²δ + sin²δ)²) [1/sr] of the angle δ to it; within
- * the `divergence`, a its tangent, lies half of the light. The tails fall with the fourth power of δ;
+ * Retroreflector (type "retroreflector"): sends light back to where it comes from, whatever the
+ * angle of incidence θ; tape, reflex foil, corner cubes. By default it is ideal: the share
+ * `reflectance` returns exactly along its way. A real one
+ *  - loses light with the angle of incidence: the share that returns is reflectance times s²(θ) =
+ * 1/(1 + (tanθ/tanθ_h)⁴), half at the `entranceAngle` θ_h;
+ *  - spreads what returns about the way back, with the density p(δ) = a² cosδ/(π (a² cos²δ +
+ * sin²δ)²) [1/sr] of the angle δ to it; within the `divergence`, a its tangent, lies half of the
+ * light. The tails fall with the fourth power of δ;
  *  - scatters the share `diffuseReflectance` as a diffuse surface does.
  *
  *     f(o, i) = reflectance s(θ_o) s(θ_i) p(δ)/max(cosθ_o, cosθ_i) + diffuseReflectance/π
  *
- * is reciprocal and sends out no more than reflectance + diffuseReflectance, which must be at most 1. Light that would return below the
- * surface is absorbed. The sides are alike. A divergence between 0 and 1e-4 is 1e-4. The functions are phenomenological, of the shape that
- * the photometry of sheeting describes (CIE 54.2:2001): a coefficient of retroreflection by entrance and observation angle.
+ * is reciprocal and sends out no more than reflectance + diffuseReflectance, which must be at
+ * most 1. Light that would return below the surface is absorbed. The sides are alike. A divergence
+ * between 0 and 1e-4 is 1e-4. The functions are phenomenological, of the shape that the photometry
+ * of sheeting describes (CIE 54.2:2001): a coefficient of retroreflection by entrance and
+ * observation angle.
  *
- *     {"type": "retroreflector", "reflectance": 0.5, "entranceAngle": "35deg", "divergence": "0.3deg", "diffuseReflectance": 0.1}
+ *     {"type": "retroreflector", "reflectance": 0.5, "entranceAngle": "35deg", "divergence":
+ * "0.3deg", "diffuseReflectance": 0.1}
  */
 #ifndef MCVISI_MATERIALS_RETROREFLECTOR_H
 #define MCVISI_MATERIALS_RETROREFLECTOR_H
@@ -25,7 +30,9 @@
     X(spectrum, reflectance, 1, 0, 1, "share of light at normal incidence that returns") \
     X(angle, entranceAngle, 1.5707963267948966, MCV_POSITIVE, 1.5707963267948966, \
       "angle of incidence at which half as much returns; 90deg: at all angles as much [rad]") \
-    X(angle, divergence, 0, 0, 1.5, "about the way back, within which half of the returned light lies; 0: all returns exactly [rad]") \
+    X(angle, divergence, 0, 0, 1.5, \
+      "about the way back, within which half of the returned light lies; 0: all returns exactly " \
+      "[rad]") \
     X(spectrum, diffuseReflectance, 0, 0, 1, "share of the light that is scattered diffusely")
 
 /* The narrowest divergence: directions in float32 are known to 1e-7. */
@@ -53,7 +60,8 @@ MCV_FUNCTION mcv_vec3 mcv_retroreflector_sample(float spread, mcv_vec3 o, float 
     float cosine, sine;
     const float r = mcv_disk(xi, eta, &cosine, &sine);
     const float side = spread * r;
-    return mcv_normalize(mcv_from_frame(mcv_vec(side * cosine, side * sine, mcv_sqrt(mcv_fma(-r, r, 1.0f))), o));
+    return mcv_normalize(
+        mcv_from_frame(mcv_vec(side * cosine, side * sine, mcv_sqrt(mcv_fma(-r, r, 1.0f))), o));
 }
 
 #endif

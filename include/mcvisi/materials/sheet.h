@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Thin smooth sheet (type "sheet", and glTF transmission without volume): both interfaces and all reflections between them at
- * once, R' = 2 R/(1 + R). Light passes straight, without the offset of a thick plate, times the transmittance.
+ * Thin smooth sheet (type "sheet", and glTF transmission without volume): both interfaces and all
+ * reflections between them at once, R' = 2 R/(1 + R). Light passes straight, without the offset of
+ * a thick plate, times the transmittance.
  *
  *     {"type": "sheet", "ior": 1.5, "transmittance": 0.99}
  */

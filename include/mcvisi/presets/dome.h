@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Dome light (type "dome"): a hemisphere of diameter D about the node's origin, open towards -z, with a hole of diameter d at its top
- * (+z) for the camera. Its inside has the same radiance L everywhere and in all directions and absorbs what falls back on it: the
- * ideal of a white dome lit from its rim, whose light and interreflections L stands for. What the dome sends back of a part's own light
- * is left out; it is little where the part is small or dark.
+ * Dome light (type "dome"): a hemisphere of diameter D about the node's origin, open towards -z,
+ * with a hole of diameter d at its top
+ * (+z) for the camera. Its inside has the same radiance L everywhere and in all directions and
+ * absorbs what falls back on it: the ideal of a white dome lit from its rim, whose light and
+ * interreflections L stands for. What the dome sends back of a part's own light is left out; it is
+ * little where the part is small or dark.
  *
- * In the centre of the opening a plane that faces the dome gets E = π L (1 - d²/D²). The inside's area is π D √(D² - d²)/2. Its circles are
- * polygons of 128 sides and of the circles' area.
+ * In the centre of the opening a plane that faces the dome gets E = π L (1 - d²/D²). The inside's
+ * area is π D √(D² - d²)/2. Its circles are polygons of 128 sides and of the circles' area.
  *
  *     {"type": "dome", "diameter": "120mm", "holeDiameter": "20mm", "radiance": 10}
  */
@@ -17,7 +19,8 @@
 
 #define MCV_DOME_PARAMS(X) \
     X(length, diameter, MCV_REQUIRED, MCV_POSITIVE, 1e6, "diameter D of the dome [m]") \
-    X(length, holeDiameter, MCV_REQUIRED, MCV_POSITIVE, 1e6, "diameter d of the hole for the camera [m]") \
+    X(length, holeDiameter, MCV_REQUIRED, MCV_POSITIVE, 1e6, \
+      "diameter d of the hole for the camera [m]") \
     MCV_PRESET_PARAMS(X)
 
 #endif

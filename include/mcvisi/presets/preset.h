@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What all presets share: lights as a catalogue sells them. A preset is a type of emitter that the loader makes of geometry and an area
- * emitter, or with `halfAngle` a parallel one; host/scene/load_presets.c builds it, and kernels know nothing of it. It stands on a node
- * without a mesh and shines along the node's -z; its size does not scale with the node. What does not emit of it absorbs.
+ * What all presets share: lights as a catalogue sells them. A preset is a type of emitter that the
+ * loader makes of geometry and an area emitter, or with `halfAngle` a parallel one;
+ * host/loader/load_presets.c builds it, and kernels know nothing of it. It stands on a node without
+ * a mesh and shines along the node's -z; its size does not scale with the node. What does not emit
+ * of it absorbs.
  *
- * `radiance` is that of the emitting surface, `power` all that leaves it, per channel, counted before any of it falls back on the light.
+ * `radiance` is that of the emitting surface, `power` all that leaves it, per channel, counted
+ * before any of it falls back on the light.
  *
- * A preset is one header with MCV_<NAME>_PARAMS(X), a line in MCV_PRESETS (mcvisi/elements.h) and its builder.
+ * A preset is one header with MCV_<NAME>_PARAMS(X), a line in MCV_PRESETS (mcvisi/elements.h) and
+ * its builder.
  */
 #ifndef MCVISI_PRESETS_PRESET_H
 #define MCVISI_PRESETS_PRESET_H

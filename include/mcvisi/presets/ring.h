@@ -1,14 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Ring light (type "ring"): a band about the node's z axis through which the camera looks. Flat (tilt 0) it is the annulus between the
- * two diameters, facing -z. `tilt` turns the band about its middle circle, the inner edge back, the outer one forward, until it faces the
- * axis at 90° (a low-angle ring for dark fields); negative, it faces away from the axis. Its area stays π/4 (D_o² - D_i²).
+ * Ring light (type "ring"): a band about the node's z axis through which the camera looks. Flat
+ * (tilt 0) it is the annulus between the two diameters, facing -z. `tilt` turns the band about its
+ * middle circle, the inner edge back, the outer one forward, until it faces the axis at 90° (a
+ * low-angle ring for dark fields); negative, it faces away from the axis. Its area stays π/4 (D_o²
+ * - D_i²).
  *
  * Flat and diffuse it lights a point on the axis at distance h, on a plane that faces it, with
- * E = π L (R_o²/(R_o² + h²) - R_i²/(R_i² + h²)). With `halfAngle` each point emits into a cone about the band's normal, as LEDs with
- * lenses do. The circles are polygons of 128 sides and of the circles' area.
+ * E = π L (R_o²/(R_o² + h²) - R_i²/(R_i² + h²)). With `halfAngle` each point emits into a cone
+ * about the band's normal, as LEDs with lenses do. The circles are polygons of 128 sides and of the
+ * circles' area.
  *
- *     {"type": "ring", "innerDiameter": "40mm", "outerDiameter": "70mm", "tilt": "30deg", "power": 2}
+ *     {"type": "ring", "innerDiameter": "40mm", "outerDiameter": "70mm", "tilt": "30deg", "power":
+ * 2}
  */
 #ifndef MCVISI_PRESETS_RING_H
 #define MCVISI_PRESETS_RING_H
@@ -16,9 +20,12 @@
 #include "mcvisi/presets/preset.h"
 
 #define MCV_RING_PARAMS(X) \
-    X(length, innerDiameter, MCV_REQUIRED, MCV_POSITIVE, 1e6, "inner diameter D_i of the flat ring [m]") \
-    X(length, outerDiameter, MCV_REQUIRED, MCV_POSITIVE, 1e6, "outer diameter D_o of the flat ring [m]") \
-    X(angle, tilt, 0, -1.5707963267948966, 1.5707963267948966, "angle of the band towards the axis [rad]") \
+    X(length, innerDiameter, MCV_REQUIRED, MCV_POSITIVE, 1e6, \
+      "inner diameter D_i of the flat ring [m]") \
+    X(length, outerDiameter, MCV_REQUIRED, MCV_POSITIVE, 1e6, \
+      "outer diameter D_o of the flat ring [m]") \
+    X(angle, tilt, 0, -1.5707963267948966, 1.5707963267948966, \
+      "angle of the band towards the axis [rad]") \
     MCV_DIRECTED_PRESET_PARAMS(X)
 
 #endif

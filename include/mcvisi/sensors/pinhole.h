@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Pinhole camera (type "pinhole"): perspective without blur. All rays of sight start in the origin, direction
+ * Pinhole camera (type "pinhole"): perspective without blur. All rays of sight start in the origin,
+ * direction
  * (-s_x/b, -s_y/b, 1). It has no aperture, so it measures radiance only; "irradiance" is bad input.
  *
  *     {"type": "pinhole", "imageDistance": "16mm", "resolution": [640, 480], "pixelSize": "5um"}
@@ -11,7 +12,8 @@
 #include "mcvisi/sensors/sensor.h"
 
 #define MCV_PINHOLE_PARAMS(X) \
-    X(length, imageDistance, MCV_REQUIRED, MCV_POSITIVE, 1e3, "distance b from the pinhole to the image plane [m]") \
+    X(length, imageDistance, MCV_REQUIRED, MCV_POSITIVE, 1e3, \
+      "distance b from the pinhole to the image plane [m]") \
     MCV_FILM_PARAMS(X)
 
 typedef struct mcv_pinhole {
@@ -21,31 +23,38 @@ typedef struct mcv_pinhole {
 } mcv_pinhole;
 MCV_ASSERT_SIZE(mcv_pinhole, 32);
 
-MCV_LOOP_FUNCTION mcv_sight mcv_pinhole_sample(MCV_CONSTANT const mcv_pinhole *sensor, mcv_film_sample film, float xi, float eta) {
-    mcv_sight sight;
+MCV_LOOP_FUNCTION mcv_sensor_ray mcv_pinhole_sample(MCV_CONSTANT const mcv_pinhole *sensor,
+                                                    mcv_film_sample film, float xi, float eta) {
+    mcv_sensor_ray sensor_ray;
     (void)xi;
     (void)eta;
-    sight.origin = mcv_vec(0.0f, 0.0f, 0.0f);
-    sight.direction = mcv_vec(-mcv_from_centre(sensor->centre_x, film.column, film.x) * sensor->slope_x,
-                              mcv_from_centre(sensor->centre_y, film.row, film.y) * sensor->slope_y, 1.0f);
-    sight.weight = 1.0f;
-    return sight;
+    sensor_ray.origin = mcv_vec(0.0f, 0.0f, 0.0f);
+    sensor_ray.direction =
+        mcv_vec(-mcv_from_centre(sensor->centre_x, film.column, film.x) * sensor->slope_x,
+                mcv_from_centre(sensor->centre_y, film.row, film.y) * sensor->slope_y, 1.0f);
+    sensor_ray.weight = 1.0f;
+    return sensor_ray;
 }
 
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
-/* There is one place on the lens: W is per area of d alone, and only what is aimed at it comes through. */
-MCV_FUNCTION float mcv_pinhole_invert(MCV_CONSTANT const mcv_pinhole *sensor, mcv_sight sight, mcv_film_place *place) {
-    place->column = mcv_on_film(sensor->centre_x, -sight.direction.x / sensor->slope_x);
-    place->row = mcv_on_film(sensor->centre_y, sight.direction.y / sensor->slope_y);
-    return sight.origin.x == 0.0f && sight.origin.y == 0.0f ? 1.0f / (sensor->slope_x * sensor->slope_y) : 0.0f;
+/* There is one place on the lens: W is per area of d alone, and only what is aimed at it comes
+ * through. */
+MCV_FUNCTION float mcv_pinhole_invert(MCV_CONSTANT const mcv_pinhole *sensor,
+                                      mcv_sensor_ray sensor_ray, mcv_film_point *place) {
+    place->column = mcv_on_film(sensor->centre_x, -sensor_ray.direction.x / sensor->slope_x);
+    place->row = mcv_on_film(sensor->centre_y, sensor_ray.direction.y / sensor->slope_y);
+    return sensor_ray.origin.x == 0.0f && sensor_ray.origin.y == 0.0f
+               ? 1.0f / (sensor->slope_x * sensor->slope_y)
+               : 0.0f;
 }
 
-MCV_FUNCTION float mcv_pinhole_connect(MCV_CONSTANT const mcv_pinhole *sensor, mcv_vec3 point, float xi, float eta, mcv_sight *sight) {
+MCV_FUNCTION float mcv_pinhole_connect(MCV_CONSTANT const mcv_pinhole *sensor, mcv_vec3 point,
+                                       float xi, float eta, mcv_sensor_ray *sensor_ray) {
     (void)sensor;
     (void)xi;
     (void)eta;
-    sight->origin = mcv_vec(0.0f, 0.0f, 0.0f);
-    sight->direction = mcv_vec(point.x / point.z, point.y / point.z, 1.0f);
+    sensor_ray->origin = mcv_vec(0.0f, 0.0f, 0.0f);
+    sensor_ray->direction = mcv_vec(point.x / point.z, point.y / point.z, 1.0f);
     return 1.0f;
 }
 

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Telecentric camera (type "telecentric"; report 4.2.1): a stop of diameter D_t in the image-side focal plane z = -f of the
- * main lens. Image point s on z = -b, a uniform on the stop, o = s + (a - s) b/(b - f) on the lens; weight 0 if
- * |o| > D_l/2. Because the stop lies in the focal plane the direction is exactly (-a_x/f, -a_y/f, 1), so every chief ray
- * is parallel to the axis and the image scale m = (b - f)/f is the same at every depth. b <= f is bad input.
- * In focus: depth W = b f/(b - f). Irradiance: A = π D_t²/4 (the stop), h = b - f: constant over the image, unless "falloff" is
- * "imageSide": there the chief rays lean.
+ * Telecentric camera (type "telecentric"; report 4.2.1): a stop of diameter D_t in the image-side
+ * focal plane z = -f of the main lens. Image point s on z = -b, a uniform on the stop, o = s + (a -
+ * s) b/(b - f) on the lens; weight 0 if |o| > D_l/2. Because the stop lies in the focal plane the
+ * direction is exactly (-a_x/f, -a_y/f, 1), so every chief ray is parallel to the axis and the
+ * image scale m = (b - f)/f is the same at every depth. b <= f is bad input. In focus: depth W = b
+ * f/(b - f). Irradiance: A = π D_t²/4 (the stop), h = b - f: constant over the image, unless
+ * "falloff" is "imageSide": there the chief rays lean.
  *
- * Either focalLength, imageDistance, stopDiameter, lensDiameter or, as on a datasheet, magnification m, workingDistance W
- * and fNumber N (working, image side) or numericalAperture NA = m/(2N) (object side):
- *     f = W m/(1 + m)   b = f (1 + m)   D_t = 2 f NA   D_l = diagonal of the field + 2 W NA
- * Both sets may be given if they agree.
+ * Either focalLength, imageDistance, stopDiameter, lensDiameter or, as on a datasheet,
+ * magnification m, workingDistance W and fNumber N (working, image side) or numericalAperture NA =
+ * m/(2N) (object side): f = W m/(1 + m)   b = f (1 + m)   D_t = 2 f NA   D_l = diagonal of the
+ * field + 2 W NA Both sets may be given if they agree.
  *
  *     {"type": "telecentric", "magnification": 0.25, "workingDistance": "110mm", "fNumber": 8,
  *      "resolution": [2448, 2048], "pixelSize": "3.45um"}
@@ -22,21 +23,26 @@
 
 #define MCV_TELECENTRIC_PARAMS(X) \
     X(length, focalLength, MCV_UNSET, MCV_POSITIVE, 1e3, "focal length f of the main lens [m]") \
-    X(length, imageDistance, MCV_UNSET, MCV_POSITIVE, 1e3, "distance b > f from the main lens to the image plane [m]") \
-    X(length, stopDiameter, MCV_UNSET, MCV_POSITIVE, 1e3, "diameter D_t of the telecentric stop [m]") \
+    X(length, imageDistance, MCV_UNSET, MCV_POSITIVE, 1e3, \
+      "distance b > f from the main lens to the image plane [m]") \
+    X(length, stopDiameter, MCV_UNSET, MCV_POSITIVE, 1e3, \
+      "diameter D_t of the telecentric stop [m]") \
     X(length, lensDiameter, MCV_UNSET, MCV_POSITIVE, 1e3, "diameter D_l of the main lens [m]") \
     X(number, magnification, MCV_UNSET, MCV_POSITIVE, 1e6, "image size over object size m") \
-    X(length, workingDistance, MCV_UNSET, MCV_POSITIVE, 1e3, "distance W from the main lens to the plane in focus [m]") \
+    X(length, workingDistance, MCV_UNSET, MCV_POSITIVE, 1e3, \
+      "distance W from the main lens to the plane in focus [m]") \
     X(number, fNumber, MCV_UNSET, MCV_POSITIVE, 1e9, "working f-number N on the image side") \
-    X(number, numericalAperture, MCV_UNSET, MCV_POSITIVE, 1, "numerical aperture on the object side, m/(2N)") \
+    X(number, numericalAperture, MCV_UNSET, MCV_POSITIVE, 1, \
+      "numerical aperture on the object side, m/(2N)") \
     MCV_FILM_PARAMS(X) \
     MCV_FALLOFF_PARAMS(X)
 
 typedef struct mcv_telecentric {
     mcv_centre centre_x, centre_y;
-    float pixel_x, pixel_y;  /* (binned) pixel size [m] times f/(b - f): from image pixels to the lens */
-    float stop_radius;       /* D_t / 2 [m] */
-    float stop_to_lens;      /* b/(b - f) */
+    float pixel_x,
+        pixel_y;        /* (binned) pixel size [m] times f/(b - f): from image pixels to the lens */
+    float stop_radius;  /* D_t / 2 [m] */
+    float stop_to_lens; /* b/(b - f) */
     float stop_to_direction; /* 1/f [1/m] */
     float lens_radius;       /* D_l / 2 [m] */
     float etendue;           /* A/h², 0 for radiance */
@@ -45,23 +51,31 @@ typedef struct mcv_telecentric {
 MCV_ASSERT_SIZE(mcv_telecentric, 48);
 
 /* The ray of sight through a point of the stop, in stop radii. */
-MCV_LOOP_FUNCTION mcv_sight mcv_telecentric_through(MCV_CONSTANT const mcv_telecentric *sensor, mcv_film_sample film, float p_x,
-                                                    float p_y) {
-    mcv_sight sight;
+MCV_LOOP_FUNCTION mcv_sensor_ray mcv_telecentric_through(MCV_CONSTANT const mcv_telecentric *sensor,
+                                                         mcv_film_sample film, float p_x,
+                                                         float p_y) {
+    mcv_sensor_ray sensor_ray;
     const float a_x = sensor->stop_radius * p_x;
     const float a_y = sensor->stop_radius * p_y;
     /* o = a b/(b - f) - s f/(b - f), both factors from double: no cancellation in a - s. */
-    const float o_x = mcv_fma(a_x, sensor->stop_to_lens, -mcv_from_centre(sensor->centre_x, film.column, film.x) * sensor->pixel_x);
-    const float o_y = mcv_fma(a_y, sensor->stop_to_lens, mcv_from_centre(sensor->centre_y, film.row, film.y) * sensor->pixel_y);
-    sight.origin = mcv_vec(o_x, o_y, 0.0f);
-    sight.direction = mcv_vec(-a_x * sensor->stop_to_direction, -a_y * sensor->stop_to_direction, 1.0f);
-    sight.weight = mcv_fma(o_x, o_x, o_y * o_y) > sensor->lens_radius * sensor->lens_radius
-                       ? 0.0f
-                       : mcv_sight_weight(sensor->etendue, sensor->bend, sight.origin, sight.direction);
-    return sight;
+    const float o_x =
+        mcv_fma(a_x, sensor->stop_to_lens,
+                -mcv_from_centre(sensor->centre_x, film.column, film.x) * sensor->pixel_x);
+    const float o_y =
+        mcv_fma(a_y, sensor->stop_to_lens,
+                mcv_from_centre(sensor->centre_y, film.row, film.y) * sensor->pixel_y);
+    sensor_ray.origin = mcv_vec(o_x, o_y, 0.0f);
+    sensor_ray.direction =
+        mcv_vec(-a_x * sensor->stop_to_direction, -a_y * sensor->stop_to_direction, 1.0f);
+    sensor_ray.weight = mcv_fma(o_x, o_x, o_y * o_y) > sensor->lens_radius * sensor->lens_radius
+                            ? 0.0f
+                            : mcv_sensor_ray_weight(sensor->etendue, sensor->bend,
+                                                    sensor_ray.origin, sensor_ray.direction);
+    return sensor_ray;
 }
 
-MCV_LOOP_FUNCTION mcv_sight mcv_telecentric_sample(MCV_CONSTANT const mcv_telecentric *sensor, mcv_film_sample film, float xi, float eta) {
+MCV_LOOP_FUNCTION mcv_sensor_ray mcv_telecentric_sample(MCV_CONSTANT const mcv_telecentric *sensor,
+                                                        mcv_film_sample film, float xi, float eta) {
     float cosine, sine;
     const float r = mcv_disk(xi, eta, &cosine, &sine);
     return mcv_telecentric_through(sensor, film, r * cosine, r * sine);
@@ -69,29 +83,36 @@ MCV_LOOP_FUNCTION mcv_sight mcv_telecentric_sample(MCV_CONSTANT const mcv_telece
 
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
 /* a = -f d, s from o = a b/(b - f) - s f/(b - f) */
-MCV_FUNCTION float mcv_telecentric_invert(MCV_CONSTANT const mcv_telecentric *sensor, mcv_sight sight, mcv_film_place *place) {
-    const float a_x = -sight.direction.x / sensor->stop_to_direction;
-    const float a_y = -sight.direction.y / sensor->stop_to_direction;
-    const float o_x = sight.origin.x;
-    const float o_y = sight.origin.y;
+MCV_FUNCTION float mcv_telecentric_invert(MCV_CONSTANT const mcv_telecentric *sensor,
+                                          mcv_sensor_ray sensor_ray, mcv_film_point *place) {
+    const float a_x = -sensor_ray.direction.x / sensor->stop_to_direction;
+    const float a_y = -sensor_ray.direction.y / sensor->stop_to_direction;
+    const float o_x = sensor_ray.origin.x;
+    const float o_y = sensor_ray.origin.y;
     const float stop = sensor->stop_radius * sensor->stop_to_direction; /* as a tangent */
-    place->column = mcv_on_film(sensor->centre_x, mcv_fma(a_x, sensor->stop_to_lens, -o_x) / sensor->pixel_x);
-    place->row = mcv_on_film(sensor->centre_y, mcv_fma(-a_y, sensor->stop_to_lens, o_y) / sensor->pixel_y);
+    place->column =
+        mcv_on_film(sensor->centre_x, mcv_fma(a_x, sensor->stop_to_lens, -o_x) / sensor->pixel_x);
+    place->row =
+        mcv_on_film(sensor->centre_y, mcv_fma(-a_y, sensor->stop_to_lens, o_y) / sensor->pixel_y);
     if (mcv_fma(a_x, a_x, a_y * a_y) > sensor->stop_radius * sensor->stop_radius ||
         mcv_fma(o_x, o_x, o_y * o_y) > sensor->lens_radius * sensor->lens_radius)
         return 0.0f;
-    return mcv_sight_weight(sensor->etendue, sensor->bend, sight.origin, sight.direction) /
+    return mcv_sensor_ray_weight(sensor->etendue, sensor->bend, sensor_ray.origin,
+                                 sensor_ray.direction) /
            (MCV_PI * stop * stop * sensor->pixel_x * sensor->pixel_y);
 }
 
-/* A place on the stop, a direction therefore: a place on the lens would seldom be seen through the stop. */
-MCV_FUNCTION float mcv_telecentric_connect(MCV_CONSTANT const mcv_telecentric *sensor, mcv_vec3 point, float xi, float eta,
-                                           mcv_sight *sight) {
+/* A place on the stop, a direction therefore: a place on the lens would seldom be seen through the
+ * stop. */
+MCV_FUNCTION float mcv_telecentric_connect(MCV_CONSTANT const mcv_telecentric *sensor,
+                                           mcv_vec3 point, float xi, float eta,
+                                           mcv_sensor_ray *sensor_ray) {
     float cosine, sine;
     const float stop = sensor->stop_radius * sensor->stop_to_direction;
     const float r = stop * mcv_disk(xi, eta, &cosine, &sine);
-    sight->direction = mcv_vec(r * cosine, r * sine, 1.0f);
-    sight->origin = mcv_vec(mcv_fma(-point.z, sight->direction.x, point.x), mcv_fma(-point.z, sight->direction.y, point.y), 0.0f);
+    sensor_ray->direction = mcv_vec(r * cosine, r * sine, 1.0f);
+    sensor_ray->origin = mcv_vec(mcv_fma(-point.z, sensor_ray->direction.x, point.x),
+                                 mcv_fma(-point.z, sensor_ray->direction.y, point.y), 0.0f);
     return MCV_PI * stop * stop * point.z * point.z;
 }
 

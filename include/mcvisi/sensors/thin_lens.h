@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Thin lens camera (type "thinLens"): entocentric, with depth of field. Image point s on the plane z = -b, o uniform on the
- * lens's disk of diameter D_l. In focus: depth 1/κ, κ = (b - f)/(b f); b < f looks at a virtual plane behind the lens.
- * Irradiance: A = π D_l²/4, h = b.
+ * Thin lens camera (type "thinLens"): entocentric, with depth of field. Image point s on the plane
+ * z = -b, o uniform on the lens's disk of diameter D_l. In focus: depth 1/κ, κ = (b - f)/(b f); b <
+ * f looks at a virtual plane behind the lens. Irradiance: A = π D_l²/4, h = b.
  *
- * imageDistance may be given as focusDistance w, the depth in focus: b = f w/(w - f); lensDiameter as fNumber, the working one
- * N = b/D_l (mcvisi/sensors/sensor.h). Both of a pair may be given if they agree.
+ * imageDistance may be given as focusDistance w, the depth in focus: b = f w/(w - f); lensDiameter
+ * as fNumber, the working one N = b/D_l (mcvisi/sensors/sensor.h). Both of a pair may be given if
+ * they agree.
  *
  *     {"type": "thinLens", "focalLength": "25mm", "focusDistance": "400mm", "fNumber": 4,
  *      "resolution": [1280, 1024], "pixelSize": "4.8um", "radiometry": "irradiance"}
@@ -32,17 +33,22 @@ typedef struct mcv_thin_lens {
 MCV_ASSERT_SIZE(mcv_thin_lens, 48);
 
 /* The ray of sight through a point of the lens, in lens radii. */
-MCV_LOOP_FUNCTION mcv_sight mcv_thin_lens_through(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_film_sample film, float p_x, float p_y) {
-    mcv_sight sight;
-    sight.origin = mcv_vec(sensor->radius * p_x, sensor->radius * p_y, 0.0f);
-    sight.direction =
-        mcv_vec(-mcv_fma(mcv_from_centre(sensor->centre_x, film.column, film.x), sensor->slope_x, sensor->kappa * sight.origin.x),
-                mcv_fma(mcv_from_centre(sensor->centre_y, film.row, film.y), sensor->slope_y, -sensor->kappa * sight.origin.y), 1.0f);
-    sight.weight = mcv_sight_weight(sensor->etendue, sensor->bend, sight.origin, sight.direction);
-    return sight;
+MCV_LOOP_FUNCTION mcv_sensor_ray mcv_thin_lens_through(MCV_CONSTANT const mcv_thin_lens *sensor,
+                                                       mcv_film_sample film, float p_x, float p_y) {
+    mcv_sensor_ray sensor_ray;
+    sensor_ray.origin = mcv_vec(sensor->radius * p_x, sensor->radius * p_y, 0.0f);
+    sensor_ray.direction = mcv_vec(-mcv_fma(mcv_from_centre(sensor->centre_x, film.column, film.x),
+                                            sensor->slope_x, sensor->kappa * sensor_ray.origin.x),
+                                   mcv_fma(mcv_from_centre(sensor->centre_y, film.row, film.y),
+                                           sensor->slope_y, -sensor->kappa * sensor_ray.origin.y),
+                                   1.0f);
+    sensor_ray.weight = mcv_sensor_ray_weight(sensor->etendue, sensor->bend, sensor_ray.origin,
+                                              sensor_ray.direction);
+    return sensor_ray;
 }
 
-MCV_LOOP_FUNCTION mcv_sight mcv_thin_lens_sample(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_film_sample film, float xi, float eta) {
+MCV_LOOP_FUNCTION mcv_sensor_ray mcv_thin_lens_sample(MCV_CONSTANT const mcv_thin_lens *sensor,
+                                                      mcv_film_sample film, float xi, float eta) {
     float cosine, sine;
     const float r = mcv_disk(xi, eta, &cosine, &sine);
     return mcv_thin_lens_through(sensor, film, r * cosine, r * sine);
@@ -50,22 +56,28 @@ MCV_LOOP_FUNCTION mcv_sight mcv_thin_lens_sample(MCV_CONSTANT const mcv_thin_len
 
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
 /* s/b = -(d + κ o) */
-MCV_FUNCTION float mcv_thin_lens_invert(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_sight sight, mcv_film_place *place) {
+MCV_FUNCTION float mcv_thin_lens_invert(MCV_CONSTANT const mcv_thin_lens *sensor,
+                                        mcv_sensor_ray sensor_ray, mcv_film_point *place) {
     const float squared = sensor->radius * sensor->radius;
-    const float o_x = sight.origin.x;
-    const float o_y = sight.origin.y;
-    place->column = mcv_on_film(sensor->centre_x, -mcv_fma(sensor->kappa, o_x, sight.direction.x) / sensor->slope_x);
-    place->row = mcv_on_film(sensor->centre_y, mcv_fma(sensor->kappa, o_y, sight.direction.y) / sensor->slope_y);
+    const float o_x = sensor_ray.origin.x;
+    const float o_y = sensor_ray.origin.y;
+    place->column = mcv_on_film(
+        sensor->centre_x, -mcv_fma(sensor->kappa, o_x, sensor_ray.direction.x) / sensor->slope_x);
+    place->row = mcv_on_film(sensor->centre_y,
+                             mcv_fma(sensor->kappa, o_y, sensor_ray.direction.y) / sensor->slope_y);
     if (mcv_fma(o_x, o_x, o_y * o_y) > squared) return 0.0f;
-    return mcv_sight_weight(sensor->etendue, sensor->bend, sight.origin, sight.direction) /
+    return mcv_sensor_ray_weight(sensor->etendue, sensor->bend, sensor_ray.origin,
+                                 sensor_ray.direction) /
            (MCV_PI * squared * sensor->slope_x * sensor->slope_y);
 }
 
-MCV_FUNCTION float mcv_thin_lens_connect(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_vec3 point, float xi, float eta, mcv_sight *sight) {
+MCV_FUNCTION float mcv_thin_lens_connect(MCV_CONSTANT const mcv_thin_lens *sensor, mcv_vec3 point,
+                                         float xi, float eta, mcv_sensor_ray *sensor_ray) {
     float cosine, sine;
     const float r = sensor->radius * mcv_disk(xi, eta, &cosine, &sine);
-    sight->origin = mcv_vec(r * cosine, r * sine, 0.0f);
-    sight->direction = mcv_vec((point.x - sight->origin.x) / point.z, (point.y - sight->origin.y) / point.z, 1.0f);
+    sensor_ray->origin = mcv_vec(r * cosine, r * sine, 0.0f);
+    sensor_ray->direction = mcv_vec((point.x - sensor_ray->origin.x) / point.z,
+                                    (point.y - sensor_ray->origin.y) / point.z, 1.0f);
     return MCV_PI * sensor->radius * sensor->radius;
 }
 

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Exact surfaces as the device has them. A solid is what lies within a side (cylinder, box or sphere about the z axis of its frame), above
- * its first cap and below its second one; along a ray each of these is an interval or the gap between two, so that what a ray enters it
- * also leaves, whatever rounds: edges do not leak. An open surface is its first cap within the side. All solids of a lens have one frame.
+ * Exact surfaces as the device has them. A solid is what lies within a side (cylinder, box or
+ * sphere about the z axis of its frame), above its first cap and below its second one; along a ray
+ * each of these is an interval or the gap between two, so that what a ray enters it also leaves,
+ * whatever rounds: edges do not leak. An open surface is its first cap within the side. All solids
+ * of a lens have one frame.
  */
 #ifndef MCVISI_SURFACES_SOLID_H
 #define MCVISI_SURFACES_SOLID_H
@@ -15,19 +17,21 @@ enum { MCV_SIDE_CYLINDER, MCV_SIDE_BOX, MCV_SIDE_SPHERE, MCV_SIDE_OPEN };
 /* The pieces of a solid's surface. The faces of a box along x and y are one piece, its side. */
 enum { MCV_PIECE_FIRST_CAP, MCV_PIECE_SECOND_CAP, MCV_PIECE_SIDE, MCV_PIECE_COUNT };
 
-/* In place of a triangle's number: this bit and four times the solid's number plus the piece's. Not MCV_NONE. */
+/* In place of a triangle's number: this bit and four times the solid's number plus the piece's. Not
+ * MCV_NONE. */
 #define MCV_EXACT 0x80000000u
 
-/* Of a ray that starts on an exact surface: twice the number of that surface, and 1 if the ray goes to +z of a cap or out of a side. */
+/* Of a ray that starts on an exact surface: twice the number of that surface, and 1 if the ray goes
+ * to +z of a cap or out of a side. */
 typedef struct mcv_device_cap {
-    float z;                       /* of the vertex, in the solid's frame [m] */
-    float curvature;               /* c [1/m] */
-    float conic;                   /* k */
-    float across;                  /* r² = across x² + y²: 0 for a cylindrical cap, else 1 */
-    float bend;                    /* bound of |d²z/dr²| and |dz/dr|/r within the side [1/m]; of aspheres */
-    float scale;                   /* 1/(r of the side)² [1/m²] */
-    uint terms;                    /* of the asphere */
-    uint surface;                  /* 4 · solid + piece of the first solid that has this cap */
+    float z;         /* of the vertex, in the solid's frame [m] */
+    float curvature; /* c [1/m] */
+    float conic;     /* k */
+    float across;    /* r² = across x² + y²: 0 for a cylindrical cap, else 1 */
+    float bend;      /* bound of |d²z/dr²| and |dz/dr|/r within the side [1/m]; of aspheres */
+    float scale;     /* 1/(r of the side)² [1/m²] */
+    uint terms;      /* of the asphere */
+    uint surface;    /* 4 · solid + piece of the first solid that has this cap */
     float term[MCV_ASPHERE_TERMS]; /* Σ term_i (scale r²)^(i + 2) [m] */
 } mcv_device_cap;
 MCV_ASSERT_SIZE(mcv_device_cap, 64);

@@ -1,0 +1,351 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Findings about meshes: whether they are closed, and how well their facets stand for curved
+ * surfaces. */
+#include "check/find.h"
+#include "scene/transform.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* --- open_body, thin_body
+ * --------------------------------------------------------------------------------------- */
+
+static const mcv_material *material_of(const mcv_scene *scene, uint32_t instance) {
+    return scene->materials + scene->instances[instance].material;
+}
+
+/* Does light pass it as a pane without thickness? */
+static bool is_thin(const mcv_material *material) {
+    return material->type == MCV_MATERIAL_SHEET ||
+           (material->type == MCV_MATERIAL_METALLIC_ROUGHNESS &&
+            material->as.metallic_roughness.transmission > 0);
+}
+
+mcv_result mcv_find_open_body(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
+    for (uint32_t first = 0, last; first < scene->instance_count; first = last) {
+        bool dielectric = false;
+        last = mcv_body_end(scene, first);
+        for (uint32_t i = first; i < last; ++i)
+            dielectric = dielectric || material_of(scene, i)->type == MCV_MATERIAL_DIELECTRIC;
+        if (!dielectric) continue;
+        uint32_t edges;
+        char label[MCV_LABEL];
+        MCV_TRY(mcv_open_edges(scene, first, last, &edges, error));
+        if (edges > 0)
+            MCV_TRY(mcv_findings_add(findings, MCV_SEVERITY_WARNING, "nodes",
+                                     scene->instances[first].name, NULL, error,
+                                     "%s: its mesh is open at %u edges, but its material fills a "
+                                     "volume: close it, or use a sheet",
+                                     mcv_instance_label(scene, first, label), edges));
+    }
+    return MCV_OK;
+}
+
+mcv_result mcv_find_thin_body(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        const mcv_material *material = material_of(scene, i);
+        uint32_t edges;
+        if (!is_thin(material) || scene->meshes[scene->instances[i].mesh].triangle_count == 0)
+            continue;
+        MCV_TRY(mcv_open_edges(scene, i, i + 1, &edges, error));
+        if (edges > 0) continue;
+        char label[MCV_LABEL];
+        MCV_TRY(mcv_findings_add(
+            findings, MCV_SEVERITY_WARNING, "materials", material->name, NULL, error,
+            "%s is a closed body, but its material \"%s\" is a thin pane, which bends no light: "
+            "give the asset a dielectric of the "
+            "rig, as in \"materials\": {\"%s\": \"glass\"}, or export it with KHR_materials_volume "
+            "and a thicknessFactor "
+            "above 0 (in Blender the input Thickness of the node group glTF Material Output)",
+            mcv_instance_label(scene, i, label), material->name, material->name));
+    }
+    return MCV_OK;
+}
+
+/* --- facets
+ * -----------------------------------------------------------------------------------------------------
+ */
+
+/* Neighbours that turn by more are meant to have an edge between them, by less are one plane but
+ * for rounding [rad]. */
+static const double crease = 31 * M_PI / 180, flat = 0.01 * M_PI / 180;
+enum { LEAST_EDGES = 8 }; /* of a curved surface: fewer may be a part's own */
+
+/* Where two triangles meet under a slight angle. */
+typedef struct bend {
+    uint32_t triangles[2];
+    uint32_t ends[2];
+    double angle; /* of the normals [rad] */
+    bool faceted; /* and the shading turns there at once, too */
+} bend;
+
+/* Facets: triangles of one plane that hang together. */
+typedef struct facets {
+    const mcv_scene *scene;
+    uint32_t instance;
+    double (*normals)[3]; /* of the triangles, unit; 0 where they have none */
+    uint32_t *parents;    /* of a triangle's facet: union-find */
+    bend *bends;
+    size_t bend_count;
+} facets;
+
+static uint32_t root_of(uint32_t *parents, uint32_t t) {
+    while (parents[t] != t) t = parents[t] = parents[parents[t]];
+    return t;
+}
+
+static double angle_between(const double a[3], const double b[3]) {
+    double cross[3];
+    mcv_cross3(a, b, cross);
+    return atan2(sqrt(mcv_dot3(cross, cross)), mcv_dot3(a, b));
+}
+
+/* How far the interpolated normals of the two triangles differ at the edge's ends. */
+static double jump_of_normals(const facets *f, const mcv_shared_edge *edge) {
+    double most = 0, normals[2][3][3];
+    const uint32_t *indices = f->scene->meshes[f->scene->instances[f->instance].mesh].indices;
+    for (int side = 0; side < 2; ++side)
+        mcv_scene_vertex_normals(f->scene, f->instance, edge->triangles[side], normals[side]);
+    for (int end = 0; end < 2; ++end) {
+        const double *at[2] = {normals[0][0], normals[1][0]};
+        for (int side = 0; side < 2; ++side)
+            for (int k = 0; k < 3; ++k)
+                if (indices[3 * (size_t)edge->triangles[side] + k] == edge->ends[side][end])
+                    at[side] = normals[side][k];
+        most = fmax(most, angle_between(at[0], at[1]));
+    }
+    return most;
+}
+
+/* A surface is curved where a facet bends to more than one of its neighbours, and by about as much.
+ */
+static void keep_curved(facets *f, uint32_t triangles) {
+    double(*range)[2] = malloc(triangles * sizeof *range + 1); /* of the angles about a facet */
+    uint32_t *count = calloc((size_t)triangles + 1, sizeof *count);
+    size_t kept = 0;
+    for (size_t pass = 0; pass < 2 && range && count; ++pass)
+        for (size_t i = 0; i < f->bend_count; ++i) {
+            const bend b = f->bends[i];
+            bool curved = false;
+            for (int side = 0; side < 2; ++side) {
+                const uint32_t facet = root_of(f->parents, b.triangles[side]);
+                if (pass == 0) {
+                    range[facet][0] = count[facet] ? fmin(range[facet][0], b.angle) : b.angle;
+                    range[facet][1] = count[facet] ? fmax(range[facet][1], b.angle) : b.angle;
+                    ++count[facet];
+                }
+                curved = curved || (count[facet] > 1 && range[facet][1] < 4 * range[facet][0]);
+            }
+            if (pass == 1 && curved) f->bends[kept++] = b;
+        }
+    f->bend_count = kept;
+    free(range);
+    free(count);
+}
+
+static void facets_free(facets *f) {
+    free(f->normals);
+    free(f->parents);
+    free(f->bends);
+    *f = (facets){0};
+}
+
+/* The bends of an instance's curved surfaces. */
+static mcv_result facets_of(const mcv_scene *scene, uint32_t instance, facets *f,
+                            mcv_error *error) {
+    const mcv_mesh *mesh = scene->meshes + scene->instances[instance].mesh;
+    const size_t triangles = mesh->triangle_count;
+    mcv_shared_edge *edges;
+    size_t count;
+    *f = (facets){.scene = scene, .instance = instance};
+    MCV_TRY(mcv_shared_edges(mesh, &edges, &count, error));
+    f->normals = calloc(triangles + 1, sizeof *f->normals);
+    f->parents = malloc(triangles * sizeof *f->parents + 1);
+    f->bends = malloc(count * sizeof *f->bends + 1);
+    const bool memory = f->normals && f->parents && f->bends;
+    for (uint32_t t = 0; t < triangles && memory; ++t) {
+        double face[3];
+        f->parents[t] = t;
+        mcv_scene_face_normal(scene, instance, t, face);
+        mcv_normalize3(face, f->normals[t]);
+    }
+    for (size_t i = 0; i < count && memory; ++i) {
+        const uint32_t a = edges[i].triangles[0], b = edges[i].triangles[1];
+        const double angle = angle_between(f->normals[a], f->normals[b]);
+        if (angle <= flat)
+            f->parents[root_of(f->parents, a)] = root_of(f->parents, b);
+        else if (angle < crease)
+            f->bends[f->bend_count++] =
+                (bend){{a, b},
+                       {edges[i].ends[0][0], edges[i].ends[0][1]},
+                       angle,
+                       mesh->normals == NULL || jump_of_normals(f, edges + i) > angle / 2};
+    }
+    free(edges);
+    if (memory) {
+        keep_curved(f, mesh->triangle_count);
+        return MCV_OK;
+    }
+    facets_free(f);
+    return mcv_fail(error, MCV_FAILED, "%s: no memory for the facets of its meshes", scene->path);
+}
+
+/* --- flat_glass
+ * -------------------------------------------------------------------------------------------------
+ */
+
+mcv_result mcv_find_flat_glass(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        facets f;
+        double most = 0;
+        uint32_t faceted = 0;
+        char label[MCV_LABEL];
+        if (material_of(scene, i)->type != MCV_MATERIAL_DIELECTRIC) continue;
+        MCV_TRY(facets_of(scene, i, &f, error));
+        for (size_t k = 0; k < f.bend_count; ++k) {
+            if (!f.bends[k].faceted) continue;
+            ++faceted;
+            most = fmax(most, f.bends[k].angle);
+        }
+        facets_free(&f);
+        if (faceted < LEAST_EDGES) continue;
+        MCV_TRY(mcv_findings_add(findings, MCV_SEVERITY_WARNING, "nodes", scene->instances[i].name,
+                                 NULL, error,
+                                 "%s is curved glass of flat facets, which turn by up to %.3g "
+                                 "degrees at %u edges: they are prisms and "
+                                 "make no lens; give an .stl asset \"creaseAngle\": \"30deg\", or "
+                                 "export a .glb with vertex normals "
+                                 "(shade smooth)",
+                                 mcv_instance_label(scene, i, label), most * 180 / M_PI, faceted));
+    }
+    return MCV_OK;
+}
+
+/* --- outline
+ * ----------------------------------------------------------------------------------------------------
+ */
+
+static const double tolerated = 0.1; /* of a pixel */
+
+/* The height of a triangle over one of its edges [m]. */
+static double height_over(const facets *f, uint32_t triangle, const double from[3],
+                          const double to[3]) {
+    double corners[3][3], most = 0;
+    const double along[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]},
+                 length = sqrt(mcv_dot3(along, along));
+    mcv_scene_corners(f->scene, f->instance, triangle, corners);
+    for (int k = 0; k < 3; ++k) {
+        const double to_corner[3] = {corners[k][0] - from[0], corners[k][1] - from[1],
+                                     corners[k][2] - from[2]};
+        double cross[3];
+        mcv_cross3(along, to_corner, cross);
+        most = fmax(most, sqrt(mcv_dot3(cross, cross)) / length);
+    }
+    return most;
+}
+
+/*
+ * How far chords are off the curve that they stand for, at a bend that is seen from its side: w θ/8
+ * for facets of the width w that turn by θ. In pixels; 0 where it is not in the picture or not at
+ * an outline.
+ */
+static double chord_error(const facets *f, const mcv_view *view, const bend *b, double *metres) {
+    double from[3], to[3], middle[3], film[2], local[3], sight[3], cosine[2];
+    const double *m = view->sensor->to_world.m;
+    mcv_scene_vertex(f->scene, f->instance, b->ends[0], from);
+    mcv_scene_vertex(f->scene, f->instance, b->ends[1], to);
+    for (int k = 0; k < 3; ++k) middle[k] = 0.5 * (from[k] + to[k]);
+    if (!mcv_view_project(view, middle, film)) return 0;
+    for (int i = 0; i < 2; ++i)
+        if (film[i] < view->film[i][0] || film[i] > view->film[i][1]) return 0;
+    const double axis[3] = {-m[2], -m[5], -m[8]},
+                 ray[3] = {middle[0] - m[9], middle[1] - m[10], middle[2] - m[11]};
+    if (!mcv_normalize3(view->is_telecentric ? axis : ray, sight)) return 0;
+    for (int side = 0; side < 2; ++side)
+        cosine[side] = mcv_dot3(f->normals[b->triangles[side]], sight);
+    /* One facet faces the sensor and one does not; or both stand edge on, but for rounding. */
+    if (cosine[0] * cosine[1] > 0 && fmin(fabs(cosine[0]), fabs(cosine[1])) > flat) return 0;
+    const double width =
+        fmin(height_over(f, b->triangles[0], from, to), height_over(f, b->triangles[1], from, to));
+    mcv_view_point(view, middle, local);
+    *metres = width * b->angle / 8;
+    return *metres / mcv_view_pixel(view, local[2]);
+}
+
+/* Does the sensor see a light behind a depth? Then outlines are measured. */
+static bool is_backlit(const mcv_scene *scene, const mcv_view *view, double depth) {
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) {
+        if (scene->emitters[i].instance == MCV_NONE) continue;
+        const mcv_extent extent = mcv_view_extent(view, scene, scene->emitters[i].instance);
+        if (extent.depth[0] >= depth && mcv_view_shows(view, &extent)) return true;
+    }
+    return false;
+}
+
+/* What is worst at one sensor's outlines. */
+typedef struct worst_outline {
+    double pixels, metres;
+    uint32_t instance, parts; /* parts that are off by more than is tolerated */
+    bool backlit;
+} worst_outline;
+
+static void judge_outline(const facets *f, const mcv_view *view, worst_outline *worst) {
+    double most = 0, most_metres = 0, metres = 0;
+    for (size_t k = 0; k < f->bend_count; ++k) {
+        const double off = chord_error(f, view, f->bends + k, &metres);
+        if (off <= most) continue;
+        most = off;
+        most_metres = metres;
+    }
+    if (!(most > tolerated)) return;
+    const mcv_extent extent = mcv_view_extent(view, f->scene, f->instance);
+    worst->backlit = worst->backlit || is_backlit(f->scene, view, extent.depth[1]);
+    ++worst->parts;
+    if (most <= worst->pixels) return;
+    worst->pixels = most;
+    worst->metres = most_metres;
+    worst->instance = f->instance;
+}
+
+static mcv_result report_outline(const mcv_scene *scene, const mcv_view *view,
+                                 const worst_outline *worst, mcv_findings *findings,
+                                 mcv_error *error) {
+    char label[MCV_LABEL], others[64] = "", text[2][32];
+    if (worst->parts > 1)
+        snprintf(others, sizeof others, ", and %u parts by more than a tenth of one", worst->parts);
+    return mcv_findings_add(
+        findings, worst->backlit ? MCV_SEVERITY_WARNING : MCV_SEVERITY_NOTE, "nodes",
+        scene->instances[worst->instance].name, NULL, error,
+        "in the picture of sensor \"%s\" outlines are chords in place of curves: %s is off by up "
+        "to %s, %.2g pixels%s; to "
+        "measure there, export with a chord tolerance of %s or less, a tenth of a pixel",
+        view->sensor->name, mcv_instance_label(scene, worst->instance, label),
+        mcv_length_in_words(worst->metres, text[0]), worst->pixels, others,
+        mcv_length_in_words(tolerated * worst->metres / worst->pixels, text[1]));
+}
+
+mcv_result mcv_find_outline(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
+    mcv_result result = MCV_OK;
+    worst_outline *worst = calloc((size_t)scene->sensor_count + 1, sizeof *worst);
+    if (!worst)
+        return mcv_fail(error, MCV_FAILED, "%s: no memory for what its sensors see", scene->path);
+    for (uint32_t i = 0; i < scene->instance_count && result == MCV_OK; ++i) {
+        facets f;
+        if (!mcv_is_part(scene, i) || scene->meshes[scene->instances[i].mesh].triangle_count == 0)
+            continue;
+        result = facets_of(scene, i, &f, error);
+        if (result != MCV_OK) break;
+        for (uint32_t s = 0; f.bend_count >= LEAST_EDGES && s < scene->sensor_count; ++s) {
+            const mcv_view view = mcv_view_of(scene->sensors + s);
+            judge_outline(&f, &view, worst + s);
+        }
+        facets_free(&f);
+    }
+    for (uint32_t s = 0; s < scene->sensor_count && result == MCV_OK; ++s) {
+        const mcv_view view = mcv_view_of(scene->sensors + s);
+        if (worst[s].parts > 0) result = report_outline(scene, &view, worst + s, findings, error);
+    }
+    free(worst);
+    return result;
+}

@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "core/input_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static mcv_result read_all(int fd, const char *path, mcv_bytes *bytes, const mcv_json_path *place,
+                           mcv_error *error) {
+    struct stat status;
+    if (fstat(fd, &status) != 0)
+        return mcv_fail_at(place, error, "\"%s\" cannot be read: %s", path, strerror(errno));
+    if (S_ISDIR(status.st_mode))
+        return mcv_fail_at(place, error, "\"%s\" is a directory, but must be a file", path);
+    if (!S_ISREG(status.st_mode))
+        return mcv_fail_at(place, error, "\"%s\" is a device or pipe, but must be a regular file",
+                           path);
+    bytes->size = (size_t)status.st_size;
+    bytes->data = malloc(bytes->size ? bytes->size : 1);
+    if (!bytes->data) return mcv_fail_memory(place, error);
+    for (size_t done = 0; done < bytes->size;) {
+        const ssize_t n = read(fd, bytes->data + done, bytes->size - done);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) {
+            free(bytes->data);
+            bytes->data = NULL;
+            return mcv_fail_at(place, error, "\"%s\" cannot be read: %s", path,
+                               n ? strerror(errno) : "it has become shorter");
+        }
+        done += (size_t)n;
+    }
+    return MCV_OK;
+}
+
+mcv_result mcv_file_read(const char *path, mcv_bytes *bytes, const mcv_json_path *place,
+                         mcv_error *error) {
+    *bytes = (mcv_bytes){NULL, 0};
+    /* Non-blocking, or a pipe without a writer would hang here; regular files do not care. */
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd < 0)
+        return mcv_fail_at(place, error, "\"%s\" cannot be opened: %s", path, strerror(errno));
+    const mcv_result result = read_all(fd, path, bytes, place, error);
+    close(fd);
+    return result;
+}
+
+static int hex_digit(char c) {
+    return c >= '0' && c <= '9'   ? c - '0'
+           : c >= 'a' && c <= 'f' ? c - 'a' + 10
+           : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                  : -1;
+}
+
+/* In place; false at a broken escape, NUL included. */
+static bool decode_percent(char *text) {
+    char *out = text;
+    for (const char *c = text; *c; ++c) {
+        if (*c != '%') {
+            *out++ = *c;
+            continue;
+        }
+        const int high = hex_digit(c[1]);
+        const int low = high < 0 ? -1 : hex_digit(c[2]);
+        if (low < 0 || high + low == 0) return false;
+        *out++ = (char)(16 * high + low);
+        c += 2;
+    }
+    *out = '\0';
+    return true;
+}
+
+static bool has_parent_step(const char *path) {
+    for (const char *c = path; *c; c += strcspn(c, "/"), c += *c == '/')
+        if (c[0] == '.' && c[1] == '.' && (c[2] == '/' || c[2] == '\0')) return true;
+    return false;
+}
+
+/* Where links lead: the real path must lie below the real directory. */
+static bool lies_below(const char *path, const char *directory) {
+    char *real_path = realpath(path, NULL), *real_directory = realpath(directory, NULL);
+    const size_t length = real_directory ? strlen(real_directory) : 0;
+    const bool below = real_path && real_directory &&
+                       strncmp(real_path, real_directory, length) == 0 &&
+                       (real_path[length] == '/' || (length && real_directory[length - 1] == '/'));
+    free(real_path);
+    free(real_directory);
+    return below;
+}
+
+mcv_result mcv_file_resolve(const char *base, const char *uri, char **path,
+                            const mcv_json_path *place, mcv_error *error) {
+    const char *slash = strrchr(base, '/');
+    const size_t prefix = slash ? (size_t)(slash - base) + 1 : 0;
+    *path = NULL;
+    /* A scheme is what stands before a colon in the first segment. */
+    if (uri[strcspn(uri, ":/")] == ':')
+        return mcv_fail_at(place, error,
+                           "\"%.64s\" has a scheme: only data: and files beside the scene are read",
+                           uri);
+    char *joined = malloc(prefix + strlen(uri) + 1);
+    if (!joined) return mcv_fail_memory(place, error);
+    char *relative = joined + prefix;
+    memcpy(joined, base, prefix);
+    strcpy(relative, uri);
+    const char *wrong = NULL;
+    if (!decode_percent(relative))
+        wrong = "has a broken % escape";
+    else if (!*relative)
+        wrong = "is empty";
+    else if (*relative == '/' || strchr(relative, '\\'))
+        wrong = "is absolute or has a backslash: give it relative to the scene, with /";
+    else if (has_parent_step(relative))
+        wrong = "leads out of the scene's directory by ..";
+    if (!wrong && access(joined, F_OK) == 0) {
+        char *directory = prefix ? strndup(base, prefix) : strdup(".");
+        if (!directory || !lies_below(joined, directory))
+            wrong = "is a link that leads out of the scene's directory";
+        free(directory);
+    }
+    if (!wrong) {
+        *path = joined;
+        return MCV_OK;
+    }
+    free(joined);
+    return mcv_fail_at(place, error, "\"%.64s\" %s", uri, wrong);
+}
+
+static uint32_t little_endian(const uint8_t *p) {
+    return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+}
+
+enum {
+    GLB_MAGIC = 0x46546c67,
+    GLB_JSON = 0x4e4f534a,
+    GLB_BINARY = 0x004e4942,
+    GLB_HEADER = 12,
+    GLB_CHUNK_HEADER = 8
+};
+
+mcv_result mcv_glb_split(mcv_bytes file, mcv_bytes *json, mcv_bytes *binary,
+                         const mcv_json_path *place, mcv_error *error) {
+    *json = file;
+    *binary = (mcv_bytes){NULL, 0};
+    if (file.size < 4 || little_endian(file.data) != GLB_MAGIC) return MCV_OK;
+    if (file.size < GLB_HEADER)
+        return mcv_fail_at(place, error, "the GLB header is truncated: %zu of 12 bytes", file.size);
+    const uint32_t version = little_endian(file.data + 4), length = little_endian(file.data + 8);
+    if (version != 2) return mcv_fail_at(place, error, "GLB version %u must be 2", version);
+    if (length != file.size)
+        return mcv_fail_at(place, error, "the GLB header says %u bytes, but the file has %zu",
+                           length, file.size);
+    size_t offset = GLB_HEADER;
+    for (size_t chunk = 0; offset < file.size; ++chunk) {
+        if (file.size - offset < GLB_CHUNK_HEADER)
+            return mcv_fail_at(place, error, "the header of GLB chunk %zu is truncated", chunk);
+        const uint32_t size = little_endian(file.data + offset),
+                       type = little_endian(file.data + offset + 4);
+        offset += GLB_CHUNK_HEADER;
+        if (size > file.size - offset)
+            return mcv_fail_at(place, error,
+                               "GLB chunk %zu says %u bytes, but the file has %zu left", chunk,
+                               size, file.size - offset);
+        if (size % 4 != 0)
+            return mcv_fail_at(place, error,
+                               "GLB chunk %zu has %u bytes, but must have a multiple of 4", chunk,
+                               size);
+        if ((chunk == 0) != (type == GLB_JSON))
+            return mcv_fail_at(place, error, "the first GLB chunk, and no other, must be JSON");
+        if (type == GLB_BINARY && chunk != 1)
+            return mcv_fail_at(place, error, "a binary GLB chunk must be the second chunk");
+        if (chunk == 0) *json = (mcv_bytes){file.data + offset, size};
+        if (type == GLB_BINARY) *binary = (mcv_bytes){file.data + offset, size};
+        offset += size;
+    }
+    if (json->data == file.data) return mcv_fail_at(place, error, "the GLB has no chunk");
+    if (!binary->data) *binary = (mcv_bytes){file.data + file.size, 0};
+    return MCV_OK;
+}

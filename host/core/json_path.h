@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Where in the scene file something stands: a chain on the callers' stacks, spelt out only when
+ * something is wrong there. Elements are spelt as in --set (sensors/cam/focalLength), everything
+ * else by its JSON path (nodes/3/rotation).
+ */
+#ifndef MCVISI_HOST_SCENE_PLACE_H
+#define MCVISI_HOST_SCENE_PLACE_H
+
+#include "mcvisi/mcvisi.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct mcv_json_path {
+    const struct mcv_json_path *parent; /* NULL: the file itself, whose path is key */
+    const char *key;                    /* NULL: an index */
+    size_t index;
+} mcv_json_path;
+
+mcv_json_path mcv_place_file(const char *path);
+mcv_json_path mcv_json_path_key(const mcv_json_path *parent, const char *key);
+mcv_json_path mcv_place_index(const mcv_json_path *parent, size_t index);
+
+/* By name, or by index where the name is missing or empty. */
+mcv_json_path mcv_json_path_element(const mcv_json_path *parent, const char *name, size_t index);
+
+/* Writes "FILE: PATH: sentence" and returns MCV_BAD_INPUT. */
+mcv_result mcv_fail_at(const mcv_json_path *place, mcv_error *error, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* No memory left for what `place` asks for. */
+mcv_result mcv_fail_memory(const mcv_json_path *place, mcv_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "core/output_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { MAX_TEMPORARIES = 1000 };
+static const uint64_t MAX_INPUT = (uint64_t)1 << 32;
+
+/* What stands at path may be replaced: nothing, or a regular file that its owner has not protected.
+ */
+static mcv_result check_target(const char *path, mcv_error *error) {
+    struct stat status;
+    if (path[0] == '\0')
+        return mcv_fail(error, MCV_BAD_INPUT, "the name of the output file is empty: give a path");
+    if (lstat(path, &status) != 0) {
+        if (errno == ENOENT) return MCV_OK;
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be written: %s", path, strerror(errno));
+    }
+    if (S_ISDIR(status.st_mode))
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: is a directory; give the path of a file", path);
+    if (!S_ISREG(status.st_mode)) {
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: is a link, device or pipe; give the path of a regular file", path);
+    }
+    if (access(path, W_OK) != 0)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be overwritten: %s", path,
+                        strerror(errno));
+    return MCV_OK;
+}
+
+/* The length of path's directory with its slash, 0 for none. */
+static int directory_length(const char *path) {
+    // NOLINTNEXTLINE(clang-analyzer-core.NonNullParamChecker): an output that is open has a path
+    const char *slash = strrchr(path, '/');
+    return slash ? (int)(slash - path) + 1 : 0;
+}
+
+static void forget(mcv_output *output) {
+    free(output->path);
+    free(output->temporary);
+    *output = (mcv_output){.descriptor = -1};
+}
+
+mcv_result mcv_output_open(mcv_output *output, const char *path, mcv_error *error) {
+    *output = (mcv_output){.descriptor = -1};
+    MCV_TRY(check_target(path, error));
+    const size_t capacity = strlen(path) + 48;
+    output->path = strdup(path);
+    output->temporary = malloc(capacity);
+    if (!output->path || !output->temporary) {
+        forget(output);
+        return mcv_fail(error, MCV_FAILED, "%s: no memory to write the file", path);
+    }
+    errno = EEXIST;
+    for (int i = 0; output->descriptor < 0 && errno == EEXIST && i < MAX_TEMPORARIES; ++i) {
+        snprintf(output->temporary, capacity, "%s.%ld-%d.part", path, (long)getpid(), i);
+        output->descriptor =
+            open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    }
+    if (output->descriptor >= 0) return MCV_OK;
+    const int reason = errno;
+    forget(output);
+    const int length = directory_length(path);
+    return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be written in the directory %.*s: %s", path,
+                    length ? length : 1, length ? path : ".", strerror(reason));
+}
+
+bool mcv_same_file(const char *a, const char *b) {
+    struct stat x, y;
+    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
+mcv_result mcv_output_check(const char *path, mcv_error *error) {
+    mcv_output output;
+    MCV_TRY(mcv_output_open(&output, path, error));
+    mcv_output_discard(&output);
+    return MCV_OK;
+}
+
+mcv_result mcv_output_write_at(mcv_output *output, const void *bytes, size_t count, uint64_t offset,
+                               mcv_error *error) {
+    const char *next = bytes;
+    while (count > 0) {
+        const ssize_t written = pwrite(output->descriptor, next, count, (off_t)offset);
+        if (written < 0 && errno == EINTR) continue;
+        if (written <= 0) {
+            return mcv_fail(error, MCV_FAILED, "%s: writing failed: %s", output->path,
+                            strerror(written < 0 ? errno : ENOSPC));
+        }
+        next += written;
+        count -= (size_t)written;
+        offset += (uint64_t)written;
+    }
+    if (offset > output->size) output->size = offset;
+    return MCV_OK;
+}
+
+mcv_result mcv_output_write(mcv_output *output, const void *bytes, size_t count, mcv_error *error) {
+    return mcv_output_write_at(output, bytes, count, output->size, error);
+}
+
+/* So that the new name outlives a power cut. Not every file system can; the file itself is whole
+ * either way. */
+static void flush_directory(const char *path) {
+    const int length = directory_length(path);
+    char *directory = length ? strndup(path, (size_t)length) : strdup(".");
+    const int descriptor = directory ? open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    if (descriptor >= 0) {
+        fsync(descriptor);
+        close(descriptor);
+    }
+    free(directory);
+}
+
+mcv_result mcv_output_commit(mcv_output *output, mcv_error *error) {
+    bool written = fsync(output->descriptor) == 0;
+    int reason = errno;
+    if (close(output->descriptor) != 0 && written) {
+        written = false;
+        reason = errno;
+    }
+    output->descriptor = -1;
+    if (written && rename(output->temporary, output->path) != 0) {
+        written = false;
+        reason = errno;
+    }
+    if (!written) {
+        mcv_fail(error, MCV_FAILED, "%s: writing failed: %s", output->path, strerror(reason));
+        mcv_output_discard(output);
+        return MCV_FAILED;
+    }
+    flush_directory(output->path);
+    forget(output);
+    return MCV_OK;
+}
+
+void mcv_output_discard(mcv_output *output) {
+    if (output->descriptor >= 0) close(output->descriptor);
+    if (output->temporary) unlink(output->temporary);
+    forget(output);
+}
+
+mcv_result mcv_file_load(const char *path, uint8_t **bytes, size_t *size, mcv_error *error) {
+    *bytes = NULL;
+    const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (descriptor < 0)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+    struct stat status;
+    mcv_result result = MCV_OK;
+    if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
+        result = mcv_fail(error, MCV_BAD_INPUT, "%s: is not a regular file", path);
+    } else if ((uint64_t)status.st_size > MAX_INPUT) {
+        result = mcv_fail(error, MCV_BAD_INPUT,
+                          "%s: is larger than 4 GiB, the largest file that is read", path);
+    } else if (!(*bytes = malloc((size_t)status.st_size + 1))) {
+        result = mcv_fail(error, MCV_FAILED, "%s: no memory for its %lld bytes", path,
+                          (long long)status.st_size);
+    }
+    *size = 0;
+    while (result == MCV_OK && *size < (size_t)status.st_size) {
+        const ssize_t count = read(descriptor, *bytes + *size, (size_t)status.st_size - *size);
+        if (count < 0 && errno != EINTR)
+            result =
+                mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+        if (count == 0) break;
+        if (count > 0) *size += (size_t)count;
+    }
+    close(descriptor);
+    if (result != MCV_OK) {
+        free(*bytes);
+        *bytes = NULL;
+    }
+    return result;
+}
+
+mcv_result mcv_output_whole(const char *path, const void *bytes, size_t count, mcv_error *error) {
+    mcv_output output;
+    MCV_TRY(mcv_output_open(&output, path, error));
+    const mcv_result result = mcv_output_write(&output, bytes, count, error);
+    if (result == MCV_OK) return mcv_output_commit(&output, error);
+    mcv_output_discard(&output);
+    return result;
+}

@@ -1,0 +1,378 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "device/device_scene.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "accel/bvh.h"
+#include "device/light.h"
+#include "scene/sensors.h"
+
+/* The device structs of all sensors, for the size of the buffer. */
+typedef union any_sensor {
+#define MCV_X(name, key, NAME) mcv_##name name;
+    MCV_SENSORS(MCV_X)
+#undef MCV_X
+} any_sensor;
+
+typedef struct plan {
+    cl_mem *buffer;
+    const char *what;
+    size_t bytes;
+    const void *data;
+} plan;
+
+/* Two sums of the bytes' words, each mixed by multiplication and shift; the words' order counts. */
+static mcv_digest digest(mcv_digest d, const void *data, size_t bytes) {
+    const unsigned char *from = data;
+    d.bytes += bytes;
+    for (size_t i = 0; i < bytes; i += 8) {
+        uint64_t word = 0;
+        memcpy(&word, from + i, bytes - i < 8 ? bytes - i : 8);
+        d.hash[0] = (d.hash[0] ^ word) * 0x9e3779b97f4a7c15u;
+        d.hash[0] ^= d.hash[0] >> 29;
+        d.hash[1] = (d.hash[1] + word) * 0xc2b2ae3d27d4eb4fu;
+        d.hash[1] ^= d.hash[1] >> 31;
+    }
+    return d;
+}
+
+static bool same(const mcv_digest *a, const mcv_digest *b) {
+    return a->bytes == b->bytes && a->hash[0] == b->hash[0] && a->hash[1] == b->hash[1];
+}
+
+/* A feature's array, or no bytes where the scene lacks it. */
+static size_t present(const void *data, size_t bytes) { return data ? bytes : 0; }
+
+/* The first plans: nodes and leaves, new or already taken; and the one whose digest keep_structure
+ * needs before. */
+enum { STRUCTURE = 2, POSITIONS = 3 };
+
+/* The buffer of a plan out of the scene before, if it has one of this size. */
+static void take_buffer(mcv_device_scene *kept, const mcv_device_scene *d, const plan *p,
+                        uint32_t index) {
+    cl_mem *from = (cl_mem *)((char *)kept + ((const char *)p->buffer - (const char *)d));
+    if (kept->contents[index].bytes != p->bytes) return;
+    *p->buffer = *from;
+    *from = NULL;
+}
+
+static mcv_result fill_buffer(mcv_cl *cl, const plan *p, uint32_t index, mcv_device_scene *kept,
+                              mcv_device_scene *d, mcv_error *error) {
+    if (p->bytes == 0) return MCV_OK;
+    if (index < STRUCTURE) return mcv_cl_buffer(cl, p->what, p->bytes, p->data, p->buffer, error);
+    if (index != POSITIONS)
+        d->contents[index] =
+            p->data ? digest((mcv_digest){0}, p->data, p->bytes) : (mcv_digest){.bytes = p->bytes};
+    if (kept) take_buffer(kept, d, p, index);
+    if (!*p->buffer) return mcv_cl_buffer(cl, p->what, p->bytes, p->data, p->buffer, error);
+    return kept && p->data && !same(&kept->contents[index], &d->contents[index])
+               ? mcv_cl_write(cl, *p->buffer, 0, p->bytes, p->data, error)
+               : MCV_OK;
+}
+
+/* Without a hierarchy: that of the scene before, already taken. */
+static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene *kept,
+                               mcv_device_scene *d, mcv_error *error) {
+    const mcv_packed *p = &d->packed;
+    const size_t vertices = p->vertex_count;
+    const size_t triangles = p->triangle_count;
+    const bool dielectric = p->features >> MCV_FEATURE_DIELECTRIC & 1;
+    const size_t tables = !dielectric                                 ? 0
+                          : p->features >> MCV_FEATURE_DISPERSION & 1 ? 3
+                                                                      : 1; /* of media */
+    const bool mixed = p->features >> MCV_FEATURE_MIXED & 1;
+    const bool emitters = p->emitter_count > 0;
+    const bool textures = p->features >> MCV_FEATURE_TEXTURE & 1;
+    const plan plans[] = {
+        {&d->nodes, "the nodes of the acceleration structure", bvh->node_count * sizeof *bvh->nodes,
+         bvh->nodes},
+        {&d->leaves, "the leaves of the acceleration structure",
+         bvh->leaf_count * sizeof *bvh->leaves, bvh->leaves},
+        {&d->triangles, "the triangles", 16 * triangles, p->triangles},
+        {&d->positions, "the vertices", 12 * vertices, p->positions},
+        {&d->normals, "the normals", present(p->normals, 12 * vertices), p->normals},
+        {&d->texcoords, "the texture coordinates",
+         present(p->texcoords, 8 * p->texcoord_sets * vertices), p->texcoords},
+        {&d->tangents, "the tangents", present(p->tangents, 16 * vertices), p->tangents},
+        {&d->instances, "the instances", p->instance_count * sizeof *p->instances, p->instances},
+        {&d->materials, "the materials", p->material_count * sizeof *p->materials, p->materials},
+        {&d->gloss, "the glossy materials", present(p->gloss, p->material_count * sizeof *p->gloss),
+         p->gloss},
+        {&d->albedos, "the albedos of microfacets", 4 * p->albedo_count, p->albedos},
+        {&d->media, "the media", tables * sizeof p->media[0], p->media},
+        {&d->interfaces, "the interfaces", tables * sizeof p->interfaces[0], p->interfaces},
+        {&d->interface_albedos, "the rough interfaces",
+         dielectric && p->gloss ? sizeof p->interface_albedos : 0, p->interface_albedos},
+        {&d->emitters, "the emitters", p->emitter_count * sizeof *p->emitters, p->emitters},
+        {&d->emitter_cdf, "the emitters' areas", emitters ? 4 * p->cdf_count : 0, p->emitter_cdf},
+        {&d->textures, "the list of textures",
+         textures ? p->texture_count * sizeof *p->textures : 0, p->textures},
+        {&d->texels, "the textures", textures ? 4 * p->texel_count : 0, p->texels},
+        {&d->solids, "the exact surfaces", present(p->solids, p->solid_count * sizeof *p->solids),
+         p->solids},
+        {&d->precise_solids, "the exact surfaces in double",
+         present(p->precise_solids, p->solid_count * sizeof *p->precise_solids), p->precise_solids},
+        {&d->position_lows, "the rests of the vertices", present(p->position_lows, 12 * vertices),
+         p->position_lows},
+        {&d->normal_lows, "the rests of the normals", present(p->normal_lows, 12 * vertices),
+         p->normal_lows},
+        {&d->refractive_indices, "the refractive indices", mixed ? sizeof p->refractive_indices : 0,
+         p->refractive_indices},
+        {&d->frame, "the frame", sizeof(mcv_frame), NULL},
+        {&d->sensor, "the sensor", sizeof(any_sensor), NULL},
+    };
+    size_t total = 0;
+    for (size_t i = 0; i < sizeof plans / sizeof plans[0]; ++i) total += plans[i].bytes;
+    if (total > cl->memory) {
+        return mcv_fail(
+            error, MCV_DEVICE,
+            "the scene needs %.1f MiB, but %s has %.1f MiB: use fewer triangles or another device",
+            (double)total / 0x1p20, cl->name, (double)cl->memory / 0x1p20);
+    }
+    for (size_t i = 0; i < sizeof plans / sizeof plans[0]; ++i)
+        MCV_TRY(fill_buffer(cl, plans + i, (uint32_t)i, kept, d, error));
+    return MCV_OK;
+}
+
+/* The large arrays, which only the device needs. */
+static void free_vertices(mcv_packed *packed) {
+    float **const arrays[] = {&packed->positions, &packed->normals,       &packed->texcoords,
+                              &packed->tangents,  &packed->position_lows, &packed->normal_lows};
+    uint32_t **const tables[] = {&packed->triangles, &packed->emitter_cdf, &packed->texels};
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
+        free(*arrays[i]);
+        *arrays[i] = NULL;
+    }
+    for (size_t i = 0; i < sizeof tables / sizeof tables[0]; ++i) {
+        free(*tables[i]);
+        *tables[i] = NULL;
+    }
+}
+
+/* A structure that has become so much costlier by moving is built anew. */
+static const double worth_building = 1.2;
+
+static void take_structure(mcv_device_scene *kept, mcv_device_scene *d) {
+    d->nodes = kept->nodes;
+    d->leaves = kept->leaves;
+    d->node_count = kept->node_count;
+    d->leaf_count = kept->leaf_count;
+    d->structure_cost = kept->structure_cost;
+    d->kept_structure = true;
+    kept->nodes = kept->leaves = NULL;
+}
+
+/* Moves the structure of the scene before to where the triangles are now, and takes it where it is
+ * still good. */
+static mcv_result move_structure(mcv_cl *cl, mcv_device_scene *kept, mcv_device_scene *d,
+                                 mcv_error *error) {
+    mcv_bvh bvh = {.node_count = kept->node_count, .leaf_count = kept->leaf_count};
+    const size_t nodes = bvh.node_count * sizeof *bvh.nodes,
+                 leaves = bvh.leaf_count * sizeof *bvh.leaves;
+    bvh.nodes = aligned_alloc(128, (nodes + 127) / 128 * 128);
+    bvh.leaves = aligned_alloc(128, (leaves + 127) / 128 * 128);
+    mcv_result result =
+        bvh.nodes && bvh.leaves
+            ? MCV_OK
+            : mcv_fail(error, MCV_FAILED, "no memory to move the acceleration structure");
+    if (result == MCV_OK) result = mcv_cl_read(cl, kept->nodes, 0, nodes, bvh.nodes, error);
+    if (result == MCV_OK) result = mcv_cl_read(cl, kept->leaves, 0, leaves, bvh.leaves, error);
+    if (result == MCV_OK && kept->structure_cost == 0) kept->structure_cost = mcv_bvh_cost(&bvh);
+    if (result == MCV_OK)
+        result = mcv_bvh_refit(&bvh, d->packed.positions, d->packed.indices, error);
+    if (result == MCV_OK && mcv_bvh_cost(&bvh) <= worth_building * kept->structure_cost) {
+        result = mcv_cl_write(cl, kept->nodes, 0, nodes, bvh.nodes, error);
+        if (result == MCV_OK) result = mcv_cl_write(cl, kept->leaves, 0, leaves, bvh.leaves, error);
+        if (result == MCV_OK) take_structure(kept, d);
+    }
+    mcv_bvh_free(&bvh);
+    return result;
+}
+
+/* The acceleration structure on its way. */
+typedef struct mcv_hierarchy_build {
+    const mcv_packed *packed;
+    uint32_t threads;
+    bool own_thread;
+    pthread_t thread;
+    mcv_bvh bvh;
+    mcv_result result;
+    mcv_error error;
+} mcv_hierarchy_build;
+
+static void *build_hierarchy(void *user) {
+    mcv_hierarchy_build *b = user;
+    b->result = mcv_bvh_build(b->packed->positions, b->packed->indices, b->packed->triangle_count,
+                              b->threads, &b->bvh, &b->error);
+    return NULL;
+}
+
+/* The structure of the scene before, if it can be used; otherwise device->kept_structure stays
+ * false. */
+static mcv_result keep_structure(mcv_cl *cl, mcv_device_scene *kept, mcv_device_scene *device,
+                                 mcv_error *error) {
+    const mcv_packed *p = &device->packed;
+    device->contents[POSITIONS] =
+        digest((mcv_digest){0}, p->positions, 12 * (size_t)p->vertex_count);
+    device->indices_digest = digest((mcv_digest){0}, p->indices, 12 * (size_t)p->triangle_count);
+    if (!kept || !kept->nodes || !same(&kept->indices_digest, &device->indices_digest))
+        return MCV_OK;
+    if (!same(kept->contents + POSITIONS, device->contents + POSITIONS))
+        return move_structure(cl, kept, device, error);
+    take_structure(kept, device);
+    return MCV_OK;
+}
+
+mcv_result mcv_device_scene_begin(mcv_cl *cl, const mcv_scene *scene, uint32_t threads,
+                                  mcv_device_scene *kept, mcv_device_scene *device,
+                                  mcv_error *error) {
+    memset(device, 0, sizeof *device);
+    MCV_TRY(mcv_pack(scene, kept ? &kept->packed : NULL, &device->packed, error));
+    mcv_hierarchy_build *b = device->in_building = calloc(1, sizeof *b);
+    if (!b) return mcv_fail(error, MCV_FAILED, "no memory for the acceleration structure");
+    b->packed = &device->packed;
+    b->threads = threads;
+    MCV_TRY(keep_structure(cl, kept, device, error));
+    if (device->kept_structure) return MCV_OK;
+    b->own_thread = pthread_create(&b->thread, NULL, build_hierarchy, b) == 0;
+    if (!b->own_thread) build_hierarchy(b);
+    return MCV_OK;
+}
+
+mcv_result mcv_device_scene_refine(const mcv_cl *cl, const mcv_scene *scene,
+                                   mcv_device_scene *device, mcv_error *error) {
+    cl_device_fp_config config = 0;
+    const cl_int code =
+        clGetDeviceInfo(cl->device, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof config, &config, NULL);
+    if (code != CL_SUCCESS || !(config & CL_FP_FMA))
+        return mcv_fail(error, MCV_DEVICE,
+                        "%s has no double precision: give --precision single, or double for the "
+                        "reference renderer",
+                        cl->name);
+    return mcv_pack_precise(scene, &device->packed, error);
+}
+
+static void wait_for_hierarchy(mcv_device_scene *device) {
+    mcv_hierarchy_build *b = device->in_building;
+    if (b && b->own_thread) pthread_join(b->thread, NULL);
+    if (b) b->own_thread = false;
+    free(device->packed.indices);
+    device->packed.indices = NULL;
+}
+
+static void end_building(mcv_device_scene *device) {
+    if (device->in_building) mcv_bvh_free(&device->in_building->bvh);
+    free(device->in_building);
+    device->in_building = NULL;
+    free_vertices(&device->packed);
+}
+
+mcv_result mcv_device_scene_finish(mcv_cl *cl, mcv_device_scene *kept, mcv_device_scene *device,
+                                   mcv_error *error) {
+    wait_for_hierarchy(device);
+    const mcv_hierarchy_build *b = device->in_building;
+    mcv_result result = b->result;
+    if (result == MCV_OK && !device->kept_structure) {
+        device->node_count = b->bvh.node_count;
+        device->leaf_count = b->bvh.leaf_count;
+    }
+    if (result == MCV_OK)
+        result = fill_buffers(cl, &b->bvh, kept, device, error);
+    else
+        *error = b->error;
+    end_building(device);
+    return result;
+}
+
+mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads,
+                                 mcv_device_scene *device, mcv_error *error) {
+    MCV_TRY(mcv_device_scene_begin(cl, scene, threads, NULL, device, error));
+    return mcv_device_scene_finish(cl, NULL, device, error);
+}
+
+void mcv_device_scene_close(mcv_device_scene *device) {
+    wait_for_hierarchy(device);
+    end_building(device);
+#define MCV_X(name) mcv_cl_release(&device->name);
+    MCV_SCENE_BUFFERS(MCV_X)
+#undef MCV_X
+    mcv_cl_release(&device->splats);
+    mcv_packed_free(&device->packed);
+}
+
+static mcv_result open_splats(mcv_cl *cl, const mcv_sensor *sensor, mcv_device_scene *device,
+                              mcv_frame *frame, mcv_error *error) {
+    const mcv_packed *packed = &device->packed;
+    const size_t bytes =
+        8 * (size_t)frame->width * frame->height * packed->channels * frame->replicates;
+    const cl_uint nothing = 0;
+    frame->light_cdf = packed->light_cdf;
+    frame->ball_count = packed->ball_count;
+    memcpy(frame->balls, packed->balls, sizeof frame->balls);
+    frame->splat_scale = (float)(1 / mcv_splat_unit(packed, sensor, frame));
+    frame->log2_pixels = 6;
+    while ((uint64_t)1 << frame->log2_pixels < mcv_tiled_pixels(frame->width, frame->height))
+        ++frame->log2_pixels;
+    frame->log2_thinning = mcv_light_thinning(packed, sensor);
+    frame->light_density =
+        (float)(3.14159265358979323846 *
+                (double)(mcv_tiled_pixels(frame->width, frame->height) >> frame->log2_thinning));
+    MCV_TRY(mcv_cl_buffer(cl, "what light paths bring", bytes, NULL, &device->splats, error));
+    MCV_TRY_CL(clEnqueueFillBuffer(cl->queue, device->splats, &nothing, sizeof nothing, 0, bytes, 0,
+                                   NULL, NULL),
+               error);
+    return MCV_OK;
+}
+
+mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t sensor,
+                                  mcv_device_scene *device, mcv_frame *frame, mcv_error *error) {
+    const mcv_sensor *from = &scene->sensors[sensor];
+    any_sensor prepared;
+    memset(&prepared, 0, sizeof prepared);
+    switch (from->type) {
+#define MCV_X(name, key, NAME) \
+    case MCV_SENSOR_##NAME: \
+        mcv_##name##_prepare(&from->as.name, &prepared.name); \
+        break;
+        MCV_SENSORS(MCV_X)
+#undef MCV_X
+    default:
+        return mcv_fail(error, MCV_FAILED, "sensor %u has the unknown type %u", sensor, from->type);
+    }
+    const mcv_readout readout = mcv_sensor_readout(from);
+    frame->row_pitch = readout.film[0] * readout.angular[0];
+    frame->first_pixel = readout.first[1] * readout.angular[1] * frame->row_pitch +
+                         readout.first[0] * readout.angular[0];
+    const mcv_packed *packed = &device->packed;
+    frame->emitter_count = packed->emitter_count;
+    frame->solid_count = packed->solid_count;
+    frame->triangle_count = packed->triangle_count;
+    frame->instance_count = packed->instance_count;
+    frame->initial_media = mcv_media_around(scene, packed, from->to_world.m + 9);
+    uint32_t filling = 0;
+    while (filling < MCV_MAX_MEDIA && frame->initial_media >> filling != 0) ++filling;
+    for (int k = 0; k < 3; ++k)
+        frame->sensor_index_squared[k] =
+            filling > 0 ? 1.0f / packed->media[k][filling].inverse_index_squared : 1.0f;
+    memcpy(frame->environment, packed->environment, sizeof frame->environment);
+    frame->environment_emitter = packed->environment_emitter;
+    mcv_pack_placement(packed, &from->to_world, frame->to_world, frame->to_world_rest);
+    if (packed->features >> MCV_FEATURE_AIM & 1) {
+        const size_t bytes = sizeof(mcv_device_pupil_guide) * frame->width * frame->height;
+        MCV_TRY(
+            mcv_cl_buffer(cl, "the aims of the pixels", bytes, NULL, &device->pupil_guides, error));
+    }
+    if (packed->features >> MCV_FEATURE_LIGHT_TRACING & 1)
+        MCV_TRY(open_splats(cl, from, device, frame, error));
+    return mcv_cl_write(cl, device->sensor, 0, sizeof prepared, &prepared, error);
+}
+
+void mcv_device_scene_arguments(const mcv_device_scene *device,
+                                mcv_arg arguments[MCV_SCENE_ARGUMENTS]) {
+    size_t i = 0;
+#define MCV_X(name) arguments[i++] = MCV_ARG(device->name);
+    MCV_SCENE_BUFFERS(MCV_X)
+#undef MCV_X
+}

@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A packed scene with its acceleration structure in the device's memory, as the kernels' first
+ * arguments (kernels/world.h). */
+#ifndef MCVISI_HOST_RENDER_DEVICE_SCENE_H
+#define MCVISI_HOST_RENDER_DEVICE_SCENE_H
+
+#include "cl/cl.h"
+#include "device/pack.h"
+
+/* The buffers in the order of MCV_WORLD in kernels/world.h. */
+#define MCV_SCENE_BUFFERS(X) \
+    X(frame) \
+    X(sensor) \
+    X(nodes) \
+    X(leaves) \
+    X(triangles) \
+    X(positions) \
+    X(normals) \
+    X(texcoords) \
+    X(tangents) \
+    X(instances) \
+    X(materials) \
+    X(gloss) \
+    X(albedos) \
+    X(media) \
+    X(interfaces) \
+    X(interface_albedos) \
+    X(emitters) \
+    X(emitter_cdf) \
+    X(textures) \
+    X(texels) \
+    X(pupil_guides) \
+    X(listed) \
+    X(solids) \
+    X(precise_solids) \
+    X(position_lows) \
+    X(normal_lows) \
+    X(refractive_indices)
+#define MCV_X(name) +1
+enum { MCV_SCENE_ARGUMENTS = 0 MCV_SCENE_BUFFERS(MCV_X) };
+#undef MCV_X
+
+/* Tells contents apart: 128 bits and the number of bytes. */
+typedef struct mcv_digest {
+    uint64_t bytes, hash[2];
+} mcv_digest;
+
+typedef struct mcv_device_scene {
+    mcv_packed packed;                       /* what is large is freed once it is on the device */
+    struct mcv_hierarchy_build *in_building; /* between begin and finish */
+#define MCV_X(name) cl_mem name;
+    MCV_SCENE_BUFFERS(MCV_X)
+#undef MCV_X
+    cl_mem splats; /* [replicate][channel][row][column], of 64 bits: what light paths have brought
+                      so far */
+    bool kept_structure; /* the acceleration structure is that of the scene before, moved where
+                            triangles have moved */
+    mcv_digest indices_digest; /* that it stands for, as for contents of the positions */
+    uint32_t node_count, leaf_count;
+    double structure_cost;                    /* when it was built; 0: not known yet */
+    mcv_digest contents[MCV_SCENE_ARGUMENTS]; /* of the buffers, as fill_buffers lists them */
+} mcv_device_scene;
+
+/*
+ * Packs the scene and begins to build the acceleration structure, in a thread of its own. What
+ * programs are compiled from is known then. On failure mcv_device_scene_close is still to be
+ * called. `kept` may be the scene rendered before on the same device, or NULL: buffers whose
+ * content is the same are taken from it, and the acceleration structure if triangles have at most
+ * moved a little; it too is still to be closed, after mcv_device_scene_finish.
+ */
+mcv_result mcv_device_scene_begin(mcv_cl *cl, const mcv_scene *scene, uint32_t threads,
+                                  mcv_device_scene *kept, mcv_device_scene *device,
+                                  mcv_error *error);
+
+/* Between the two: adds what `--precision mixed` needs. MCV_DEVICE where the device has no double
+ * precision. */
+mcv_result mcv_device_scene_refine(const mcv_cl *cl, const mcv_scene *scene,
+                                   mcv_device_scene *device, mcv_error *error);
+
+/* Waits for the acceleration structure, plans the buffers against the device's limits and fills
+ * them. */
+mcv_result mcv_device_scene_finish(mcv_cl *cl, mcv_device_scene *kept, mcv_device_scene *device,
+                                   mcv_error *error);
+
+/* Both, of a scene of its own. */
+mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads,
+                                 mcv_device_scene *device, mcv_error *error);
+void mcv_device_scene_close(mcv_device_scene *device);
+
+/* Places a sensor: fills its buffer, and in the frame what depends on sensor and scene alone. */
+mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t sensor,
+                                  mcv_device_scene *device, mcv_frame *frame, mcv_error *error);
+
+void mcv_device_scene_arguments(const mcv_device_scene *device,
+                                mcv_arg arguments[MCV_SCENE_ARGUMENTS]);
+
+#endif

@@ -1,0 +1,473 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "device/light.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "mcvisi/light_cone.h"
+#include "scene/emitters.h"
+#include "scene/sensors.h"
+#include "scene/solid.h"
+
+static const double pi = 3.14159265358979323846;
+
+double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values) {
+    double total = 0;
+    double sum = 0;
+    for (uint32_t i = 0; i < count; ++i) total += values[i];
+    for (uint32_t i = 0; i < count; ++i) {
+        cdf[i] = total > 0 ? (uint32_t)(sum / total * 0x1p31) : 0;
+        sum += values[i];
+    }
+    cdf[count] = 0x80000000u;
+    return total;
+}
+
+/* A ball, re-centred. */
+typedef struct ball {
+    double centre[3], radius;
+} ball;
+
+/* Does it carry light paths on: is it smooth or sharp? */
+static bool carries(const mcv_packed *packed, uint32_t instance) {
+    const mcv_device_material *material = &packed->materials[packed->instances[instance].material];
+    return material->near_specular ||
+           (!material->scattering_sides && material->type != MCV_MATERIAL_ABSORBER);
+}
+
+/* The smallest one around two. */
+static ball join(const ball *a, const ball *b) {
+    double way[3], distance = 0;
+    for (int k = 0; k < 3; ++k) {
+        way[k] = b->centre[k] - a->centre[k];
+        distance += way[k] * way[k];
+    }
+    distance = sqrt(distance);
+    if (distance + b->radius <= a->radius) return *a;
+    if (distance + a->radius <= b->radius) return *b;
+    ball both = {.radius = (distance + a->radius + b->radius) / 2};
+    for (int k = 0; k < 3; ++k)
+        both.centre[k] = a->centre[k] + way[k] * (both.radius - a->radius) / distance;
+    return both;
+}
+
+/* By how much two balls' disks grow where one takes their place [m²/π]: not where they all but
+ * coincide. */
+static double growth(const ball *a, const ball *b) {
+    const double r = join(a, b).radius;
+    return r * r - a->radius * a->radius - b->radius * b->radius;
+}
+
+/* Adds a ball to the list; joins the two that grow least while they shrink or there are too many.
+ */
+static void add_ball(ball *balls, uint32_t *count, ball more) {
+    balls[(*count)++] = more;
+    while (*count > 1) {
+        uint32_t a = 0, b = 1;
+        for (uint32_t i = 0; i < *count; ++i)
+            for (uint32_t j = i + 1; j < *count; ++j)
+                if (growth(balls + i, balls + j) < growth(balls + a, balls + b)) a = i, b = j;
+        if (*count <= MCV_MAX_BALLS && growth(balls + a, balls + b) > 0) return;
+        balls[a] = join(balls + a, balls + b);
+        balls[b] = balls[--*count];
+    }
+}
+
+/* About the middle of the instance's box. */
+static ball ball_of_mesh(const mcv_packed *packed, uint32_t instance, uint32_t triangle_count) {
+    ball b = {.radius = 0};
+    const mcv_box *box = packed->boxes + instance;
+    for (int k = 0; k < 3; ++k)
+        b.centre[k] = 0.5 * (box->lower[k] + box->upper[k]) - packed->centre[k];
+    const uint32_t *corners =
+        packed->triangles + 4 * (size_t)packed->instances[instance].first_triangle;
+    for (size_t i = 0; i < 4 * (size_t)triangle_count; ++i) {
+        const float *p = packed->positions + 3 * (size_t)corners[i];
+        double squared = 0;
+        if (i % 4 == 3) continue;
+        for (int k = 0; k < 3; ++k)
+            squared += ((double)p[k] - b.centre[k]) * ((double)p[k] - b.centre[k]);
+        b.radius = fmax(b.radius, squared);
+    }
+    b.radius = sqrt(b.radius);
+    return b;
+}
+
+static ball ball_of_solid(const mcv_packed *packed, const mcv_solid *solid) {
+    float corners[24];
+    const double *m = solid->to_world.m;
+    ball b;
+    mcv_solid_box(solid, corners);
+    const double middle = 0.5 * ((double)corners[2] + (double)corners[23]),
+                 height = (double)corners[23] - middle;
+    const double across =
+        solid->side == MCV_SIDE_BOX ? hypot(solid->half[0], solid->half[1]) : solid->radius;
+    b.radius = solid->side == MCV_SIDE_SPHERE ? solid->radius : hypot(across, height);
+    for (int k = 0; k < 3; ++k) b.centre[k] = m[9 + k] + m[3 * k + 2] * middle - packed->centre[k];
+    return b;
+}
+
+/* Around all smooth and sharp surfaces; they hold what the device makes of their coordinates, too.
+ */
+static void find_balls(const mcv_scene *scene, mcv_packed *packed) {
+    ball balls[MCV_MAX_BALLS + 1];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < packed->instance_count; ++i) {
+        const uint32_t triangles = scene->meshes[scene->instances[i].mesh].triangle_count;
+        if (triangles > 0 && carries(packed, i))
+            add_ball(balls, &count, ball_of_mesh(packed, i, triangles));
+    }
+    for (uint32_t i = 0; i < scene->solid_count; ++i) {
+        bool any = false;
+        for (int k = 0; k < 3; ++k) any = any || carries(packed, scene->solids[i].instances[k]);
+        if (any) add_ball(balls, &count, ball_of_solid(packed, scene->solids + i));
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        double size = balls[i].radius;
+        for (int k = 0; k < 3; ++k) {
+            size += fabs(balls[i].centre[k]);
+            packed->balls[i].centre[k] = (float)balls[i].centre[k];
+        }
+        packed->balls[i].radius = (float)(balls[i].radius + size * 0x1p-22);
+    }
+    packed->ball_count = count;
+}
+
+/* The solid angle of the cones in which light paths leave a light for the balls. */
+static double aimed_angle(const mcv_packed *packed, mcv_vec3 from, mcv_cone own) {
+    double sum = 0;
+    for (uint32_t i = 0; i < packed->ball_count; ++i)
+        sum += (double)mcv_cone_to(packed->balls[i], from, own).squared;
+    return 4 * pi * sum;
+}
+
+/* The same of a surface, with a middling cosine each: about the étendue of the light that falls on
+ * the balls, per area. */
+static double aimed_projection(const mcv_packed *packed, mcv_vec3 from, mcv_cone own) {
+    double sum = 0;
+    for (uint32_t i = 0; i < packed->ball_count; ++i) {
+        const mcv_cone cone = mcv_cone_to(packed->balls[i], from, own);
+        sum += (double)cone.squared *
+               fmax((double)mcv_dot(cone.axis, own.axis) * (1 - (double)cone.squared),
+                    sqrt((double)cone.squared) / 4);
+    }
+    return 4 * pi * sum;
+}
+
+/* The area of a projector's image, seen from its lens, in tangents. */
+static double image_tangents(const mcv_device_emitter *e) {
+    double squared[2] = {0, 0};
+    for (int k = 0; k < 3; ++k) {
+        squared[0] += (double)e->projector.x[k] * e->projector.x[k];
+        squared[1] += (double)e->projector.y[k] * e->projector.y[k];
+    }
+    return 1 / sqrt(squared[0] * squared[1]);
+}
+
+/* Some places on an emitter's surface, one of as many parts of its area each. */
+enum { PLACES = 16 };
+
+typedef struct emitter_place {
+    mcv_vec3 point, normal; /* re-centred; of the triangle */
+} emitter_place;
+
+static emitter_place place_on(const mcv_packed *packed, const mcv_device_emitter *e,
+                              uint32_t number) {
+    const uint32_t *cdf = packed->emitter_cdf + e->cdf;
+    const double at = (number + 0.5) / PLACES * 0x1p31;
+    uint32_t triangle = 0;
+    while (triangle + 1 < e->triangle_count && cdf[triangle + 1] <= at) ++triangle;
+    const uint32_t *corners =
+        packed->triangles + 4 * ((size_t)packed->instances[e->instance].first_triangle + triangle);
+    mcv_vec3 v[3];
+    for (int i = 0; i < 3; ++i) {
+        const float *p = packed->positions + 3 * (size_t)corners[i];
+        v[i] = mcv_vec(p[0], p[1], p[2]);
+    }
+    /* Along a line through the triangle's middle, as far as the number is into its share. */
+    const double share = (double)(cdf[triangle + 1] - cdf[triangle]);
+    const float u = (float)sqrt((at - cdf[triangle]) / share);
+    const mcv_vec3 ab = mcv_sub(v[1], v[0]), ac = mcv_sub(v[2], v[0]);
+    return (emitter_place){mcv_along(mcv_along(v[0], 0.5f * u, ab), 0.5f * u, ac),
+                           mcv_normalize(mcv_cross(ab, ac))};
+}
+
+static mcv_cone own_cone(const mcv_device_emitter *e, mcv_vec3 normal) {
+    const bool parallel = e->type == MCV_EMITTER_PARALLEL;
+    return (mcv_cone){.axis = normal,
+                      .squared = parallel ? e->parallel.sin_half * e->parallel.sin_half : 0.5f,
+                      .own = 1};
+}
+
+/* Does light leave the emitter in nearly parallel rays? Most may then miss the balls, which few
+ * places on it would see. */
+static bool is_narrow(const mcv_device_emitter *e) {
+    return e->type == MCV_EMITTER_PARALLEL && e->parallel.from_receiver;
+}
+
+/* About the étendue of the light that is aimed at the balls [m² sr]. */
+static double aimed_etendue(const mcv_packed *packed, const mcv_emitter *from,
+                            const mcv_device_emitter *e) {
+    double sum = 0;
+    if (is_narrow(e)) return mcv_emitter_projected_solid_angle(from) * from->area;
+    for (uint32_t i = 0; i < PLACES; ++i) {
+        const emitter_place at = place_on(packed, e, i);
+        sum += aimed_projection(packed, at.point, own_cone(e, at.normal)) / PLACES;
+    }
+    return (double)e->area * sum;
+}
+
+static bool is_aimed(uint32_t type) {
+    return type == MCV_EMITTER_PARALLEL || type == MCV_EMITTER_AREA ||
+           type == MCV_EMITTER_LIGHT_FIELD_EMITTER;
+}
+
+/* The area of the disks that the balls throw. */
+static double disks(const mcv_packed *packed) {
+    double sum = 0;
+    for (uint32_t i = 0; i < packed->ball_count; ++i)
+        sum += pi * (double)packed->balls[i].radius * (double)packed->balls[i].radius;
+    return sum;
+}
+
+/*
+ * Is an emitter that shines all around seen from the balls, and so through them, under so little of
+ * the hemisphere's π sr that camera paths seldom find it? By chance they bring π/Ω times what lies
+ * there, with a variance of as many times its square; measured (a ball of glass or satin metal
+ * under a lamp), light paths are worth their time from a quarter on.
+ */
+static bool is_small(const mcv_packed *packed, const mcv_device_emitter *e, double etendue) {
+    return !is_aimed(e->type) || is_narrow(e) || 4 * etendue <= pi * disks(packed);
+}
+
+/* The flux of all light paths of an emitter, over its radiance (irradiance, intensity); *unit:
+ * without what the kernels aim by. */
+static double unit_flux(const mcv_packed *packed, const mcv_emitter *from, mcv_device_emitter *e,
+                        double *unit) {
+    *unit = 1;
+    switch (e->type) {
+    case MCV_EMITTER_PARALLEL:
+    case MCV_EMITTER_AREA:
+    case MCV_EMITTER_LIGHT_FIELD_EMITTER:
+        *unit = (double)e->area;
+        return aimed_etendue(packed, from, e);
+    case MCV_EMITTER_COLLIMATED_BEAM:
+        return *unit = from->area;
+    case MCV_EMITTER_PROJECTOR:
+        return *unit = from->area * image_tangents(e);
+    case MCV_EMITTER_SPOT: {
+        const float *p = e->spot.position, *a = e->spot.axis;
+        return aimed_angle(packed, mcv_vec(p[0], p[1], p[2]),
+                           (mcv_cone){.axis = mcv_vec(a[0], a[1], a[2]),
+                                      .squared = fminf(e->spot.edge, 1),
+                                      .own = 1});
+    }
+    case MCV_EMITTER_DIRECTIONAL:
+        e->directional.reach = (float)(2 * mcv_packed_size(packed));
+        return disks(packed);
+    default:
+        return 0;
+    }
+}
+
+/* The media around a point of the device's. */
+static uint32_t media_at(const mcv_scene *scene, const mcv_packed *packed, mcv_vec3 p) {
+    const double point[3] = {(double)p.x + packed->centre[0], (double)p.y + packed->centre[1],
+                             (double)p.z + packed->centre[2]};
+    return mcv_media_around(scene, packed, point);
+}
+
+/* Finds the media around the emitter; false where they are not the same everywhere. */
+static bool find_media(const mcv_scene *scene, const mcv_packed *packed, mcv_device_emitter *e) {
+    const float *at = e->type == MCV_EMITTER_SPOT ? e->spot.position : e->middle;
+    e->media = e->type == MCV_EMITTER_DIRECTIONAL
+                   ? 0
+                   : media_at(scene, packed, mcv_vec(at[0], at[1], at[2]));
+    if (!is_aimed(e->type)) return true;
+    /* Before the surface, by more than the coordinates round. */
+    const float before = (float)(mcv_packed_size(packed) * 0x1p-20);
+    for (uint32_t i = 0; i < PLACES; ++i) {
+        const emitter_place from = place_on(packed, e, i);
+        const uint32_t media = media_at(scene, packed, mcv_along(from.point, before, from.normal));
+        if (i > 0 && media != e->media) return false;
+        e->media = media;
+    }
+    return packed->instances[e->instance].medium == 0;
+}
+
+mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *cdf,
+                          mcv_error *error) {
+    find_balls(scene, packed);
+    const bool caustics = packed->ball_count > 0 && packed->features >> MCV_FEATURE_NEXT_EVENT & 1;
+    uint32_t count = 0;
+    bool wide = false;
+    for (uint32_t i = 0; i < packed->instance_count; ++i)
+        wide = wide || packed->materials[packed->instances[i].material].connectable;
+    double *powers = calloc(packed->emitter_count + 1, sizeof *powers);
+    if (!powers) return mcv_fail(error, MCV_FAILED, "%s: no memory for the emitters", scene->path);
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) {
+        const mcv_emitter *from = &scene->emitters[i];
+        double mean[3], unit;
+        if (!mcv_is_looked_for(from)) continue;
+        mcv_device_emitter *e = &packed->emitters[count++];
+        if (!caustics && e->type != MCV_EMITTER_COLLIMATED_BEAM) continue;
+        /* Glossy surfaces find what has an extent. */
+        if (mcv_emitter_has_surface(from->type) && e->type != MCV_EMITTER_COLLIMATED_BEAM && !wide)
+            continue;
+        const double flux = unit_flux(packed, from, e, &unit);
+        if (!(flux > 0) || !is_small(packed, e, flux) || !find_media(scene, packed, e)) continue;
+        mcv_emitter_image_mean(scene, from, mean);
+        powers[count - 1] = flux * (from->radiance[0] * mean[0] + from->radiance[1] * mean[1] +
+                                    from->radiance[2] * mean[2]);
+        e->light_flux = (float)unit;
+        e->light_aim = (float)(flux / unit);
+    }
+    mcv_write_cdf(cdf, count, powers);
+    for (uint32_t i = 0; i < count; ++i) {
+        const double chance = (cdf[i + 1] - cdf[i]) * 0x1p-31;
+        const bool chosen = powers[i] > 0 && chance > 0;
+        packed->emitters[i].light_flux =
+            chosen ? (float)(packed->emitters[i].light_flux / chance) : 0;
+    }
+    free(powers);
+    return MCV_OK;
+}
+
+/* About what a light path carries, over the radiance (irradiance, intensity). */
+static double typical_flux(const mcv_device_emitter *e) {
+    return (double)e->light_flux * (double)e->light_aim;
+}
+
+/*
+ * What a sensor makes of a point on its axis at the depth z: its brightness, W |d|/z² over the
+ * density with which o is chosen; and a pixel's footprint there [m²]. False: light paths cannot
+ * reach this type of sensor.
+ */
+static bool look_at_point(const mcv_sensor *sensor, float z, double *brightness,
+                          double *footprint) {
+    mcv_sensor_ray sight;
+    mcv_film_point place;
+    const mcv_vec3 point = mcv_vec(0, 0, z);
+    switch (sensor->type) {
+#define REACH(name, NAME) \
+    case MCV_SENSOR_##NAME: { \
+        mcv_##name device; \
+        mcv_##name##_prepare(&sensor->as.name, &device); \
+        const double area = mcv_##name##_connect(&device, point, 0.5f, 0.5f, &sight); \
+        *brightness = area * mcv_##name##_invert(&device, sight, &place) / ((double)z * z); \
+        *footprint = mcv_##name##_footprint(&device, z); \
+        return *brightness > 0; \
+    }
+        REACH(pinhole, PINHOLE)
+        REACH(thin_lens, THIN_LENS)
+        REACH(telecentric, TELECENTRIC)
+        REACH(light_field, LIGHT_FIELD)
+#undef REACH
+    default:
+        return false;
+    }
+}
+
+/* No surface lies deeper before the sensor. */
+static double greatest_depth(const mcv_packed *packed, const mcv_sensor *sensor) {
+    const double *m = sensor->to_world.m;
+    double depth = 0;
+    for (uint32_t i = 0; i < packed->instance_count; ++i) {
+        double z = 0;
+        for (int k = 0; k < 3; ++k) {
+            const double axis = -m[3 * k + 2];
+            z +=
+                axis * ((axis > 0 ? packed->boxes[i].upper : packed->boxes[i].lower)[k] - m[9 + k]);
+        }
+        if (isfinite(z)) depth = fmax(depth, z);
+    }
+    return depth;
+}
+
+/* The balls' disks over the pixels' footprints, in pixels. */
+static double covered_pixels(const mcv_packed *packed, const mcv_sensor *sensor) {
+    const double *m = sensor->to_world.m;
+    double sum = 0, brightness, footprint;
+    for (uint32_t i = 0; i < packed->ball_count; ++i) {
+        const mcv_ball *b = packed->balls + i;
+        double z = 0;
+        for (int k = 0; k < 3; ++k)
+            z -= m[3 * k + 2] * ((double)b->centre[k] + packed->centre[k] - m[9 + k]);
+        if (!(z > (double)b->radius) || !look_at_point(sensor, (float)z, &brightness, &footprint))
+            return INFINITY;
+        sum += pi * (double)b->radius * (double)b->radius / footprint;
+    }
+    return sum;
+}
+
+uint32_t mcv_light_thinning(const mcv_packed *packed, const mcv_sensor *sensor) {
+    uint32_t width, height, thinning = 0;
+    double density = 0.25;
+    for (uint32_t i = 0; i < packed->emitter_count; ++i) {
+        const mcv_device_emitter *e = &packed->emitters[i];
+        const bool punctual = e->type == MCV_EMITTER_SPOT || e->type == MCV_EMITTER_DIRECTIONAL;
+        if (!(e->light_flux > 0)) continue;
+        /* Of what is not aimed, or not everywhere, a part misses the balls. */
+        if (!punctual && (!is_aimed(e->type) || is_narrow(e))) return 0;
+        /* The less of it camera paths find, the more light paths are worth their time: see
+         * is_small. */
+        density =
+            fmax(density, punctual ? 4 : fmin(4, pi * disks(packed) / (64 * typical_flux(e))));
+    }
+    const double wanted = density * covered_pixels(packed, sensor);
+    mcv_sensor_film_size(sensor, &width, &height);
+    const double pixels = (double)mcv_tiled_pixels(width, height);
+    while (thinning < 6 && pixels * exp2(-(double)thinning - 1) >= wanted) ++thinning;
+    return thinning;
+}
+
+bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor) {
+    const double *m = sensor->to_world.m;
+    const double depth = greatest_depth(packed, sensor);
+    double brightness, footprint;
+    uint32_t width, height;
+    if (!(depth > 0) || !look_at_point(sensor, (float)depth, &brightness, &footprint)) return false;
+    mcv_sensor_film_size(sensor, &width, &height);
+    const uint32_t thinning = mcv_light_thinning(packed, sensor);
+    const double paths = exp2(-(double)thinning) * (double)mcv_tiled_pixels(width, height);
+    for (uint32_t i = 0; i < packed->emitter_count; ++i) {
+        const mcv_device_emitter *e = &packed->emitters[i];
+        if (!(e->light_flux > 0)) continue;
+        if (is_aimed(e->type) || e->type == MCV_EMITTER_PROJECTOR) {
+            /*
+             * Camera paths find it, too (mcv_light_share in kernels/light/light_path.h). One for
+             * each pixel, light paths cost as much again and more: they are worth it where one of
+             * them brings twice what a camera path does, fewer of them where they bring half of the
+             * light. They do not where what the film sees is small against the emitter's area times
+             * sin²β.
+             */
+            if (pi * paths * footprint >= (thinning > 0 ? 1 : 2) * typical_flux(e)) return true;
+            continue;
+        }
+        if (e->type != MCV_EMITTER_COLLIMATED_BEAM) return true;
+        /* Both the beam's axis and the node's z point to where the light goes. */
+        const double towards =
+            e->beam.axis[0] * m[2] + e->beam.axis[1] * m[5] + e->beam.axis[2] * m[8];
+        if (packed->ball_count > 0 || (towards > 0 && sensor->type != MCV_SENSOR_PINHOLE))
+            return true;
+    }
+    return false;
+}
+
+double mcv_splat_unit(const mcv_packed *packed, const mcv_sensor *sensor, const mcv_frame *frame) {
+    const float *t = frame->to_world + 9;
+    double flux = 0;
+    for (uint32_t i = 0; i < packed->emitter_count; ++i) {
+        for (int k = 0; k < 3; ++k)
+            flux = fmax(flux, (double)packed->emitters[i].radiance[k] *
+                                  typical_flux(packed->emitters + i));
+    }
+    const double distance =
+        fmax(sqrt((double)t[0] * t[0] + (double)t[1] * t[1] + (double)t[2] * t[2]),
+             mcv_packed_size(packed) / 16);
+    double brightness = 0, footprint;
+    look_at_point(sensor, (float)distance, &brightness, &footprint);
+    const double typical = flux / pi * brightness;
+    const double exponent = isfinite(typical) && typical > 0 ? floor(log2(typical)) - 16 : 0;
+    return exp2(fmin(fmax(exponent, -100), 100));
+}

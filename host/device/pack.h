@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A scene made ready for the device: world geometry in double, re-centred, rounded once to float32,
+ * and the tables of mcvisi/tables.h; and what of the renderer it needs.
+ */
+#ifndef MCVISI_HOST_RENDER_PACK_H
+#define MCVISI_HOST_RENDER_PACK_H
+
+#include "mcvisi/features.h"
+#include "mcvisi/precise.h"
+#include "mcvisi/tables.h"
+#include "scene/scene.h"
+
+typedef struct mcv_box {
+    double lower[3], upper[3]; /* [m]; lower > upper: empty */
+} mcv_box;
+
+/*
+ * What the albedos of some microfacets come from: of an interface between two indices, or without
+ * these of what only reflects; or with `multiple` their tables of multiple scattering, of a metal
+ * or without n and k of Schlick's reflectances.
+ */
+typedef struct mcv_albedo_source {
+    double roughness, anisotropy, n_outside, n_inside, coating;
+    double n[3], k[3];
+    bool multiple;
+    uint32_t azimuths, roughnesses, table; /* where they begin */
+} mcv_albedo_source;
+
+typedef struct mcv_packed {
+    uint32_t features; /* bit MCV_FEATURE_… */
+    uint32_t channels;
+    mcv_box *boxes;   /* of the instances in the world */
+    double centre[3]; /* world point that is the device's origin, on a grid of a power of two */
+
+    uint32_t vertex_count, triangle_count, instance_count, material_count, emitter_count,
+        texture_count;
+    uint32_t texcoord_sets; /* one after the other in texcoords */
+    size_t texel_count, cdf_count;
+    float *positions, *normals,
+        *texcoords; /* 3, 3, 2 per vertex; normals and texcoords NULL where no feature needs them */
+    mcv_device_solid *solids; /* solid_count; NULL without any */
+    uint32_t solid_count;
+    uint32_t *indices;   /* 3 per triangle, for the acceleration structure */
+    uint32_t *triangles; /* 4 per triangle: the vertices and the instance */
+    float *tangents;     /* 4 per vertex: direction, handedness; NULL where no glossy surface has a
+                            direction */
+    mcv_device_instance *instances;
+    mcv_device_material *materials;
+    mcv_device_gloss *gloss; /* of each material, or NULL */
+    float *albedos;
+    size_t albedo_count;
+    mcv_albedo_source *albedo_sources; /* of each table in it */
+    uint32_t albedo_source_count;
+    mcv_device_medium media[3][MCV_MAX_MEDIA + 1]; /* by channel */
+    mcv_device_interface interfaces[3][(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
+    uint32_t interface_albedos[(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
+    mcv_device_emitter *emitters;
+    uint32_t *emitter_cdf; /* first emitter_count + 1 entries: which emitter; then each emitter's
+                              triangles; then which light paths start from */
+    uint32_t light_cdf;    /* where those begin */
+    mcv_ball balls[MCV_MAX_BALLS]; /* around all smooth surfaces */
+    uint32_t ball_count;
+    mcv_device_texture *textures;
+    uint32_t *texels;             /* first 256 words: the sRGB decoding as floats */
+    float environment[3];         /* its radiance, without an image */
+    uint32_t environment_emitter; /* with one */
+
+    /* With MIXED alone: */
+    float *position_lows, *normal_lows; /* what rounding leaves of the positions and the normals */
+    mcv_precise_solid *precise_solids;
+    double refractive_indices[3][MCV_MAX_MEDIA + 1]; /* of the media by channel */
+} mcv_packed;
+
+/*
+ * Fails without memory, or with more than MCV_MAX_MEDIA bodies that overlap. On failure *packed is
+ * empty. `earlier`: another scene's, whose albedos serve again where they are the same, or NULL.
+ */
+mcv_result mcv_pack(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed,
+                    mcv_error *error);
+void mcv_packed_free(mcv_packed *packed);
+
+/* pack_solids.c: the exact surfaces, about packed->centre; and in double. */
+void mcv_pack_solids(const mcv_scene *scene, mcv_packed *packed);
+void mcv_pack_precise_solids(const mcv_scene *scene, mcv_packed *packed);
+
+/* pack_rectangle.c: fills in how the emitter, of which all else is known, is a rectangle; false
+ * where it is none. */
+bool mcv_pack_rectangle(const mcv_scene *scene, const mcv_packed *packed,
+                        mcv_device_emitter *emitter);
+
+/* pack_precise.c: the feature MIXED and what it needs. To be called before the packed arrays are
+ * freed. */
+mcv_result mcv_pack_precise(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
+
+/* A vertex's normal in the world, unit or 0: the face's stands in for it. */
+void mcv_pack_normal(const mcv_scene *scene, uint32_t instance, uint32_t vertex, double n[3]);
+
+/* Pixels of the image filled up to whole tiles of 8 x 8, by which paths are numbered; as many light
+ * paths make a sample. */
+static inline uint64_t mcv_tiled_pixels(uint32_t width, uint32_t height) {
+    return (((uint64_t)width + 7) & ~(uint64_t)7) * (((uint64_t)height + 7) & ~(uint64_t)7);
+}
+
+/* The set of media (bit i: medium i + 1) whose closed surfaces surround a world point. */
+uint32_t mcv_media_around(const mcv_scene *scene, const mcv_packed *packed, const double point[3]);
+
+/* The diagonal of the box around all instances [m]. */
+double mcv_packed_size(const mcv_packed *packed);
+
+/* Is it chosen by next-event estimation? A constant environment is not: all directions are as good.
+ */
+bool mcv_is_looked_for(const mcv_emitter *emitter);
+
+/* Where the sensor is, as the device wants it: the optical frame to the re-centred world, and what
+ * rounding leaves. */
+void mcv_pack_placement(const mcv_packed *packed, const mcv_transform *to_world,
+                        float placement[12], float rest[12]);
+
+/*
+ * The packed scene's features with those that depend on the sensor, too: AIM where its pupil sees a
+ * parallel emitter at larger angles than the emitter's cone, LIGHT_TRACING where light paths reach
+ * it.
+ */
+uint32_t mcv_sensor_features(const mcv_packed *packed, const mcv_sensor *sensor);
+
+/* "dielectric normals parallel": the names of a set of features. */
+void mcv_feature_names(uint32_t features, char *names, size_t size);
+
+/* The -D options that specialise a program for a scene and one kind of sensor. */
+void mcv_feature_options(uint32_t features, uint32_t channels, uint32_t sensor_type,
+                         uint32_t sampler, uint32_t slice, char *options, size_t size);
+
+/* 32-bit words of a path's state with these features. */
+uint32_t mcv_path_words(uint32_t features, uint32_t channels);
+
+/* Branches of a sample's path at most with these features. */
+uint32_t mcv_path_branches(uint32_t features);
+
+#endif

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Glasses by two numbers, n_d and V_d: what a lens file's glass is where the renderer's catalogue
+ * does not have its dispersion formula. */
+#ifndef MCVISI_HOST_SCENE_GLASS_CODES_H
+#define MCVISI_HOST_SCENE_GLASS_CODES_H
+
+#include <stddef.h>
+
+typedef struct mcv_glass_code {
+    const char *name;
+    double index, abbe; /* n_d, V_d */
+} mcv_glass_code;
+
+/* Ends with a NULL name. */
+extern const mcv_glass_code mcv_glass_codes[];
+
+#endif

@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The images that emitters project: glTF images (PNG, JPEG) and OpenEXR files. */
+#include "loader/load.h"
+
+#include "io/exr.h"
+#include "scene/emitters.h"
+#include "scene/params.h"
+#include "scene/pattern.h"
+
+#include <stdlib.h>
+
+enum { NEAREST = 9728, CLAMP_TO_EDGE = 33071 };
+
+/* The image of this name; an error says what there is. */
+static mcv_result find_name(const json_t *images, const char *name, uint32_t *source,
+                            const mcv_json_path *place, mcv_error *error) {
+    const size_t count = json_array_size(images);
+    const char *words[64];
+    *source = MCV_NONE;
+    for (size_t i = 0; i < count; ++i) {
+        const char *other = mcv_json_name(json_array_get(images, i));
+        if (i < 64) words[i] = other;
+        if (strcmp(other, name) != 0) continue;
+        if (*source != MCV_NONE)
+            return mcv_fail_at(place, error,
+                               "\"%s\" is the name of images %u and %zu: give the index", name,
+                               *source, i);
+        *source = (uint32_t)i;
+    }
+    if (*source != MCV_NONE) return MCV_OK;
+    const char *nearest = mcv_nearest_word(name, words, count < 64 ? count : 64);
+    if (nearest)
+        return mcv_fail_at(place, error, "there is no image \"%s\": did you mean \"%s\"?", name,
+                           nearest);
+    return mcv_fail_at(place, error, "there is no image \"%s\" among the file's %zu images", name,
+                       count);
+}
+
+/* Which of the file's images the emitter's `image` is, or *uri of an OpenEXR file. */
+static mcv_result find_image(const mcv_loader *loader, const json_t *emitter, uint32_t *source,
+                             const char **uri, const mcv_json_path *place, mcv_error *error) {
+    static const char *const members[] = {"uri", "extras", "extensions", NULL};
+    const json_t *images = json_object_get(loader->root, "images"),
+                 *value = json_object_get(emitter, "image");
+    const mcv_json_path here = mcv_json_path_key(place, "image");
+    *source = MCV_NONE;
+    *uri = NULL;
+    if (json_is_string(value))
+        return find_name(images, json_string_value(value), source, &here, error);
+    if (!json_is_object(value))
+        return mcv_json_index(emitter, "image", json_array_size(images), "images", source, place,
+                              error);
+    MCV_TRY(mcv_params_parse((mcv_param_table){0}, value, members, NULL, &here, error));
+    MCV_TRY(mcv_json_string(value, "uri", uri, &here, error));
+    return *uri ? MCV_OK : mcv_fail_at(&here, error, "must have the \"uri\" of an OpenEXR file");
+}
+
+static bool shows_pattern(mcv_emitter *emitter) {
+    const mcv_pattern *pattern = mcv_emitter_pattern(emitter);
+    return pattern && pattern->type != MCV_NONE;
+}
+
+/* A pattern's texture counts as its image from when it is made. */
+static bool shows_image(mcv_emitter *emitter) {
+    const uint32_t *image = mcv_emitter_image(emitter);
+    return image && *image != MCV_NONE && !shows_pattern(emitter);
+}
+
+mcv_result mcv_load_needed_emitter_images(mcv_loader *loader, uint32_t *count, mcv_error *error) {
+    const mcv_json_path place = mcv_json_path_key(&loader->file, "emitters");
+    json_t *emitters;
+    MCV_TRY(mcv_load_array(loader, "MCVISI_emitters", "emitters", &emitters, error));
+    for (size_t i = 0; i < loader->emitter_count; ++i) {
+        const mcv_json_path here = mcv_json_path_element(&place, loader->emitters[i].name, i);
+        uint32_t source;
+        const char *uri;
+        if (!shows_image(loader->emitters + i)) continue;
+        MCV_TRY(find_image(loader, json_array_get(emitters, i), &source, &uri, &here, error));
+        if (source != MCV_NONE) MCV_TRY(mcv_load_need_image(loader, source, count, error));
+    }
+    return MCV_OK;
+}
+
+/* Part 0 of an OpenEXR file, grey or R, G, B. */
+static mcv_result copy_linear(const mcv_exr *exr, mcv_texture *texture, const char *uri,
+                              const mcv_json_path *place, mcv_error *error) {
+    const mcv_image *image = &exr->parts[0].image;
+    const bool colour = image->channels >= 3;
+    texture->width = image->width;
+    texture->height = image->height;
+    const size_t pixels = (size_t)image->width * image->height;
+    texture->linear = malloc(3 * sizeof(float) * (pixels ? pixels : 1));
+    if (!texture->linear) return mcv_fail_memory(place, error);
+    for (size_t i = 0; i < pixels; ++i)
+        for (size_t k = 0; k < 3; ++k) {
+            const float value = image->pixels[(colour ? k : 0) * pixels + i];
+            if (!(value >= 0) || !isfinite(value))
+                return mcv_fail_at(place, error,
+                                   "\"%s\" has the value %g in column %zu, row %zu: radiance must "
+                                   "be finite and not negative",
+                                   uri, value, i % image->width, i / image->width);
+            texture->linear[3 * i + k] = value;
+        }
+    return MCV_OK;
+}
+
+static mcv_result load_exr(mcv_loader *loader, const char *uri, mcv_texture *texture,
+                           const mcv_json_path *place, mcv_error *error) {
+    char *path;
+    mcv_exr exr;
+    mcv_error cause;
+    MCV_TRY(mcv_file_resolve(loader->file.key, uri, &path, place, error));
+    mcv_result result = mcv_exr_read(path, &exr, &cause);
+    free(path);
+    if (result != MCV_OK)
+        return mcv_fail_at(place, error, "\"%s\" is no image to read: %s", uri, cause.text);
+    result = copy_linear(&exr, texture, uri, place, error);
+    if (result == MCV_OK)
+        mcv_load_count(loader, texture->linear,
+                       3 * sizeof *texture->linear * (size_t)texture->width * texture->height);
+    mcv_exr_free(&exr);
+    return result;
+}
+
+/* Makes the picture that the emitter shows a texture of the scene. */
+static mcv_result load_picture(mcv_loader *loader, const json_t *object, mcv_emitter *emitter,
+                               const mcv_json_path *place, mcv_error *error) {
+    mcv_texture texture = {.wrap_s = CLAMP_TO_EDGE, .wrap_t = CLAMP_TO_EDGE, .nearest = true};
+    const mcv_json_path here = mcv_json_path_key(place, "image");
+    uint32_t source;
+    const char *uri;
+    mcv_result result = MCV_OK;
+    if (shows_pattern(emitter)) {
+        MCV_TRY(mcv_pattern_image(mcv_emitter_pattern(emitter), *mcv_emitter_index(emitter),
+                                  &texture, place, error));
+    } else {
+        MCV_TRY(find_image(loader, object, &source, &uri, place, error));
+        if (uri)
+            result = load_exr(loader, uri, &texture, &here, error);
+        else
+            texture.rgba = (uint8_t *)mcv_gltf_image(loader->gltf, loader->images[source],
+                                                     &texture.width, &texture.height);
+        texture.name = (char *)(uri ? uri
+                                    : mcv_json_name(json_array_get(
+                                          json_object_get(loader->root, "images"), source)));
+    }
+    if (result == MCV_OK) result = mcv_scene_add_texture(loader->scene, &texture, error);
+    free(texture.linear);
+    if (result == MCV_OK) *mcv_emitter_image(emitter) = loader->scene->texture_count - 1;
+    return result;
+}
+
+mcv_result mcv_load_emitter_images(mcv_loader *loader, mcv_error *error) {
+    const mcv_json_path place = mcv_json_path_key(&loader->file, "emitters");
+    json_t *emitters;
+    if (loader->is_asset) return MCV_OK;
+    MCV_TRY(mcv_load_array(loader, "MCVISI_emitters", "emitters", &emitters, error));
+    for (size_t i = 0; i < loader->emitter_count; ++i) {
+        const mcv_json_path here = mcv_json_path_element(&place, loader->emitters[i].name, i);
+        if (shows_image(loader->emitters + i) || shows_pattern(loader->emitters + i))
+            MCV_TRY(load_picture(loader, json_array_get(emitters, i), loader->emitters + i, &here,
+                                 error));
+    }
+    return MCV_OK;
+}

@@ -1,0 +1,476 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* glTF materials to the scene's: MCVISI_materials where it is given, else what the core material
+ * and KHR extensions say. */
+#include "loader/load.h"
+
+#include "scene/mesh.h"
+#include "scene/params.h"
+#include "loader/validate.h"
+
+#include <float.h>
+#include <stdlib.h>
+
+/* --- textures
+ * ---------------------------------------------------------------------------------------------------
+ */
+
+/* The member `key` of a material (or its part) as a texture: MCV_NONE where absent or without an
+ * image. */
+static mcv_result texture_source(const mcv_loader *loader, const json_t *part, const char *key,
+                                 uint32_t *texture, uint32_t *source, const mcv_json_path *place,
+                                 mcv_error *error) {
+    const json_t *textures = json_object_get(loader->root, "textures");
+    json_t *info;
+    *texture = *source = MCV_NONE;
+    MCV_TRY(mcv_json_object(part, key, &info, place, error));
+    if (!info) return MCV_OK;
+    const mcv_json_path here = mcv_json_path_key(place, key);
+    MCV_TRY(mcv_json_index(info, "index", json_array_size(textures), "textures", texture, &here,
+                           error));
+    if (*texture == MCV_NONE) return mcv_fail_at(&here, error, "must have an index");
+    return mcv_json_index(json_array_get(textures, *texture), "source", SIZE_MAX, "images", source,
+                          &here, error);
+}
+
+/* tinygltf decodes an image from its bufferView unchecked, so the buffer must have data. */
+static mcv_result check_image_data(const mcv_loader *loader, uint32_t source, mcv_error *error) {
+    const json_t *image = json_array_get(json_object_get(loader->root, "images"), source);
+    const json_t *view_index = json_object_get(image, "bufferView");
+    if (!view_index) return MCV_OK;
+    const json_t *view = json_array_get(json_object_get(loader->root, "bufferViews"),
+                                        (size_t)json_number_value(view_index));
+    const size_t index = (size_t)json_number_value(json_object_get(view, "buffer"));
+    const json_t *buffer = json_array_get(json_object_get(loader->root, "buffers"), index);
+    if (json_object_get(buffer, "uri") || mcv_buffer_is_chunk(loader->root, buffer, loader->binary))
+        return MCV_OK;
+    const mcv_json_path images = mcv_json_path_key(&loader->file, "images"),
+                        here = mcv_place_index(&images, source);
+    return mcv_fail_at(&here, error, "buffer %zu has no data: give it a uri", index);
+}
+
+mcv_result mcv_load_need_image(mcv_loader *loader, uint32_t source, uint32_t *count,
+                               mcv_error *error) {
+    if (loader->images[source] != MCV_NONE) return MCV_OK;
+    MCV_TRY(check_image_data(loader, source, error));
+    loader->images[source] = (*count)++;
+    return MCV_OK;
+}
+
+mcv_result mcv_load_needed_images(mcv_loader *loader, uint32_t *count, mcv_error *error) {
+    const json_t *materials = json_object_get(loader->root, "materials");
+    const mcv_json_path place = mcv_json_path_key(&loader->file, "materials");
+    *count = 0;
+    for (size_t i = 0; i < json_array_size(json_object_get(loader->root, "images")); ++i)
+        loader->images[i] = MCV_NONE;
+    for (size_t i = 0; i < json_array_size(materials); ++i) {
+        const json_t *material = json_array_get(materials, i);
+        const mcv_json_path here = mcv_json_path_element(&place, mcv_json_name(material), i);
+        json_t *core;
+        MCV_TRY(mcv_json_object(material, "pbrMetallicRoughness", &core, &here, error));
+        const mcv_json_path core_place = mcv_json_path_key(&here, "pbrMetallicRoughness");
+        const struct {
+            const json_t *part;
+            const char *key;
+            const mcv_json_path *place;
+            bool needed;
+        } textures[] = {{core, "baseColorTexture", &core_place, true},
+                        {material, "emissiveTexture", &here, true},
+                        {core, "metallicRoughnessTexture", &core_place, true},
+                        {material, "normalTexture", &here, false},
+                        {material, "occlusionTexture", &here, false}};
+        for (size_t k = 0; k < sizeof textures / sizeof textures[0]; ++k) {
+            uint32_t texture, source;
+            MCV_TRY(texture_source(loader, textures[k].part, textures[k].key, &texture, &source,
+                                   textures[k].place, error));
+            if (textures[k].needed && source != MCV_NONE)
+                MCV_TRY(mcv_load_need_image(loader, source, count, error));
+        }
+    }
+    return mcv_load_needed_emitter_images(loader, count, error);
+}
+
+/* Bytes that encode no colour, as shares of 255. */
+static mcv_result decode_data(mcv_texture *texture, const mcv_json_path *place, mcv_error *error) {
+    const size_t pixels = (size_t)texture->width * texture->height;
+    texture->linear = malloc(3 * sizeof(float) * pixels);
+    if (!texture->linear) return mcv_fail_memory(place, error);
+    for (size_t i = 0; i < pixels; ++i)
+        for (size_t c = 0; c < 3; ++c)
+            texture->linear[3 * i + c] = (float)(texture->rgba[4 * i + c] / 255.0);
+    texture->rgba = NULL;
+    texture->is_data = true;
+    return MCV_OK;
+}
+
+/* KHR_texture_transform: the image's coordinates are offset + R(rotation) (scale u); to positive
+ * angles, v turns towards u. */
+static mcv_result read_transform(const json_t *info, mcv_texture *texture,
+                                 const mcv_json_path *place, mcv_error *error) {
+    enum { LARGEST = 65536 }; /* the largest coordinate of kernels/geometry/texture.h */
+    double offset[2] = {0, 0}, rotation = 0, scale[2] = {1, 1};
+    uint64_t set = 0;
+    json_t *extensions, *object;
+    const mcv_json_path all = mcv_json_path_key(place, "extensions"),
+                        here = mcv_json_path_key(&all, "KHR_texture_transform");
+    texture->texcoord_set = (uint32_t)mcv_texcoord_set(info);
+    MCV_TRY(mcv_json_uint(info, "texCoord", 0, UINT32_MAX, &set, place, error));
+    MCV_TRY(mcv_json_object(info, "extensions", &extensions, place, error));
+    MCV_TRY(mcv_json_object(extensions, "KHR_texture_transform", &object, &all, error));
+    if (!object) return MCV_OK;
+    MCV_TRY(mcv_json_numbers(object, "offset", 2, -LARGEST, LARGEST, offset, &here, error));
+    MCV_TRY(mcv_json_number(object, "rotation", -LARGEST, LARGEST, &rotation, &here, error));
+    MCV_TRY(mcv_json_numbers(object, "scale", 2, -LARGEST, LARGEST, scale, &here, error));
+    MCV_TRY(mcv_json_uint(object, "texCoord", 0, UINT32_MAX, &set, &here, error));
+    const double c = cos(rotation), s = sin(rotation);
+    const double transform[6] = {c * scale[0],  s * scale[1], offset[0],
+                                 -s * scale[0], c * scale[1], offset[1]};
+    memcpy(texture->transform, transform, sizeof transform);
+    texture->is_transformed = true;
+    return MCV_OK;
+}
+
+/* The scene's number of a texture with the pixels of texture `like`, but placed as `placed` is. */
+static mcv_result place_texture(mcv_scene *scene, uint32_t like, const mcv_texture *placed,
+                                uint32_t *number, const mcv_json_path *place, mcv_error *error) {
+    mcv_texture own = scene->textures[like];
+    for (uint32_t i = like; i < scene->texture_count; ++i) {
+        const mcv_texture *t = &scene->textures[i];
+        *number = i;
+        if (t->rgba == own.rgba && t->linear == own.linear &&
+            t->texcoord_set == placed->texcoord_set &&
+            t->is_transformed == placed->is_transformed &&
+            memcmp(t->transform, placed->transform, sizeof t->transform) == 0)
+            return MCV_OK;
+    }
+    own.shares_pixels = true;
+    own.texcoord_set = placed->texcoord_set;
+    own.is_transformed = placed->is_transformed;
+    memcpy(own.transform, placed->transform, sizeof own.transform);
+    own.name = strdup(own.name);
+    if (!own.name) return mcv_fail_memory(place, error);
+    *number = scene->texture_count;
+    return mcv_scene_take_texture(scene, &own, error);
+}
+
+/* The scene's number of a texture; reads it when first asked for, as colours or as data. */
+static mcv_result load_texture(mcv_loader *loader, const json_t *part, const char *key,
+                               bool is_data, uint32_t *scene_texture, const mcv_json_path *place,
+                               mcv_error *error) {
+    uint32_t *const loaded = is_data ? loader->data_textures : loader->textures;
+    uint32_t index, source, sampler_index;
+    *scene_texture = MCV_NONE;
+    MCV_TRY(texture_source(loader, part, key, &index, &source, place, error));
+    if (source == MCV_NONE) return MCV_OK;
+    const json_t *info = json_object_get(part, key);
+    const mcv_json_path here = mcv_json_path_key(place, key);
+    mcv_texture placed = {0};
+    MCV_TRY(read_transform(info, &placed, &here, error));
+    if (placed.texcoord_set > 1)
+        return mcv_scene_warn(loader->scene, error,
+                              "a use of texture %u is left out: it asks for another set than "
+                              "TEXCOORD_0 and TEXCOORD_1",
+                              index);
+    if (loaded[index] == MCV_NONE) {
+        const json_t *texture = json_array_get(json_object_get(loader->root, "textures"), index);
+        const json_t *samplers = json_object_get(loader->root, "samplers");
+        MCV_TRY(mcv_json_index(texture, "sampler", json_array_size(samplers), "samplers",
+                               &sampler_index, place, error));
+        const json_t *sampler =
+            sampler_index == MCV_NONE ? NULL : json_array_get(samplers, sampler_index);
+        uint64_t wrap_s = 10497, wrap_t = 10497, filter = 9729;
+        MCV_TRY(mcv_json_uint(sampler, "wrapS", 0, UINT32_MAX, &wrap_s, place, error));
+        MCV_TRY(mcv_json_uint(sampler, "wrapT", 0, UINT32_MAX, &wrap_t, place, error));
+        MCV_TRY(mcv_json_uint(sampler, "magFilter", 0, UINT32_MAX, &filter, place, error));
+        mcv_texture own = {
+            .wrap_s = (uint32_t)wrap_s, .wrap_t = (uint32_t)wrap_t, .nearest = filter == 9728};
+        own.rgba = (uint8_t *)mcv_gltf_image(loader->gltf, loader->images[source], &own.width,
+                                             &own.height);
+        own.name = (char *)mcv_json_name(texture);
+        if (is_data) MCV_TRY(decode_data(&own, place, error));
+        const mcv_result result = mcv_scene_add_texture(loader->scene, &own, error);
+        free(own.linear);
+        MCV_TRY(result);
+        loaded[index] = loader->scene->texture_count - 1;
+    }
+    return place_texture(loader->scene, loaded[index], &placed, scene_texture, place, error);
+}
+
+/* --- core materials
+ * --------------------------------------------------------------------------------------------- */
+
+typedef struct core_material {
+    double base[4], metallic, roughness, transmission, thickness, ior, dispersion;
+    double diffuse_transmission, anisotropy, rotation;
+    double attenuation_distance, attenuation[3];
+    double emissive[3], emissive_strength;
+} core_material;
+
+static mcv_result read_core(const json_t *material, core_material *core, const mcv_json_path *place,
+                            mcv_error *error) {
+    const json_t *part = json_object_get(material, "pbrMetallicRoughness");
+    const mcv_json_path part_place = mcv_json_path_key(place, "pbrMetallicRoughness");
+    const mcv_json_path extensions = mcv_json_path_key(place, "extensions");
+    enum { EXTENSIONS = 7 };
+    json_t *extension[EXTENSIONS];
+    static const char *const names[EXTENSIONS] = {
+        "KHR_materials_transmission", "KHR_materials_volume",
+        "KHR_materials_ior",          "KHR_materials_emissive_strength",
+        "KHR_materials_anisotropy",   "KHR_materials_diffuse_transmission",
+        "KHR_materials_dispersion"};
+    mcv_json_path places[EXTENSIONS];
+    *core = (core_material){.base = {1, 1, 1, 1},
+                            .metallic = 1,
+                            .roughness = 1,
+                            .ior = 1.5,
+                            .attenuation_distance = INFINITY,
+                            .attenuation = {1, 1, 1},
+                            .emissive_strength = 1};
+    json_t *all;
+    MCV_TRY(mcv_json_object(material, "extensions", &all, place, error));
+    for (int i = 0; i < EXTENSIONS; ++i) {
+        places[i] = mcv_json_path_key(&extensions, names[i]);
+        MCV_TRY(mcv_json_object(all, names[i], extension + i, &extensions, error));
+    }
+    MCV_TRY(mcv_json_numbers(part, "baseColorFactor", 4, 0, 1, core->base, &part_place, error));
+    MCV_TRY(mcv_json_number(part, "metallicFactor", 0, 1, &core->metallic, &part_place, error));
+    MCV_TRY(mcv_json_number(part, "roughnessFactor", 0, 1, &core->roughness, &part_place, error));
+    MCV_TRY(mcv_json_numbers(material, "emissiveFactor", 3, 0, 1, core->emissive, place, error));
+    MCV_TRY(mcv_json_number(extension[0], "transmissionFactor", 0, 1, &core->transmission,
+                            &places[0], error));
+    MCV_TRY(mcv_json_number(extension[1], "thicknessFactor", 0, DBL_MAX, &core->thickness,
+                            &places[1], error));
+    MCV_TRY(mcv_json_number(extension[1], "attenuationDistance", DBL_MIN, DBL_MAX,
+                            &core->attenuation_distance, &places[1], error));
+    MCV_TRY(mcv_json_numbers(extension[1], "attenuationColor", 3, 0, 1, core->attenuation,
+                             &places[1], error));
+    MCV_TRY(mcv_json_number(extension[2], "ior", 0, DBL_MAX, &core->ior, &places[2], error));
+    MCV_TRY(mcv_json_number(extension[3], "emissiveStrength", 0, DBL_MAX, &core->emissive_strength,
+                            &places[3], error));
+    MCV_TRY(mcv_json_number(extension[4], "anisotropyStrength", 0, 1, &core->anisotropy, &places[4],
+                            error));
+    MCV_TRY(mcv_json_number(extension[4], "anisotropyRotation", -DBL_MAX, DBL_MAX, &core->rotation,
+                            &places[4], error));
+    MCV_TRY(mcv_json_number(extension[5], "diffuseTransmissionFactor", 0, 1,
+                            &core->diffuse_transmission, &places[5], error));
+    MCV_TRY(mcv_json_number(extension[6], "dispersion", 0, DBL_MAX, &core->dispersion, &places[6],
+                            error));
+    core->rotation = remainder(core->rotation, 2 * M_PI);
+    if (core->ior > 0 && core->ior < 1)
+        return mcv_fail_at(&places[2], error, "ior %g must be 1 or more", core->ior);
+    return MCV_OK;
+}
+
+/*
+ * Full transmission is glass or, without thickness, a sheet where it is smooth; a smooth metal is a
+ * mirror; the rest is what the core material says. `textured` tells that an image scales roughness
+ * and metallic. False: something of it is lost.
+ */
+static bool map_core(const core_material *core, bool textured, mcv_material *material) {
+    const bool smooth = core->roughness == 0,
+               clear = core->transmission == 1 && (core->metallic == 0);
+    if (clear && core->thickness > 0 && !textured) {
+        material->type = MCV_MATERIAL_DIELECTRIC;
+        material->as.dielectric =
+            (mcv_dielectric_params){.ior = {core->ior, core->ior, core->ior},
+                                    .abbeNumber = core->dispersion > 0 ? 20 / core->dispersion : 0,
+                                    .roughness = core->roughness,
+                                    .anisotropy = core->anisotropy,
+                                    .anisotropyRotation = core->rotation};
+        for (int i = 0; i < 3;
+             ++i) /* a colour of 0 has an infinite coefficient: the largest that is allowed */
+            material->as.dielectric.absorption[i] =
+                core->attenuation[i] == 1
+                    ? 0
+                    : fmin(-log(core->attenuation[i]) / core->attenuation_distance, 1e30);
+        return true;
+    }
+    if (clear && smooth) {
+        material->type = MCV_MATERIAL_SHEET;
+        material->as.sheet.ior = core->ior;
+        memcpy(material->as.sheet.transmittance, core->base,
+               sizeof material->as.sheet.transmittance);
+        return true;
+    }
+    if (core->metallic == 1 && smooth && core->transmission == 0 && !textured) {
+        material->type = MCV_MATERIAL_MIRROR;
+        memcpy(material->as.mirror.reflectance, core->base, sizeof material->as.mirror.reflectance);
+        return true;
+    }
+    material->type = MCV_MATERIAL_METALLIC_ROUGHNESS;
+    material->as.metallic_roughness =
+        (mcv_metallic_roughness_params){.metallic = core->metallic,
+                                        .ior = core->ior,
+                                        .transmission = core->transmission,
+                                        .diffuseTransmission = core->diffuse_transmission,
+                                        .roughness = core->roughness,
+                                        .anisotropy = core->anisotropy,
+                                        .anisotropyRotation = core->rotation};
+    memcpy(material->as.metallic_roughness.baseColor, core->base,
+           sizeof material->as.metallic_roughness.baseColor);
+    return !(core->thickness > 0 && core->transmission > 0);
+}
+
+/* What a part is made of where how it scatters light is asked for: what would say it. */
+static mcv_result check_substance(const json_t *object, const mcv_json_path *place,
+                                  mcv_error *error) {
+    static const char *const metals[] = {"metal",  "steel", "stainlessSteel", "brass",
+                                         "bronze", "zinc",  "aluminum",       NULL};
+    static const char *const clear[] = {"glass", "plexiglass", "acrylic", "quartz", NULL};
+    static const char *const matt[] = {"plastic", "rubber",  "wood", "paper",
+                                       "paint",   "ceramic", NULL};
+    const struct {
+        const char *const *words;
+        const char *says;
+    } substances[] = {
+        {metals, "a metal is a conductor, {\"type\": \"conductor\", \"metal\": \"iron\", "
+                 "\"roughness\": 0.3}"},
+        {mcv_param_options("metal"), "a metal is a conductor, {\"type\": \"conductor\", \"metal\": "
+                                     "\"iron\", \"roughness\": 0.3}"},
+        {clear,
+         "a body of glass is a dielectric, {\"type\": \"dielectric\", \"glass\": \"N-BK7\"}"},
+        {mcv_param_options("glass") + 1,
+         /* behind "none" */ "a body of glass is a dielectric, {\"type\": \"dielectric\", "
+                             "\"glass\": \"N-BK7\"}"},
+        {matt, "a matt part is {\"type\": \"diffuse\", \"reflectance\": 0.5}, one with a gloss "
+               "{\"type\": "
+               "\"metallicRoughness\", \"metallic\": 0, \"roughness\": 0.5}"}};
+    const char *name = json_string_value(json_object_get(object, "type"));
+    const mcv_json_path here = mcv_json_path_key(place, "type");
+    for (size_t i = 0; name && i < sizeof substances / sizeof substances[0]; ++i)
+        for (const char *const *word = substances[i].words; *word; ++word)
+            if (strcasecmp(name, *word) == 0) {
+                char list[256] = "";
+                const char *const *options = mcv_param_options("metal");
+                for (; i < 2 && *options; ++options)
+                    snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s",
+                             *list ? ", " : "; metals are ", *options);
+                return mcv_fail_at(&here, error, "\"%s\" is no type: %s%s", name,
+                                   substances[i].says, list);
+            }
+    return MCV_OK;
+}
+
+static mcv_result read_own(const json_t *object, mcv_material *material, const mcv_json_path *place,
+                           mcv_error *error) {
+    static const char *const others[] = {"type", "extras", "extensions", NULL};
+    if (!json_is_object(object))
+        return mcv_fail_at(place, error, "must be an object {\"type\": ...}");
+    MCV_TRY(check_substance(object, place, error));
+    MCV_TRY(mcv_element_type(object, mcv_material_types, MCV_MATERIAL_COUNT, &material->type, place,
+                             error));
+    const mcv_param_table table = mcv_material_table(material->type);
+    mcv_params_set_defaults(table, &material->as);
+    MCV_TRY(mcv_params_parse(table, object, others, &material->as, place, error));
+    return mcv_params_check(table, &material->as, place, error);
+}
+
+/* Materials with something to warn about, by name: the keys of a JSON object, so that a name comes
+ * once. */
+static void note(json_t *names, const char *name, size_t index) {
+    char number[32];
+    snprintf(number, sizeof number, "%zu", index);
+    json_object_set_new(names, *name ? name : number, json_true());
+}
+
+static mcv_result warn_names(mcv_scene *scene, json_t *names, const char *sentence,
+                             mcv_error *error) {
+    char *text = NULL;
+    size_t size = 0;
+    const char *key;
+    json_t *value;
+    FILE *stream = json_object_size(names) ? open_memstream(&text, &size) : NULL;
+    if (!stream) return MCV_OK;
+    json_object_foreach(names, key, value)
+        fprintf(stream, "%s%s", ftell(stream) > 0 ? ", " : "", key);
+    fclose(stream);
+    const mcv_result result =
+        text ? mcv_scene_warn(scene, error, "materials %s: %s", text, sentence) : MCV_OK;
+    free(text);
+    return result;
+}
+
+static mcv_result load_material(mcv_loader *loader, const json_t *object, size_t index,
+                                json_t *thin, json_t *cut_out, const mcv_json_path *place,
+                                mcv_error *error) {
+    const char *name = mcv_json_name(object), *alpha = "OPAQUE";
+    const json_t *part = json_object_get(object, "pbrMetallicRoughness");
+    core_material core;
+    mcv_material material = {
+        .name = (char *)name, .texture = MCV_NONE, .surface_texture = MCV_NONE};
+    mcv_emission *emission = loader->emission + index;
+    MCV_TRY(read_core(object, &core, place, error));
+    MCV_TRY(mcv_json_string(object, "alphaMode", &alpha, place, error));
+    const json_t *own = mcv_json_extension(object, "MCVISI_materials");
+    if (core.ior == 0 &&
+        !own) { /* glTF: no Fresnel effect at all, written by converters from specular-glossiness */
+        MCV_TRY(
+            mcv_scene_warn(loader->scene, error, "material \"%s\": ior 0 is read as 1.5", name));
+        core.ior = 1.5;
+    }
+    if (own)
+        MCV_TRY(read_own(own, &material, place, error));
+    else if (!map_core(&core, json_object_get(part, "metallicRoughnessTexture"), &material))
+        note(thin, name, index);
+    if (strcmp(alpha, "OPAQUE") != 0) note(cut_out, name, index);
+    if (material.type == MCV_MATERIAL_DIFFUSE || material.type == MCV_MATERIAL_SHEET ||
+        material.type == MCV_MATERIAL_MIRROR || material.type == MCV_MATERIAL_METALLIC_ROUGHNESS)
+        MCV_TRY(
+            load_texture(loader, part, "baseColorTexture", false, &material.texture, place, error));
+    if (material.type == MCV_MATERIAL_METALLIC_ROUGHNESS)
+        MCV_TRY(load_texture(loader, part, "metallicRoughnessTexture", true,
+                             &material.surface_texture, place, error));
+    emission->texture = MCV_NONE;
+    for (int i = 0; i < 3; ++i) emission->radiance[i] = core.emissive[i] * core.emissive_strength;
+    if (emission->radiance[0] + emission->radiance[1] + emission->radiance[2] > 0)
+        MCV_TRY(load_texture(loader, object, "emissiveTexture", false, &emission->texture, place,
+                             error));
+    return mcv_scene_add_material(loader->scene, &material, error);
+}
+
+mcv_result mcv_load_materials(mcv_loader *loader, mcv_error *error) {
+    const json_t *materials = json_object_get(loader->root, "materials");
+    const mcv_json_path place = mcv_json_path_key(&loader->file, "materials");
+    json_t *thin = json_object(), *cut_out = json_object();
+    mcv_result result = MCV_OK;
+    for (size_t i = 0; result == MCV_OK && i < json_array_size(materials); ++i) {
+        const json_t *object = json_array_get(materials, i);
+        const mcv_json_path here = mcv_json_path_element(&place, mcv_json_name(object), i);
+        if (loader->materials[i] != MCV_NONE) continue; /* one of the scene's takes its place */
+        loader->materials[i] = loader->scene->material_count;
+        result = load_material(loader, object, i, thin, cut_out, &here, error);
+    }
+    if (result == MCV_OK)
+        result = warn_names(loader->scene, thin, "rendered as thin walls, their volume is ignored",
+                            error);
+    if (result == MCV_OK)
+        result =
+            warn_names(loader->scene, cut_out, "rendered opaque, their alpha is ignored", error);
+    json_decref(thin);
+    json_decref(cut_out);
+    return result;
+}
+
+mcv_result mcv_load_plain(mcv_loader *loader, uint32_t *material, mcv_error *error) {
+    if (loader->plain == MCV_NONE) {
+        mcv_material plain = {.name = "", .type = MCV_MATERIAL_DIFFUSE, .texture = MCV_NONE};
+        mcv_params_set_defaults(mcv_material_table(plain.type), &plain.as);
+        MCV_TRY(mcv_scene_add_material(loader->scene, &plain, error));
+        loader->plain = loader->scene->material_count - 1;
+        MCV_TRY(mcv_scene_warn(loader->scene, error,
+                               "meshes without a material are rendered diffuse, reflectance %g",
+                               plain.as.diffuse.reflectance[0]));
+    }
+    *material = loader->plain;
+    return MCV_OK;
+}
+
+mcv_result mcv_load_absorber(mcv_loader *loader, uint32_t *material, mcv_error *error) {
+    if (loader->absorber == MCV_NONE) {
+        const mcv_material absorber = {
+            .name = "", .type = MCV_MATERIAL_ABSORBER, .texture = MCV_NONE};
+        MCV_TRY(mcv_scene_add_material(loader->scene, &absorber, error));
+        loader->absorber = loader->scene->material_count - 1;
+    }
+    *material = loader->absorber;
+    return MCV_OK;
+}

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rays of sight of the sensors, from the report's equations (4.1), (4.2) and section 4.2. */
+#ifndef MCVISI_HOST_REFERENCE_SIGHT_H
+#define MCVISI_HOST_REFERENCE_SIGHT_H
+
+#include "reference/vector.h"
+#include "scene/scene.h"
+
+typedef struct ref_sensor_ray {
+    ref_vec origin, direction; /* world; the direction is unit */
+    double weight; /* radiance: 1 or, where the lens blocks, 0; irradiance: A cos⁴θ/h² [sr] */
+} ref_sensor_ray;
+
+/*
+ * Pixel (column, row) from the top-left corner, the place (x, y) in it and the aperture sample (u,
+ * v), all in [0, 1). (u, v) = (0, 0) is the centre of a round aperture. A light field camera takes
+ * (u, v) only to choose one of binned macro pixels.
+ */
+ref_sensor_ray ref_sensor_ray_sample(const mcv_sensor *sensor, uint32_t column, uint32_t row,
+                                     double x, double y, double u, double v);
+
+#endif

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Progress of a render with the time left: on a terminal one line that rewrites itself, elsewhere a
+ * plain line every 10 s. Without colours or escape sequences, so NO_COLOR is always honoured.
+ */
+#ifndef MCVISI_HOST_OUTPUT_PROGRESS_H
+#define MCVISI_HOST_OUTPUT_PROGRESS_H
+
+#include "render/render.h"
+
+#include <signal.h>
+#include <stdio.h>
+
+typedef struct mcv_progress_line {
+    FILE *stream;
+    bool terminal;
+    const char *label; /* what is rendered, such as the sensor's name */
+    const volatile sig_atomic_t
+        *stop;       /* a signal handler's flag: not 0 stops the render; may be NULL */
+    double reported; /* seconds of the last line; negative: none yet */
+    double first[2]; /* fraction and seconds when the first samples were there: what came before is
+                        no measure of the rest */
+    bool begun;      /* they are */
+    int width;       /* of the line on the terminal, to be overwritten */
+} mcv_progress_line;
+
+/* On stderr; a terminal where stderr is one that can go back to the start of its line. */
+mcv_progress_line mcv_progress_stderr(const char *label, const volatile sig_atomic_t *stop);
+
+/* An mcv_progress whose user is the mcv_progress_line. error: relative, so far; NaN or 0: not
+ * known. */
+mcv_progress mcv_progress_report;
+
+/* Leaves an empty line on the terminal for what follows. */
+void mcv_progress_end(mcv_progress_line *line);
+
+#endif

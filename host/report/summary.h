@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a render reports when it is done: for people as text, for programs as JSON. */
+#ifndef MCVISI_HOST_OUTPUT_SUMMARY_H
+#define MCVISI_HOST_OUTPUT_SUMMARY_H
+
+#include "io/png.h"
+#include "render/render.h"
+
+/* Nothing is owned. Names and paths that do not apply are NULL; numbers that are not known are NaN
+ * (null in JSON). */
+typedef struct mcv_summary {
+    const char *scene, *sensor;
+    const char *image_path, *preview_path; /* what was written */
+    const char *unit;                      /* of the mean, "W/(m^2 sr)" or "W/m^2" */
+    uint32_t width, height, channels, replicates;
+    uint64_t
+        samples; /* per pixel, all replicates together; their mean where sampling was adaptive */
+    bool adaptive;
+    mcv_render_stats stats;
+    double seconds_load, seconds_write;
+    double error, mean; /* mcv_film_relative_error, mcv_film_mean */
+    mcv_preview preview;
+} mcv_summary;
+
+/*
+ * One JSON object on one line, without a newline at its end; *text is malloc'ed. Keys: scene,
+ * sensor, image, preview, device, features[], width, height, channels, replicates, samples,
+ * adaptive, rays{paths, path, shadow, depth_cut}, seconds{load, build, compile, first_sample,
+ * render, write}, stages{name: seconds}, error, mean, white, saturated, lost_energy, nonfinite,
+ * unmatched, interrupted.
+ */
+mcv_result mcv_summary_json(const mcv_summary *summary, char **text, mcv_error *error);
+
+/* The same for people, a few lines; *text is malloc'ed. Losses are told only where there are any.
+ */
+mcv_result mcv_summary_text(const mcv_summary *summary, char **text, mcv_error *error);
+
+#endif

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Retroreflectors (mcvisi/materials/retroreflector.h): n is the unit normal on the side of o, which
+ * points to where the path comes from. */
+#ifndef MCVISI_KERNELS_RETROREFLECTOR_H
+#define MCVISI_KERNELS_RETROREFLECTOR_H
+
+#include "world.h"
+
+/* Seen from o. */
+typedef struct mcv_retroreflection {
+    float cosine;     /* of o; 0: the surface is seen edge-on and black */
+    float efficiency; /* s²(θ) */
+    float chance;     /* with which the path returns rather than being scattered diffusely */
+} mcv_retroreflection;
+
+static mcv_retroreflection mcv_retroreflection_at(__global const mcv_device_material *m, mcv_vec3 n,
+                                                  mcv_vec3 o) {
+    mcv_retroreflection back = {mcv_dot(o, n), 0.0f, 0.0f};
+    float most = 0.0f, diffuse = 0.0f;
+    if (!(back.cosine > 0.0f)) return back;
+    back.efficiency = mcv_retroreflector_efficiency(m->fall, back.cosine);
+    MCV_EACH_CHANNEL(i) {
+        most = m->value[i] > most ? m->value[i] : most;
+        diffuse = m->passed[i] > diffuse ? m->passed[i] : diffuse;
+    }
+    most *= back.efficiency;
+    if (most > 0.0f) back.chance = most / (most + diffuse);
+    return back;
+}
+
+/* What returns exactly is no part of it. */
+static mcv_response mcv_retroreflector_respond(__global const mcv_device_material *m, mcv_vec3 n,
+                                               mcv_vec3 o, mcv_vec3 i) {
+    mcv_response response;
+    const mcv_retroreflection back = mcv_retroreflection_at(m, n, o);
+    const float cosine = mcv_dot(i, n);
+    response.value = mcv_grey(0.0f);
+    response.density = 0.0f;
+    response.media = 0;
+    if (!(cosine > 0.0f) || !(back.cosine > 0.0f)) return response;
+    const float diffuse = cosine * (1.0f / MCV_PI);
+    const float lobe = m->spread > 0.0f ? mcv_retroreflector_density(m->spread, o, i) : 0.0f;
+    const float efficiency =
+        mcv_sqrt(back.efficiency * mcv_retroreflector_efficiency(m->fall, cosine));
+    const float returned = lobe * efficiency * (cosine < back.cosine ? cosine / back.cosine : 1.0f);
+    MCV_EACH_CHANNEL(k)
+    response.value.c[k] = mcv_fma(m->value[k], returned, m->passed[k] * diffuse);
+    response.density = mcv_fma(back.chance, lobe, (1.0f - back.chance) * diffuse);
+    return response;
+}
+
+/* A direction with the density that mcv_retroreflector_respond gives, if `returns` has its chance.
+ */
+static mcv_vec3 mcv_retroreflector_choose(__global const mcv_device_material *m, mcv_vec3 n,
+                                          mcv_vec3 o, float xi, float eta, int returns) {
+    if (returns) return mcv_retroreflector_sample(m->spread, o, xi, eta);
+    return mcv_normalize(mcv_from_frame(mcv_sample_cosine(xi, eta), n));
+}
+
+#endif

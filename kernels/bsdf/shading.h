@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What is known of a surface while the program is compiled. A loop over paths on surfaces of one
+ * kind passes it on as constants, so that the functions below hold no branches there; a path by
+ * itself is on any surface.
+ */
+#ifndef MCVISI_KERNELS_SHADING_H
+#define MCVISI_KERNELS_SHADING_H
+
+#include "path/identity.h"
+#include "bsdf/bsdf.h"
+
+/* Whether the tile schedule sets paths on surfaces of these kinds side by side: diffuse or glossy
+ * ones, smooth bodies. */
+#define MCV_WITH_PLAIN \
+    (MCV_WITH_DIFFUSE && MCV_LEAVES_TOGETHER && !MCV_WITH_TRANSLUCENT && !MCV_WITH_DISPERSION)
+#define MCV_WITH_SMOOTH (MCV_WITH_DIELECTRIC && MCV_LEAVES_TOGETHER && !MCV_WITH_DISPERSION)
+
+/* What becomes of a path at a surface. MCV_UNSHADED: nothing yet, it is left to mcv_shade_surface.
+ */
+enum { MCV_CONTINUES = 1, MCV_SPLITS = 2, MCV_UNSHADED = 4 };
+
+enum { MCV_SHADING_ANY, MCV_SHADING_DIFFUSE, MCV_SHADING_SMOOTH, MCV_SHADING_GLOSS };
+
+typedef struct mcv_shading {
+    uint kind;     /* MCV_SHADING_… */
+    int exact;     /* 0: the surface is a triangle */
+    int splits;    /* it reflects and passes light: a path may split there */
+    uint type;     /* of a glossy surface: MCV_MATERIAL_… */
+    uint material; /* of a glossy surface: one for all paths */
+#if MCV_WITH_GLOSS
+    const mcv_device_gloss *gloss; /* of a glossy surface: what is known of it beforehand */
+#endif
+} mcv_shading;
+
+MCV_LOOP_FUNCTION mcv_shading mcv_shading_of(uint kind, int exact, int splits) {
+    mcv_shading shading;
+    shading.kind = kind;
+    shading.exact = exact;
+    shading.splits = splits;
+    shading.type = MCV_NONE;
+    shading.material = MCV_NONE;
+#if MCV_WITH_GLOSS
+    shading.gloss = 0;
+#endif
+    return shading;
+}
+
+MCV_LOOP_FUNCTION mcv_shading mcv_any_shading(void) {
+    return mcv_shading_of(MCV_SHADING_ANY, 1, 1);
+}
+
+#if MCV_WITH_PLAIN && MCV_WITH_GLOSS
+/* Of a plain glossy material; `from` is what mcv_plain_gloss says of it. */
+MCV_LOOP_FUNCTION mcv_shading mcv_glossy_shading(mcv_world world, uint material,
+                                                 const mcv_device_gloss *from) {
+    mcv_shading shading = mcv_shading_of(MCV_SHADING_GLOSS, MCV_WITH_SURFACES, 0);
+    shading.type = world.materials[material].type;
+    shading.material = material;
+    shading.gloss = from;
+    return shading;
+}
+
+/* The same, its type known to the compiler. */
+MCV_LOOP_FUNCTION mcv_shading mcv_shading_as(mcv_shading shading, uint type) {
+    shading.type = type;
+    shading.splits = type == MCV_MATERIAL_DIELECTRIC && MCV_WITH_SPLIT && MCV_WITH_SMOOTH;
+    return shading;
+}
+
+/* What is known of a plain glossy material beforehand: it has no direction and no texture. */
+static mcv_device_gloss mcv_plain_gloss(mcv_world world, uint material) {
+    mcv_device_gloss from = world.gloss[material];
+    from.azimuths = from.roughnesses = 1u;
+    from.anisotropy = 0.0f;
+    return from;
+}
+
+MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_plain_gloss_interaction(
+    mcv_world world, const mcv_interaction *interaction, mcv_shading shading, uint media) {
+    mcv_color base;
+    MCV_EACH_CHANNEL(c) base.c[c] = world.materials[shading.material].value[c];
+    return mcv_make_gloss_interaction_of(world, interaction, shading.gloss, shading.type, base,
+                                         1.0f, 1.0f, media);
+}
+#endif
+
+/*
+ * mcv_scatter for a surface of a kind that is known. *left: 1 where a glossy one turns out to be
+ * smooth, as glass is in a fluid of its own index; the result counts for nothing then.
+ */
+MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_as(mcv_world world, mcv_slot slot,
+                                                const mcv_interaction *interaction,
+                                                mcv_shading shading, mcv_pair pair, float choice,
+                                                int parts, uint *unmatched, mcv_scattering *other,
+                                                int *unshaded) {
+    const uint media = mcv_path_media(slot);
+    (void)unshaded, (void)shading;
+#if MCV_WITH_PLAIN
+    if (shading.kind == MCV_SHADING_DIFFUSE) {
+        mcv_color reflectance;
+        MCV_LOAD_COLOR(slot, reflectance, reflectance);
+        other->chance = 0.0f;
+        return mcv_scatter_diffuse(*interaction, reflectance, media, pair);
+    }
+#endif
+#if MCV_WITH_SMOOTH
+    if (shading.kind == MCV_SHADING_SMOOTH)
+        return mcv_scatter_dielectric(world, *interaction, media, pair.x, unmatched, other);
+#endif
+#if MCV_WITH_PLAIN && MCV_WITH_GLOSS
+    if (shading.kind == MCV_SHADING_GLOSS) {
+        mcv_scattering on;
+        const mcv_gloss_interaction m =
+            mcv_make_plain_gloss_interaction(world, interaction, shading, media);
+        *unshaded = m.gloss.table == MCV_NONE;
+        *unmatched += (uint)(!*unshaded & (m.near_media != media));
+        other->chance = 0.0f;
+        if (shading.splits) {
+            on = mcv_split_by_gloss(world, interaction, shading.gloss, &m, pair, choice, other);
+            other->chance = *unshaded ? 0.0f : other->chance;
+        } else {
+            on = mcv_turn_by_gloss(world, interaction, shading.gloss, &m,
+                                   mcv_choose_gloss_of(shading.gloss, &m, pair, choice));
+        }
+        return on;
+    }
+#endif
+    return mcv_scatter(world, *interaction, media, pair, choice, parts, unmatched, other);
+}
+
+#endif

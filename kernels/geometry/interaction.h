@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The surface that a path has met. */
+#ifndef MCVISI_KERNELS_MEET_SURFACE_H
+#define MCVISI_KERNELS_MEET_SURFACE_H
+
+#include "path/camera_path.h"
+#include "bsdf/bsdf.h"
+
+#if MCV_WITH_DISPERSION
+/* Keeps one channel at a dielectric; the world as the path's light meets it. */
+MCV_FUNCTION mcv_world mcv_disperse(mcv_world world, mcv_slot slot) {
+    const uint triangle = MCV_WORD(slot, hit, 3);
+    mcv_color throughput;
+    MCV_LOAD_COLOR(slot, throughput, throughput);
+    if (triangle != MCV_NONE &&
+        world.materials[world.instances[mcv_instance_of(world, triangle)].material].type ==
+            MCV_MATERIAL_DIELECTRIC) {
+        const float xi =
+            mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0), MCV_PAIR_CHANNEL)
+                .x;
+        float chance;
+        const uint channel = mcv_choose_channel(throughput, xi, &chance);
+        throughput = mcv_keep_channel(throughput, channel, chance);
+        MCV_STORE_COLOR(slot, throughput, throughput);
+    }
+    return mcv_in_channel(world, mcv_kept_channel(throughput));
+}
+#endif
+
+#if MCV_TILE
+MCV_LOOP_FUNCTION void mcv_put_surface(mcv_slot slot, mcv_surface surface) {
+    const mcv_interaction interaction = mcv_meet_at(surface, MCV_LOAD_3(slot, direction));
+    MCV_STORE_3(slot, point, surface.point);
+    MCV_STORE_3(slot, error, surface.error);
+    MCV_STORE(slot, area, 0, surface.area);
+    MCV_WORD(slot, instance, 0) = surface.instance;
+#if MCV_WITH_NORMALS
+    MCV_STORE_3(slot, own_normal, surface.normal);
+#endif
+    MCV_WORD(slot, inside, 0) = interaction.inside;
+    MCV_STORE_3(slot, face, interaction.face);
+    MCV_STORE_3(slot, normal, interaction.normal);
+#if MCV_WITH_GLOSS
+    MCV_WORD(slot, gloss_known, 0) = 0u;
+#endif
+}
+
+/* Works out the surface of a triangle; where nothing was met, of some other one. */
+MCV_LOOP_FUNCTION void mcv_find_triangle(mcv_world world, mcv_slot slot) {
+    const uint met = MCV_WORD(slot, hit, 3);
+    mcv_put_surface(slot, mcv_surface_at(world, met == MCV_NONE ? 0u : met, MCV_LOAD(slot, hit, 1),
+                                         MCV_LOAD(slot, hit, 2)));
+}
+
+#if MCV_WITH_SURFACES
+MCV_LOOP_FUNCTION void mcv_find_exact(mcv_world world, mcv_slot slot, uint met, int quadric) {
+    mcv_put_surface(
+        slot, mcv_exact_surface_on(world, met, MCV_LOAD(slot, hit, 1), MCV_LOAD_3(slot, origin),
+                                   MCV_LOAD_3(slot, direction), MCV_LOAD(slot, hit, 0), quadric));
+}
+#endif
+#endif
+
+/* The instance that a path has met, which must have met something. */
+MCV_FUNCTION uint mcv_hit_instance(mcv_world world, mcv_slot slot) {
+#if MCV_TILE
+    (void)world;
+    return MCV_WORD(slot, instance, 0);
+#else
+    return mcv_instance_of(world, MCV_WORD(slot, hit, 3));
+#endif
+}
+
+MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot slot) {
+    const uint triangle = MCV_WORD(slot, hit, 3);
+    const float u = MCV_LOAD(slot, hit, 1);
+    const float v = MCV_LOAD(slot, hit, 2);
+#if MCV_TILE
+    mcv_interaction interaction;
+    mcv_surface *surface = &interaction.surface;
+    interaction.direction = MCV_LOAD_3(slot, direction);
+    interaction.inside = MCV_WORD(slot, inside, 0);
+    interaction.face = MCV_LOAD_3(slot, face);
+    interaction.normal = MCV_LOAD_3(slot, normal);
+    surface->point = MCV_LOAD_3(slot, point);
+    surface->error = MCV_LOAD_3(slot, error);
+    surface->face = mcv_scale(interaction.face, interaction.inside ? -1.0f : 1.0f);
+#if MCV_WITH_NORMALS
+    surface->normal = MCV_LOAD_3(slot, own_normal);
+#else
+    surface->normal = surface->face;
+#endif
+    surface->area = MCV_LOAD(slot, area, 0);
+    surface->triangle = triangle;
+#if MCV_WITH_SURFACES
+    if (triangle >= MCV_EXACT)
+        surface->corners.x = surface->corners.y = surface->corners.z = 0u;
+    else
+#endif
+        surface->corners = mcv_triangle_corners(world, triangle);
+    surface->instance = surface->corners.w = MCV_WORD(slot, instance, 0);
+    surface->u = u;
+    surface->v = v;
+#if MCV_WITH_GLOSS
+    interaction.gloss = slot.glosses + slot.index;
+    interaction.gloss_known = &MCV_WORD(slot, gloss_known, 0);
+#endif
+#if MCV_WITH_DIFFUSE
+    interaction.bounces = 1;
+    interaction.bounce = MCV_LOAD_3(slot, bounce);
+    interaction.bounce_density = MCV_LOAD(slot, bounce, 3);
+#endif
+#if MCV_WITH_CONTACT
+    const mcv_hit hit = {MCV_LOAD(slot, hit, 0), u, v, triangle};
+    mcv_find_contacts(world, MCV_LOAD_3(slot, origin), hit, &interaction);
+#endif
+    return interaction;
+#else
+    const mcv_hit hit = {MCV_LOAD(slot, hit, 0), u, v, triangle};
+    return mcv_meet(world, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), hit);
+#endif
+}
+
+#endif

@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a ray that leaves the scene sees. */
+#ifndef MCVISI_KERNELS_ENVIRONMENT_H
+#define MCVISI_KERNELS_ENVIRONMENT_H
+
+#include "light/discrete.h"
+#include "geometry/surface.h"
+
+#if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
+/* A pixel of the environment's image. */
+typedef struct mcv_sky_pixel {
+    uint column, row;
+} mcv_sky_pixel;
+
+/* The one that lies in a unit direction. */
+MCV_FUNCTION mcv_sky_pixel mcv_sky_pixel_at(__global const mcv_device_emitter *e,
+                                            mcv_vec3 direction) {
+    mcv_sky_pixel pixel;
+    mcv_environment_pixel(&e->environment, direction, &pixel.column, &pixel.row);
+    return pixel;
+}
+
+MCV_FUNCTION mcv_color mcv_environment_radiance(mcv_world world,
+                                                __global const mcv_device_emitter *e,
+                                                mcv_sky_pixel pixel) {
+    mcv_color radiance =
+        mcv_texel(world, world.textures[e->texture], (int)pixel.column, (int)pixel.row);
+    MCV_EACH_CHANNEL(i) radiance.c[i] *= e->radiance[i];
+    return radiance;
+}
+
+/* The share of an entry in a table of cumulative shares. */
+MCV_FUNCTION float mcv_cdf_share(__global const uint *cdf, uint i) {
+    return (float)(cdf[i + 1] - cdf[i]) * 4.656612873077393e-10f; /* 2^-31 */
+}
+
+/* The cumulative shares of a row's pixels; those of the rows come first. */
+MCV_FUNCTION __global const uint *
+mcv_environment_row(mcv_world world, __global const mcv_device_emitter *e, uint row) {
+    return world.emitter_cdf + e->cdf + e->environment.height + 1u +
+           row * (e->environment.width + 1u);
+}
+
+/* The density [1/sr] with which next-event estimation chooses a direction into a pixel of the sky.
+ */
+MCV_FUNCTION float mcv_environment_density(mcv_world world, __global const mcv_device_emitter *e,
+                                           mcv_sky_pixel pixel) {
+    const float share = mcv_cdf_share(world.emitter_cdf + e->cdf, pixel.row) *
+                        mcv_cdf_share(mcv_environment_row(world, e, pixel.row), pixel.column);
+    return e->probability * share / mcv_environment_solid_angle(&e->environment, pixel.row);
+}
+#endif
+
+/*
+ * The environment's light along a ray that met nothing, L/n², weighed against next-event
+ * estimation, which looks for its image, by the power heuristic; `density` is that of the ray's
+ * choice, 0 for smooth surfaces.
+ */
+MCV_FUNCTION mcv_color mcv_environment_seen(mcv_world world, mcv_vec3 direction, uint media,
+                                            float density) {
+    mcv_color light = mcv_grey(0.0f);
+#if MCV_WITH_ENVIRONMENT
+    MCV_EACH_CHANNEL(i) light.c[i] = world.frame->environment[i];
+#endif
+#if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
+    __global const mcv_device_emitter *e = world.emitters + world.frame->environment_emitter;
+    const mcv_sky_pixel pixel = mcv_sky_pixel_at(e, direction);
+    light = mcv_environment_radiance(world, e, pixel);
+#if MCV_WITH_NEXT_EVENT
+    if (density > 0.0f)
+        light =
+            mcv_dim(light, mcv_power_heuristic(density, mcv_environment_density(world, e, pixel)));
+#endif
+#endif
+#if MCV_WITH_DIELECTRIC
+    light = mcv_dim(light, world.media[mcv_filling_medium(media)].inverse_index_squared);
+#endif
+    (void)world, (void)direction, (void)media, (void)density;
+    return light;
+}
+
+#endif

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Where light paths start, and what they share with camera paths. */
+#ifndef MCVISI_KERNELS_LIGHT_H
+#define MCVISI_KERNELS_LIGHT_H
+
+#include "mcvisi/light_cone.h"
+#include "geometry/surface.h"
+
+#if MCV_WITH_EMISSION
+/* What an emitter's surface shines into, or more. */
+MCV_LOOP_FUNCTION mcv_cone mcv_own_cone(__global const mcv_device_emitter *e, mcv_vec3 normal) {
+    mcv_cone own;
+    own.axis = normal;
+    own.squared = 0.5f;
+    own.own = 1;
+    (void)e;
+#if MCV_WITH_PARALLEL
+    if (e->type == MCV_EMITTER_PARALLEL) own.squared = e->parallel.sin_half * e->parallel.sin_half;
+#endif
+    return own;
+}
+
+/* One over the density, in étendue, with which light paths start in a direction [m² sr]; 0: none
+ * do. `face`: of the emitter. */
+MCV_LOOP_FUNCTION float mcv_etendue_of(__global const mcv_device_emitter *e, mcv_aiming aimed,
+                                       mcv_vec3 face, mcv_vec3 direction) {
+    if (e->type == MCV_EMITTER_PROJECTOR) return e->light_flux;
+    return aimed.within > 0u
+               ? e->light_flux * aimed.angle / (float)aimed.within * mcv_dot(direction, face)
+               : 0.0f;
+}
+
+/* The same at a place on an emitter. */
+MCV_FUNCTION float mcv_light_etendue(mcv_world world, mcv_surface surface, uint emitter,
+                                     mcv_vec3 direction) {
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    if (e->type == MCV_EMITTER_PROJECTOR) return e->light_flux;
+    const mcv_aiming aimed = mcv_aim_at(world.frame->balls, world.frame->ball_count, surface.point,
+                                        mcv_own_cone(e, surface.normal), direction);
+    return mcv_etendue_of(e, aimed, surface.face, direction);
+}
+#endif
+
+/*
+ * What light paths bring of the light that camera paths find by chance, too: the balance heuristic.
+ * Light paths start with the density 1/etendue. Camera paths that choose their directions by cosθ/π
+ * are uniform in étendue, 1/(π footprint) of a pixel's at the first diffuse surface; between
+ * diffuse ones both go on alike, and through smooth ones étendue stays, as it about does through
+ * sharp ones, which spread light alike both ways. Both compute this from the depth of that surface,
+ * so that nothing is lost or counted twice where materials or the surface's slope make it less than
+ * the best.
+ */
+MCV_FUNCTION float mcv_light_share(mcv_world world, float etendue, float footprint) {
+    return 1.0f / (1.0f + etendue / (world.frame->light_density * footprint));
+}
+
+#endif

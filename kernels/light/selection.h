@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Choosing an emitter by what it may bring to a receiver: its power, thinned out by its distance,
+ * and nothing from behind the receiver, of what shines the other way, and out of narrow cones and
+ * beams. What is left out by rounding, a receiver in the plane of an emitter or on the rim of a
+ * cone, would have brought as good as nothing.
+ *
+ * The falloff is the irradiance that a power gives, up to a factor: 1/(area/π) close by,
+ * 1/(projected solid angle/π d²) from afar.
+ */
+#ifndef MCVISI_KERNELS_REACH_H
+#define MCVISI_KERNELS_REACH_H
+
+#include "world.h"
+
+#if MCV_WITH_REACH
+
+/* How far a flat emitter stretches along a direction, r times the sine of the angle to its normal;
+ * without a normal, r. */
+MCV_LOOP_FUNCTION float mcv_stretch(__global const mcv_device_emitter *e, mcv_vec3 direction) {
+    const float cosine = mcv_dot(mcv_vec(e->facing[0], e->facing[1], e->facing[2]), direction);
+    const float squared = 1.0f - cosine * cosine;
+    return squared > 0.0f ? e->radius * mcv_sqrt(squared) : 0.0f;
+}
+
+/* `sides` of the receiver that spread light: one, which all of the normals show, or both. */
+MCV_LOOP_FUNCTION int mcv_emitter_reaches(__global const mcv_device_emitter *e, mcv_vec3 receiver,
+                                          mcv_vec3 face, mcv_vec3 normal, uint sides) {
+    const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
+    const mcv_vec3 axis = mcv_vec(e->facing[0], e->facing[1], e->facing[2]);
+    const int behind_it = -mcv_dot(axis, way) < 0.0f;
+    const int behind_face = mcv_dot(face, way) < -mcv_stretch(e, face),
+              behind_normal = mcv_dot(normal, way) < -mcv_stretch(e, normal);
+    const int behind = (sides == 1u) & behind_face & behind_normal;
+    int lit = 1;
+#if MCV_WITH_PARALLEL
+    const float ahead =
+        -mcv_dot(mcv_vec(e->parallel.axis[0], e->parallel.axis[1], e->parallel.axis[2]), way);
+    const float reach = e->radius + (ahead + e->radius) * mcv_sqrt(e->parallel.tangent_squared);
+    const int in_cone =
+        (ahead + e->radius > 0.0f) & (mcv_dot(way, way) - ahead * ahead <= reach * reach);
+    lit &= (e->type != MCV_EMITTER_PARALLEL) | !e->parallel.from_receiver | in_cone;
+#endif
+#if MCV_WITH_BEAM
+    lit &= (e->type != MCV_EMITTER_COLLIMATED_BEAM) |
+           mcv_collimated_beam_covers(&e->beam, mcv_scale(way, -1.0f));
+#endif
+#if MCV_WITH_PUNCTUAL
+    lit &= (e->type != MCV_EMITTER_SPOT) |
+           (mcv_spot_evaluate(&e->spot, mcv_normalize(mcv_scale(way, -1.0f))) > 0.0f);
+#endif
+    const int nowhere = e->radius < 0.0f;
+    return (e->probability > 0.0f) & (nowhere | (!behind_it & !behind & lit));
+}
+
+/* The share of an emitter's power that the receiver may get, up to a factor. */
+MCV_LOOP_FUNCTION float mcv_emitter_importance(__global const mcv_device_emitter *e,
+                                               mcv_vec3 receiver) {
+    const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
+    return e->power / mcv_fma(e->widening, mcv_dot(way, way), e->narrowest);
+}
+
+/* The chances at one receiver: scale * promise + least of each emitter that reaches it. */
+typedef struct mcv_light_selection {
+    float scale, least;
+} mcv_light_selection;
+
+/* From the sum of the promises of so many emitters that reach it. A sixteenth of all choices goes
+ * to them in equal parts: what promises most may be hidden. */
+MCV_LOOP_FUNCTION mcv_light_selection mcv_make_light_selection(float sum, float reaching) {
+    mcv_light_selection selection;
+    selection.scale = sum > 0.0f ? 0.9375f / sum : 0.0f;
+    selection.least = (sum > 0.0f ? 0.0625f : 1.0f) / reaching;
+    return selection;
+}
+
+/* The emitter at xi of all that reach the receiver, MCV_NONE where nothing does. */
+static uint mcv_select_emitter(mcv_world world, mcv_vec3 receiver, mcv_vec3 face, mcv_vec3 normal,
+                               uint sides, float xi, mcv_light_selection *selection) {
+    float promises[MCV_MOST_REACHING];
+    float sum = 0.0f, reaching = 0.0f;
+    for (uint i = 0; i < world.frame->emitter_count; ++i) {
+        __global const mcv_device_emitter *e = world.emitters + i;
+        promises[i] = mcv_emitter_reaches(e, receiver, face, normal, sides)
+                          ? mcv_emitter_importance(e, receiver)
+                          : -1.0f;
+        if (promises[i] < 0.0f) continue;
+        sum += promises[i];
+        reaching += 1.0f;
+    }
+    *selection = mcv_make_light_selection(sum, reaching);
+    uint chosen = MCV_NONE;
+    float before = 0.0f;
+    for (uint i = 0; i < world.frame->emitter_count && (chosen == MCV_NONE || before <= xi); ++i) {
+        if (promises[i] < 0.0f) continue;
+        before += mcv_fma(promises[i], selection->scale, selection->least);
+        chosen = i;
+    }
+    return chosen;
+}
+
+/* How much more often than at large, where its chance is e->probability, such a receiver chooses an
+ * emitter. */
+MCV_LOOP_FUNCTION float mcv_selection_ratio(__global const mcv_device_emitter *e, mcv_vec3 receiver,
+                                            mcv_light_selection selection) {
+    return mcv_fma(mcv_emitter_importance(e, receiver), selection.scale, selection.least) /
+           e->probability;
+}
+
+#endif
+
+#endif

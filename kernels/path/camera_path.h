@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The state of a path between stages, a structure of arrays: word f of the path in slot i of a
+ * slice lies at base[f capacity + i]. One list gives the layout on the device and, through
+ * mcv_path_words, the allocation on the host. What a path needs where it ends lies side by side
+ * (kernels/schedule/terminate_paths.h).
+ *
+ * The tile schedule (MCV_TILE) keeps a slice in the work-item's private memory and moves the paths
+ * that go on together, so that all its loops run over neighbouring slots. What it works out for a
+ * whole slice at once has fields of its own.
+ */
+#ifndef MCVISI_KERNELS_PATH_H
+#define MCVISI_KERNELS_PATH_H
+
+#include "mcvisi/dialect.h"
+
+#ifndef MCV_TILE
+#define MCV_TILE 0
+#endif
+
+/* Whether the origins of the rays that go on are worked out for many paths at once, after all else.
+ */
+#define MCV_LEAVES_TOGETHER (MCV_TILE && !MCV_WITH_CONTACT && !MCV_WITH_MIXED)
+
+/* A sample's path splits at the first surfaces of glass, sheets and beam splitters that it meets,
+ * so that it has at most so many branches: a power of two. */
+#define MCV_BRANCHES (MCV_WITH_SPLIT ? 4 : 1)
+
+/* X(field, words): what a scene does not need has no words. Those before the hit go on with the
+ * path to its next surface. */
+#define MCV_PATH_FIELDS(X) \
+    X(origin_surface, MCV_WITH_SURFACES) /* the exact surface that the ray starts on \
+                                            (mcvisi/surfaces/solid.h), or MCV_NONE */ \
+    X(stream, 1)                         /* of random numbers: pixel, replicate, seed */ \
+    X(sample, 1) \
+    X(origin_low, 3 * MCV_WITH_MIXED) /* what rounding leaves of the ray (geometry/precise.h) */ \
+    X(direction_low, 3 * MCV_WITH_MIXED) \
+    X(origin, 3)              /* of the current ray [m] */ \
+    X(direction, 3)           /* unit */ \
+    X(weight, 1)              /* of the sensor's ray; 0: the path is not begun */ \
+    X(radiance, MCV_CHANNELS) /* found so far, L/n² */ \
+    X(branch, MCV_WITH_SPLIT) /* 0 … MCV_BRANCHES - 1: how often the path has split; a branch k: \
+                                 MCV_BRANCHES + k, splits no more */ \
+    X(value, MCV_TILE)        /* of the path in its slice */ \
+    X(throughput, MCV_CHANNELS) /* product of reflectances, transmittances … since the sensor */ \
+    X(media, MCV_WITH_DIELECTRIC)   /* set of the media the ray is in */ \
+    X(density, MCV_WITH_NEXT_EVENT) /* with which the last surface chose the direction [1/sr]; 0: \
+                                       it is smooth */ \
+    X(selection, \
+      2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* emitters' chances at the last surface that \
+                                                   spread light (kernels/light/selection.h) */ \
+    X(path_class, MCV_WITH_LIGHT_TRACING)       /* MCV_TRAIL_… */ \
+    X(footprint, MCV_WITH_LIGHT_TRACING) /* of the pixel at the first diffuse surface [m²] */ \
+    X(hit, 4)                            /* t, u, v, triangle */ \
+    X(drawn, 6 * MCV_TILE)               /* the surface's pairs of random numbers */ \
+    X(point, 3 * MCV_TILE)               /* of the surface, as in mcv_surface */ \
+    X(error, 3 * MCV_TILE) \
+    X(area, MCV_TILE) \
+    X(instance, MCV_TILE) \
+    X(own_normal, \
+      3 * MCV_TILE * MCV_WITH_NORMALS) /* the surface's; the face's where meshes have no others */ \
+    X(inside, MCV_TILE)                /* and how the ray sees it, as in mcv_interaction */ \
+    X(face, 3 * MCV_TILE) \
+    X(normal, 3 * MCV_TILE) \
+    X(gloss_known, MCV_TILE *MCV_WITH_GLOSS) \
+    X(branch_state, (5 + MCV_CHANNELS) * MCV_TILE * \
+                        MCV_WITH_SPLIT) /* direction, media, density and throughput of a branch */ \
+    X(reflectance, MCV_CHANNELS *MCV_TILE) /* of a plain diffuse surface */ \
+    X(bounce, 4 * MCV_TILE) /* the direction in which the surface reflects if it is diffuse, and \
+                               its density */ \
+    X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path looks for, or MCV_NONE */ \
+    X(place, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT * \
+                 MCV_WITH_TEXTURE)                   /* and where there (triangle, u, v) */ \
+    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT) /* as in mcv_shadow */ \
+    X(selection_here, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* at this surface */ \
+    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)                   /* ray to the emitter */ \
+    X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
+    X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS \
+                        *MCV_WITH_DIELECTRIC) /* that it leaves the surface in */ \
+    X(shadow_origin_surface, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
+    X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing \
+                                             before t = 1; MCV_SKY: nothing at all */ \
+    X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */ \
+    X(sensor_ray, \
+      (2 + 3 * MCV_WITH_SHEET) * MCV_TILE * \
+          MCV_WITH_LIGHT_TRACING) /* light paths: where on the film, and on the lens */
+
+/*
+ * What a camera path has met; diffuse is what is `wide`. Light paths bring the light of their
+ * emitters that comes from smooth and `sharp` surfaces to a diffuse one, wherever the sensor sees a
+ * diffuse one directly or through a sheet or beam splitter: a path that began so shares that light
+ * with them (mcv_light_share), and finds it by chance only. Where the sensor sees a glossy surface
+ * first this looks where the light may come from; a place on the lens would seldom lie in its
+ * highlights.
+ */
+enum {
+    MCV_PATH_CLASS_STRAIGHT, /* nothing but what passes light straight on */
+    MCV_PATH_CLASS_OTHER,    /* first of all another smooth surface, or a glossy one */
+    MCV_PATH_CLASS_DIFFUSE,  /* first a diffuse surface; the last one, too */
+    MCV_PATH_CLASS_GLOSSY, /* first a diffuse surface; the last one that spreads light is glossy */
+    MCV_PATH_CLASS_CARRIED /* first a diffuse surface; then, too, but for smooth and sharp ones
+                              since */
+};
+
+#if MCV_ON_DEVICE
+
+#define MCV_PATH_OFFSET(field, words) \
+    MCV_PATH_##field, MCV_PATH_AFTER_##field = MCV_PATH_##field + (words)-1,
+enum { MCV_PATH_FIELDS(MCV_PATH_OFFSET) MCV_PATH_WORDS };
+
+#if MCV_TILE
+#define MCV_PATH_SPACE __private
+#define MCV_SLOTS (MCV_SLICE * MCV_BRANCHES)
+#define MCV_ROW \
+    (MCV_SLOTS + 16) /* words: rows of powers of two would get into each other's way in the cache \
+                      */
+#define MCV_CAPACITY(slot) ((uint)MCV_ROW)
+#else
+#define MCV_PATH_SPACE __global
+#define MCV_CAPACITY(slot) (slot).capacity
+#endif
+
+struct mcv_gloss_interaction;
+
+/* A path's place: slot `index` of a slice of `capacity` paths. */
+typedef struct mcv_slot {
+    MCV_PATH_SPACE uint *base;
+#if !MCV_TILE
+    uint capacity;
+#elif MCV_WITH_GLOSS
+    struct mcv_gloss_interaction *glosses; /* of each slot (bsdf/bsdf.h) */
+#endif
+    uint index;
+} mcv_slot;
+
+#define MCV_WORD(slot, field, k) \
+    (slot).base[((uint)MCV_PATH_##field + (uint)(k)) * MCV_CAPACITY(slot) + (slot).index]
+#define MCV_LOAD(slot, field, k) as_float(MCV_WORD(slot, field, k))
+#define MCV_STORE(slot, field, k, value) (MCV_WORD(slot, field, k) = as_uint(value))
+#define MCV_LOAD_3(slot, field) \
+    mcv_vec(MCV_LOAD(slot, field, 0), MCV_LOAD(slot, field, 1), MCV_LOAD(slot, field, 2))
+#define MCV_STORE_3(slot, field, value) \
+    do { \
+        MCV_STORE(slot, field, 0, (value).x); \
+        MCV_STORE(slot, field, 1, (value).y); \
+        MCV_STORE(slot, field, 2, (value).z); \
+    } while (0)
+#define MCV_LOAD_COLOR(slot, field, color) \
+    MCV_EACH_CHANNEL(channel)(color).c[channel] = MCV_LOAD(slot, field, channel)
+#define MCV_STORE_COLOR(slot, field, color) \
+    MCV_EACH_CHANNEL(channel) MCV_STORE(slot, field, channel, (color).c[channel])
+
+/* The set of the media that its ray is in. */
+MCV_FUNCTION uint mcv_path_media(mcv_slot slot) {
+#if MCV_WITH_DIELECTRIC
+    return MCV_WORD(slot, media, 0);
+#else
+    (void)slot;
+    return 0u;
+#endif
+}
+
+/* With which its last surface chose the direction, as far as anything is weighed against that. */
+MCV_FUNCTION float mcv_path_density(mcv_slot slot) {
+#if MCV_WITH_NEXT_EVENT
+    return MCV_LOAD(slot, density, 0);
+#else
+    (void)slot;
+    return 0.0f;
+#endif
+}
+
+/* Which of its sample's branches a path is. */
+MCV_FUNCTION uint mcv_branch_of(mcv_slot slot) {
+#if MCV_WITH_SPLIT
+    const uint branch = MCV_WORD(slot, branch, 0);
+    return branch < MCV_BRANCHES ? 0u : branch - MCV_BRANCHES;
+#else
+    (void)slot;
+    return 0u;
+#endif
+}
+
+#endif
+
+#endif

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Which sample a path is, and with it all its random numbers. */
+#ifndef MCVISI_KERNELS_IDENTITY_H
+#define MCVISI_KERNELS_IDENTITY_H
+
+#include "path/camera_path.h"
+#include "path/sampler.h"
+#include "world.h"
+
+/*
+ * Surfaces that a path meets before roulette may end it, and what it carries if it need not survive
+ * that: a smaller weight would cost time, a larger one makes noise. Where surfaces look for all
+ * light, what is left after the first ones is little beside that, and its rays cost most in meshes;
+ * light that is only met by chance, from all sides or through glass, needs the paths.
+ */
+#if MCV_WITH_EARLY_ROULETTE
+#define MCV_ROULETTE_DEPTH 2u
+#define MCV_ROULETTE_WEIGHT 0.5f
+#else
+#define MCV_ROULETTE_DEPTH 4u
+#define MCV_ROULETTE_WEIGHT 0.125f
+#endif
+
+/* Which sample of which pixel a path is. */
+typedef struct mcv_identity {
+    uint column, row;
+    uint stream; /* of random numbers: pixel, replicate, seed */
+    uint sample;
+} mcv_identity;
+
+/* Pixels are numbered as listed or tile by tile, 8 x 8 each; those of a tile that stick out of the
+ * image have no paths. */
+MCV_FUNCTION mcv_identity mcv_identify(mcv_world world, uint path) {
+    __constant const mcv_frame *frame = world.frame;
+    mcv_identity id;
+    const uint set = frame->first_set + (path >> frame->log2_samples);
+    const uint pixel = set / frame->replicates;
+    const uint tiles = (frame->width + 7u) / 8u;
+    const uint tile = pixel >> 6;
+    if (frame->listed) {
+        id.column = world.listed[pixel] % frame->width;
+        id.row = world.listed[pixel] / frame->width;
+    } else {
+        id.column = tile % tiles * 8u + (pixel & 7u);
+        id.row = tile / tiles * 8u + ((pixel >> 3) & 7u);
+    }
+    id.stream = mcv_hash_2(
+        mcv_hash_2(frame->seed, frame->first_pixel + id.row * frame->row_pitch + id.column),
+        set % frame->replicates);
+    id.sample = frame->first_sample + (path & ((1u << frame->log2_samples) - 1u));
+    return id;
+}
+
+/* Is the pair that chooses among emitters, lobes and going on needed? */
+MCV_FUNCTION int mcv_needs_choice(__constant const mcv_frame *frame, uint depth) {
+    return MCV_WITH_GLOSS || MCV_WITH_RETROREFLECTOR || MCV_WITH_TRANSLUCENT ||
+           depth >= MCV_ROULETTE_DEPTH || frame->emitter_count > 1u;
+}
+
+/* A pair of random numbers of the surface that a path has met. */
+MCV_LOOP_FUNCTION mcv_pair mcv_draw(mcv_slot slot, uint depth, uint pair) {
+#if MCV_TILE
+    const mcv_pair drawn = {MCV_LOAD(slot, drawn, 2u * pair),
+                            MCV_LOAD(slot, drawn, 2u * pair + 1u)};
+    (void)depth;
+    return drawn;
+#else
+    return mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0),
+                           MCV_SURFACE_PAIR(depth, pair));
+#endif
+}
+
+/*
+ * The pair that chooses a lobe and plays roulette; any numbers where a surface needs none. Its
+ * first number has chosen an emitter, too, which is another estimate.
+ */
+MCV_LOOP_FUNCTION mcv_pair mcv_draw_choice(mcv_slot slot, uint depth) {
+#if !MCV_TILE && !(MCV_WITH_GLOSS || MCV_WITH_RETROREFLECTOR || MCV_WITH_TRANSLUCENT)
+    const mcv_pair unused = {0.0f, 0.0f};
+    if (depth < MCV_ROULETTE_DEPTH) return unused;
+#endif
+    return mcv_draw(slot, depth, MCV_PAIR_CHOICE);
+}
+
+#endif

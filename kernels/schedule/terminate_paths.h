@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Where the tile schedule's paths end. Those that have met nothing, or a surface that absorbs all
+ * light, are set apart before all else is done with the others: for them this is what
+ * mcv_shade_miss and mcv_shade_surface do for one path, to the last bit.
+ */
+#ifndef MCVISI_KERNELS_END_PATHS_H
+#define MCVISI_KERNELS_END_PATHS_H
+
+/* The path has ended: its value waits for the others of its pixel. Returns how many are not finite.
+ */
+MCV_LOOP_FUNCTION uint mcv_terminate_path(mcv_world world, mcv_slot slot, float *values) {
+    const uint place = mcv_branch_of(slot) * MCV_SLICE + MCV_WORD(slot, value, 0);
+    uint nonfinite = 0;
+    MCV_EACH_CHANNEL(c)
+    values[c * MCV_SLOTS + place] = mcv_path_value(world, slot, (uint)c, &nonfinite);
+    return nonfinite;
+}
+
+/* The listed paths have ended. */
+static __attribute__((noinline)) uint
+mcv_terminate_paths(mcv_world world, uint *paths, const uint *listed, uint count, float *values) {
+    uint nonfinite = 0;
+    mcv_slot slot;
+    slot.base = paths;
+    MCV_VECTORIZE
+    for (uint i = 0; i < count; ++i) {
+        slot.index = listed[i];
+        nonfinite += mcv_terminate_path(world, slot, values);
+    }
+    return nonfinite;
+}
+
+/* Of the paths of a kind the rows first … last - 1, side by side in `apart`; returns how many paths
+ * there are. */
+static __attribute__((noinline)) uint mcv_set_apart(const uint *paths, const uint *classes,
+                                                    uint kind, uint count, uint first, uint last,
+                                                    uint *apart) {
+    uint flags[MCV_SLOTS], found = 0;
+    MCV_VECTORIZE
+    for (uint i = 0; i < count; ++i) {
+        flags[i] = classes[i] == kind;
+        found += flags[i];
+    }
+    if (found > 0)
+        mcv_compact_rows(flags, paths + first * MCV_ROW, last - first, MCV_ROW, count,
+                         apart + first * MCV_ROW);
+    return found;
+}
+
+/* The rows that matter to a path that leaves the scene. */
+#if MCV_WITH_ENVIRONMENT_IMAGE || MCV_WITH_DISPERSION
+#define MCV_LEAVES_BEGIN MCV_PATH_origin
+#define MCV_LEAVES_END (MCV_PATH_hit + 4)
+#else
+#define MCV_LEAVES_BEGIN MCV_PATH_weight
+#define MCV_LEAVES_END (MCV_WITH_ENVIRONMENT ? MCV_PATH_density : MCV_PATH_throughput)
+#endif
+
+/* Those of the paths end that have met nothing. */
+static __attribute__((noinline)) uint mcv_shade_misses(mcv_world world, uint *apart, uint count,
+                                                       float *values) {
+    uint nonfinite = 0;
+    mcv_slot slot;
+    slot.base = apart;
+#if !MCV_WITH_ENVIRONMENT_IMAGE
+    MCV_VECTORIZE
+#endif
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        mcv_shade_miss(world, slot);
+        nonfinite += mcv_terminate_path(world, slot, values);
+    }
+    return nonfinite;
+}
+
+#if MCV_WITH_PARALLEL || MCV_WITH_AREA
+#if MCV_WITH_RECTANGLE
+#define MCV_TWO_FACETS mcv_facets
+#else
+#define MCV_TWO_FACETS uint
+#endif
+
+/* The paths have met a lamp. `two`: the triangles of a rectangle, else NULL; `chosen`: whether
+ * their directions may have been chosen where the lamp was looked for, too. Both are known to the
+ * compiler. */
+MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint count, uint emitter,
+                                           const MCV_TWO_FACETS *two, int chosen,
+                                           const float *shares, float *values) {
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    uint nonfinite = 0;
+    mcv_slot slot;
+    slot.base = apart;
+    (void)two, (void)chosen, (void)shares;
+    MCV_VECTORIZE_MASKED
+    for (uint i = 0; i < count; ++i) {
+        slot.index = i;
+        const uint triangle = MCV_WORD(slot, hit, 3);
+        const mcv_vec3 direction = MCV_LOAD_3(slot, direction);
+        mcv_facet facet;
+#if MCV_WITH_RECTANGLE
+        const int first = two && triangle == two->first.triangle;
+        if (two)
+            facet = mcv_choose_facet(first, two);
+        else
+#endif
+            facet = mcv_facet_of(world, triangle);
+        const mcv_surface there =
+            mcv_surface_on(facet, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
+        const int shines = mcv_shines(e, there.face, there.normal, mcv_scale(direction, -1.0f));
+        mcv_emitter_hit met;
+        met.emitter = emitter;
+        met.other = 0.0f;
+        met.share = shares[i];
+        MCV_EACH_CHANNEL(c) {
+            const float full = e->radiance[c];
+            met.radiance.c[c] = shines ? full : 0.0f;
+        }
+#if MCV_WITH_NEXT_EVENT
+        float share;
+#if MCV_WITH_RECTANGLE
+        if (two)
+            share = first ? two->first_share : two->second_share;
+        else
+#endif
+            share = mcv_triangle_share(world, e, triangle);
+        const float distance = MCV_LOAD(slot, hit, 0);
+        const mcv_vec3 receiver = mcv_along(there.point, -distance, direction);
+        if (chosen)
+            met.other =
+                mcv_density_towards(e, two != 0, share, receiver, there, direction, distance);
+#endif
+#if MCV_WITH_DISPERSION
+        mcv_color throughput;
+        MCV_LOAD_COLOR(slot, throughput, throughput);
+        mcv_add_emission(mcv_in_channel(world, mcv_kept_channel(throughput)), slot, &met);
+#else
+        mcv_add_emission(world, slot, &met);
+#endif
+        nonfinite += mcv_terminate_path(world, slot, values);
+    }
+    return nonfinite;
+}
+
+#if MCV_WITH_LIGHT_TRACING
+/* mcv_camera_share */
+static __attribute__((noinline)) void mcv_share_lamp(mcv_world world, uint *apart, uint count,
+                                                     uint emitter, float *shares) {
+    mcv_slot slot;
+    slot.base = apart;
+    for (slot.index = 0; slot.index < count; ++slot.index) {
+        const mcv_hit hit = {MCV_LOAD(slot, hit, 0), MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2),
+                             MCV_WORD(slot, hit, 3)};
+        if (MCV_WORD(slot, path_class, 0) != MCV_PATH_CLASS_CARRIED) continue;
+        const mcv_vec3 direction = MCV_LOAD_3(slot, direction);
+        const mcv_interaction interaction =
+            mcv_meet_at(mcv_surface_at(world, hit.triangle, hit.u, hit.v), direction);
+        shares[slot.index] = mcv_camera_share(world, slot, interaction, emitter);
+    }
+}
+#endif
+
+/* The paths end, which have met a lamp. */
+static __attribute__((noinline)) uint mcv_terminate_at_lamp(mcv_world world, uint *apart,
+                                                            uint count, uint emitter, int chosen,
+                                                            float *values) {
+    float shares[MCV_SLOTS];
+    for (uint i = 0; i < count; ++i) shares[i] = 1.0f;
+#if MCV_WITH_LIGHT_TRACING
+    if (chosen) mcv_share_lamp(world, apart, count, emitter, shares);
+#endif
+#if MCV_WITH_RECTANGLE
+    if (mcv_is_rectangle(world.emitters + emitter)) {
+        const mcv_facets two = mcv_facets_of(world, world.emitters + emitter);
+        return chosen ? mcv_shade_lamp_hits(world, apart, count, emitter, &two, 1, shares, values)
+                      : mcv_shade_lamp_hits(world, apart, count, emitter, &two, 0, shares, values);
+    }
+#endif
+    return chosen ? mcv_shade_lamp_hits(world, apart, count, emitter, 0, 1, shares, values)
+                  : mcv_shade_lamp_hits(world, apart, count, emitter, 0, 0, shares, values);
+}
+#endif
+
+/* Those of the paths end that have met nothing or what absorbs all light, whose kind is then that
+ * of nothing, too. Returns how many values are not finite. */
+static __attribute__((noinline)) uint mcv_terminate_early(mcv_world world, uint *paths,
+                                                          uint *classes, uint count, uint depth,
+                                                          float *values) {
+    uint apart[(MCV_PATH_hit + 4) * MCV_ROW], flags[MCV_SLOTS], ended[MCV_SLOTS], black = 0;
+    uint ending = mcv_set_apart(paths, classes, MCV_CLASS_MISS, count, MCV_LEAVES_BEGIN,
+                                MCV_LEAVES_END, apart);
+    uint nonfinite = mcv_shade_misses(world, apart, ending, values);
+    (void)depth;
+    MCV_VECTORIZE
+    for (uint i = 0; i < count; ++i) black += classes[i] >= MCV_CLASS_BLACK;
+    if (black == 0) return nonfinite;
+    MCV_VECTORIZE
+    for (uint i = 0; i < count; ++i) flags[i] = classes[i] == MCV_CLASS_BLACK;
+    nonfinite +=
+        mcv_terminate_paths(world, paths, ended, mcv_compact_indices(flags, count, ended), values);
+#if MCV_WITH_PARALLEL || MCV_WITH_AREA
+    const uint lamps =
+        world.frame->emitter_count > MCV_MOST_LAMPS ? 0u : world.frame->emitter_count;
+    for (uint emitter = 0; emitter < lamps; ++emitter) {
+        ending = mcv_set_apart(paths, classes, MCV_CLASS_BLACK + 1u + emitter, count,
+                               MCV_PATH_origin, MCV_PATH_hit + 4, apart);
+        if (ending > 0)
+            nonfinite += mcv_terminate_at_lamp(world, apart, ending, emitter, depth > 0, values);
+    }
+#endif
+    MCV_VECTORIZE
+    for (uint i = 0; i < count; ++i)
+        classes[i] = classes[i] >= MCV_CLASS_BLACK ? (uint)MCV_CLASS_MISS : classes[i];
+    return nonfinite;
+}
+
+#endif

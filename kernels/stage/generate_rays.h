@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage: begins a path at the sensor. writes ray, weight, throughput 1, radiance 0, media, stream,
+ * sample */
+#include "path/identity.h"
+#include "path/camera_path.h"
+#include "path/sensor_ray.h"
+
+/* 1 if the path has begun. */
+MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_identity id) {
+    const int on_film = id.column < world.frame->width && id.row < world.frame->height;
+    const mcv_pair inside = mcv_sample_pair(id.stream, id.sample, MCV_PAIR_PIXEL);
+    const mcv_pair aperture = mcv_sample_pair(id.stream, id.sample, MCV_PAIR_APERTURE);
+    mcv_film_sample film;
+    film.column = on_film ? id.column : 0u;
+    film.row = on_film ? id.row : 0u;
+    film.x = inside.x;
+    film.y = inside.y;
+#if MCV_WITH_AIM
+    const mcv_sensor_ray sensor_ray = mcv_guided_sensor_ray(world, film, aperture);
+#else
+    const mcv_sensor_ray sensor_ray = mcv_sensor_sample(world.sensor, film, aperture.x, aperture.y);
+#endif
+    const float weight = on_film ? sensor_ray.weight : 0.0f;
+    MCV_STORE(slot, weight, 0, weight);
+    MCV_EACH_CHANNEL(i) {
+        MCV_STORE(slot, throughput, i, 1.0f);
+        MCV_STORE(slot, radiance, i, 0.0f);
+    }
+
+#if MCV_WITH_DISPERSION
+    /* A sensor within glass may look into that glass before it meets any. */
+    if (world.frame->initial_media != 0u) {
+        float chance;
+        const uint kept = mcv_choose_channel(
+            mcv_grey(1.0f), mcv_sample_pair(id.stream, id.sample, MCV_PAIR_CHANNEL).x, &chance);
+        const mcv_color throughput = mcv_keep_channel(mcv_grey(1.0f), kept, chance);
+        MCV_STORE_COLOR(slot, throughput, throughput);
+    }
+#endif
+
+#if MCV_WITH_MIXED
+    const mcv_precise_ray precise = mcv_place_sensor_ray_precisely(world.frame, sensor_ray);
+    const mcv_vec3 origin = mcv_narrow(precise.origin);
+    const mcv_vec3 direction = mcv_narrow(precise.direction);
+    MCV_STORE_3(slot, origin, origin);
+    MCV_STORE_3(slot, direction, direction);
+    MCV_STORE_3(slot, origin_low, mcv_rest(precise.origin, origin));
+    MCV_STORE_3(slot, direction_low, mcv_rest(precise.direction, direction));
+#else
+    const mcv_ray ray = mcv_place_sensor_ray(world.frame, sensor_ray);
+    MCV_STORE_3(slot, origin, ray.origin);
+    MCV_STORE_3(slot, direction, ray.direction);
+#endif
+#if MCV_WITH_DIELECTRIC
+    MCV_WORD(slot, media, 0) = world.frame->initial_media;
+#endif
+#if MCV_WITH_SURFACES
+    MCV_WORD(slot, origin_surface, 0) = MCV_NONE;
+#endif
+#if MCV_WITH_NEXT_EVENT
+    MCV_STORE(slot, density, 0, 0.0f);
+#endif
+#if MCV_WITH_LIGHT_TRACING
+    MCV_WORD(slot, path_class, 0) = MCV_PATH_CLASS_STRAIGHT;
+#endif
+#if MCV_WITH_SPLIT
+    MCV_WORD(slot, branch, 0) = 0u;
+#endif
+    MCV_WORD(slot, stream, 0) = id.stream;
+    MCV_WORD(slot, sample, 0) = id.sample;
+    return weight > 0.0f;
+}

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Stage, once per sensor: finds for each pixel which rays of sight run into the narrow cone of a
+ * parallel emitter, directly or through smooth surfaces. Of the angles q between emitter and ray
+ * (sines, about the emitter's axis) first-order optics says how they change with the point p of the
+ * pupil and the place s in the pixel: q = q0 + A (p - p0) + B s. Newton's method finds the centre,
+ * q = 0; the cone |q| <= sin β is an ellipse about it. Only how fast an image converges depends on
+ * it, not what it shows. writes aims
+ */
+#include "traverse/closest.h"
+#include "bsdf/bsdf.h"
+#include "path/sensor_ray.h"
+
+/* Rays are compared this far apart in the pupil, in its radii: wide against rounding, and facets of
+ * a lens; narrow against aberrations. */
+#define MCV_AIM_STEP 0.0625f
+/* The ellipse is this much larger than to first order. */
+#define MCV_AIM_MARGIN 1.25f
+
+/* A ray of sight that ends on a parallel emitter's front. */
+typedef struct mcv_aimed {
+    float q_x, q_y;
+    uint emitter; /* MCV_NONE: it ends elsewhere */
+} mcv_aimed;
+
+/* Follows a ray of sight, always refracted where that is possible. */
+static mcv_aimed mcv_follow(mcv_world world, mcv_film_sample film, float p_x, float p_y) {
+    const mcv_pair always_refract = {1.0f, 0.0f};
+    const mcv_ray begun =
+        mcv_place_sensor_ray(world.frame, mcv_sensor_through(world.sensor, film, p_x, p_y));
+    mcv_vec3 origin = begun.origin;
+    mcv_vec3 direction = begun.direction;
+    uint media = world.frame->initial_media;
+    uint origin_surface = MCV_NONE;
+    mcv_aimed aimed;
+    aimed.q_x = aimed.q_y = 0.0f;
+    aimed.emitter = MCV_NONE;
+    for (uint depth = 0; depth < world.frame->depth; ++depth) {
+        uint unmatched = 0;
+        const mcv_hit hit = mcv_closest(world, origin, direction, origin_surface);
+        if (hit.triangle == MCV_NONE) return aimed;
+        const mcv_interaction interaction = mcv_meet(world, origin, direction, hit);
+        const uint emitter = world.instances[interaction.surface.instance].emitter;
+        if (emitter != MCV_NONE) {
+            __global const mcv_device_emitter *e = world.emitters + emitter;
+            if (interaction.inside || e->type != MCV_EMITTER_PARALLEL || !e->parallel.from_receiver)
+                return aimed;
+            mcv_vec3 x, y;
+            mcv_basis(mcv_vec(e->parallel.axis[0], e->parallel.axis[1], e->parallel.axis[2]), &x,
+                      &y);
+            aimed.q_x = mcv_dot(direction, x);
+            aimed.q_y = mcv_dot(direction, y);
+            aimed.emitter = emitter;
+            return aimed;
+        }
+        mcv_scattering other;
+        const mcv_scattering on =
+            mcv_scatter(world, interaction, media, always_refract, 1.0f, 0, &unmatched, &other);
+        if (on.event == MCV_EVENT_END) return aimed;
+        origin = mcv_onward_origin(interaction, on.direction);
+        direction = on.direction;
+#if MCV_WITH_SURFACES
+        origin_surface = mcv_origin_surface_of(world, interaction, direction);
+#endif
+        media = on.media;
+    }
+    return aimed;
+}
+
+/* How the angles change from the one ray to the other, per `step`. 0 if they end on different
+ * emitters. */
+static int mcv_angle_change(mcv_aimed from, mcv_aimed to, float step, float *change_x,
+                            float *change_y) {
+    *change_x = (to.q_x - from.q_x) / step;
+    *change_y = (to.q_y - from.q_y) / step;
+    return to.emitter == from.emitter;
+}
+
+/* 0 if no first-order optics is found from the point p of the pupil. */
+static int mcv_aim_from(mcv_world world, mcv_film_sample film, float p_x, float p_y,
+                        __global mcv_device_pupil_guide *aim) {
+    mcv_aimed at = mcv_follow(world, film, p_x, p_y);
+    float c_x = 0.0f, c_y = 0.0f;                 /* centre */
+    float i_xx = 0, i_xy = 0, i_yx = 0, i_yy = 0; /* inverse of A */
+    int found = 0;
+    for (int turn = 0; turn < 4 && at.emitter != MCV_NONE; ++turn) {
+        /* Towards the middle of the pupil: the neighbours lie in it, too. */
+        const float step_x = p_x > 0.0f ? -MCV_AIM_STEP : MCV_AIM_STEP;
+        const float step_y = p_y > 0.0f ? -MCV_AIM_STEP : MCV_AIM_STEP;
+        float a_xx, a_xy, a_yx, a_yy;
+        if (!mcv_angle_change(at, mcv_follow(world, film, p_x + step_x, p_y), step_x, &a_xx, &a_yx))
+            break;
+        if (!mcv_angle_change(at, mcv_follow(world, film, p_x, p_y + step_y), step_y, &a_xy, &a_yy))
+            break;
+        const float determinant = mcv_difference_of_products(a_xx, a_yy, a_xy, a_yx);
+        i_xx = a_yy / determinant;
+        i_xy = -a_xy / determinant;
+        i_yx = -a_yx / determinant;
+        i_yy = a_xx / determinant;
+        c_x = p_x - mcv_fma(i_xx, at.q_x, i_xy * at.q_y);
+        c_y = p_y - mcv_fma(i_yx, at.q_x, i_yy * at.q_y);
+        const float distance = mcv_sqrt(mcv_fma(c_x, c_x, c_y * c_y));
+        /* Rays that leave all points of the pupil in parallel have no centre. */
+        if (!(distance < INFINITY)) break;
+        found = 1;
+        const float onto = distance > 1.0f ? 1.0f / distance : 1.0f;
+        const float moved = mcv_abs(c_x * onto - p_x) + mcv_abs(c_y * onto - p_y);
+        const mcv_aimed next = mcv_follow(world, film, c_x * onto, c_y * onto);
+        if (next.emitter != at.emitter) break;
+        p_x = c_x * onto;
+        p_y = c_y * onto;
+        at = next;
+        if (moved < MCV_AIM_STEP) break;
+    }
+    if (!found) return 0;
+
+    __global const mcv_parallel *cone = &world.emitters[at.emitter].parallel;
+    const float sine =
+        2.0f * cone->sin_half * mcv_sqrt(mcv_fma(-cone->sin_half, cone->sin_half, 1.0f));
+    const float size = MCV_AIM_MARGIN * sine;
+    mcv_film_sample across = film;
+    mcv_film_sample down = film;
+    float b_xx, b_xy, b_yx, b_yy;
+    across.x = 1.0f;
+    down.y = 1.0f;
+    if (!mcv_angle_change(at, mcv_follow(world, across, p_x, p_y), 0.5f, &b_xx, &b_yx))
+        b_xx = b_yx = 0.0f;
+    if (!mcv_angle_change(at, mcv_follow(world, down, p_x, p_y), 0.5f, &b_xy, &b_yy))
+        b_xy = b_yy = 0.0f;
+    aim->centre[0] = c_x;
+    aim->centre[1] = c_y;
+    aim->shift[0] = -mcv_fma(i_xx, b_xx, i_xy * b_yx);
+    aim->shift[1] = -mcv_fma(i_xx, b_xy, i_xy * b_yy);
+    aim->shift[2] = -mcv_fma(i_yx, b_xx, i_yy * b_yx);
+    aim->shift[3] = -mcv_fma(i_yx, b_xy, i_yy * b_yy);
+    aim->spread[0] = size * i_xx;
+    aim->spread[1] = size * i_xy;
+    aim->spread[2] = size * i_yx;
+    aim->spread[3] = size * i_yy;
+    const float area = mcv_abs(
+        mcv_difference_of_products(aim->spread[0], aim->spread[3], aim->spread[1], aim->spread[2]));
+    const float selection =
+        mcv_sqrt(mcv_fma(c_x, c_x, c_y * c_y)) -
+        (mcv_abs(aim->spread[0]) + mcv_abs(aim->spread[1]) + mcv_abs(aim->spread[2]) +
+         mcv_abs(aim->spread[3]) + mcv_abs(aim->shift[0]) + mcv_abs(aim->shift[1]) +
+         mcv_abs(aim->shift[2]) + mcv_abs(aim->shift[3]));
+    /* An ellipse that fills the pupil, or misses it, is of no use. */
+    aim->advantage =
+        area > 0.0f && area < 0.25f * (MCV_PUPIL_AREA / MCV_PI) && selection < MCV_PUPIL_REACH
+            ? 1.0f / area
+            : 0.0f;
+    return 1;
+}
+
+static void mcv_guide_pupil(mcv_world world, uint pixel, __global mcv_device_pupil_guide *aim) {
+    mcv_film_sample film;
+    film.column = pixel % world.frame->width;
+    film.row = pixel / world.frame->width;
+    film.x = film.y = 0.5f;
+    aim->advantage = 0.0f;
+    /* Where the middle of the pupil sees something else, other places may see the emitter. */
+    if (mcv_aim_from(world, film, 0.0f, 0.0f, aim)) return;
+    for (int i = 0; i < 4; ++i) {
+        if (mcv_aim_from(world, film, i & 1 ? 0.6f : -0.6f, i & 2 ? 0.6f : -0.6f, aim)) return;
+    }
+}

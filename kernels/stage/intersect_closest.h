@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage: finds the first surface on a ray. reads ray -> writes hit, throughput after absorption on
+ * the way */
+#include "path/camera_path.h"
+#include "traverse/closest.h"
+
+#if MCV_WITH_ABSORPTION
+/* What the way to the hit leaves; of a ray that meets nothing t is infinite. */
+MCV_LOOP_FUNCTION void mcv_absorb(mcv_world world, mcv_slot slot) {
+    mcv_color throughput;
+    MCV_LOAD_COLOR(slot, throughput, throughput);
+    throughput = mcv_tint(throughput, mcv_medium_transmittance(world, MCV_WORD(slot, media, 0),
+                                                               MCV_LOAD(slot, hit, 0)));
+    MCV_STORE_COLOR(slot, throughput, throughput);
+}
+#endif
+
+MCV_FUNCTION void mcv_intersect_closest(mcv_world world, mcv_slot slot) {
+    uint origin_surface = MCV_NONE;
+#if MCV_WITH_SURFACES
+    origin_surface = MCV_WORD(slot, origin_surface, 0);
+#endif
+    const mcv_hit hit =
+        mcv_closest(world, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), origin_surface);
+    MCV_STORE(slot, hit, 0, hit.t);
+    MCV_STORE(slot, hit, 1, hit.u);
+    MCV_STORE(slot, hit, 2, hit.v);
+    MCV_WORD(slot, hit, 3) = hit.triangle;
+#if MCV_WITH_ABSORPTION
+    mcv_absorb(world, slot);
+#endif
+}

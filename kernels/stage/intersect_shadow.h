@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage: adds the light of a shadow ray that nothing blocks. reads shadow ray -> writes radiance */
+#include "path/camera_path.h"
+#include "geometry/surface.h"
+#if MCV_WITH_SURFACES
+#include "geometry/solids.h"
+#endif
+
+/* The light of the emitter at the hit arrives, if it is lit; a ray that ends at the emitter's point
+ * has no triangle. */
+MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_hit hit, int lit) {
+    mcv_color light;
+    mcv_color radiance;
+    MCV_LOAD_COLOR(slot, shadow_light, light);
+#if (MCV_WITH_PARALLEL || MCV_WITH_BEAM) && MCV_WITH_TEXTURE
+    /* What comes along a cone's or a beam's direction depends on where it was met. */
+    if (lit && hit.triangle != MCV_NONE) {
+        const mcv_surface there = mcv_surface_at(world, hit.triangle, hit.u, hit.v);
+        const uint texture = world.emitters[world.instances[there.instance].emitter].texture;
+        if (texture != MCV_NONE) light = mcv_tint(light, mcv_texture_at(world, there, texture));
+    }
+#endif
+#if MCV_WITH_ABSORPTION
+    const mcv_vec3 direction = MCV_LOAD_3(slot, shadow_direction);
+#if MCV_WITH_GLOSS
+    const uint media = MCV_WORD(slot, shadow_media, 0);
+#else
+    const uint media = MCV_WORD(slot, media, 0);
+#endif
+    light =
+        mcv_tint(light, mcv_medium_transmittance(world, lit ? media : 0u,
+                                                 hit.t * mcv_sqrt(mcv_dot(direction, direction))));
+#else
+    (void)world, (void)hit;
+#endif
+    MCV_LOAD_COLOR(slot, radiance, radiance);
+    MCV_EACH_CHANNEL(i) radiance.c[i] = lit ? radiance.c[i] + light.c[i] : radiance.c[i];
+    MCV_STORE_COLOR(slot, radiance, radiance);
+}
+
+/* Whether shadow rays may have to meet their emitter. */
+#define MCV_WITH_TARGETS (MCV_WITH_PARALLEL || MCV_WITH_BEAM)
+
+/* A ray without target ends at the emitter's point, t = 1, or nowhere; one with a target must meet
+ * it first. */
+static int mcv_shadow_is_any(mcv_slot slot) { return MCV_WORD(slot, shadow_target, 0) >= MCV_SKY; }
+
+static float mcv_shadow_end(mcv_slot slot) {
+    return MCV_WORD(slot, shadow_target, 0) == MCV_NONE ? 1.0f : INFINITY;
+}
+
+static int mcv_hits_target(mcv_world world, mcv_slot slot, mcv_hit hit) {
+    return hit.triangle != MCV_NONE &&
+           mcv_instance_of(world, hit.triangle) == MCV_WORD(slot, shadow_target, 0);
+}
+
+/* What the shadow ray meets, of triangles (the given hit) and exact surfaces. */
+MCV_FUNCTION mcv_hit mcv_shadow_past_solids(mcv_world world, mcv_slot slot, mcv_hit hit) {
+#if MCV_WITH_SURFACES
+    if (hit.triangle != MCV_NONE && mcv_shadow_is_any(slot)) return hit;
+    hit = mcv_intersect_solids_along(world, MCV_LOAD_3(slot, shadow_origin),
+                                     MCV_LOAD_3(slot, shadow_direction),
+                                     MCV_WORD(slot, shadow_origin_surface, 0), hit);
+#else
+    (void)world, (void)slot;
+#endif
+    return hit;
+}
+
+MCV_FUNCTION void mcv_intersect_shadow(mcv_world world, mcv_slot slot) {
+    const mcv_vec3 origin = MCV_LOAD_3(slot, shadow_origin);
+    const mcv_vec3 direction = MCV_LOAD_3(slot, shadow_direction);
+    if (mcv_shadow_is_any(slot)) {
+        const mcv_hit end = mcv_shadow_past_solids(world, slot, mcv_miss(mcv_shadow_end(slot)));
+        if (end.triangle == MCV_NONE &&
+            !mcv_intersect_any_ray(world.nodes, world.leaves, origin, direction, end.t))
+            mcv_add_shadow_light(world, slot, end, 1);
+    } else {
+        const mcv_hit hit = mcv_shadow_past_solids(
+            world, slot,
+            mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction, INFINITY));
+        if (mcv_hits_target(world, slot, hit)) mcv_add_shadow_light(world, slot, hit, 1);
+    }
+}

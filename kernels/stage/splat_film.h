@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Stage: adds what a light path brings to a pixel, in 64-bit fixed point of two words each:
+ * integers have the same sum in any order. A word that wraps round tells so by its old value, so
+ * that the carry is known without reading the other. Values are rounded at random, up with the
+ * probability of what is cut off: on the average nothing is lost, however small they are.
+ */
+#include "path/sensor_ray.h"
+
+/* cell: of replicate, channel and pixel. 0 if the sum no longer fits. */
+MCV_FUNCTION int mcv_add_splat(__global uint *splats, size_t cell, float units, float xi) {
+    if (!(units < 9.0e18f)) return 0;
+    ulong whole = (ulong)units;
+    if (units < 16777216.0f && xi < units - (float)whole) ++whole;
+    if (whole == 0) return 1;
+    const uint low = (uint)whole;
+    uint high = (uint)(whole >> 32);
+    const uint before = atomic_add(splats + 2 * cell, low);
+    if (before + low < before) ++high;
+    if (high == 0) return 1;
+    const uint above = atomic_add(splats + 2 * cell + 1, high);
+    return above + high >= above;
+}
+
+static void mcv_splat(mcv_world world, __global uint *splats, uint replicate, mcv_film_point place,
+                      mcv_color value, float xi, uint counts[MCV_COUNTER_COUNT]) {
+    const uint width = world.frame->width;
+    const uint height = world.frame->height;
+    if (!(place.column >= 0.0f && place.column < (float)width && place.row >= 0.0f &&
+          place.row < (float)height))
+        return;
+    const size_t pixel = (size_t)(uint)place.row * width + (uint)place.column;
+    for (uint channel = 0; channel < MCV_CHANNELS; ++channel) {
+        const size_t cell = ((size_t)replicate * MCV_CHANNELS + channel) * width * height + pixel;
+        if (!(mcv_abs(value.c[channel]) < INFINITY))
+            ++counts[MCV_COUNTER_nonfinite];
+        else if (!mcv_add_splat(splats, cell, value.c[channel] * world.frame->splat_scale, xi))
+            ++counts[MCV_COUNTER_saturated];
+    }
+}

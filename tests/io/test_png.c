@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <png.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "io/png.h"
+
+static const char PATH[] = "test_png.png";
+
+/* What libpng finds in a file: rows of bytes and the text "White level". */
+typedef struct decoded {
+    uint32_t width, height;
+    int bits, colour;
+    bool srgb;
+    char white[128];
+    uint8_t bytes[4096];
+} decoded;
+
+static decoded decode(void) {
+    decoded d = {0};
+    FILE *file = fopen(PATH, "rb");
+    assert_non_null(file);
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png_create_info_struct(png);
+    png_init_io(png, file);
+    png_read_png(png, info, PNG_TRANSFORM_IDENTITY, NULL);
+    d.width = png_get_image_width(png, info);
+    d.height = png_get_image_height(png, info);
+    d.bits = png_get_bit_depth(png, info);
+    d.colour = png_get_color_type(png, info);
+    int intent;
+    d.srgb = png_get_sRGB(png, info, &intent) != 0;
+    png_textp text;
+    int count = 0;
+    png_get_text(png, info, &text, &count);
+    for (int i = 0; i < count; ++i) {
+        if (strcmp(text[i].key, "White level") == 0)
+            snprintf(d.white, sizeof d.white, "%s", text[i].text);
+    }
+    const size_t stride = png_get_rowbytes(png, info);
+    assert_true(stride * d.height <= sizeof d.bytes);
+    for (uint32_t row = 0; row < d.height; ++row)
+        memcpy(d.bytes + row * stride, png_get_rows(png, info)[row], stride);
+    png_destroy_read_struct(&png, &info, NULL);
+    fclose(file);
+    unlink(PATH);
+    return d;
+}
+
+static void test_grey_preview_is_srgb_with_its_white_level(void **state) {
+    (void)state;
+    /* Linear 0.5 is 187.52 of 255 and 0.002 is 6.59 in sRGB (IEC 61966-2-1), worked out by hand. */
+    float pixels[] = {0, 2, 1, 0.004f, 4, NAN, INFINITY, -1};
+    const mcv_image image = {.width = 4, .height = 2, .channels = 1, .pixels = pixels};
+    const uint8_t expected[] = {0, 255, 188, 7, 255, 0, 255, 0};
+    mcv_preview preview = {.white = 2};
+    mcv_error error = {""};
+    assert_int_equal(mcv_png_write_preview(PATH, &image, "W/(m^2 sr)", &preview, &error), MCV_OK);
+    assert_true(preview.white == 2);
+    assert_true(preview.saturated == 2.0 / 8); /* 4 and infinity */
+    const decoded d = decode();
+    assert_int_equal(d.width, 4);
+    assert_int_equal(d.height, 2);
+    assert_int_equal(d.bits, 8);
+    assert_int_equal(d.colour, PNG_COLOR_TYPE_GRAY);
+    assert_true(d.srgb);
+    assert_string_equal(d.white, "2 W/(m^2 sr)");
+    assert_memory_equal(d.bytes, expected, sizeof expected);
+}
+
+static void test_colour_preview_interleaves_planes(void **state) {
+    (void)state;
+    float pixels[] = {1, 0, /* R */ 0, 1, /* G */ 0, 2 /* B */};
+    const mcv_image image = {.width = 2, .height = 1, .channels = 3, .pixels = pixels};
+    const uint8_t expected[] = {255, 0, 0, 0, 255, 255};
+    mcv_preview preview = {.white = 1};
+    mcv_error error = {""};
+    assert_int_equal(mcv_png_write_preview(PATH, &image, "W/m^2", &preview, &error), MCV_OK);
+    assert_true(preview.saturated == 0.5);
+    const decoded d = decode();
+    assert_int_equal(d.colour, PNG_COLOR_TYPE_RGB);
+    assert_memory_equal(d.bytes, expected, sizeof expected);
+}
+
+static void test_white_level_is_the_quantile(void **state) {
+    (void)state;
+    enum { COUNT = 1001 };
+    float pixels[COUNT];
+    mcv_image image = {.width = COUNT, .height = 1, .channels = 1, .pixels = pixels};
+    /* 0 … 1000 times a step that fills all 32 bits of the float, in mixed order: rank 0.995 x 1000
+     * is 995. */
+    const float step = 1.2345678e-3f;
+    for (int i = 0; i < COUNT; ++i) pixels[i] = (float)(i * 389 % COUNT) * step;
+    assert_true(mcv_preview_white(&image) == 995.0f * step);
+    /* Values that are not finite do not count. */
+    for (int i = 0; i < COUNT; ++i) {
+        if (pixels[i] > 995.5f * step) pixels[i] = pixels[i] > 998.5f * step ? NAN : INFINITY;
+    }
+    assert_true(mcv_preview_white(&image) == 990.0f * step); /* 996 are left: floor(0.995 x 995) */
+    /* A spot on black: its brightest value. Black: 1. */
+    for (int i = 0; i < COUNT; ++i) pixels[i] = i < 3 ? 5.0f + (float)i : 0.0f;
+    assert_true(mcv_preview_white(&image) == 7);
+    for (int i = 0; i < COUNT; ++i) pixels[i] = -(float)i;
+    assert_true(mcv_preview_white(&image) == 1);
+    mcv_preview preview = {0};
+    mcv_error error = {""};
+    assert_int_equal(mcv_png_write_preview(PATH, &image, "W/m^2", &preview, &error), MCV_OK);
+    assert_true(preview.white == 1 && preview.saturated == 0);
+    unlink(PATH);
+}
+
+static void test_grey_values_stay_as_they_are(void **state) {
+    (void)state;
+    float values[] = {0, 1, 255, 256, 4095, 65535};
+    mcv_image image = {.width = 3, .height = 2, .channels = 1, .pixels = values};
+    const uint8_t wide[] = {0, 0, 0, 1, 0, 255, 1, 0, 15, 255, 255, 255};
+    const uint8_t narrow[] = {0, 1, 255};
+    const uint8_t colour[] = {0, 0,   0,   255, 255, 255, 0,   1,   1,
+                              0, 255, 255, 0,   255, 15,  255, 255, 255};
+    mcv_error error = {""};
+    assert_int_equal(mcv_png_write_values(PATH, &image, 16, &error), MCV_OK);
+    decoded d = decode();
+    assert_int_equal(d.bits, 16);
+    assert_false(d.srgb);
+    assert_memory_equal(d.bytes, wide, sizeof wide);
+    image.height = 1;
+    assert_int_equal(mcv_png_write_values(PATH, &image, 8, &error), MCV_OK);
+    d = decode();
+    assert_int_equal(d.bits, 8);
+    assert_memory_equal(d.bytes, narrow, sizeof narrow);
+    assert_int_equal(mcv_png_write_values(PATH, &image, 12, &error), MCV_USAGE);
+
+    float planes[] = {0, 1, 255, /* R */ 255, 256, 4095, /* G */ 65535, 65535.4F, 70000 /* B */};
+    image.channels = 3;
+    image.pixels = planes;
+    assert_int_equal(mcv_png_write_values(PATH, &image, 16, &error), MCV_OK);
+    d = decode();
+    assert_int_equal(d.colour, PNG_COLOR_TYPE_RGB);
+    assert_memory_equal(d.bytes, colour, sizeof colour);
+}
+
+static void test_failures_leave_no_file(void **state) {
+    (void)state;
+    float pixels[2] = {0};
+    mcv_image image = {.width = 1, .height = 1, .channels = 2, .pixels = pixels};
+    mcv_preview preview = {0};
+    mcv_error error = {""};
+    assert_int_equal(mcv_png_write_preview(PATH, &image, "W/m^2", &preview, &error), MCV_FAILED);
+    assert_non_null(strstr(error.text, "2 channels"));
+    image.channels = 1;
+    assert_int_equal(mcv_png_write_preview("no/such/folder.png", &image, "W/m^2", &preview, &error),
+                     MCV_BAD_INPUT);
+    assert_non_null(strstr(error.text, "no/such/folder.png"));
+    image.width = 0;
+    assert_int_equal(mcv_png_write_preview(PATH, &image, "W/m^2", &preview, &error), MCV_FAILED);
+    assert_non_null(strstr(error.text, PATH));
+    assert_int_equal(access(PATH, F_OK), -1);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_grey_preview_is_srgb_with_its_white_level),
+        cmocka_unit_test(test_colour_preview_interleaves_planes),
+        cmocka_unit_test(test_white_level_is_the_quantile),
+        cmocka_unit_test(test_grey_values_stay_as_they_are),
+        cmocka_unit_test(test_failures_leave_no_file),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

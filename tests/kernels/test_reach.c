@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Emitters are chosen by what they may bring to a surface: what cannot reach it changes nothing,
+ * not even the noise; what can is found as often as its light is weighed: light adds up.
+ */
+#include "scene_builder.h"
+
+#include "analysis/compare.h"
+#include "render/render.h"
+
+enum { PIXELS = 4, SAMPLES = 2048 };
+
+static void render(const mcv_scene *scene, uint32_t replicates, uint64_t samples, uint32_t seed,
+                   mcv_film *film) {
+    mcv_render_options options = mcv_render_defaults();
+    mcv_render_stats stats;
+    options.replicates = replicates;
+    options.last = samples;
+    options.seed = seed;
+    BUILD(mcv_render(scene, 0, &options, film, &stats, &builder_error));
+}
+
+static void add_lamp(mcv_scene *scene, mcv_transform to_world, double radiance) {
+    add_emitter(scene, MCV_EMITTER_AREA,
+                add_rectangle(scene, 0.5, 0.5, add_absorber(scene), to_world), radiance, 0);
+}
+
+static void add_light(mcv_scene *scene, uint32_t type, mcv_emitter light, mcv_transform to_world) {
+    light.name = (char *)"light";
+    light.type = type;
+    light.instance = light.texture = MCV_NONE;
+    light.to_world = to_world;
+    BUILD(mcv_scene_add_emitter(scene, &light, &builder_error));
+}
+
+/* A spot light of an intensity of 1, and half-angles of its cone. */
+static void add_spot(mcv_scene *scene, double inner, double outer, mcv_transform to_world) {
+    mcv_emitter light = {0};
+    mcv_params_set_defaults(mcv_emitter_table(MCV_EMITTER_SPOT), &light.as);
+    for (int k = 0; k < 3; ++k) light.as.spot.intensity[k] = 1;
+    light.as.spot.innerConeAngle = inner;
+    light.as.spot.outerConeAngle = outer;
+    add_light(scene, MCV_EMITTER_SPOT, light, to_world);
+}
+
+/* None of these reaches the middle of the floor from above. */
+typedef enum unreachable {
+    BELOW,
+    TURNED_AWAY,
+    NARROW_BESIDE,
+    SPOT_ELSEWHERE,
+    BELOW_AND_TILTED,
+    UNREACHABLES
+} unreachable;
+static const char *const unreachable_names[] = {"a lamp below", "a lamp that shines away",
+                                                "a narrow cone beside", "a spot light beside",
+                                                "a tilted lamp below"};
+
+static void add_unreachable(mcv_scene *scene, unreachable what) {
+    const double s = sqrt(0.5);
+    switch (what) {
+    case BELOW:
+        add_lamp(scene, looking_up_z(0, 0, -0.1), 300);
+        return;
+    case TURNED_AWAY:
+        add_lamp(scene, looking_up_z(0.8, 0, 1), 300);
+        return;
+    case NARROW_BESIDE:
+        add_emitter(scene, MCV_EMITTER_PARALLEL,
+                    add_rectangle(scene, 0.5, 0.5, add_absorber(scene), looking_down_z(0.8, 0, 1)),
+                    3e6, 1e-3);
+        return;
+    case SPOT_ELSEWHERE:
+        add_spot(scene, 0.1, 0.2, looking_down_z(0.8, 0, 1));
+        return;
+    default: /* its corners stay 0.1 m below the floor */
+        add_lamp(scene,
+                 looking((const double[]){0, 0, -0.1 - 0.25 * s}, (const double[]){s, 0, s},
+                         (const double[]){0, 1, 0}),
+                 300);
+    }
+}
+
+static mcv_scene *lit_floor(void) {
+    mcv_scene *scene = mcv_scene_new("floor");
+    add_rectangle(scene, 1, 1, add_diffuse(scene, 0.5), looking_up_z(0, 0, 0));
+    add_lamp(scene, looking_down_z(0.2, 0, 1), 3);
+    add_pinhole(scene, PIXELS, 0.1, looking_down_z(0, 0, 0.5));
+    return scene;
+}
+
+/* The same emitter is chosen with the same numbers: what changes is the density's rounding, some
+ * ten times 2^-24. */
+static void test_what_cannot_reach(void **state) {
+    (void)state;
+    for (unreachable what = 0; what < UNREACHABLES; ++what) {
+        mcv_scene *one = lit_floor(), *two = lit_floor();
+        mcv_film alone, both;
+        add_unreachable(two, what);
+        render(one, 4, 16, 0, &alone);
+        render(two, 4, 16, 0, &both);
+        double worst = 0;
+        for (size_t i = 0; i < (size_t)4 * PIXELS * PIXELS; ++i)
+            worst = fmax(worst, fabs(both.sums[i] / alone.sums[i] - 1));
+        if (!(worst <= 2e-6))
+            fail_msg("%s changes the floor by %.2g, at most 2e-6 expected", unreachable_names[what],
+                     worst);
+        mcv_film_free(&alone);
+        mcv_film_free(&both);
+        mcv_scene_free(one);
+        mcv_scene_free(two);
+    }
+}
+
+enum { LIGHTS = 7 };
+
+static void set_dark(mcv_emitter *emitter) {
+    for (int k = 0; k < 3; ++k) emitter->radiance[k] = 0;
+}
+
+static void add_one_of_many(mcv_scene *scene, int which) {
+    const double s = sqrt(0.5);
+    mcv_emitter sun = {0};
+    switch (which) {
+    case 0:
+        add_lamp(scene, looking_down_z(0.3, 0.1, 0.8), 1);
+        return;
+    case 1:
+        add_lamp(scene, looking_up_z(0, 0, -0.5), 1);
+        return;
+    case 2:
+        add_lamp(scene,
+                 looking((const double[]){-0.6, 0, 0.2}, (const double[]){s, 0, -s},
+                         (const double[]){0, 1, 0}),
+                 1);
+        return;
+    case 3: /* a box shines all around, from below the floor to above it */
+        add_emitter(scene, MCV_EMITTER_AREA,
+                    add_box(scene, (const double[]){0.05, 0.05, 0.2}, add_absorber(scene),
+                            looking_down_z(0, 0.4, 0)),
+                    1, 0);
+        return;
+    case 4:
+        add_emitter(
+            scene, MCV_EMITTER_PARALLEL,
+            add_rectangle(scene, 0.3, 0.3, add_absorber(scene), looking_down_z(-0.1, 0, 0.9)), 5,
+            0.2);
+        return;
+    case 5:
+        add_spot(scene, 0.2, 0.4,
+                 looking((const double[]){0.4, -0.3, 0.6}, (const double[]){-0.6, 0, -0.8},
+                         (const double[]){0, 1, 0}));
+        return;
+    default:
+        for (int k = 0; k < 3; ++k) sun.as.directional.irradiance[k] = 0.2;
+        add_light(scene, MCV_EMITTER_DIRECTIONAL, sun,
+                  looking((const double[]){0, 0, 0}, (const double[]){0, 0.6, -0.8},
+                          (const double[]){1, 0, 0}));
+    }
+}
+
+/* A floor that lets light through or does not, a ball of interpolated normals on it, and lights of
+ * all sorts around, all or one. */
+static mcv_scene *many_lights(bool translucent, int only) {
+    mcv_scene *scene = mcv_scene_new("lights");
+    mcv_material floor = {.texture = MCV_NONE};
+    for (int k = 0; k < 3; ++k) {
+        floor.as.diffuse.reflectance[k] = 0.4;
+        floor.as.diffuse.transmittance[k] = translucent ? 0.4 : 0;
+    }
+    add_rectangle(scene, 1, 1, add_material(scene, MCV_MATERIAL_DIFFUSE, &floor),
+                  looking_up_z(0, 0, 0));
+    add_sphere(scene, 0.1, 16, add_diffuse(scene, 0.6), looking_down_z(0.1, 0, 0.1));
+    /* Bodies of lamps stay where their light is left out. */
+    for (int i = 0; i < LIGHTS; ++i) {
+        const uint32_t before = scene->emitter_count;
+        add_one_of_many(scene, i);
+        if (only < LIGHTS && only != i && scene->emitter_count > before)
+            set_dark(scene->emitters + before);
+    }
+    add_pinhole(scene, PIXELS, 1, looking_down_z(0, 0, 0.75));
+    return scene;
+}
+
+/* Light adds up: each alone is found without a choice. */
+static void test_lights_add_up(void **state) {
+    (void)state;
+    for (int translucent = 0; translucent < 2; ++translucent) {
+        mcv_film all = {0}, one = {0}, sum = {0};
+        mcv_comparison c;
+        for (int i = 0; i <= LIGHTS; ++i) {
+            mcv_scene *scene = many_lights(translucent, i);
+            mcv_film *film = i == 0 ? &sum : i == LIGHTS ? &all : &one;
+            render(scene, 16, SAMPLES, 100 * (uint32_t)i, film);
+            for (size_t k = 0; film == &one && k < (size_t)16 * PIXELS * PIXELS; ++k)
+                sum.sums[k] += one.sums[k];
+            if (film == &one) mcv_film_free(&one);
+            mcv_scene_free(scene);
+        }
+        BUILD(mcv_compare_films(&all, &sum, &c, &builder_error));
+        print_message("%s floor: means %.6g and %.6g; %s\n", translucent ? "translucent" : "opaque",
+                      c.mean_x, c.mean_y, c.reason);
+        if (c.different)
+            fail_msg("%s floor under all lights and the sum of each: %s",
+                     translucent ? "translucent" : "opaque", c.reason);
+        mcv_film_free(&all);
+        mcv_film_free(&sum);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_what_cannot_reach),
+                                       cmocka_unit_test(test_lights_add_up)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

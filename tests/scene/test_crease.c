@@ -1,0 +1,319 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Vertex normals of STL files by crease angle: smooth where the body is, sharp at its edges, and a
+ * tessellated ball that focuses. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <float.h>
+#include <math.h>
+
+#include "reference/reference.h"
+#include "scene_files.h"
+
+static mcv_error error;
+
+/* --- STL files
+ * --------------------------------------------------------------------------------------------------
+ */
+
+typedef struct solid {
+    unsigned char *bytes;
+    uint32_t count, room;
+} solid;
+
+static void add_triangle(solid *s, const double corners[3][3]) {
+    if (s->count == s->room) {
+        s->room = 2 * s->room + 64;
+        s->bytes = realloc(s->bytes, 84 + 50 * (size_t)s->room);
+        assert_non_null(s->bytes);
+    }
+    unsigned char *record = s->bytes + 84 + 50 * (size_t)s->count++;
+    memset(record, 0, 50);
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < 3; ++i) {
+            const float value = (float)corners[c][i];
+            memcpy(record + 12 + 12 * c + 4 * i, &value, 4);
+        }
+}
+
+static void add_quad(solid *s, const double a[3], const double b[3], const double c[3],
+                     const double d[3]) {
+    double corners[3][3];
+    memcpy(corners[0], a, sizeof corners[0]);
+    memcpy(corners[1], b, sizeof corners[1]);
+    memcpy(corners[2], c, sizeof corners[2]);
+    add_triangle(s, (const double(*)[3])corners);
+    memcpy(corners[1], c, sizeof corners[1]);
+    memcpy(corners[2], d, sizeof corners[2]);
+    add_triangle(s, (const double(*)[3])corners);
+}
+
+/* Loads it as the part of a rig, in mm, with the rest of the entry; frees it. */
+static mcv_scene *load_solid(solid *s, const char *rest) {
+    memset(s->bytes, 0, 80);
+    memcpy(s->bytes + 80, &s->count, 4);
+    free(write_bytes("crease.stl", s->bytes, 84 + 50 * (size_t)s->count));
+    free(s->bytes);
+    *s = (solid){0};
+    char *text =
+        text_of("{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+                "\"materials\":[{\"name\":\"glass\",\"extensions\":{\"MCVISI_materials\":{\"type\":"
+                "\"dielectric\",\"ior\":1.5}}}],"
+                "\"extensions\":{\"MCVISI_assets\":{\"assets\":[{\"uri\":\"crease.stl\",\"unit\":"
+                "\"mm\",\"material\":\"glass\"%s}]}},"
+                "\"nodes\":[{\"extensions\":{\"MCVISI_assets\":{\"asset\":0}}}]}",
+                rest);
+    mcv_scene *scene;
+    if (load_text("crease.gltf", text, NULL, &scene, &error) != MCV_OK) fail_msg("%s", error.text);
+    free(text);
+    return scene;
+}
+
+static void expect_normal(const mcv_scene *scene, uint32_t triangle, int corner,
+                          const double expected[3], double tolerance) {
+    double normals[3][3], off = 0;
+    mcv_scene_vertex_normals(scene, 0, triangle, normals);
+    for (int i = 0; i < 3; ++i) off = fmax(off, fabs(normals[corner][i] - expected[i]));
+    if (!(off <= tolerance))
+        fail_msg("triangle %u corner %d: normal %.7f %.7f %.7f, must be %.7f %.7f %.7f", triangle,
+                 corner, normals[corner][0], normals[corner][1], normals[corner][2], expected[0],
+                 expected[1], expected[2]);
+}
+
+/* Unit vectors in float32, and a sum of a few. */
+static const double rounding = 4 * (double)FLT_EPSILON;
+
+/* --- edges
+ * ------------------------------------------------------------------------------------------------------
+ */
+
+static solid make_box(void) {
+    static const int faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                    {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    solid s = {0};
+    for (int f = 0; f < 6; ++f) {
+        double p[4][3];
+        for (int c = 0; c < 4; ++c)
+            for (int i = 0; i < 3; ++i) p[c][i] = faces[f][c] >> i & 1 ? 10 + i : 0;
+        add_quad(&s, p[0], p[1], p[2], p[3]);
+    }
+    return s;
+}
+
+static void test_box(void **state) {
+    (void)state;
+    solid s = make_box();
+    mcv_scene *scene = load_solid(&s, "");
+    assert_null(scene->meshes[0].normals); /* flat as ever */
+    mcv_scene_free(scene);
+    s = make_box();
+    scene = load_solid(&s, ",\"creaseAngle\":\"89deg\"");
+    for (uint32_t t = 0; t < 12; ++t)
+        for (int c = 0; c < 3; ++c) {
+            double face[3];
+            mcv_scene_face_normal(scene, 0, t, face);
+            const double length = sqrt(face[0] * face[0] + face[1] * face[1] + face[2] * face[2]);
+            for (int i = 0; i < 3; ++i) face[i] /= length;
+            expect_normal(scene, t, c, face, rounding);
+        }
+    mcv_scene_free(scene);
+    /* At a corner of a by b by c the three faces weigh 1/(a b) and so on, whether they are one
+     * triangle there or two. */
+    s = make_box();
+    scene = load_solid(&s, ",\"creaseAngle\":\"90deg\"");
+    for (uint32_t t = 0; t < 12; ++t)
+        for (int c = 0; c < 3; ++c) {
+            double corners[3][3], expected[3];
+            mcv_scene_corners(scene, 0, t, corners);
+            for (int i = 0; i < 3; ++i)
+                expected[i] =
+                    (corners[c][i] > 0.005 ? 10 + i : -10 - i) / sqrt(10 * 10 + 11 * 11 + 12 * 12);
+            expect_normal(scene, t, c, expected, rounding);
+        }
+    mcv_scene_free(scene);
+}
+
+/* Facets of 10 and 20 degrees: their edges are smooth, those of the ends sharp. */
+static void test_cylinder(void **state) {
+    enum { SIDES = 24 };
+    solid s = {0};
+    (void)state;
+    for (int k = 0; k < SIDES; ++k) {
+        double p[4][3];
+        for (int c = 0; c < 4; ++c) {
+            const double angle =
+                M_PI / 12 * ((k + c % 2) % SIDES) +
+                M_PI / 36 * ((k + c % 2) % 2); /* the last facet ends where the first begins */
+            p[c][0] = 5 * cos(angle);
+            p[c][1] = 5 * sin(angle);
+            p[c][2] = c < 2 ? 0 : 7;
+        }
+        add_quad(&s, p[0], p[1], p[3], p[2]);
+        add_triangle(&s,
+                     (const double[3][3]){{0, 0, 0}, {p[1][0], p[1][1], 0}, {p[0][0], p[0][1], 0}});
+        add_triangle(&s,
+                     (const double[3][3]){{0, 0, 7}, {p[2][0], p[2][1], 7}, {p[3][0], p[3][1], 7}});
+    }
+    mcv_scene *scene = load_solid(&s, ",\"creaseAngle\":\"20deg\"");
+    for (uint32_t t = 0; t < 4 * SIDES; ++t)
+        for (int c = 0; c < 3; ++c) {
+            double corners[3][3];
+            mcv_scene_corners(scene, 0, t, corners);
+            const double radial[3] = {corners[c][0] / 0.005, corners[c][1] / 0.005, 0},
+                         axial[3] = {0, 0, t % 4 == 2 ? -1 : 1};
+            expect_normal(scene, t, c, t % 4 < 2 ? radial : axial, rounding);
+        }
+    mcv_scene_free(scene);
+}
+
+/*
+ * Two planes that meet at 20 degrees, and a triangle as good as without height between them, as CAD
+ * programs leave it where edges do not match: past it the planes are one surface, its own
+ * direction, which is none, counts nowhere.
+ */
+static void test_sliver(void **state) {
+    const double c = cos(M_PI / 18), d = 10 * sin(M_PI / 18);
+    const double a[3] = {0, 0, 0}, b[3] = {0, 10, 0}, middle[3] = {0, 5, 1e-6};
+    const double left[3] = {-10 * c, 5, -d}, right[3] = {10 * c, 5, -d};
+    solid s = {0};
+    (void)state;
+    add_triangle(&s, (const double[3][3]){
+                         {a[0], a[1], a[2]}, {b[0], b[1], b[2]}, {left[0], left[1], left[2]}});
+    add_triangle(&s, (const double[3][3]){{a[0], a[1], a[2]},
+                                          {right[0], right[1], right[2]},
+                                          {middle[0], middle[1], middle[2]}});
+    add_triangle(&s, (const double[3][3]){{middle[0], middle[1], middle[2]},
+                                          {right[0], right[1], right[2]},
+                                          {b[0], b[1], b[2]}});
+    add_triangle(&s, (const double[3][3]){{b[0], b[1], b[2]},
+                                          {a[0], a[1], a[2]},
+                                          {middle[0], middle[1], middle[2]}});
+    mcv_scene *scene = load_solid(&s, ",\"creaseAngle\":\"30deg\"");
+    /* At a and b the same angle on both sides, but the edge to the middle is half as long: its
+     * plane counts twice. 1e-6 mm of 10 mm turn a plane by 1e-7. */
+    const double length = hypot(sin(M_PI / 18), 3 * c),
+                 up[3] = {sin(M_PI / 18) / length, 0, 3 * c / length};
+    expect_normal(scene, 0, 0, up, 1e-6);
+    expect_normal(scene, 0, 1, up, 1e-6);
+    expect_normal(scene, 1, 0, up, 1e-6);
+    expect_normal(scene, 2, 2, up, 1e-6);
+    mcv_scene_free(scene);
+}
+
+/* --- a ball lens
+ * ------------------------------------------------------------------------------------------------
+ */
+
+static void halve(solid *s, const double a[3], const double b[3], const double c[3], int times) {
+    double m[3][3];
+    if (times == 0) {
+        double corners[3][3];
+        for (int i = 0; i < 3; ++i)
+            corners[0][i] = 5 * a[i], corners[1][i] = 5 * b[i], corners[2][i] = 5 * c[i];
+        add_triangle(s, (const double(*)[3])corners);
+        return;
+    }
+    const double *p[4] = {a, b, c, a};
+    for (int k = 0; k < 3; ++k) {
+        double squared = 0;
+        for (int i = 0; i < 3; ++i) {
+            m[k][i] = p[k][i] + p[k + 1][i];
+            squared += m[k][i] * m[k][i];
+        }
+        for (int i = 0; i < 3; ++i) m[k][i] /= sqrt(squared);
+    }
+    halve(s, a, m[0], m[2], times - 1);
+    halve(s, m[0], b, m[1], times - 1);
+    halve(s, m[2], m[1], c, times - 1);
+    halve(s, m[0], m[1], m[2], times - 1);
+}
+
+/* An octahedron, its faces cut into 4^times. */
+static solid make_ball(int times) {
+    solid s = {0};
+    for (int f = 0; f < 8; ++f) {
+        double p[3][3] = {{f & 1 ? -1 : 1, 0, 0}, {0, f & 2 ? -1 : 1, 0}, {0, 0, f & 4 ? -1 : 1}};
+        const bool mirrored = (f & 1) ^ (f >> 1 & 1) ^ (f >> 2 & 1);
+        halve(&s, p[0], mirrored ? p[2] : p[1], mirrored ? p[1] : p[2], times);
+    }
+    return s;
+}
+
+enum { RAYS = 200 };
+
+/*
+ * The root mean square by which rays parallel to the axis, up to half the radius, miss the place
+ * where those through the exact ball of R = 5 mm and n = 1.5 go, in the plane of its paraxial
+ * focus, n R/(2 (n - 1)) = 7.5 mm behind its middle.
+ */
+static double miss(const mcv_scene *scene) {
+    const double radius = 5e-3, n = 1.5, focus = 7.5e-3;
+    mcv_trace_ray rays[RAYS];
+    mcv_render_options options = mcv_render_defaults();
+    mcv_vertex *vertices;
+    size_t count, rays_through = 0;
+    double sum = 0, heights[RAYS], angles[RAYS];
+    for (int i = 0; i < RAYS; ++i) {
+        heights[i] = 0.5 * radius * sqrt((i + 0.5) / RAYS);
+        angles[i] = 2.399963229728653 * i; /* golden: even over the disk */
+        rays[i] = (mcv_trace_ray){{heights[i] * cos(angles[i]), heights[i] * sin(angles[i]), 0.02},
+                                  {0, 0, -1}};
+    }
+    if (mcv_reference_trace(scene, rays, RAYS, &options, &vertices, &count, &error) != MCV_OK)
+        fail_msg("%s", error.text);
+    for (size_t v = 0; v < count; ++v) {
+        if (vertices[v].index != 2 || vertices[v].event != MCV_EVENT_REFRACT) continue;
+        const double *at = vertices[v].position, *along = vertices[v].direction;
+        const double h = heights[vertices[v].ray], angle = angles[vertices[v].ray];
+        /* It meets the ball at an angle i, is turned by i - r twice, and leaves at an angle 2 r - i
+         * from the axis. */
+        const double i = asin(h / radius), r = asin(h / (n * radius)), place = 2 * r - i,
+                     turned = 2 * (i - r);
+        const double exact = radius * sin(place) - (focus - radius * cos(place)) * tan(turned);
+        const double s = (-focus - at[2]) / along[2];
+        const double x = at[0] + s * along[0] - exact * cos(angle),
+                     y = at[1] + s * along[1] - exact * sin(angle);
+        sum += x * x + y * y;
+        ++rays_through;
+    }
+    free(vertices);
+    assert_int_equal(rays_through, RAYS);
+    return sqrt(sum / RAYS);
+}
+
+/*
+ * Vertex normals of a ball are exact. Facets of edge h lie up to h²/(8 R) below it and their
+ * interpolated normals err by as much over R: the error falls with h², by four for each halving.
+ * Without vertex normals a facet's normal is off by h/R, and the error falls with h: no lens.
+ */
+static void test_ball_focuses(void **state) {
+    double smooth[4], flat[4];
+    (void)state;
+    for (int k = 0; k < 4; ++k) {
+        solid s = make_ball(3 + k);
+        mcv_scene *scene = load_solid(&s, ",\"creaseAngle\":\"30deg\"");
+        smooth[k] = miss(scene);
+        mcv_scene_free(scene);
+        s = make_ball(3 + k);
+        scene = load_solid(&s, "");
+        flat[k] = miss(scene);
+        mcv_scene_free(scene);
+        print_message("%6d triangles: rays miss by %.3g um, flat by %.3g um\n", 8 << 2 * (3 + k),
+                      1e6 * smooth[k], 1e6 * flat[k]);
+    }
+    for (int k = 1; k < 4; ++k) {
+        if (!(smooth[k - 1] / smooth[k] > 3 && smooth[k - 1] / smooth[k] < 5))
+            fail_msg("falls by %.3g", smooth[k - 1] / smooth[k]);
+        if (!(flat[k - 1] / flat[k] < 3)) fail_msg("flat: falls by %.3g", flat[k - 1] / flat[k]);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_box), cmocka_unit_test(test_cylinder),
+                                       cmocka_unit_test(test_sliver),
+                                       cmocka_unit_test(test_ball_focuses)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
