@@ -455,7 +455,7 @@ static void report_distances(const subject *s, mcv_report *report) {
 
 static mcv_result find_all(subject *s, mcv_error *error) {
     for (unsigned f = 0; f < MCV_FORM_COUNT; ++f) {
-        const mcv_list *texts = mcv_form_boxes(s->command, f);
+        const mcv_compact_indices *texts = mcv_form_boxes(s->command, f);
         for (size_t i = 0; i < texts->count; ++i, ++s->found_count)
             MCV_TRY(mcv_locate(&s->readings, s->noise, s->whole, f, texts->items[i], i + 1,
                                s->found + s->found_count, error));
@@ -614,7 +614,7 @@ static void report_boxes(const subject *s, mcv_report *report) {
  */
 
 /* The boxes of "[NAME=]X,Y,W,H[+X,Y,W,H…]"; other forms are left out. */
-static void draw_boxes(mcv_grid *grid, const mcv_list *list) {
+static void draw_boxes(mcv_grid *grid, const mcv_compact_indices *list) {
     for (size_t i = 0; i < list->count; ++i) {
         char name[64];
         const char *rest;

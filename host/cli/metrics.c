@@ -72,8 +72,8 @@ static const form_entry forms[MCV_FORM_COUNT] = {
 #undef MCV_X
 };
 
-const mcv_list *mcv_form_boxes(const mcv_command *command, unsigned form) {
-    return (const mcv_list *)((const char *)command + forms[form].offset);
+const mcv_compact_indices *mcv_form_boxes(const mcv_command *command, unsigned form) {
+    return (const mcv_compact_indices *)((const char *)command + forms[form].offset);
 }
 
 static bool is_in(const char *word, const char *const *list, size_t count) {
@@ -90,7 +90,8 @@ typedef struct choice {
 } choice;
 
 /* The place in the list of the text that begins with NAME=, or without a name has that number. */
-static bool find_named(const mcv_list *list, const char *name, size_t length, size_t *index) {
+static bool find_named(const mcv_compact_indices *list, const char *name, size_t length,
+                       size_t *index) {
     for (size_t i = 0; i < list->count; ++i) {
         char own[64];
         const char *rest;
@@ -153,7 +154,7 @@ static unsigned first_like(const mcv_command *c, unsigned index) {
 static bool find_box(const mcv_command *c, const char *name, const char *dot, choice *out) {
     const bool distance = is_distance(out->figure);
     for (out->form = 0; out->form < MCV_FORM_COUNT; ++out->form) {
-        const mcv_list *boxes = mcv_form_boxes(c, out->form);
+        const mcv_compact_indices *boxes = mcv_form_boxes(c, out->form);
         if (!is_in(out->figure, forms[out->form].figures, forms[out->form].figure_count)) continue;
         out->index = !dot && distance && first_like(c, out->form) == out->form;
         if (dot ? find_named(boxes, name, (size_t)(dot - name), &out->index)

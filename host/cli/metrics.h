@@ -103,7 +103,7 @@ typedef struct mcv_found {
 } mcv_found;
 
 /* The boxes of a form on the command line. */
-const mcv_list *mcv_form_boxes(const mcv_command *command, unsigned form);
+const mcv_compact_indices *mcv_form_boxes(const mcv_command *command, unsigned form);
 
 /* Finds what the text, a box or more, asks for; with its noise as above. MCV_FAILED for a curved
  * edge, too. */

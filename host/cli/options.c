@@ -160,7 +160,7 @@ static mcv_result set_value(const option *o, const char *text, mcv_command *comm
         *(const char **)field = text;
         return MCV_OK;
     case KIND_list:
-        ((mcv_list *)field)->items[((mcv_list *)field)->count++] = text;
+        ((mcv_compact_indices *)field)->items[((mcv_compact_indices *)field)->count++] = text;
         return MCV_OK;
     case KIND_number:
     case KIND_time:
@@ -299,7 +299,7 @@ mcv_result mcv_command_parse(int argc, char **argv, mcv_command *command, mcv_er
             "a verb is missing, as in `mcvisi render SCENE`: `mcvisi help` lists the verbs");
     MCV_TRY(mcv_verb_find(argv[1], &command->verb, error));
     for (size_t i = 0; i < OPTION_COUNT; ++i) {
-        mcv_list *list = (mcv_list *)((char *)command + options[i].offset);
+        mcv_compact_indices *list = (mcv_compact_indices *)((char *)command + options[i].offset);
         if (options[i].kind != KIND_list) continue;
         list->items = malloc((size_t)argc * sizeof *list->items);
         if (!list->items) return mcv_fail(error, MCV_FAILED, "no memory for the command line");
@@ -339,10 +339,10 @@ mcv_result mcv_command_parse(int argc, char **argv, mcv_command *command, mcv_er
 
 void mcv_command_free(mcv_command *command) {
     for (size_t i = 0; i < OPTION_COUNT; ++i) {
-        mcv_list *list = (mcv_list *)((char *)command + options[i].offset);
+        mcv_compact_indices *list = (mcv_compact_indices *)((char *)command + options[i].offset);
         if (options[i].kind != KIND_list) continue;
         free(list->items);
-        *list = (mcv_list){NULL, 0};
+        *list = (mcv_compact_indices){NULL, 0};
     }
 }
 
@@ -396,10 +396,11 @@ static json_t *value_json(const option *o, const mcv_command *command,
                    ? json_string(*(const char *const *)field)
                    : NULL;
     case KIND_list:
-        if (((const mcv_list *)field)->count == 0) return NULL;
+        if (((const mcv_compact_indices *)field)->count == 0) return NULL;
         list = json_array();
-        for (size_t i = 0; i < ((const mcv_list *)field)->count; ++i)
-            json_array_append_new(list, json_string(((const mcv_list *)field)->items[i]));
+        for (size_t i = 0; i < ((const mcv_compact_indices *)field)->count; ++i)
+            json_array_append_new(list,
+                                  json_string(((const mcv_compact_indices *)field)->items[i]));
         return list;
     case KIND_number:
     case KIND_time:

@@ -362,14 +362,14 @@ enum {
       "print JSON in SI units; render prints one object, on one line, per sensor; help a schema " \
       "of the options")
 
-typedef struct mcv_list {
+typedef struct mcv_compact_indices {
     const char **items;
     size_t count;
-} mcv_list;
+} mcv_compact_indices;
 
 #define MCV_OPTION_FIELD_flag(field) bool field;
 #define MCV_OPTION_FIELD_text(field) const char *field;
-#define MCV_OPTION_FIELD_list(field) mcv_list field;
+#define MCV_OPTION_FIELD_list(field) mcv_compact_indices field;
 #define MCV_OPTION_FIELD_number(field) double field;
 #define MCV_OPTION_FIELD_time(field) double field;
 #define MCV_OPTION_FIELD_channels(field) double field[3];

@@ -22,7 +22,7 @@ mcv_result mcv_places_resolve(const mcv_command *command, const mcv_camera_model
     char *background = NULL;
     *resolved = *command;
     resolved->background = NULL;
-#define MCV_X(field, name) resolved->field = (mcv_list){0};
+#define MCV_X(field, name) resolved->field = (mcv_compact_indices){0};
     MCV_PLACE_OPTIONS(MCV_X)
 #undef MCV_X
     if (command->background)
@@ -36,10 +36,10 @@ mcv_result mcv_places_resolve(const mcv_command *command, const mcv_camera_model
     return MCV_OK;
 }
 
-static void free_list(mcv_list *list) {
+static void free_list(mcv_compact_indices *list) {
     for (size_t i = 0; i < list->count; ++i) free((void *)list->items[i]);
     free((void *)list->items);
-    *list = (mcv_list){0};
+    *list = (mcv_compact_indices){0};
 }
 
 void mcv_places_free(mcv_command *resolved) {

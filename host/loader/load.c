@@ -186,7 +186,7 @@ static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transf
     MCV_TRY(mcv_load_emitter(loader, node, &to_world, first, loader->scene->instance_count, &here,
                              error));
     MCV_TRY(mcv_load_body(loader, node, &to_world, &here, error));
-    MCV_TRY(mcv_load_light(loader, node, &to_world, &here, error));
+    MCV_TRY(mcv_load_light_path(loader, node, &to_world, &here, error));
     MCV_TRY(mcv_load_sensors(loader, node, &to_world, &here, error));
     mcv_loader *asset;
     MCV_TRY(mcv_load_asset_of(loader, node, &asset, &here, error));

@@ -30,6 +30,13 @@ DEVICE = ("kernels", "include")  # read by OpenCL's compiler at run time: nothin
 SECONDS = 300  # for one test
 
 
+def pattern_of(text):
+    """The text as it may stand in a source, however its lines are broken: in macros, too."""
+    words = re.findall(r"\w+|[^\w\s]", text)
+    gaps = [r"[\s\\]+" if a[-1].isalnum() and b[0].isalnum() else r"[\s\\]*" for a, b in zip(words, words[1:])]
+    return re.compile("".join(re.escape(w) + g for w, g in zip(words, gaps + [""])))
+
+
 class Mutant:
     """A fault: text that is found `times` times below the folder or in the file `where`, and what replaces it."""
 
@@ -39,6 +46,7 @@ class Mutant:
             raise ValueError(f"{entry.get('name')}: unknown key {', '.join(sorted(unknown))}")
         self.name, self.find, self.replace = entry["name"], entry["find"], entry["replace"]
         self.where, self.times, self.tests = entry["where"], entry.get("times", 1), entry["tests"]
+        self.pattern = pattern_of(self.find)
         if not self.tests or self.find == self.replace:
             raise ValueError(f"{self.name}: a fault needs tests, and a replacement that differs from the text")
 
@@ -50,7 +58,7 @@ class Mutant:
         """The files that hold the text, each with how often."""
         folders = DEVICE if self.where == "device" else (self.where,)
         paths = [p for f in folders for p in ([tree / f] if (tree / f).is_file() else sorted((tree / f).rglob("*.*")))]
-        found = [(p, p.read_text().count(self.find)) for p in paths if p.suffix in (".c", ".cpp", ".h", ".cl")]
+        found = [(p, len(self.pattern.findall(p.read_text()))) for p in paths if p.suffix in (".c", ".cpp", ".h", ".cl")]
         found = [(p, count) for p, count in found if count]
         total = sum(count for _, count in found)
         if total != self.times:
@@ -129,7 +137,7 @@ class Worker:
         before = {p: p.read_text() for p in files}
         try:
             for path, text in before.items():
-                path.write_text(text.replace(mutant.find, mutant.replace))
+                path.write_text(mutant.pattern.sub(lambda _: mutant.replace, text))
             if not mutant.on_device:
                 done = self.run(self.build_command(targets_of([mutant])), self.tree)
                 if done.returncode:

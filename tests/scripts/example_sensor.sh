@@ -34,7 +34,7 @@ after kernels/world.h '#define MCV_JOIN(a, b, c)' '#ifdef MCV_SENSOR_line_scan
 #include "mcvisi/sensors/line_scan.h"
 #endif'
 # The model once more, in the reference renderer.
-awk -v file="$example/sight.c" '/^ref_sight ref_sight_sample/ { while ((getline line < file) > 0) print line } { print }
+awk -v file="$example/sensor_ray.c" '/^ref_sensor_ray ref_sensor_ray_sample/ { while ((getline line < file) > 0) print line } { print }
     /^    switch \(sensor->type\)/ { print "    case MCV_SENSOR_LINE_SCAN:\n        return line_scan(sensor, column, row, x, y);" }' \
     "$tree/host/reference/sensor_ray.c" >"$tree/edited"
 mv "$tree/edited" "$tree/host/reference/sensor_ray.c"
