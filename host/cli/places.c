@@ -5,8 +5,9 @@
 
 #include <stdlib.h>
 
-static mcv_result resolve_list(const char *what, const mcv_list *from,
-                               const mcv_camera_model *model, mcv_list *to, mcv_error *error) {
+static mcv_result resolve_list(const char *what, const mcv_compact_indices *from,
+                               const mcv_camera_model *model, mcv_compact_indices *to,
+                               mcv_error *error) {
     to->items = calloc(from->count + 1, sizeof *to->items);
     if (!to->items) return mcv_fail(error, MCV_FAILED, "no memory for %s", what);
     for (; to->count < from->count; ++to->count) {

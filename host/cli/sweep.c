@@ -425,7 +425,7 @@ static mcv_result render_scene(sweep *s, mcv_scene *scene, size_t set, const cha
 /* All --set, then the set's own; texts holds the latter. */
 static mcv_result load_scene(const sweep *s, const double *numbers, char (*texts)[512],
                              mcv_scene **scene, mcv_error *error) {
-    const mcv_list *given = &s->command->set;
+    const mcv_compact_indices *given = &s->command->set;
     const char **items = malloc((given->count + s->count + 1) * sizeof *items);
     if (!items) return mcv_fail(error, MCV_FAILED, "no memory for a set of parameters");
     if (given->count) memcpy(items, given->items, given->count * sizeof *items);

@@ -114,8 +114,9 @@ mcv_result mcv_load_emitter_images(mcv_loader *loader, mcv_error *error);
 
 /* load_lights.c: the lights of KHR_lights_punctual, and the one that a node places. */
 mcv_result mcv_load_lights(mcv_loader *loader, mcv_error *error);
-mcv_result mcv_load_light(mcv_loader *loader, const json_t *node, const mcv_transform *to_world,
-                          const mcv_json_path *place, mcv_error *error);
+mcv_result mcv_load_light_path(mcv_loader *loader, const json_t *node,
+                               const mcv_transform *to_world, const mcv_json_path *place,
+                               mcv_error *error);
 
 /* load_meshes.c: the primitives of meshes[index], read when first asked for. */
 mcv_result mcv_load_mesh(mcv_loader *loader, uint32_t index, mcv_error *error);

@@ -88,8 +88,9 @@ mcv_result mcv_load_lights(mcv_loader *loader, mcv_error *error) {
     return MCV_OK;
 }
 
-mcv_result mcv_load_light(mcv_loader *loader, const json_t *node, const mcv_transform *to_world,
-                          const mcv_json_path *place, mcv_error *error) {
+mcv_result mcv_load_light_path(mcv_loader *loader, const json_t *node,
+                               const mcv_transform *to_world, const mcv_json_path *place,
+                               mcv_error *error) {
     const mcv_json_path extensions = mcv_json_path_key(place, "extensions"),
                         here = mcv_json_path_key(&extensions, "KHR_lights_punctual");
     const json_t *object = mcv_json_extension(node, "KHR_lights_punctual");

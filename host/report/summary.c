@@ -87,7 +87,7 @@ static void print_losses(FILE *out, const mcv_render_stats *stats) {
     if (stats->unmatched > 0) {
         fprintf(out,
                 "  %" PRIu64 " paths left a medium that they had not entered: a mesh is open, its "
-                             "faces are turned, or bodies touch without overlapping\n",
+                "faces are turned, or bodies touch without overlapping\n",
                 stats->unmatched);
     }
 }

@@ -19,8 +19,8 @@
  * telecentric and transparent. */
 #define MCV_RIG_LIGHTS(X) \
     X(AUTO, "auto") \
-    X(BACKLIGHT, "backlight") X(RING, "ring") X(DARK_FIELD, "darkfield") X(COAXIAL, "coaxial") \
-        X(DOME, "dome")
+    X(BACKLIGHT, "backlight") \
+    X(RING, "ring") X(DARK_FIELD, "darkfield") X(COAXIAL, "coaxial") X(DOME, "dome")
 
 enum {
 #define MCV_X(NAME, word) MCV_RIG_##NAME,

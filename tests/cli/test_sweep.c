@@ -350,7 +350,7 @@ static void test_shipped_experiments(void **state) {
     if (!(sharpest_stop > 1e-3 && sharpest_stop < 2.5e-3 && surest_stop > 3.5e-3))
         fail_msg("sharpest at %g m, surest at %g m", sharpest_stop, surest_stop);
     program_well("sweep " MCV_SOURCE_DIR "/scenes/dent-visibility.json -o dent.csv --spp 4 --where "
-                                         "'halfAngle<0.11deg && imageDistance>61.5mm'");
+                 "'halfAngle<0.11deg && imageDistance>61.5mm'");
     assert_int_equal(count_lines(read_whole("dent.csv")), 2);
 }
 

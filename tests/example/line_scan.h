@@ -40,15 +40,15 @@ MCV_ASSERT_SIZE(mcv_line_scan, 32);
  * aperture, in [0, 1)², of which there is none. */
 MCV_FUNCTION mcv_sensor_ray mcv_line_scan_sample(MCV_CONSTANT const mcv_line_scan *sensor,
                                                  mcv_film_sample film, float xi, float eta) {
-    mcv_sensor_ray sight;
+    mcv_sensor_ray sensor_ray;
     (void)xi;
     (void)eta;
-    sight.origin =
+    sensor_ray.origin =
         mcv_vec(0.0f, mcv_from_centre(sensor->centre_y, film.row, film.y) * sensor->pitch, 0.0f);
-    sight.direction = mcv_vec(
+    sensor_ray.direction = mcv_vec(
         -mcv_from_centre(sensor->centre_x, film.column, film.x) * sensor->slope_x, 0.0f, 1.0f);
-    sight.weight = 1.0f;
-    return sight;
+    sensor_ray.weight = 1.0f;
+    return sensor_ray;
 }
 
 #endif
