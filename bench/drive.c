@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "drive.h"
+#include "device/features.h"
 
 #include <dirent.h>
 #include <math.h>
@@ -7,9 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 #include "harness.h"
 #include "scene/sensors.h"
+#include "loader/load.h"
 
 const char *const stage_names[STAGE_COUNT] = {
 #define MCV_X(stage, runs) #stage,
@@ -126,7 +128,7 @@ static mcv_result add_clock(drive *d, const mcv_render_options *options, mcv_err
     char defines[1024];
     mcv_schedule *s = &d->schedule;
     const mcv_packed *packed = &d->device.packed;
-    mcv_feature_options(packed->features, packed->channels, d->scene->sensors[0].type,
+    mcv_feature_defines(packed->features, packed->channels, d->scene->sensors[0].type,
                         options->sampler, s->slice, defines, sizeof defines);
     strncat(defines, " -DMCV_CLOCK", sizeof defines - strlen(defines) - 1);
     for (int i = 0; i < MCV_STREAM_KERNEL_COUNT; ++i) {
@@ -139,7 +141,7 @@ static mcv_result add_clock(drive *d, const mcv_render_options *options, mcv_err
     MCV_TRY(mcv_cl_build(d->cl, "schedule/tile", defines, &s->program, error));
     if (packed->features >> MCV_FEATURE_AIM & 1)
         MCV_TRY(
-            mcv_cl_kernel(s->program, "guide_pupil", &s->kernels[MCV_KERNEL_guide_pupil], error));
+            mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
     MCV_TRY(mcv_cl_kernel(s->program, "render_tile", &s->kernels[MCV_KERNEL_generate_rays], error));
     const size_t slices = s->capacity / s->slice;
     return mcv_cl_buffer(d->cl, "the counters",
@@ -157,7 +159,7 @@ mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options,
     d->scene = scene;
     MCV_TRY(mcv_device_scene_open(cl, scene, 0, &d->device, error));
     mcv_packed *packed = &d->device.packed;
-    packed->features = mcv_sensor_features(packed, scene->sensors) &
+    packed->features = mcv_decide_features(scene, packed, scene->sensors, (mcv_feature_options){0}, NULL) &
                        ~(1u << MCV_FEATURE_LIGHT_TRACING | 1u << MCV_FEATURE_SPLIT);
     if (options.all_features) {
         packed->features = all_features(packed);

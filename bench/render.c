@@ -292,8 +292,8 @@ static mcv_result draw_pictures(bench *b, const racer *ours, const racer *best, 
  */
 
 /*
- * For an image of a given error ours is adaptive, in all scenes, as the README advises; samples per
- * second are those of the render that is not.
+ * For an image of a given error ours is adaptive, in all scenes, as docs/adaptive-sampling.md
+ * advises; samples per second are those of the render that is not.
  */
 static mcv_result race_all_sides(bench *b, race *r, int scene, racer *racers, size_t count,
                                  mcv_error *error) {

@@ -244,7 +244,8 @@ def main(folder):
         sys.exit(f"{folder}: no results of benchmarks")
     (folder / "summary.json").write_text(json.dumps({name: r["summary"] for name, r in reports.items()}, indent=1) + "\n")
     page = f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"/><title>MC ViSi: benchmarks</title><style>{STYLE}</style></head>\n'
-    page += "<body><h1>MC ViSi: benchmarks</h1>\n<p>A ratio is above 1 where ours is better; bench/README.md describes each.</p>\n"
+    page += "<body><h1>MC ViSi: benchmarks</h1>\n"
+    page += "<p>A ratio is above 1 where ours is better; docs/benchmarks.md describes each.</p>\n"
     page += "".join(section(name, report, folder) for name, report in reports.items()) + "</body></html>\n"
     (folder / "report.html").write_text(page)
 

@@ -15,7 +15,9 @@
 #include <unistd.h>
 
 #include "drive.h"
+#include "device/features.h"
 #include "harness.h"
+#include "loader/load.h"
 
 static const char first_sample_scene[] = "report-clean.glb";
 

@@ -6,6 +6,7 @@
 #ifndef MCVISI_KERNELS_WORLD_H
 #define MCVISI_KERNELS_WORLD_H
 
+#include "mcvisi/buffers.h"
 #include "mcvisi/elements.h"
 #include "mcvisi/features.h"
 #include "mcvisi/tables.h"
@@ -77,47 +78,16 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
 #define MCV_SOLID uint
 #endif
 
-#define MCV_WORLD(X) \
-    X(__constant const mcv_frame, frame) \
-    X(__constant const mcv_sensor, sensor) \
-    X(__global const mcv_node, nodes) \
-    X(__global const mcv_leaf, leaves) \
-    X(__global const uint4, triangles) /* three vertices and the instance */ \
-    X(__global const float, positions) \
-    X(__global const float, normals) \
-    X(__global const float, texcoords) \
-    X(__global const float, tangents) /* direction and handedness of its bitangent */ \
-    X(__global const mcv_device_instance, instances) \
-    X(__global const mcv_device_material, materials) \
-    X(__global const mcv_device_gloss, gloss) \
-    X(__global const float, albedos) \
-    X(__global const mcv_device_medium, media) \
-    X(__global const mcv_device_interface, interfaces) \
-    X(__global const uint, \
-      interface_albedos) /* where the albedos of a rough interface begin, or MCV_NONE: smooth */ \
-    X(__global const mcv_device_emitter, emitters) \
-    X(__global const uint, emitter_cdf) \
-    X(__global const mcv_device_texture, textures) \
-    X(__global const uint, texels)                         /* RGBA, 8 bits each */ \
-    X(__global const mcv_device_pupil_guide, pupil_guides) /* of the pixels, row by row */ \
-    X(__global const uint, listed) /* where the frame has them listed: the pixels */ \
-    X(__global const MCV_SOLID, solids) \
-    X(__global const MCV_PRECISE_SOLID, precise_solids) \
-    X(__global const float, \
-      position_lows) /* what rounding leaves of the positions and the normals */ \
-    X(__global const float, normal_lows) \
-    X(__global const MCV_DOUBLE, refractive_indices) /* of the media */
-
-#define MCV_WORLD_FIELD(type, name) type *name;
-#define MCV_WORLD_PARAMETER(type, name) type *name,
-#define MCV_WORLD_ARGUMENT(type, name) world.name = name;
-#define MCV_WORLD_PARAMETERS MCV_WORLD(MCV_WORLD_PARAMETER)
+#define MCV_WORLD_FIELD(space, type, name, what, bytes, data) space const type *name;
+#define MCV_WORLD_PARAMETER(space, type, name, what, bytes, data) space const type *name,
+#define MCV_WORLD_ARGUMENT(space, type, name, what, bytes, data) world.name = name;
+#define MCV_WORLD_PARAMETERS MCV_BUFFERS(MCV_WORLD_PARAMETER)
 #define MCV_MAKE_WORLD(world) \
     mcv_world world; \
-    MCV_WORLD(MCV_WORLD_ARGUMENT)
+    MCV_BUFFERS(MCV_WORLD_ARGUMENT)
 
 typedef struct mcv_world {
-    MCV_WORLD(MCV_WORLD_FIELD)
+    MCV_BUFFERS(MCV_WORLD_FIELD)
 } mcv_world;
 
 /* A colour has one channel or three. */

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Gathers what the tests have found beside closed forms: tools/accuracy.py FOLDER reads FOLDER/rows.jsonl, which tests write where
-MCVISI_ACCURACY names it (tests/common/truths.h), prints a table, truth by truth, and writes FOLDER/accuracy.json and FOLDER/report.html with plots.
-Exits with 1 where a truth is missed or no test has asked for it. Standard library only."""
+MCVISI_ACCURACY names it (tests/common/truths.h), prints a table, truth by truth, and writes FOLDER/accuracy.json, FOLDER/report.html with
+plots and FOLDER/tables.md, the tables of docs/accuracy.md. Exits with 1 where a truth is missed or no test has asked for it. Standard
+library only."""
 
 import html
 import json
@@ -98,6 +99,24 @@ def short(value):
     return "-" if value is None else f"{value:.2g}"
 
 
+def bound_of(row):
+    """The device's bound, and the reference's where it has one of its own."""
+    own = row["reference_bound"]
+    return short(row["bound"]) + (f" ({short(own)})" if own is not None and own != row["bound"] else "")
+
+
+def markdown(rows):
+    text = ""
+    for name in sorted({r["truth"] for r in rows}, key=order):
+        title, formula = TRUTHS.get(name, ("", ""))
+        text += f"\n### {name}: {title}\n\n`{formula}`\n\n"
+        text += "| what | bound | reference | device |\n| --- | --- | --- | --- |\n"
+        for r in (r for r in rows if r["truth"] == name):
+            what = html.escape(r["what"], quote=False).replace("|", "\\|")
+            text += f"| {what} | {bound_of(r)} | {short(r['reference'])} | {short(r['device'])} |\n"
+    return text
+
+
 def histogram(series, title):
     """Counts by whole ULP."""
     left, top, height, step = 60, 30, 160, 14
@@ -148,10 +167,8 @@ def main(folder):
     for name in sorted({r["truth"] for r in rows}, key=order):
         print(f"{name:5} {TRUTHS[name][0] if name in TRUTHS else ''}: {TRUTHS[name][1] if name in TRUTHS else ''}")
         for r in (r for r in rows if r["truth"] == name):
-            bound = short(r["bound"])
-            if r["reference_bound"] is not None and r["reference_bound"] != r["bound"]:
-                bound += f" ({short(r['reference_bound'])})"
-            print(f"{'':5} {r['what'][:62]:62} {bound:>9} {short(r['reference']):>10} {short(r['device']):>9} {'' if r['pass'] else 'MISSED'}")
+            found = f"{bound_of(r):>9} {short(r['reference']):>10} {short(r['device']):>9}"
+            print(f"{'':5} {r['what'][:62]:62} {found} {'' if r['pass'] else 'MISSED'}")
     for name, why in NOT_HERE.items():
         print(f"{name:5} {why}")
     for name in missing:
@@ -166,6 +183,7 @@ def main(folder):
     document += draw(plots) + page.table(columns, [[r[c] for c in columns] for r in rows])
     document += "<h2>Not here</h2><ul>" + "".join(f"<li>{n}: {html.escape(why)}</li>" for n, why in NOT_HERE.items()) + "</ul></body></html>\n"
     (folder / "report.html").write_text(document)
+    (folder / "tables.md").write_text(markdown(rows).lstrip("\n"))
     return 1 if failed or missing else 0
 
 

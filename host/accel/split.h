@@ -12,9 +12,9 @@
 #include "mcvisi/mcvisi.h"
 
 /* Four lanes, of which the last is unused, so that the compiler can use one vector instruction. */
-typedef struct mcv_box {
+typedef struct mcv_box3f {
     float lower[4], upper[4];
-} mcv_box;
+} mcv_box3f;
 
 /* A triangle, or the part of one that lies in the box. */
 typedef struct mcv_reference {
@@ -30,7 +30,7 @@ typedef struct mcv_reference {
  */
 typedef struct mcv_record {
     uint32_t begin, end, limit;
-    mcv_box bounds, centroids;
+    mcv_box3f bounds, centroids;
 } mcv_record;
 
 /* What all splits of a structure share. */
@@ -42,25 +42,25 @@ typedef struct mcv_splitter {
     uint32_t threads;
 } mcv_splitter;
 
-mcv_box mcv_box_empty(void);
+mcv_box3f mcv_box3f_empty(void);
 mcv_record mcv_record_empty(uint32_t begin, uint32_t end, uint32_t limit);
 
 static inline uint32_t mcv_record_count(const mcv_record *r) { return r->end - r->begin; }
 
-static inline void mcv_box_add(mcv_box *a, const mcv_box *b) {
+static inline void mcv_box_add(mcv_box3f *a, const mcv_box3f *b) {
     for (int i = 0; i < 4; ++i) a->lower[i] = b->lower[i] < a->lower[i] ? b->lower[i] : a->lower[i];
     for (int i = 0; i < 4; ++i) a->upper[i] = b->upper[i] > a->upper[i] ? b->upper[i] : a->upper[i];
 }
 
 /* Half the surface; 0 for an empty box. */
-static inline float mcv_box_area(const mcv_box *b) {
+static inline float mcv_box_area(const mcv_box3f *b) {
     const float x = b->upper[0] - b->lower[0], y = b->upper[1] - b->lower[1],
                 z = b->upper[2] - b->lower[2];
     return x < 0.0f || y < 0.0f || z < 0.0f ? 0.0f : x * y + y * z + z * x;
 }
 
 static inline void mcv_record_add(mcv_record *r, const mcv_reference *added) {
-    mcv_box bounds, centroid;
+    mcv_box3f bounds, centroid;
     for (int i = 0; i < 3; ++i) {
         bounds.lower[i] = added->lower[i];
         bounds.upper[i] = added->upper[i];

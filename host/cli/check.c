@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi check: what was understood of a scene, and what rendering it takes. */
 #include "check/findings.h"
+#include "device/features.h"
 #include "check/growth.h"
-#include "cli/options.h"
+#include "cli/command.h"
 #include "cli/report.h"
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 #include "core/output_file.h"
 #include "check/setup_page.h"
 #include "reference/filling.h"
@@ -14,6 +15,7 @@
 #include "scene/mesh.h"
 #include "scene/params.h"
 #include "scene/sensors.h"
+#include "loader/load.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -262,7 +264,9 @@ static void report_material(mcv_report *report, const mcv_scene *scene, uint32_t
 /* --- what rendering takes
  * --------------------------------------------------------------------------------------- */
 
-static void report_work(mcv_report *report, const mcv_packed *packed) {
+static void report_work(mcv_report *report, const mcv_packed *packed,
+                        const mcv_feature_causes *causes) {
+    char text[512];
     static const char *const words[] = {
 #define MCV_X(NAME, word, why) word,
         MCV_FEATURES(MCV_X)
@@ -273,16 +277,15 @@ static void report_work(mcv_report *report, const mcv_packed *packed) {
         MCV_FEATURES(MCV_X)
 #undef MCV_X
     };
+    MCV_FEATURE_VARIABLES(packed->features)
     mcv_report_open(report, "features");
     for (unsigned i = 0; i < MCV_FEATURE_COUNT; ++i)
-        if (packed->features >> i & 1) mcv_report_text(report, words[i], reasons[i]);
+        if (packed->features >> i & 1) {
+            snprintf(text, sizeof text, "%s: %s", reasons[i], causes->of[i]);
+            mcv_report_text(report, words[i], text);
+        }
     mcv_report_close(report);
     mcv_report_open(report, "stages");
-#define MCV_X(NAME, word, why) \
-    const uint32_t MCV_WITH_##NAME = packed->features >> MCV_FEATURE_##NAME & 1; \
-    (void)MCV_WITH_##NAME;
-    MCV_FEATURES(MCV_X)
-#undef MCV_X
 #define MCV_X(stage, runs) \
     mcv_report_text(report, #stage, \
                     strcmp(#runs, "1") == 0 ? "runs always" \
@@ -325,8 +328,8 @@ static void report_findings(mcv_report *report, const mcv_findings *findings) {
 }
 
 static mcv_result print_report(const mcv_scene *scene, const mcv_packed *packed,
-                               const mcv_command *command, mcv_findings *findings,
-                               mcv_error *error) {
+                               const mcv_feature_causes *causes, const mcv_command *command,
+                               mcv_findings *findings, mcv_error *error) {
     mcv_report report;
     uint32_t only = MCV_NONE;
     if (command->sensor) MCV_TRY(mcv_sensor_find(scene, command->sensor, &only, error));
@@ -344,23 +347,24 @@ static mcv_result print_report(const mcv_scene *scene, const mcv_packed *packed,
     mcv_report_list(&report, "materials");
     for (uint32_t i = 0; i < scene->material_count; ++i) report_material(&report, scene, i);
     mcv_report_close(&report);
-    report_work(&report, packed);
+    report_work(&report, packed, causes);
     report_findings(&report, findings);
     return mcv_report_end(&report, error);
 }
 
 static void print_defines(uint32_t features, uint32_t channels, uint32_t sensor_type) {
     char options[1024];
-    mcv_feature_options(features, channels, sensor_type, MCV_SAMPLER_SOBOL, DEFINES_SLICE, options,
+    mcv_feature_defines(features, channels, sensor_type, MCV_SAMPLER_SOBOL, DEFINES_SLICE, options,
                         sizeof options);
     puts(options);
 }
 
 static mcv_result report_scene(const mcv_scene *scene, const mcv_packed *packed,
+                               const mcv_feature_causes *causes,
                                const mcv_command *command, mcv_error *error) {
     mcv_findings findings;
     MCV_TRY(mcv_findings_of(scene, &findings, error));
-    mcv_result result = print_report(scene, packed, command, &findings, error);
+    mcv_result result = print_report(scene, packed, causes, command, &findings, error);
     if (result == MCV_OK && command->html)
         result = mcv_setup_page_write(command->html, scene, &findings, error);
     mcv_findings_free(&findings);
@@ -370,6 +374,7 @@ static mcv_result report_scene(const mcv_scene *scene, const mcv_packed *packed,
 static mcv_result check_scene(const mcv_command *command, const mcv_scene *scene,
                               mcv_error *error) {
     mcv_packed packed;
+    mcv_feature_causes causes;
     uint32_t sensor = 0;
     if (scene->sensor_count == 0)
         return mcv_fail(
@@ -381,12 +386,13 @@ static mcv_result check_scene(const mcv_command *command, const mcv_scene *scene
     MCV_TRY(mcv_pack(scene, NULL, &packed, error));
     for (uint32_t i = 0; i < scene->sensor_count; ++i)
         if (i == sensor || (!command->sensor && !command->defines))
-            packed.features = mcv_sensor_features(&packed, &scene->sensors[i]);
+            packed.features = mcv_decide_features(scene, &packed, &scene->sensors[i],
+                                                  (mcv_feature_options){0}, &causes);
     mcv_result result = MCV_OK;
     if (command->defines)
         print_defines(packed.features, packed.channels, scene->sensors[sensor].type);
     else
-        result = report_scene(scene, &packed, command, error);
+        result = report_scene(scene, &packed, &causes, command, error);
     mcv_packed_free(&packed);
     return result;
 }

@@ -7,8 +7,6 @@
 
 #include "mcvisi/materials/microfacet.h"
 
-static const double pi = 3.14159265358979323846;
-
 /*
  * Points of the quadrature over visible microfacets. Those at the disk's rim send light down: w² =
  * 1 - radius² puts more points there. Entries are right to 4e-4, as finer steps and an integral
@@ -49,8 +47,9 @@ void mcv_coat(double coating, double n1, double n2, double *scale, double *offse
 static void integrate(const double alpha[2], const double o[3], double eta, double coating,
                       bool interface, double sums[2]) {
     const double own = lambda(alpha, o),
-                 turn = o[1] == 0 ? pi
-                                  : 2 * pi; /* both sides of the plane of incidence may be alike */
+                 turn = o[1] == 0
+                            ? M_PI
+                            : 2 * M_PI; /* both sides of the plane of incidence may be alike */
     double scale, offset;
     mcv_coat(coating, eta, 1, &scale, &offset);
     sums[0] = sums[1] = 0;
@@ -104,7 +103,7 @@ static void average(uint32_t azimuths, float *block) {
     const uint32_t turns = azimuths > 1 ? TURNS : 1;
     double sums[2] = {0, 0}, weights = 0;
     for (uint32_t turn = 0; turn < turns; ++turn) {
-        const double angle = pi / 2 * (turn + 0.5) / turns, x = cos(angle), y = sin(angle);
+        const double angle = M_PI / 2 * (turn + 0.5) / turns, x = cos(angle), y = sin(angle);
         const double across = x / (x + y) * (azimuths - 1.0);
         const uint32_t row = azimuths > 1 ? (uint32_t)across : 0;
         const double g = azimuths > 1 ? across - row : 0;

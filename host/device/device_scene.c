@@ -16,8 +16,8 @@ typedef union any_sensor {
 #undef MCV_X
 } any_sensor;
 
+/* What fills a buffer. */
 typedef struct plan {
-    cl_mem *buffer;
     const char *what;
     size_t bytes;
     const void *data;
@@ -45,30 +45,28 @@ static bool same(const mcv_digest *a, const mcv_digest *b) {
 /* A feature's array, or no bytes where the scene lacks it. */
 static size_t present(const void *data, size_t bytes) { return data ? bytes : 0; }
 
-/* The first plans: nodes and leaves, new or already taken; and the one whose digest keep_structure
- * needs before. */
-enum { STRUCTURE = 2, POSITIONS = 3 };
-
-/* The buffer of a plan out of the scene before, if it has one of this size. */
-static void take_buffer(mcv_device_scene *kept, const mcv_device_scene *d, const plan *p,
-                        uint32_t index) {
-    cl_mem *from = (cl_mem *)((char *)kept + ((const char *)p->buffer - (const char *)d));
-    if (kept->contents[index].bytes != p->bytes) return;
-    *p->buffer = *from;
-    *from = NULL;
+/* Takes the buffer out of the scene before, if that has one of this size. */
+static void take_buffer(mcv_device_scene *kept, mcv_device_scene *d, size_t bytes, uint32_t index) {
+    if (kept->contents[index].bytes != bytes) return;
+    d->buffers[index] = kept->buffers[index];
+    kept->buffers[index] = NULL;
 }
 
+/* The acceleration structure is new, or take_structure has already taken it. keep_structure has
+ * made the digest of the positions. */
 static mcv_result fill_buffer(mcv_cl *cl, const plan *p, uint32_t index, mcv_device_scene *kept,
                               mcv_device_scene *d, mcv_error *error) {
+    const bool structure = index == MCV_BUFFER_nodes || index == MCV_BUFFER_leaves;
+    cl_mem *buffer = &d->buffers[index];
     if (p->bytes == 0) return MCV_OK;
-    if (index < STRUCTURE) return mcv_cl_buffer(cl, p->what, p->bytes, p->data, p->buffer, error);
-    if (index != POSITIONS)
+    if (structure) return mcv_cl_buffer(cl, p->what, p->bytes, p->data, buffer, error);
+    if (index != MCV_BUFFER_positions)
         d->contents[index] =
             p->data ? digest((mcv_digest){0}, p->data, p->bytes) : (mcv_digest){.bytes = p->bytes};
-    if (kept) take_buffer(kept, d, p, index);
-    if (!*p->buffer) return mcv_cl_buffer(cl, p->what, p->bytes, p->data, p->buffer, error);
+    if (kept) take_buffer(kept, d, p->bytes, index);
+    if (!*buffer) return mcv_cl_buffer(cl, p->what, p->bytes, p->data, buffer, error);
     return kept && p->data && !same(&kept->contents[index], &d->contents[index])
-               ? mcv_cl_write(cl, *p->buffer, 0, p->bytes, p->data, error)
+               ? mcv_cl_write(cl, *buffer, 0, p->bytes, p->data, error)
                : MCV_OK;
 }
 
@@ -83,56 +81,22 @@ static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene 
                           : p->features >> MCV_FEATURE_DISPERSION & 1 ? 3
                                                                       : 1; /* of media */
     const bool mixed = p->features >> MCV_FEATURE_MIXED & 1;
-    const bool emitters = p->emitter_count > 0;
     const bool textures = p->features >> MCV_FEATURE_TEXTURE & 1;
     const plan plans[] = {
-        {&d->nodes, "the nodes of the acceleration structure", bvh->node_count * sizeof *bvh->nodes,
-         bvh->nodes},
-        {&d->leaves, "the leaves of the acceleration structure",
-         bvh->leaf_count * sizeof *bvh->leaves, bvh->leaves},
-        {&d->triangles, "the triangles", 16 * triangles, p->triangles},
-        {&d->positions, "the vertices", 12 * vertices, p->positions},
-        {&d->normals, "the normals", present(p->normals, 12 * vertices), p->normals},
-        {&d->texcoords, "the texture coordinates",
-         present(p->texcoords, 8 * p->texcoord_sets * vertices), p->texcoords},
-        {&d->tangents, "the tangents", present(p->tangents, 16 * vertices), p->tangents},
-        {&d->instances, "the instances", p->instance_count * sizeof *p->instances, p->instances},
-        {&d->materials, "the materials", p->material_count * sizeof *p->materials, p->materials},
-        {&d->gloss, "the glossy materials", present(p->gloss, p->material_count * sizeof *p->gloss),
-         p->gloss},
-        {&d->albedos, "the albedos of microfacets", 4 * p->albedo_count, p->albedos},
-        {&d->media, "the media", tables * sizeof p->media[0], p->media},
-        {&d->interfaces, "the interfaces", tables * sizeof p->interfaces[0], p->interfaces},
-        {&d->interface_albedos, "the rough interfaces",
-         dielectric && p->gloss ? sizeof p->interface_albedos : 0, p->interface_albedos},
-        {&d->emitters, "the emitters", p->emitter_count * sizeof *p->emitters, p->emitters},
-        {&d->emitter_cdf, "the emitters' areas", emitters ? 4 * p->cdf_count : 0, p->emitter_cdf},
-        {&d->textures, "the list of textures",
-         textures ? p->texture_count * sizeof *p->textures : 0, p->textures},
-        {&d->texels, "the textures", textures ? 4 * p->texel_count : 0, p->texels},
-        {&d->solids, "the exact surfaces", present(p->solids, p->solid_count * sizeof *p->solids),
-         p->solids},
-        {&d->precise_solids, "the exact surfaces in double",
-         present(p->precise_solids, p->solid_count * sizeof *p->precise_solids), p->precise_solids},
-        {&d->position_lows, "the rests of the vertices", present(p->position_lows, 12 * vertices),
-         p->position_lows},
-        {&d->normal_lows, "the rests of the normals", present(p->normal_lows, 12 * vertices),
-         p->normal_lows},
-        {&d->refractive_indices, "the refractive indices", mixed ? sizeof p->refractive_indices : 0,
-         p->refractive_indices},
-        {&d->frame, "the frame", sizeof(mcv_frame), NULL},
-        {&d->sensor, "the sensor", sizeof(any_sensor), NULL},
+#define MCV_X(space, type, name, what, bytes, data) {what, bytes, data},
+        MCV_BUFFERS(MCV_X)
+#undef MCV_X
     };
     size_t total = 0;
-    for (size_t i = 0; i < sizeof plans / sizeof plans[0]; ++i) total += plans[i].bytes;
+    for (uint32_t i = 0; i < MCV_SCENE_ARGUMENTS; ++i) total += plans[i].bytes;
     if (total > cl->memory) {
         return mcv_fail(
             error, MCV_DEVICE,
             "the scene needs %.1f MiB, but %s has %.1f MiB: use fewer triangles or another device",
             (double)total / 0x1p20, cl->name, (double)cl->memory / 0x1p20);
     }
-    for (size_t i = 0; i < sizeof plans / sizeof plans[0]; ++i)
-        MCV_TRY(fill_buffer(cl, plans + i, (uint32_t)i, kept, d, error));
+    for (uint32_t i = 0; i < MCV_SCENE_ARGUMENTS; ++i)
+        MCV_TRY(fill_buffer(cl, plans + i, i, kept, d, error));
     return MCV_OK;
 }
 
@@ -214,12 +178,12 @@ static void *build_hierarchy(void *user) {
 static mcv_result keep_structure(mcv_cl *cl, mcv_device_scene *kept, mcv_device_scene *device,
                                  mcv_error *error) {
     const mcv_packed *p = &device->packed;
-    device->contents[POSITIONS] =
+    device->contents[MCV_BUFFER_positions] =
         digest((mcv_digest){0}, p->positions, 12 * (size_t)p->vertex_count);
     device->indices_digest = digest((mcv_digest){0}, p->indices, 12 * (size_t)p->triangle_count);
     if (!kept || !kept->nodes || !same(&kept->indices_digest, &device->indices_digest))
         return MCV_OK;
-    if (!same(kept->contents + POSITIONS, device->contents + POSITIONS))
+    if (!same(kept->contents + MCV_BUFFER_positions, device->contents + MCV_BUFFER_positions))
         return move_structure(cl, kept, device, error);
     take_structure(kept, device);
     return MCV_OK;
@@ -295,9 +259,7 @@ mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t th
 void mcv_device_scene_close(mcv_device_scene *device) {
     wait_for_hierarchy(device);
     end_building(device);
-#define MCV_X(name) mcv_cl_release(&device->name);
-    MCV_SCENE_BUFFERS(MCV_X)
-#undef MCV_X
+    for (uint32_t i = 0; i < MCV_SCENE_ARGUMENTS; ++i) mcv_cl_release(&device->buffers[i]);
     mcv_cl_release(&device->splats);
     mcv_packed_free(&device->packed);
 }
@@ -316,9 +278,8 @@ static mcv_result open_splats(mcv_cl *cl, const mcv_sensor *sensor, mcv_device_s
     while ((uint64_t)1 << frame->log2_pixels < mcv_tiled_pixels(frame->width, frame->height))
         ++frame->log2_pixels;
     frame->log2_thinning = mcv_light_thinning(packed, sensor);
-    frame->light_density =
-        (float)(3.14159265358979323846 *
-                (double)(mcv_tiled_pixels(frame->width, frame->height) >> frame->log2_thinning));
+    frame->light_density = (float)(M_PI * (double)(mcv_tiled_pixels(frame->width, frame->height) >>
+                                                   frame->log2_thinning));
     MCV_TRY(mcv_cl_buffer(cl, "what light paths bring", bytes, NULL, &device->splats, error));
     MCV_TRY_CL(clEnqueueFillBuffer(cl->queue, device->splats, &nothing, sizeof nothing, 0, bytes, 0,
                                    NULL, NULL),
@@ -361,8 +322,7 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
     mcv_pack_placement(packed, &from->to_world, frame->to_world, frame->to_world_rest);
     if (packed->features >> MCV_FEATURE_AIM & 1) {
         const size_t bytes = sizeof(mcv_device_pupil_guide) * frame->width * frame->height;
-        MCV_TRY(
-            mcv_cl_buffer(cl, "the aims of the pixels", bytes, NULL, &device->pupil_guides, error));
+        MCV_TRY(mcv_cl_buffer(cl, "the pupil guides", bytes, NULL, &device->pupil_guides, error));
     }
     if (packed->features >> MCV_FEATURE_LIGHT_TRACING & 1)
         MCV_TRY(open_splats(cl, from, device, frame, error));
@@ -371,8 +331,5 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
 
 void mcv_device_scene_arguments(const mcv_device_scene *device,
                                 mcv_arg arguments[MCV_SCENE_ARGUMENTS]) {
-    size_t i = 0;
-#define MCV_X(name) arguments[i++] = MCV_ARG(device->name);
-    MCV_SCENE_BUFFERS(MCV_X)
-#undef MCV_X
+    for (uint32_t i = 0; i < MCV_SCENE_ARGUMENTS; ++i) arguments[i] = MCV_ARG(device->buffers[i]);
 }

@@ -6,39 +6,15 @@
 
 #include "cl/cl.h"
 #include "device/pack.h"
+#include "mcvisi/buffers.h"
 
-/* The buffers in the order of MCV_WORLD in kernels/world.h. */
-#define MCV_SCENE_BUFFERS(X) \
-    X(frame) \
-    X(sensor) \
-    X(nodes) \
-    X(leaves) \
-    X(triangles) \
-    X(positions) \
-    X(normals) \
-    X(texcoords) \
-    X(tangents) \
-    X(instances) \
-    X(materials) \
-    X(gloss) \
-    X(albedos) \
-    X(media) \
-    X(interfaces) \
-    X(interface_albedos) \
-    X(emitters) \
-    X(emitter_cdf) \
-    X(textures) \
-    X(texels) \
-    X(pupil_guides) \
-    X(listed) \
-    X(solids) \
-    X(precise_solids) \
-    X(position_lows) \
-    X(normal_lows) \
-    X(refractive_indices)
-#define MCV_X(name) +1
-enum { MCV_SCENE_ARGUMENTS = 0 MCV_SCENE_BUFFERS(MCV_X) };
+/* The buffers by number, in the order of the kernels' arguments. */
+enum {
+#define MCV_X(space, type, name, what, bytes, data) MCV_BUFFER_##name,
+    MCV_BUFFERS(MCV_X)
 #undef MCV_X
+        MCV_SCENE_ARGUMENTS
+};
 
 /* Tells contents apart: 128 bits and the number of bytes. */
 typedef struct mcv_digest {
@@ -48,9 +24,14 @@ typedef struct mcv_digest {
 typedef struct mcv_device_scene {
     mcv_packed packed;                       /* what is large is freed once it is on the device */
     struct mcv_hierarchy_build *in_building; /* between begin and finish */
-#define MCV_X(name) cl_mem name;
-    MCV_SCENE_BUFFERS(MCV_X)
+    union {
+        cl_mem buffers[MCV_SCENE_ARGUMENTS];
+        struct {
+#define MCV_X(space, type, name, what, bytes, data) cl_mem name;
+            MCV_BUFFERS(MCV_X)
 #undef MCV_X
+        };
+    };
     cl_mem splats; /* [replicate][channel][row][column], of 64 bits: what light paths have brought
                       so far */
     bool kept_structure; /* the acceleration structure is that of the scene before, moved where
@@ -58,7 +39,7 @@ typedef struct mcv_device_scene {
     mcv_digest indices_digest; /* that it stands for, as for contents of the positions */
     uint32_t node_count, leaf_count;
     double structure_cost;                    /* when it was built; 0: not known yet */
-    mcv_digest contents[MCV_SCENE_ARGUMENTS]; /* of the buffers, as fill_buffers lists them */
+    mcv_digest contents[MCV_SCENE_ARGUMENTS]; /* of the buffers */
 } mcv_device_scene;
 
 /*

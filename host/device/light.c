@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "device/light.h"
+#include "device/pack_steps.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,8 +9,6 @@
 #include "scene/emitters.h"
 #include "scene/sensors.h"
 #include "scene/solid.h"
-
-static const double pi = 3.14159265358979323846;
 
 double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values) {
     double total = 0;
@@ -23,122 +22,12 @@ double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values) {
     return total;
 }
 
-/* A ball, re-centred. */
-typedef struct ball {
-    double centre[3], radius;
-} ball;
-
-/* Does it carry light paths on: is it smooth or sharp? */
-static bool carries(const mcv_packed *packed, uint32_t instance) {
-    const mcv_device_material *material = &packed->materials[packed->instances[instance].material];
-    return material->near_specular ||
-           (!material->scattering_sides && material->type != MCV_MATERIAL_ABSORBER);
-}
-
-/* The smallest one around two. */
-static ball join(const ball *a, const ball *b) {
-    double way[3], distance = 0;
-    for (int k = 0; k < 3; ++k) {
-        way[k] = b->centre[k] - a->centre[k];
-        distance += way[k] * way[k];
-    }
-    distance = sqrt(distance);
-    if (distance + b->radius <= a->radius) return *a;
-    if (distance + a->radius <= b->radius) return *b;
-    ball both = {.radius = (distance + a->radius + b->radius) / 2};
-    for (int k = 0; k < 3; ++k)
-        both.centre[k] = a->centre[k] + way[k] * (both.radius - a->radius) / distance;
-    return both;
-}
-
-/* By how much two balls' disks grow where one takes their place [m²/π]: not where they all but
- * coincide. */
-static double growth(const ball *a, const ball *b) {
-    const double r = join(a, b).radius;
-    return r * r - a->radius * a->radius - b->radius * b->radius;
-}
-
-/* Adds a ball to the list; joins the two that grow least while they shrink or there are too many.
- */
-static void add_ball(ball *balls, uint32_t *count, ball more) {
-    balls[(*count)++] = more;
-    while (*count > 1) {
-        uint32_t a = 0, b = 1;
-        for (uint32_t i = 0; i < *count; ++i)
-            for (uint32_t j = i + 1; j < *count; ++j)
-                if (growth(balls + i, balls + j) < growth(balls + a, balls + b)) a = i, b = j;
-        if (*count <= MCV_MAX_BALLS && growth(balls + a, balls + b) > 0) return;
-        balls[a] = join(balls + a, balls + b);
-        balls[b] = balls[--*count];
-    }
-}
-
-/* About the middle of the instance's box. */
-static ball ball_of_mesh(const mcv_packed *packed, uint32_t instance, uint32_t triangle_count) {
-    ball b = {.radius = 0};
-    const mcv_box *box = packed->boxes + instance;
-    for (int k = 0; k < 3; ++k)
-        b.centre[k] = 0.5 * (box->lower[k] + box->upper[k]) - packed->centre[k];
-    const uint32_t *corners =
-        packed->triangles + 4 * (size_t)packed->instances[instance].first_triangle;
-    for (size_t i = 0; i < 4 * (size_t)triangle_count; ++i) {
-        const float *p = packed->positions + 3 * (size_t)corners[i];
-        double squared = 0;
-        if (i % 4 == 3) continue;
-        for (int k = 0; k < 3; ++k)
-            squared += ((double)p[k] - b.centre[k]) * ((double)p[k] - b.centre[k]);
-        b.radius = fmax(b.radius, squared);
-    }
-    b.radius = sqrt(b.radius);
-    return b;
-}
-
-static ball ball_of_solid(const mcv_packed *packed, const mcv_solid *solid) {
-    float corners[24];
-    const double *m = solid->to_world.m;
-    ball b;
-    mcv_solid_box(solid, corners);
-    const double middle = 0.5 * ((double)corners[2] + (double)corners[23]),
-                 height = (double)corners[23] - middle;
-    const double across =
-        solid->side == MCV_SIDE_BOX ? hypot(solid->half[0], solid->half[1]) : solid->radius;
-    b.radius = solid->side == MCV_SIDE_SPHERE ? solid->radius : hypot(across, height);
-    for (int k = 0; k < 3; ++k) b.centre[k] = m[9 + k] + m[3 * k + 2] * middle - packed->centre[k];
-    return b;
-}
-
-/* Around all smooth and sharp surfaces; they hold what the device makes of their coordinates, too.
- */
-static void find_balls(const mcv_scene *scene, mcv_packed *packed) {
-    ball balls[MCV_MAX_BALLS + 1];
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < packed->instance_count; ++i) {
-        const uint32_t triangles = scene->meshes[scene->instances[i].mesh].triangle_count;
-        if (triangles > 0 && carries(packed, i))
-            add_ball(balls, &count, ball_of_mesh(packed, i, triangles));
-    }
-    for (uint32_t i = 0; i < scene->solid_count; ++i) {
-        bool any = false;
-        for (int k = 0; k < 3; ++k) any = any || carries(packed, scene->solids[i].instances[k]);
-        if (any) add_ball(balls, &count, ball_of_solid(packed, scene->solids + i));
-    }
-    for (uint32_t i = 0; i < count; ++i) {
-        double size = balls[i].radius;
-        for (int k = 0; k < 3; ++k) {
-            size += fabs(balls[i].centre[k]);
-            packed->balls[i].centre[k] = (float)balls[i].centre[k];
-        }
-        packed->balls[i].radius = (float)(balls[i].radius + size * 0x1p-22);
-    }
-    packed->ball_count = count;
-}
-
 /* The solid angle of the cones in which light paths leave a light for the balls. */
 static double aimed_angle(const mcv_packed *packed, mcv_vec3 from, mcv_cone own) {
     double sum = 0;
     for (uint32_t i = 0; i < packed->ball_count; ++i)
         sum += (double)mcv_cone_to(packed->balls[i], from, own).squared;
-    return 4 * pi * sum;
+    return 4 * M_PI * sum;
 }
 
 /* The same of a surface, with a middling cosine each: about the étendue of the light that falls on
@@ -151,7 +40,7 @@ static double aimed_projection(const mcv_packed *packed, mcv_vec3 from, mcv_cone
                fmax((double)mcv_dot(cone.axis, own.axis) * (1 - (double)cone.squared),
                     sqrt((double)cone.squared) / 4);
     }
-    return 4 * pi * sum;
+    return 4 * M_PI * sum;
 }
 
 /* The area of a projector's image, seen from its lens, in tangents. */
@@ -226,7 +115,7 @@ static bool is_aimed(uint32_t type) {
 static double disks(const mcv_packed *packed) {
     double sum = 0;
     for (uint32_t i = 0; i < packed->ball_count; ++i)
-        sum += pi * (double)packed->balls[i].radius * (double)packed->balls[i].radius;
+        sum += M_PI * (double)packed->balls[i].radius * (double)packed->balls[i].radius;
     return sum;
 }
 
@@ -237,7 +126,7 @@ static double disks(const mcv_packed *packed) {
  * under a lamp), light paths are worth their time from a quarter on.
  */
 static bool is_small(const mcv_packed *packed, const mcv_device_emitter *e, double etendue) {
-    return !is_aimed(e->type) || is_narrow(e) || 4 * etendue <= pi * disks(packed);
+    return !is_aimed(e->type) || is_narrow(e) || 4 * etendue <= M_PI * disks(packed);
 }
 
 /* The flux of all light paths of an emitter, over its radiance (irradiance, intensity); *unit:
@@ -297,7 +186,7 @@ static bool find_media(const mcv_scene *scene, const mcv_packed *packed, mcv_dev
 
 mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *cdf,
                           mcv_error *error) {
-    find_balls(scene, packed);
+    mcv_find_balls(scene, packed);
     const bool caustics = packed->ball_count > 0 && packed->features >> MCV_FEATURE_NEXT_EVENT & 1;
     uint32_t count = 0;
     bool wide = false;
@@ -308,7 +197,7 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
         const mcv_emitter *from = &scene->emitters[i];
         double mean[3], unit;
-        if (!mcv_is_looked_for(from)) continue;
+        if (!mcv_is_sampled(from)) continue;
         mcv_device_emitter *e = &packed->emitters[count++];
         if (!caustics && e->type != MCV_EMITTER_COLLIMATED_BEAM) continue;
         /* Glossy surfaces find what has an extent. */
@@ -395,7 +284,7 @@ static double covered_pixels(const mcv_packed *packed, const mcv_sensor *sensor)
             z -= m[3 * k + 2] * ((double)b->centre[k] + packed->centre[k] - m[9 + k]);
         if (!(z > (double)b->radius) || !look_at_point(sensor, (float)z, &brightness, &footprint))
             return INFINITY;
-        sum += pi * (double)b->radius * (double)b->radius / footprint;
+        sum += M_PI * (double)b->radius * (double)b->radius / footprint;
     }
     return sum;
 }
@@ -412,7 +301,7 @@ uint32_t mcv_light_thinning(const mcv_packed *packed, const mcv_sensor *sensor) 
         /* The less of it camera paths find, the more light paths are worth their time: see
          * is_small. */
         density =
-            fmax(density, punctual ? 4 : fmin(4, pi * disks(packed) / (64 * typical_flux(e))));
+            fmax(density, punctual ? 4 : fmin(4, M_PI * disks(packed) / (64 * typical_flux(e))));
     }
     const double wanted = density * covered_pixels(packed, sensor);
     mcv_sensor_film_size(sensor, &width, &height);
@@ -441,7 +330,7 @@ bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor) {
              * light. They do not where what the film sees is small against the emitter's area times
              * sin²β.
              */
-            if (pi * paths * footprint >= (thinning > 0 ? 1 : 2) * typical_flux(e)) return true;
+            if (M_PI * paths * footprint >= (thinning > 0 ? 1 : 2) * typical_flux(e)) return true;
             continue;
         }
         if (e->type != MCV_EMITTER_COLLIMATED_BEAM) return true;
@@ -467,7 +356,7 @@ double mcv_splat_unit(const mcv_packed *packed, const mcv_sensor *sensor, const 
              mcv_packed_size(packed) / 16);
     double brightness = 0, footprint;
     look_at_point(sensor, (float)distance, &brightness, &footprint);
-    const double typical = flux / pi * brightness;
+    const double typical = flux / M_PI * brightness;
     const double exponent = isfinite(typical) && typical > 0 ? floor(log2(typical)) - 16 : 0;
     return exp2(fmin(fmax(exponent, -100), 100));
 }

@@ -11,9 +11,9 @@
 #include "mcvisi/tables.h"
 #include "scene/scene.h"
 
-typedef struct mcv_box {
+typedef struct mcv_box3d {
     double lower[3], upper[3]; /* [m]; lower > upper: empty */
-} mcv_box;
+} mcv_box3d;
 
 /*
  * What the albedos of some microfacets come from: of an interface between two indices, or without
@@ -30,7 +30,7 @@ typedef struct mcv_albedo_source {
 typedef struct mcv_packed {
     uint32_t features; /* bit MCV_FEATURE_… */
     uint32_t channels;
-    mcv_box *boxes;   /* of the instances in the world */
+    mcv_box3d *boxes; /* of the instances in the world */
     double centre[3]; /* world point that is the device's origin, on a grid of a power of two */
 
     uint32_t vertex_count, triangle_count, instance_count, material_count, emitter_count,
@@ -89,9 +89,12 @@ void mcv_pack_precise_solids(const mcv_scene *scene, mcv_packed *packed);
 bool mcv_pack_rectangle(const mcv_scene *scene, const mcv_packed *packed,
                         mcv_device_emitter *emitter);
 
-/* pack_precise.c: the feature MIXED and what it needs. To be called before the packed arrays are
+/* pack_precise.c: what the feature MIXED needs. To be called before the packed arrays are
  * freed. */
 mcv_result mcv_pack_precise(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
+
+/* Touching boxes overlap, whatever their coordinates round. */
+bool mcv_boxes_overlap(const mcv_box3d *a, const mcv_box3d *b);
 
 /* A vertex's normal in the world, unit or 0: the face's stands in for it. */
 void mcv_pack_normal(const mcv_scene *scene, uint32_t instance, uint32_t vertex, double n[3]);
@@ -108,33 +111,13 @@ uint32_t mcv_media_around(const mcv_scene *scene, const mcv_packed *packed, cons
 /* The diagonal of the box around all instances [m]. */
 double mcv_packed_size(const mcv_packed *packed);
 
-/* Is it chosen by next-event estimation? A constant environment is not: all directions are as good.
- */
-bool mcv_is_looked_for(const mcv_emitter *emitter);
+/* Does next-event estimation sample it? It leaves out a constant environment: all directions are
+ * equally good there. */
+bool mcv_is_sampled(const mcv_emitter *emitter);
 
 /* Where the sensor is, as the device wants it: the optical frame to the re-centred world, and what
  * rounding leaves. */
 void mcv_pack_placement(const mcv_packed *packed, const mcv_transform *to_world,
                         float placement[12], float rest[12]);
-
-/*
- * The packed scene's features with those that depend on the sensor, too: AIM where its pupil sees a
- * parallel emitter at larger angles than the emitter's cone, LIGHT_TRACING where light paths reach
- * it.
- */
-uint32_t mcv_sensor_features(const mcv_packed *packed, const mcv_sensor *sensor);
-
-/* "dielectric normals parallel": the names of a set of features. */
-void mcv_feature_names(uint32_t features, char *names, size_t size);
-
-/* The -D options that specialise a program for a scene and one kind of sensor. */
-void mcv_feature_options(uint32_t features, uint32_t channels, uint32_t sensor_type,
-                         uint32_t sampler, uint32_t slice, char *options, size_t size);
-
-/* 32-bit words of a path's state with these features. */
-uint32_t mcv_path_words(uint32_t features, uint32_t channels);
-
-/* Branches of a sample's path at most with these features. */
-uint32_t mcv_path_branches(uint32_t features);
 
 #endif

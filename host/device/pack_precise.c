@@ -24,7 +24,6 @@ static void pack_rests(const mcv_scene *scene, mcv_packed *packed, uint32_t inst
 
 mcv_result mcv_pack_precise(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
     const size_t floats = 3 * (size_t)packed->vertex_count + 1;
-    packed->features |= 1u << MCV_FEATURE_MIXED;
     packed->position_lows = calloc(floats, sizeof(float));
     if (packed->normals) packed->normal_lows = calloc(floats, sizeof(float));
     if (packed->solids)

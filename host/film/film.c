@@ -208,3 +208,7 @@ double mcv_film_relative_error(const mcv_film *film) {
     if (variance == 0) return 0;
     return sqrt(variance / (double)count) / fabs(mean / (double)count);
 }
+
+size_t mcv_film_values(const mcv_film *film) {
+    return (size_t)film->width * film->height * film->channels * film->replicates;
+}

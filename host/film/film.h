@@ -96,4 +96,7 @@ double mcv_film_mean(const mcv_film *film);
  * for a black image with an error, 0 for one without; NaN for a single replicate or no samples. */
 double mcv_film_relative_error(const mcv_film *film);
 
+/* How many values its sums hold: those of all replicates. */
+size_t mcv_film_values(const mcv_film *film);
+
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* KHR_lights_punctual: its lights become the emitter types point, spot and directional, from
  * candela and lux to watts. */
-#include "loader/load.h"
+#include "loader/loader.h"
 
 #include "scene/emitters.h"
 #include "scene/transform.h"
@@ -88,9 +88,8 @@ mcv_result mcv_load_lights(mcv_loader *loader, mcv_error *error) {
     return MCV_OK;
 }
 
-mcv_result mcv_load_light_path(mcv_loader *loader, const json_t *node,
-                               const mcv_transform *to_world, const mcv_json_path *place,
-                               mcv_error *error) {
+mcv_result mcv_load_light(mcv_loader *loader, const json_t *node, const mcv_transform *to_world,
+                          const mcv_json_path *place, mcv_error *error) {
     const mcv_json_path extensions = mcv_json_path_key(place, "extensions"),
                         here = mcv_json_path_key(&extensions, "KHR_lights_punctual");
     const json_t *object = mcv_json_extension(node, "KHR_lights_punctual");

@@ -11,7 +11,7 @@
 enum { COSINES = 100, AZIMUTHS = 25, ROUGHNESSES = 33, NORMALS = 64 };
 
 /* Narrower microfacet distributions are as narrow as this, and interfaces that spread light less
- * than this are smooth (README.md). */
+ * than this are smooth (docs/limitations.md). */
 static const double least_alpha = 1e-3, least_spread = 1e-5;
 
 static void alphas(const mcv_roughness *roughness, double share, double alpha[2]) {

@@ -163,38 +163,13 @@ static void render_rounds(pass *r, mcv_film *film, pthread_t *threads, double st
     stats->interrupted = atomic_load(&r->stopped);
 }
 
-static bool is_power_of_two(uint64_t n) { return n > 0 && (n & (n - 1)) == 0; }
-
-static mcv_result check_options(const mcv_scene *scene, uint32_t sensor,
-                                const mcv_render_options *options, mcv_error *error) {
-    const uint64_t first = options->first, count = options->last - first;
-    if (sensor >= scene->sensor_count)
-        return mcv_fail(error, MCV_USAGE,
-                        "render: %s has %u sensors, so there is no sensor number %u", scene->path,
-                        scene->sensor_count, sensor);
-    if (options->last > 0 &&
-        (options->last <= first || !is_power_of_two(count) || first % count != 0))
-        return mcv_fail(
-            error, MCV_USAGE,
-            "render: samples %llu:%llu are no aligned power of two such as 0:64 or 64:128",
-            (unsigned long long)first, (unsigned long long)options->last);
-    if (options->last == 0 && first > 0)
-        return mcv_fail(error, MCV_USAGE, "render: samples from %llu have no end; give one",
-                        (unsigned long long)first);
-    if (options->last == 0 && !(options->error > 0) && !(options->seconds > 0))
-        return mcv_fail(
-            error, MCV_USAGE,
-            "render: nothing says when to stop; give a number of samples, an error or a time");
-    return MCV_OK;
-}
-
 mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options,
                       bool sample_emitters, mcv_film *film, mcv_render_stats *stats,
                       mcv_error *error) {
     const double start = mcv_seconds();
     *film = (mcv_film){0};
     *stats = (mcv_render_stats){.device = "reference (double precision)"};
-    MCV_TRY(check_options(scene, sensor, options, error));
+    MCV_TRY(mcv_render_check_options(scene, sensor, options, false, error));
     ref_world world = {.scene = scene, .depth = options->depth, .sample_emitters = sample_emitters};
     pass r = {.world = &world, .sensor = &scene->sensors[sensor], .options = options, .film = film};
     uint32_t width, height;

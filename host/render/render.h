@@ -143,4 +143,10 @@ mcv_result mcv_trace(const mcv_scene *scene, const mcv_trace_ray *rays, size_t r
                      const mcv_render_options *options, mcv_vertex **vertices, size_t *vertex_count,
                      mcv_error *error);
 
+/* Refuses options that make no sense, before any work. `device` adds the rules of the device
+ * renderer. MCV_USAGE, or MCV_BAD_INPUT for a scene without a sensor. */
+mcv_result mcv_render_check_options(const mcv_scene *scene, uint32_t sensor,
+                                    const mcv_render_options *options, bool device,
+                                    mcv_error *error);
+
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "render/schedule.h"
+#include "device/features.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -29,8 +30,7 @@ static bool traces_light(const mcv_schedule *s) {
 static mcv_result open_tile(mcv_schedule *s, const char *options, mcv_error *error) {
     MCV_TRY(mcv_cl_build(s->cl, "schedule/tile", options, &s->program, error));
     if (aims(s))
-        MCV_TRY(
-            mcv_cl_kernel(s->program, "guide_pupil", &s->kernels[MCV_KERNEL_guide_pupil], error));
+        MCV_TRY(mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
     if (traces_light(s))
         MCV_TRY(mcv_cl_kernel(s->program, "trace_emitter_paths",
                               &s->kernels[MCV_KERNEL_trace_emitter_paths], error));
@@ -38,9 +38,7 @@ static mcv_result open_tile(mcv_schedule *s, const char *options, mcv_error *err
 }
 
 static mcv_result open_stream(mcv_schedule *s, const char *options, mcv_error *error) {
-    const uint32_t MCV_WITH_AIM = aims(s);
-    const uint32_t MCV_WITH_LIGHT_TRACING = traces_light(s);
-    const uint32_t MCV_WITH_NEXT_EVENT = s->scene->packed.features >> MCV_FEATURE_NEXT_EVENT & 1;
+    MCV_FEATURE_VARIABLES(s->scene->packed.features)
     MCV_TRY(mcv_cl_build(s->cl, "schedule/stream", options, &s->program, error));
 #define MCV_X(stage, runs) \
     if (runs) MCV_TRY(mcv_cl_kernel(s->program, #stage, &s->kernels[MCV_KERNEL_##stage], error));
@@ -85,7 +83,7 @@ mcv_result mcv_schedule_open(mcv_cl *cl, const mcv_device_scene *scene, uint32_t
         return mcv_fail(error, MCV_DEVICE, "%s: too little memory for a slice of %u paths",
                         cl->name, unit);
 
-    mcv_feature_options(packed->features, packed->channels, sensor_type, options->sampler, s->slice,
+    mcv_feature_defines(packed->features, packed->channels, sensor_type, options->sampler, s->slice,
                         defines, sizeof defines);
     MCV_TRY(s->kind == MCV_SCHEDULE_TILE ? open_tile(s, defines, error)
                                          : open_stream(s, defines, error));
@@ -288,7 +286,7 @@ mcv_result mcv_schedule_aim(mcv_schedule *schedule, const mcv_frame *frame, mcv_
     MCV_TRY(mcv_cl_write(s->cl, s->scene->frame, 0, sizeof *frame, frame, error));
     mcv_device_scene_arguments(s->scene, arguments);
     arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->scene->pupil_guides);
-    MCV_TRY(launch(s, MCV_KERNEL_guide_pupil, tile ? (pixels + s->slice - 1) / s->slice : pixels,
+    MCV_TRY(launch(s, MCV_KERNEL_aim_pupils, tile ? (pixels + s->slice - 1) / s->slice : pixels,
                    tile ? 1 : STREAM_GROUP, arguments, MCV_SCENE_ARGUMENTS + 1, error));
     MCV_TRY(mcv_cl_finish(s->cl, error));
     add_times(s, stats);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "device/device_scene.h"
+#include "device/features.h"
 #include "render/render.h"
 
 enum { MAX_BATCH = 16384, MAX_BATCH_BYTES = 64 << 20 };
@@ -29,7 +30,7 @@ static mcv_result open_tracer(tracer *t, const mcv_scene *scene, size_t ray_coun
         MCV_TRY(mcv_device_scene_refine(&t->cl, scene, &t->scene, error));
     MCV_TRY(mcv_device_scene_finish(&t->cl, NULL, &t->scene, error));
     const mcv_packed *packed = &t->scene.packed;
-    mcv_feature_options(packed->features, packed->channels, MCV_SENSOR_PINHOLE, MCV_SAMPLER_SOBOL,
+    mcv_feature_defines(packed->features, packed->channels, MCV_SENSOR_PINHOLE, MCV_SAMPLER_SOBOL,
                         MCV_BLOCK, defines, sizeof defines);
     MCV_TRY(mcv_cl_build(&t->cl, "schedule/trace", defines, &t->program, error));
     MCV_TRY(mcv_cl_kernel(t->program, "trace_paths", &t->kernel, error));
@@ -106,7 +107,7 @@ static mcv_vertex host_vertex(const mcv_packed *packed, const mcv_device_vertex 
     if (to.triangle != MCV_NONE &&
         to.triangle >= MCV_EXACT) /* 4 per solid there, 3 here, after the triangles */
         to.triangle =
-            packed->triangle_count + 3 * ((to.triangle & ~MCV_EXACT) >> 2) + (to.triangle & 3u);
+            packed->triangle_count + 3 * mcv_solid_of(to.triangle) + mcv_piece_of(to.triangle);
     for (int k = 0; k < 3; ++k) {
         to.position[k] = from->position[k] + (double)from->position_rest[k] + packed->centre[k];
         to.normal[k] = from->normal[k] + (double)from->normal_rest[k];

@@ -143,7 +143,7 @@ static json_t *spectrum_schema(void) {
                               scalar_schema(&length), "minItems", 3, "maxItems", 3);
     json_t *wavelengths =
         json_pack("{s:s, s:[o, o]}", "description",
-                  "that red, green and blue stand for, or one for a grey scene [m]", "anyOf",
+                  "wavelengths of red, green and blue, or one for a grey scene [m]", "anyOf",
                   scalar_schema(&length), three);
     return object_schema(json_pack("{s:o}", "wavelengths", wavelengths),
                          json_pack("[s]", "wavelengths"), (mcv_param_table){0});
@@ -151,8 +151,8 @@ static json_t *spectrum_schema(void) {
 
 static json_t *asphere_schema(void) {
     return json_pack("{s:s, s:s, s:{s:s}, s:i}", "description",
-                     "coefficients of r^4, r^6 and so on [m^(1-i)]", "type", "array", "items",
-                     "type", "number", "maxItems", MCV_ASPHERE_TERMS);
+                     "coefficients A_i of r^4, r^6 and so on, up to r^18 [m^(1-i)]", "type",
+                     "array", "items", "type", "number", "maxItems", MCV_ASPHERE_TERMS);
 }
 
 /* Bodies with exact surfaces: what their tables do not say. */
@@ -169,15 +169,15 @@ static void add_body_members(json_t *definitions) {
         json_t *surface = object_schema(
             json_pack(
                 "{s:o, s:o, s:{s:s}}", "asphere", asphere_schema(), "material",
-                material_schema("fills the space up to the next surface; without it is a gap"),
+                material_schema("what fills the space up to the next surface; a gap without it"),
                 "name", "type", "string"),
             json_array(), mcv_lens_surface_table());
-        json_object_set_new(
-            properties, "surfaces",
-            json_pack("{s:s, s:i, s:o}", "type", "array", "minItems", 2, "items", surface));
-        json_object_set_new(
-            properties, "rim",
-            material_schema("of the edges, by name or index; without it they absorb"));
+        json_object_set_new(properties, "surfaces",
+                            json_pack("{s:s, s:s, s:i, s:o}", "description",
+                                      "two or more optical surfaces in a row", "type", "array",
+                                      "minItems", 2, "items", surface));
+        json_object_set_new(properties, "rim",
+                            material_schema("a material for the edges; they absorb without it"));
         json_array_append_new(
             json_object_get(json_object_get(definitions, types[type]), "required"),
             json_string("surfaces"));

@@ -26,7 +26,8 @@
 /*
  * From here on the structure, some 80 bytes per triangle, is so much larger than the caches that
  * rays which diffuse surfaces send everywhere, where they leave their bundle, are faster in turns
- * than one after the other (bench/README.md). Rays that are only refracted keep together.
+ * than one after the other (docs/benchmark-results.md). Rays that are only refracted keep
+ * together.
  */
 #define MCV_MANY_TRIANGLES 200000u
 

@@ -65,7 +65,7 @@ enum {
 /* X(stage, whether it runs, in the terms of MCV_WITH_…): one file kernels/<stage>.cl each, in the
  * order in which they run. */
 #define MCV_STAGES(X) \
-    X(guide_pupil, MCV_WITH_AIM) \
+    X(aim_pupils, MCV_WITH_AIM) \
     X(generate_rays, 1) \
     X(intersect_closest, 1) \
     X(sample_emitters, MCV_WITH_NEXT_EVENT) \

@@ -92,22 +92,22 @@ typedef struct mcv_device_instance {
     uint emitter; /* or MCV_NONE */
     uint medium;  /* index of the medium that its surface bounds, 0: none */
     uint first_triangle;
-    uint shading; /* MCV_SHADED_… */
+    uint shading; /* MCV_SHADING_… */
 } mcv_device_instance;
 MCV_ASSERT_SIZE(mcv_device_instance, 20);
 
 /*
  * Surfaces that do not emit, without texture: diffuse ones, of microfacets that have no direction,
  * of smooth bodies, and what absorbs all light. Where there are few emitters, the lamp of one that
- * sends its full radiance or nothing, without an image, is MCV_SHADED_BLACK and its number and 1
+ * sends its full radiance or nothing, without an image, is MCV_SHADING_BLACK and its number and 1
  * more. And all others.
  */
 enum {
-    MCV_SHADED_ALONE,
-    MCV_SHADED_DIFFUSE,
-    MCV_SHADED_GLOSSY,
-    MCV_SHADED_SMOOTH,
-    MCV_SHADED_BLACK
+    MCV_SHADING_ANY,
+    MCV_SHADING_DIFFUSE,
+    MCV_SHADING_GLOSS,
+    MCV_SHADING_SMOOTH,
+    MCV_SHADING_BLACK
 };
 #define MCV_MOST_LAMPS 16u
 

@@ -95,7 +95,7 @@ MCV_FUNCTION float mcv_exact_rounding(mcv_vec3 at, float size) {
  */
 static void mcv_find_exact_contacts(mcv_world world, uint own, mcv_interaction *interaction) {
     const uint met = interaction->surface.triangle;
-    const uint group = met >= MCV_EXACT ? world.solids[(met & ~MCV_EXACT) >> 2].group : MCV_NONE;
+    const uint group = met >= MCV_EXACT ? world.solids[mcv_solid_of(met)].group : MCV_NONE;
     const mcv_vec3 at = interaction->surface.point;
     const mcv_vec3 e = interaction->surface.error;
     for (uint i = 0; i < world.frame->solid_count; ++i) {
@@ -127,7 +127,7 @@ static void mcv_find_exact_contacts(mcv_world world, uint own, mcv_interaction *
         const float off = 2.0f * reach;
         interaction->surface.error = mcv_larger(interaction->surface.error, mcv_vec(off, off, off));
         if (met < MCV_EXACT) {
-            interaction->touched = MCV_EXACT | 4u * i | piece;
+            interaction->touched = mcv_exact_hit(i, piece);
             interaction->touched_face = face;
         }
     }

@@ -20,10 +20,8 @@
  */
 enum { MCV_CONTINUES = 1, MCV_SPLITS = 2, MCV_UNSHADED = 4 };
 
-enum { MCV_SHADING_ANY, MCV_SHADING_DIFFUSE, MCV_SHADING_SMOOTH, MCV_SHADING_GLOSS };
-
 typedef struct mcv_shading {
-    uint kind;     /* MCV_SHADING_… */
+    uint kind;     /* MCV_SHADING_… (mcvisi/tables.h), not MCV_SHADING_BLACK */
     int exact;     /* 0: the surface is a triangle */
     int splits;    /* it reflects and passes light: a path may split there */
     uint type;     /* of a glossy surface: MCV_MATERIAL_… */

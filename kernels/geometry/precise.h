@@ -144,7 +144,7 @@ MCV_FUNCTION mcv_dvec mcv_out_of_frame_d(__global const double *m, mcv_dvec v) {
 static mcv_precise_interaction mcv_intersect_solid_precisely(mcv_world world, uint triangle,
                                                              mcv_precise_ray ray, double near) {
     mcv_precise_interaction met;
-    const uint number = (triangle & ~MCV_EXACT) >> 2, piece = triangle & 3u;
+    const uint number = mcv_solid_of(triangle), piece = mcv_piece_of(triangle);
     __global const mcv_precise_solid *solid = world.precise_solids + number;
     const mcv_dvec origin = mcv_dvec_of(solid->origin[0], solid->origin[1], solid->origin[2]);
     const mcv_dvec from = mcv_into_frame_d(solid->axes, mcv_sub_d(ray.origin, origin));

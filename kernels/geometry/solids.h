@@ -257,8 +257,8 @@ MCV_LOOP_FUNCTION uint mcv_surface_of_piece(__global const mcv_device_solid *sol
 
 /* The surface of the piece that a hit is on. */
 MCV_LOOP_FUNCTION uint mcv_exact_surface(mcv_world world, uint hit) {
-    const uint number = (hit & ~MCV_EXACT) >> 2;
-    return mcv_surface_of_piece(world.solids + number, number, hit & 3u);
+    const uint number = mcv_solid_of(hit);
+    return mcv_surface_of_piece(world.solids + number, number, mcv_piece_of(hit));
 }
 
 /* A ray in a solid's frame: the place `shift` along it is p. */
@@ -453,7 +453,7 @@ MCV_LOOP_FUNCTION mcv_piece_hit mcv_intersect_shape(__global const mcv_device_so
  * the two bodies are in contact. */
 MCV_FUNCTION void mcv_take_exact_hit(mcv_world world, float t, uint number, uint piece,
                                      mcv_hit *hit) {
-    const uint here = MCV_EXACT | 4u * number | piece;
+    const uint here = mcv_exact_hit(number, piece);
     if (t < hit->t) {
         hit->t = t;
         hit->u = hit->v = 0.0f;
@@ -581,7 +581,7 @@ static mcv_vec3 mcv_piece_gradient(__global const mcv_device_solid *solid, uint 
 MCV_LOOP_FUNCTION mcv_surface mcv_exact_surface_on(mcv_world world, uint met, float u,
                                                    mcv_vec3 origin, mcv_vec3 direction, float t,
                                                    int quadric) {
-    const uint number = (met & ~MCV_EXACT) >> 2, piece = met & 3u;
+    const uint number = mcv_solid_of(met), piece = mcv_piece_of(met);
     __global const mcv_device_solid *solid = world.solids + number;
     mcv_surface surface;
     float outside;
@@ -620,7 +620,7 @@ MCV_LOOP_FUNCTION uint mcv_mark_origin_surface(mcv_world world, mcv_surface surf
     if (surface.triangle < MCV_EXACT) return MCV_NONE;
     const uint outwards = mcv_dot(direction, surface.face) > 0.0f;
     return mcv_exact_surface(world, surface.triangle) << 1 |
-           ((surface.triangle & 3u) == MCV_PIECE_FIRST_CAP ? 1u - outwards : outwards);
+           (mcv_piece_of(surface.triangle) == MCV_PIECE_FIRST_CAP ? 1u - outwards : outwards);
 }
 
 #endif

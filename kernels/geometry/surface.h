@@ -43,7 +43,7 @@ MCV_FUNCTION mcv_corners mcv_triangle_corners(mcv_world world, uint triangle) {
 MCV_FUNCTION uint mcv_instance_of(mcv_world world, uint triangle) {
 #if MCV_WITH_SURFACES
     if (triangle >= MCV_EXACT)
-        return world.solids[(triangle & ~MCV_EXACT) >> 2].instance[triangle & 3u];
+        return world.solids[mcv_solid_of(triangle)].instance[mcv_piece_of(triangle)];
 #endif
     return world.triangles[triangle].w;
 }

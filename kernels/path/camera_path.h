@@ -24,7 +24,8 @@
 
 /* A sample's path splits at the first surfaces of glass, sheets and beam splitters that it meets,
  * so that it has at most so many branches: a power of two. */
-#define MCV_BRANCHES (MCV_WITH_SPLIT ? 4 : 1)
+#define MCV_SPLIT_BRANCHES 4
+#define MCV_BRANCHES (MCV_WITH_SPLIT ? MCV_SPLIT_BRANCHES : 1)
 
 /* X(field, words): what a scene does not need has no words. Those before the hit go on with the
  * path to its next surface. */
@@ -132,6 +133,19 @@ typedef struct mcv_slot {
 #endif
     uint index;
 } mcv_slot;
+
+#if MCV_TILE
+/* For what does not ask for `glosses`. */
+MCV_LOOP_FUNCTION mcv_slot mcv_slot_at(uint *paths, uint index) {
+    mcv_slot slot;
+    slot.base = paths;
+    slot.index = index;
+#if MCV_WITH_GLOSS
+    slot.glosses = 0;
+#endif
+    return slot;
+}
+#endif
 
 #define MCV_WORD(slot, field, k) \
     (slot).base[((uint)MCV_PATH_##field + (uint)(k)) * MCV_CAPACITY(slot) + (slot).index]

@@ -8,6 +8,12 @@
 #ifndef MCVISI_KERNELS_LIGHT_SLICES_H
 #define MCVISI_KERNELS_LIGHT_SLICES_H
 
+#include "schedule/classify_hits.h"
+#include "schedule/shadow_rows.h"
+#include "schedule/sort_paths.h"
+#include "schedule/surface_rows.h"
+#include "stage/trace_light_path.h"
+
 /* Where beams come to the lens by themselves, colours part or surfaces touch, light paths go one by
  * one. */
 #define MCV_LIGHT_TOGETHER \
@@ -73,8 +79,8 @@ MCV_LOOP_FUNCTION void mcv_store_light_step(mcv_slot slot, int skipped, mcv_ligh
 #if MCV_WITH_LAMPS
 /* mcv_aim_anywhere, from the places on their lamps that are stored as surfaces: angle and within as
  * in mcv_aiming. */
-static __attribute__((noinline)) void mcv_aim_together(mcv_world world, uint *paths, uint count,
-                                                       float *angle, uint *within) {
+MCV_BATCH void mcv_aim_together(mcv_world world, uint *paths, uint count, float *angle,
+                                uint *within) {
     float remainder[MCV_SLOTS], remainder_of[MCV_SLOTS], squared[MCV_SLOTS];
     const uint balls = world.frame->ball_count;
     mcv_slot slot;
@@ -140,8 +146,7 @@ static __attribute__((noinline)) void mcv_aim_together(mcv_world world, uint *pa
 }
 
 /* mcv_begin_light_path; returns how many paths carry anything. */
-static __attribute__((noinline)) uint mcv_begin_light_paths(mcv_world world, uint *paths,
-                                                            uint count) {
+MCV_BATCH uint mcv_begin_light_paths(mcv_world world, uint *paths, uint count) {
     float angle[MCV_SLOTS];
     uint within[MCV_SLOTS], begun[MCV_SLOTS];
     mcv_slot slot;
@@ -209,8 +214,7 @@ static __attribute__((noinline)) uint mcv_begin_light_paths(mcv_world world, uin
     return next;
 }
 #else
-static __attribute__((noinline)) uint mcv_begin_light_paths(mcv_world world, uint *paths,
-                                                            uint count) {
+MCV_BATCH uint mcv_begin_light_paths(mcv_world world, uint *paths, uint count) {
     uint begun[MCV_SLOTS];
     uint next = 0;
     mcv_slot slot;
@@ -230,8 +234,7 @@ static __attribute__((noinline)) uint mcv_begin_light_paths(mcv_world world, uin
 
 /* Begins the next light paths of the launch's paths *next … last - 1, as many as there is room for;
  * returns how many. */
-static __attribute__((noinline)) uint mcv_fill_light_slice(mcv_world world, uint *paths, uint *next,
-                                                           uint last) {
+MCV_BATCH uint mcv_fill_light_slice(mcv_world world, uint *paths, uint *next, uint last) {
     const uint samples = 1u << world.frame->log2_samples;
     mcv_slot slot;
     uint count = 0;
@@ -256,8 +259,8 @@ static __attribute__((noinline)) uint mcv_fill_light_slice(mcv_world world, uint
 
 /* The paths end that have met nothing or what absorbs all, or come straight from the emitter to a
  * diffuse surface; the others lie in the order of what they have met. */
-static __attribute__((noinline)) void
-mcv_classify_light_hits(mcv_world world, uint *paths, uint count, uint *class_end, uint *gloss) {
+MCV_BATCH void mcv_classify_light_hits(mcv_world world, uint *paths, uint count, uint *class_end,
+                                       uint *gloss) {
     uint classes[MCV_ROW];
     mcv_slot slot;
     slot.base = paths;
@@ -274,19 +277,12 @@ mcv_classify_light_hits(mcv_world world, uint *paths, uint count, uint *class_en
         MCV_STORE(slot, footprint, 0, MCV_LOAD(slot, footprint, 0) + MCV_LOAD(slot, hit, 0));
     }
     mcv_sort_paths(paths, classes, count, class_end);
-    mcv_find_surfaces(world, paths, class_end);
-#if MCV_WITH_PLAIN
-    mcv_find_reflectances(world, paths, class_end[MCV_CLASS_SMOOTH_EXACT],
-                          class_end[MCV_CLASS_DIFFUSE_EXACT]);
-    mcv_find_reflectances(world, paths, class_end[MCV_CLASS_GLOSS_TRIANGLE],
-                          class_end[MCV_CLASS_DIFFUSE_TRIANGLE]);
-#endif
+    mcv_find_interactions(world, paths, class_end);
 }
 
 /* Lists the paths that have a connection to the lens, and their shadow rays; returns how many. */
-static __attribute__((noinline)) uint mcv_list_connections(mcv_world world, mcv_slot slot,
-                                                           uint first, uint last, uint depth,
-                                                           uint *connected) {
+MCV_BATCH uint mcv_list_connections(mcv_world world, mcv_slot slot, uint first, uint last,
+                                    uint depth, uint *connected) {
     uint count = 0;
     for (slot.index = first; slot.index < last; ++slot.index) {
         mcv_connection connection;
@@ -313,13 +309,12 @@ static __attribute__((noinline)) uint mcv_list_connections(mcv_world world, mcv_
 }
 
 /* Adds what comes to the lens by connections that nothing blocks. */
-static __attribute__((noinline)) void mcv_trace_connections(mcv_world world, mcv_slot slot,
-                                                            const uint *connected, uint count,
-                                                            uint depth, __global uint *splats,
-                                                            uint counts[MCV_COUNTER_COUNT]) {
+MCV_BATCH void mcv_trace_connections(mcv_world world, mcv_slot slot, const uint *connected,
+                                     uint count, uint depth, __global uint *splats,
+                                     uint counts[MCV_COUNTER_COUNT]) {
 #if !MCV_WITH_SHEET
-    const mcv_rows origins = MCV_ROWS(slot, shadow_origin),
-                   directions = MCV_ROWS(slot, shadow_direction);
+    const mcv_rows origins = MCV_ROWS(slot.base, shadow_origin),
+                   directions = MCV_ROWS(slot.base, shadow_direction);
     uint rows[4 * MCV_ROW];
     const mcv_hits hits = mcv_hits_in(rows, MCV_ROW);
     const uint first = count > 0u ? connected[0] : 0u,
@@ -357,7 +352,6 @@ static __attribute__((noinline)) void mcv_trace_connections(mcv_world world, mcv
     }
 }
 
-#if MCV_WITH_PLAIN || MCV_WITH_SMOOTH
 /* Sends a path on from a surface of a kind that is known: how the path continues, and in *ways
  * whether it does. */
 MCV_LOOP_FUNCTION mcv_light_path mcv_shade_light_hit(mcv_world world, mcv_slot slot,
@@ -397,22 +391,19 @@ MCV_LOOP_FUNCTION void mcv_shade_light_range(mcv_world world, uint *paths, uint 
         fate[i] = what;
     }
 }
-#endif
 
 /* Sends the paths on from the surfaces that they have met; returns how many go on. */
-static __attribute__((noinline)) uint mcv_shade_light_hits(mcv_world world, mcv_slot slot,
-                                                           const uint *class_end, uint gloss,
-                                                           uint depth, uint *unmatched) {
+MCV_BATCH uint mcv_shade_light_hits(mcv_world world, mcv_slot slot, const uint *class_end,
+                                    uint gloss, uint depth, uint *unmatched) {
     const uint alive = class_end[MCV_CLASS_EXACT], smooth = class_end[MCV_CLASS_SMOOTH_EXACT];
     uint fate[MCV_SLOTS], chosen[MCV_SLOTS], differs[MCV_SLOTS];
     /* Where those begin that are sent on one by one. */
-    const uint alone = MCV_WITH_PLAIN ? class_end[MCV_CLASS_DIFFUSE_TRIANGLE] : smooth;
+    const uint alone = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
     (void)gloss;
-#define MCV_X(first, last, shading) \
+#define MCV_SHADE(bsdf, first, last, shading) \
     mcv_shade_light_range(world, slot.base, first, last, shading, depth, fate, differs);
-    MCV_SMOOTH_RANGES(MCV_X, class_end)
-    MCV_PLAIN_RANGES(MCV_X, world, class_end, gloss)
-#undef MCV_X
+    MCV_EACH_RANGE(MCV_SHADE)
+#undef MCV_SHADE
     for (uint i = 0; i < alone; ++i) *unmatched += differs[i];
     for (uint i = alone; i < alive; ++i) fate[i] = MCV_UNSHADED;
     for (slot.index = smooth; slot.index < alive; ++slot.index) {
@@ -430,9 +421,8 @@ static __attribute__((noinline)) uint mcv_shade_light_hits(mcv_world world, mcv_
 }
 
 /* The light paths of the launch's paths first … last - 1. */
-static __attribute__((noinline)) void mcv_trace_light_slices(mcv_world world, uint first, uint last,
-                                                             __global uint *splats,
-                                                             uint counts[MCV_COUNTER_COUNT]) {
+MCV_BATCH void mcv_trace_light_slices(mcv_world world, uint first, uint last, __global uint *splats,
+                                      uint counts[MCV_COUNTER_COUNT]) {
     uint paths[MCV_PATH_WORDS * MCV_ROW];
     uint class_end[MCV_CLASS_COUNT], connected[MCV_SLOTS], gloss;
     mcv_slot slot;
@@ -445,7 +435,7 @@ static __attribute__((noinline)) void mcv_trace_light_slices(mcv_world world, ui
         uint alive = mcv_fill_light_slice(world, paths, &first, last);
         for (uint depth = 1; depth < world.frame->depth && alive > 0; ++depth) {
             counts[MCV_COUNTER_rays] += alive;
-            mcv_intersect_paths(world, slot, alive);
+            mcv_intersect_paths(world, paths, alive);
             mcv_classify_light_hits(world, paths, alive, class_end, &gloss);
             alive = class_end[MCV_CLASS_EXACT];
             mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_CHOICE);
@@ -470,9 +460,8 @@ static __attribute__((noinline)) void mcv_trace_light_slices(mcv_world world, ui
     }
 }
 #else
-static __attribute__((noinline)) void mcv_trace_light_slices(mcv_world world, uint first, uint last,
-                                                             __global uint *splats,
-                                                             uint counts[MCV_COUNTER_COUNT]) {
+MCV_BATCH void mcv_trace_light_slices(mcv_world world, uint first, uint last, __global uint *splats,
+                                      uint counts[MCV_COUNTER_COUNT]) {
     for (; first < last; ++first) mcv_trace_light_path(world, first, splats, counts);
 }
 #endif

@@ -7,6 +7,12 @@
 #ifndef MCVISI_KERNELS_LOOK_FOR_EMITTERS_H
 #define MCVISI_KERNELS_LOOK_FOR_EMITTERS_H
 
+#include "schedule/compact.h"
+#include "schedule/ranges.h"
+#include "schedule/surface_rows.h"
+#include "schedule/vectorize.h"
+#include "stage/sample_emitters.h"
+
 /* Of so many emitters each has some four paths of a slice that look for it; of more, too few to be
  * worked out together. */
 #define MCV_MOST_SORTED (MCV_SLICE / 4u)
@@ -39,9 +45,8 @@ static inline __attribute__((noinline)) void mcv_search_cdf_rows(__global const 
 #if MCV_WITH_REACH
 /* mcv_select_emitter for the paths in the slots first … last - 1; both sides of the surfaces of
  * those from two_sided to two_sided_end spread light. */
-static __attribute__((noinline)) void mcv_select_emitter_rows(mcv_world world, uint *paths,
-                                                              uint first, uint last, uint two_sided,
-                                                              uint two_sided_end) {
+MCV_BATCH void mcv_select_emitter_rows(mcv_world world, uint *paths, uint first, uint last,
+                                       uint two_sided, uint two_sided_end) {
     const uint count = min(world.frame->emitter_count, (uint)MCV_MOST_REACHING);
     float promises[MCV_MOST_REACHING][MCV_SLOTS], sums[MCV_SLOTS], numbers[MCV_SLOTS];
     mcv_slot slot;
@@ -94,8 +99,8 @@ static __attribute__((noinline)) void mcv_select_emitter_rows(mcv_world world, u
 
 /* mcv_choose_emitter for the paths on plain surfaces, but that whoever leaves its light to light
  * paths (mcv_cast_plain_shadows) chooses. */
-static __attribute__((noinline)) void mcv_select_plain_emitters(mcv_world world, uint *paths,
-                                                                const uint *class_end, uint gloss) {
+MCV_BATCH void mcv_select_plain_emitters(mcv_world world, uint *paths, const uint *class_end,
+                                         uint gloss) {
     const uint first = class_end[MCV_CLASS_SMOOTH_EXACT],
                last = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
     uint *emitters = paths + MCV_PATH_emitter * MCV_ROW;
@@ -149,8 +154,7 @@ MCV_LOOP_FUNCTION mcv_pair mcv_drawn_in(mcv_slot slot) {
 }
 
 /* One path. */
-static __attribute__((noinline)) void mcv_sample_emitter_alone(mcv_world world, uint *paths,
-                                                               uint index) {
+MCV_BATCH void mcv_sample_emitter_alone(mcv_world world, uint *paths, uint index) {
     mcv_slot slot;
     slot.base = paths;
     slot.index = index;
@@ -218,16 +222,15 @@ MCV_LOOP_FUNCTION void mcv_sample_directions(mcv_world world, uint *paths, uint 
 }
 
 #if MCV_WITH_PARALLEL
-static __attribute__((noinline)) void mcv_sample_cones(mcv_world world, uint *paths, uint emitter,
-                                                       const uint *chosen, uint count) {
+MCV_BATCH void mcv_sample_cones(mcv_world world, uint *paths, uint emitter, const uint *chosen,
+                                uint count) {
     mcv_sample_directions(world, paths, emitter, MCV_EMITTER_PARALLEL, chosen, count);
 }
 
 /* Those that choose a direction in the emitter's cone; returns how many, and leaves the others as
  * chosen ones. */
-static __attribute__((noinline)) uint mcv_list_cones(mcv_world world, const uint *paths,
-                                                     uint emitter, uint *chosen, uint *count,
-                                                     uint *cones) {
+MCV_BATCH uint mcv_list_cones(mcv_world world, const uint *paths, uint emitter, uint *chosen,
+                              uint *count, uint *cones) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     const uint *x = paths + MCV_PATH_point * MCV_ROW, *y = x + MCV_ROW, *z = y + MCV_ROW;
     uint by_cone[MCV_ROW], by_area[MCV_ROW];
@@ -266,8 +269,8 @@ MCV_LOOP_FUNCTION void mcv_store_emitter_point(mcv_world world, mcv_slot slot, m
 
 #if MCV_WITH_TEXTURE
 /* The light of places on an emitter with an image. */
-static __attribute__((noinline)) void mcv_light_points(mcv_world world, uint *paths, uint emitter,
-                                                       const uint *chosen, uint count) {
+MCV_BATCH void mcv_light_points(mcv_world world, uint *paths, uint emitter, const uint *chosen,
+                                uint count) {
     mcv_slot slot;
     slot.base = paths;
     for (uint i = 0; i < count; ++i) {
@@ -300,8 +303,8 @@ MCV_LOOP_FUNCTION void mcv_sample_rectangle_row(mcv_world world, uint *paths, ui
     }
 }
 
-static __attribute__((noinline)) void
-mcv_sample_rectangles(mcv_world world, uint *paths, uint emitter, const uint *chosen, uint count) {
+MCV_BATCH void mcv_sample_rectangles(mcv_world world, uint *paths, uint emitter, const uint *chosen,
+                                     uint count) {
     if (mcv_is_row(chosen, count))
         mcv_sample_rectangle_row(world, paths, emitter, chosen, count, 1);
     else
@@ -310,8 +313,8 @@ mcv_sample_rectangles(mcv_world world, uint *paths, uint emitter, const uint *ch
 #endif
 
 /* mcv_choose_emitter_point and what comes from there. */
-static __attribute__((noinline)) void mcv_sample_mesh(mcv_world world, uint *paths, uint emitter,
-                                                      const uint *chosen, uint count) {
+MCV_BATCH void mcv_sample_mesh(mcv_world world, uint *paths, uint emitter, const uint *chosen,
+                               uint count) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     __global const uint *cdf = world.emitter_cdf + e->cdf;
     const uint first = world.instances[e->instance].first_triangle;
@@ -335,8 +338,8 @@ static __attribute__((noinline)) void mcv_sample_mesh(mcv_world world, uint *pat
 #endif
 
 /* The chosen paths look for one emitter; *chosen is of no account afterwards. */
-static __attribute__((noinline)) void
-mcv_sample_emitter_row(mcv_world world, uint *paths, uint emitter, uint *chosen, uint count) {
+MCV_BATCH void mcv_sample_emitter_row(mcv_world world, uint *paths, uint emitter, uint *chosen,
+                                      uint count) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
 #if MCV_WITH_BEAM
     if (e->type == MCV_EMITTER_COLLIMATED_BEAM) {
@@ -380,8 +383,8 @@ mcv_sample_emitter_row(mcv_world world, uint *paths, uint emitter, uint *chosen,
 }
 
 /* Lists the paths in the slots first … last - 1 that look for an emitter; returns how many. */
-static __attribute__((noinline)) uint mcv_list_sampling(const uint *emitters, uint first, uint last,
-                                                        uint emitter, uint *listed) {
+MCV_BATCH uint mcv_list_sampling(const uint *emitters, uint first, uint last, uint emitter,
+                                 uint *listed) {
     uint looks[MCV_ROW];
     MCV_VECTORIZE
     for (uint i = first; i < last; ++i) looks[i - first] = emitters[i] == emitter;
@@ -392,9 +395,8 @@ static __attribute__((noinline)) uint mcv_list_sampling(const uint *emitters, ui
 }
 
 /* The same of many emitters: those that look for emitter k begin at begins[k] in `sorted`. */
-static __attribute__((noinline)) void mcv_sort_by_emitter(const uint *emitters, uint first,
-                                                          uint last, uint count, uint *begins,
-                                                          uint *sorted) {
+MCV_BATCH void mcv_sort_by_emitter(const uint *emitters, uint first, uint last, uint count,
+                                   uint *begins, uint *sorted) {
     uint next[MCV_MOST_SORTED];
     for (uint k = 0; k <= count; ++k) begins[k] = 0;
     for (uint i = first; i < last; ++i)
@@ -410,8 +412,7 @@ static __attribute__((noinline)) void mcv_sort_by_emitter(const uint *emitters, 
 /* What comes to the paths in the slots first … last - 1 from the emitters that they look for:
  * together, unless these are so many that few paths look for the same one, or surfaces in the same
  * place move where shadow rays begin. */
-static __attribute__((noinline)) void mcv_sample_emitter_rows(mcv_world world, uint *paths,
-                                                              uint first, uint last) {
+MCV_BATCH void mcv_sample_emitter_rows(mcv_world world, uint *paths, uint first, uint last) {
     const uint *emitters = paths + MCV_PATH_emitter * MCV_ROW;
     const uint count = world.frame->emitter_count;
     uint begins[MCV_MOST_SORTED + 1], sorted[MCV_SLOTS], chosen[MCV_ROW];
@@ -447,21 +448,47 @@ MCV_LOOP_FUNCTION void mcv_make_shadow_range(mcv_world world, uint *paths, uint 
 }
 
 /* Lists those of the paths on plain surfaces that have a shadow ray to follow; returns how many. */
-static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, uint *paths,
-                                                             const uint *class_end, uint gloss,
-                                                             uint *shadows) {
+MCV_BATCH uint mcv_list_plain_shadows(mcv_world world, uint *paths, const uint *class_end,
+                                      uint gloss, uint *shadows) {
     uint casts[MCV_ROW];
     const uint begin = class_end[MCV_CLASS_SMOOTH_EXACT],
                end = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
     (void)gloss;
-#define MCV_X(first, last, shading) \
-    mcv_make_shadow_range(world, paths, first, last, shading, casts);
-    MCV_PLAIN_RANGES(MCV_X, world, class_end, gloss)
-#undef MCV_X
+#define MCV_MAKE_SHADOWS(bsdf, first, last, shading) \
+    if (bsdf != MCV_SHADING_SMOOTH) \
+        mcv_make_shadow_range(world, paths, first, last, shading, casts);
+    MCV_EACH_RANGE(MCV_MAKE_SHADOWS)
+#undef MCV_MAKE_SHADOWS
     const uint listed = mcv_compact_indices(casts + begin, end - begin, shadows);
     for (uint i = 0; i < listed; ++i) shadows[i] += begin;
     return listed;
 }
 #endif
+
+/* Samples an emitter for each path; lists those that have a shadow ray to follow and returns how
+ * many. */
+MCV_BATCH uint mcv_sample_emitters(mcv_world world, mcv_slot slot, const uint *class_end,
+                                   uint gloss, uint depth, uint *shadows) {
+    const uint alive = class_end[MCV_CLASS_EXACT], smooth_end = class_end[MCV_CLASS_SMOOTH_EXACT],
+               known_end = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
+    uint shadow_count = 0;
+    (void)gloss;
+    mcv_draw_pairs(slot.base, smooth_end, alive, depth, MCV_PAIR_EMITTER);
+#if MCV_WITH_PLAIN
+    mcv_select_plain_emitters(world, slot.base, class_end, gloss);
+    mcv_sample_emitter_rows(world, slot.base, smooth_end, known_end);
+    shadow_count = mcv_list_plain_shadows(world, slot.base, class_end, gloss, shadows);
+#endif
+    for (slot.index = known_end; slot.index < alive; ++slot.index)
+        MCV_WORD(slot, emitter, 0) = mcv_choose_emitter(world, slot, depth);
+    mcv_sample_emitter_rows(world, slot.base, known_end, alive);
+    for (slot.index = known_end; slot.index < alive; ++slot.index) {
+        if (MCV_WORD(slot, emitter, 0) == MCV_NONE) continue;
+        const mcv_interaction interaction = mcv_make_interaction(world, slot);
+        if (mcv_make_shadow_ray(world, slot, &interaction, mcv_any_shading(), mcv_shadow_in(slot)))
+            shadows[shadow_count++] = slot.index;
+    }
+    return shadow_count;
+}
 
 #endif

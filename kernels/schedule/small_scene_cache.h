@@ -9,6 +9,7 @@
 
 #include "schedule/compact.h"
 #include "geometry/interaction.h"
+#include "schedule/vectorize.h"
 
 #if MCV_CACHED && !MCV_WITH_NORMALS
 enum { MCV_FACET_WORDS = 14, MCV_REGISTER_LOOKUP = 128 };
@@ -34,7 +35,7 @@ MCV_LOOP_FUNCTION mcv_facet mcv_facet_in(const uint *words, uint row, uint i) {
     return facet;
 }
 
-static __attribute__((noinline)) void mcv_fill_facets(mcv_world world, mcv_facet_table *table) {
+MCV_BATCH void mcv_fill_facets(mcv_world world, mcv_facet_table *table) {
     const uint count = world.frame->triangle_count;
     MCV_VECTORIZE
     for (uint i = 0; i < MCV_CACHED; ++i) {
@@ -49,19 +50,17 @@ static __attribute__((noinline)) void mcv_fill_facets(mcv_world world, mcv_facet
 }
 
 /* mcv_find_triangle for the paths in the slots first … last - 1, which have met triangles. */
-static __attribute__((noinline)) void
-mcv_find_cached_triangles(uint *paths, const mcv_facet_table *table, uint first, uint last) {
+MCV_BATCH void mcv_find_cached_triangles(uint *paths, const mcv_facet_table *table, uint first,
+                                         uint last) {
     uint known[MCV_FACET_WORDS * MCV_REGISTER_LOOKUP];
-    mcv_slot slot;
-    slot.base = paths;
     for (uint begin = first; begin < last; begin += MCV_REGISTER_LOOKUP) {
         const uint count = min(last - begin, (uint)MCV_REGISTER_LOOKUP);
         const uint *met = paths + (MCV_PATH_hit + 3) * MCV_ROW + begin;
         for (uint k = 0; k < MCV_FACET_WORDS; ++k)
             mcv_register_lookup(table->words[k], met, count, known + k * MCV_REGISTER_LOOKUP);
         MCV_VECTORIZE_MASKED
-        for (uint i = 0; i < count; ++i) {
-            slot.index = begin + i;
+        MCV_EACH_PATH (slot, paths, begin, begin + count) {
+            const uint i = slot.index - begin;
             mcv_facet facet = mcv_facet_in(known, MCV_REGISTER_LOOKUP, i);
             facet.triangle = met[i];
             mcv_put_surface(slot,

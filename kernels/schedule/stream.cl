@@ -61,7 +61,7 @@ MCV_FUNCTION void mcv_append(__global uint *queue, __global uint *length, uint p
 #if MCV_WITH_AIM
 /* One work-item per pixel. */
 __kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void
-guide_pupil(MCV_WORLD_PARAMETERS __global mcv_device_pupil_guide *out) {
+aim_pupils(MCV_WORLD_PARAMETERS __global mcv_device_pupil_guide *out) {
     MCV_MAKE_WORLD(world)
     const uint pixel = get_global_id(0);
     if (pixel < world.frame->width * world.frame->height)
@@ -172,9 +172,9 @@ MCV_STAGE_KERNEL(accumulate_film) {
                 values[k] += mcv_path_value(world, slot, channel, &nonfinite);
             }
         }
-        const mcv_float_pair sum = mcv_tree_sum(values, lows, block);
-        sums[(size_t)(i * MCV_CHANNELS + channel) * 2] = sum.high;
-        sums[(size_t)(i * MCV_CHANNELS + channel) * 2 + 1] = sum.low;
+        mcv_tree_sums(values, lows, block, block);
+        sums[(size_t)(i * MCV_CHANNELS + channel) * 2] = values[0];
+        sums[(size_t)(i * MCV_CHANNELS + channel) * 2 + 1] = lows[0];
     }
     if (nonfinite > 0) atomic_add(&counters[MCV_COUNTER_nonfinite], nonfinite);
 }

@@ -1,41 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where the tile schedule's paths end. Those that have met nothing, or a surface that absorbs all
- * light, are set apart before all else is done with the others: for them this is what
- * mcv_shade_miss and mcv_shade_surface do for one path, to the last bit.
+ * Where the tile schedule's paths end. Those that miss, or hit an absorber or a lamp, end before
+ * the others are sorted: they are copied to rows of their own, so that a loop runs over them.
  */
-#ifndef MCVISI_KERNELS_END_PATHS_H
-#define MCVISI_KERNELS_END_PATHS_H
+#ifndef MCVISI_KERNELS_TERMINATE_PATHS_H
+#define MCVISI_KERNELS_TERMINATE_PATHS_H
 
-/* The path has ended: its value waits for the others of its pixel. Returns how many are not finite.
- */
-MCV_LOOP_FUNCTION uint mcv_terminate_path(mcv_world world, mcv_slot slot, float *values) {
-    const uint place = mcv_branch_of(slot) * MCV_SLICE + MCV_WORD(slot, value, 0);
-    uint nonfinite = 0;
-    MCV_EACH_CHANNEL(c)
-    values[c * MCV_SLOTS + place] = mcv_path_value(world, slot, (uint)c, &nonfinite);
-    return nonfinite;
-}
-
-/* The listed paths have ended. */
-static __attribute__((noinline)) uint
-mcv_terminate_paths(mcv_world world, uint *paths, const uint *listed, uint count, float *values) {
-    uint nonfinite = 0;
-    mcv_slot slot;
-    slot.base = paths;
-    MCV_VECTORIZE
-    for (uint i = 0; i < count; ++i) {
-        slot.index = listed[i];
-        nonfinite += mcv_terminate_path(world, slot, values);
-    }
-    return nonfinite;
-}
+#include "schedule/compact.h"
+#include "schedule/ranges.h"
+#include "schedule/value_rows.h"
+#include "stage/shade_hit.h"
+#if MCV_WITH_NEXT_EVENT
+#include "stage/sample_emitters.h"
+#endif
 
 /* Of the paths of a kind the rows first … last - 1, side by side in `apart`; returns how many paths
  * there are. */
-static __attribute__((noinline)) uint mcv_set_apart(const uint *paths, const uint *classes,
-                                                    uint kind, uint count, uint first, uint last,
-                                                    uint *apart) {
+MCV_BATCH uint mcv_set_apart(const uint *paths, const uint *classes, uint kind, uint count,
+                             uint first, uint last, uint *apart) {
     uint flags[MCV_SLOTS], found = 0;
     MCV_VECTORIZE
     for (uint i = 0; i < count; ++i) {
@@ -58,16 +40,12 @@ static __attribute__((noinline)) uint mcv_set_apart(const uint *paths, const uin
 #endif
 
 /* Those of the paths end that have met nothing. */
-static __attribute__((noinline)) uint mcv_shade_misses(mcv_world world, uint *apart, uint count,
-                                                       float *values) {
+MCV_BATCH uint mcv_shade_misses(mcv_world world, uint *apart, uint count, float *values) {
     uint nonfinite = 0;
-    mcv_slot slot;
-    slot.base = apart;
 #if !MCV_WITH_ENVIRONMENT_IMAGE
     MCV_VECTORIZE
 #endif
-    for (uint i = 0; i < count; ++i) {
-        slot.index = i;
+    MCV_EACH_PATH (slot, apart, 0, count) {
         mcv_shade_miss(world, slot);
         nonfinite += mcv_terminate_path(world, slot, values);
     }
@@ -75,26 +53,19 @@ static __attribute__((noinline)) uint mcv_shade_misses(mcv_world world, uint *ap
 }
 
 #if MCV_WITH_PARALLEL || MCV_WITH_AREA
-#if MCV_WITH_RECTANGLE
-#define MCV_TWO_FACETS mcv_facets
-#else
-#define MCV_TWO_FACETS uint
-#endif
+struct mcv_facets;
 
 /* The paths have met a lamp. `two`: the triangles of a rectangle, else NULL; `chosen`: whether
  * their directions may have been chosen where the lamp was looked for, too. Both are known to the
  * compiler. */
 MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint count, uint emitter,
-                                           const MCV_TWO_FACETS *two, int chosen,
+                                           const struct mcv_facets *two, int chosen,
                                            const float *shares, float *values) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     uint nonfinite = 0;
-    mcv_slot slot;
-    slot.base = apart;
     (void)two, (void)chosen, (void)shares;
     MCV_VECTORIZE_MASKED
-    for (uint i = 0; i < count; ++i) {
-        slot.index = i;
+    MCV_EACH_PATH (slot, apart, 0, count) {
         const uint triangle = MCV_WORD(slot, hit, 3);
         const mcv_vec3 direction = MCV_LOAD_3(slot, direction);
         mcv_facet facet;
@@ -111,7 +82,7 @@ MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint co
         mcv_emitter_hit met;
         met.emitter = emitter;
         met.other = 0.0f;
-        met.share = shares[i];
+        met.share = shares[slot.index];
         MCV_EACH_CHANNEL(c) {
             const float full = e->radiance[c];
             met.radiance.c[c] = shines ? full : 0.0f;
@@ -144,11 +115,9 @@ MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint co
 
 #if MCV_WITH_LIGHT_TRACING
 /* mcv_camera_share */
-static __attribute__((noinline)) void mcv_share_lamp(mcv_world world, uint *apart, uint count,
-                                                     uint emitter, float *shares) {
-    mcv_slot slot;
-    slot.base = apart;
-    for (slot.index = 0; slot.index < count; ++slot.index) {
+MCV_BATCH void mcv_share_lamp(mcv_world world, uint *apart, uint count, uint emitter,
+                              float *shares) {
+    MCV_EACH_PATH (slot, apart, 0, count) {
         const mcv_hit hit = {MCV_LOAD(slot, hit, 0), MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2),
                              MCV_WORD(slot, hit, 3)};
         if (MCV_WORD(slot, path_class, 0) != MCV_PATH_CLASS_CARRIED) continue;
@@ -161,9 +130,8 @@ static __attribute__((noinline)) void mcv_share_lamp(mcv_world world, uint *apar
 #endif
 
 /* The paths end, which have met a lamp. */
-static __attribute__((noinline)) uint mcv_terminate_at_lamp(mcv_world world, uint *apart,
-                                                            uint count, uint emitter, int chosen,
-                                                            float *values) {
+MCV_BATCH uint mcv_terminate_at_lamp(mcv_world world, uint *apart, uint count, uint emitter,
+                                     int chosen, float *values) {
     float shares[MCV_SLOTS];
     for (uint i = 0; i < count; ++i) shares[i] = 1.0f;
 #if MCV_WITH_LIGHT_TRACING
@@ -183,9 +151,8 @@ static __attribute__((noinline)) uint mcv_terminate_at_lamp(mcv_world world, uin
 
 /* Those of the paths end that have met nothing or what absorbs all light, whose kind is then that
  * of nothing, too. Returns how many values are not finite. */
-static __attribute__((noinline)) uint mcv_terminate_early(mcv_world world, uint *paths,
-                                                          uint *classes, uint count, uint depth,
-                                                          float *values) {
+MCV_BATCH uint mcv_terminate_early(mcv_world world, uint *paths, uint *classes, uint count,
+                                   uint depth, float *values) {
     uint apart[(MCV_PATH_hit + 4) * MCV_ROW], flags[MCV_SLOTS], ended[MCV_SLOTS], black = 0;
     uint ending = mcv_set_apart(paths, classes, MCV_CLASS_MISS, count, MCV_LEAVES_BEGIN,
                                 MCV_LEAVES_END, apart);

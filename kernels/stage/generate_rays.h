@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stage: begins a path at the sensor. writes ray, weight, throughput 1, radiance 0, media, stream,
  * sample */
+#ifndef MCVISI_KERNELS_GENERATE_RAYS_H
+#define MCVISI_KERNELS_GENERATE_RAYS_H
+
 #include "path/identity.h"
 #include "path/camera_path.h"
 #include "path/sensor_ray.h"
@@ -70,3 +73,5 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
     MCV_WORD(slot, sample, 0) = id.sample;
     return weight > 0.0f;
 }
+
+#endif

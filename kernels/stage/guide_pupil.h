@@ -7,6 +7,9 @@
  * q = 0; the cone |q| <= sin β is an ellipse about it. Only how fast an image converges depends on
  * it, not what it shows. writes aims
  */
+#ifndef MCVISI_KERNELS_GUIDE_PUPIL_H
+#define MCVISI_KERNELS_GUIDE_PUPIL_H
+
 #include "traverse/closest.h"
 #include "bsdf/bsdf.h"
 #include "path/sensor_ray.h"
@@ -164,3 +167,5 @@ static void mcv_guide_pupil(mcv_world world, uint pixel, __global mcv_device_pup
         if (mcv_aim_from(world, film, i & 1 ? 0.6f : -0.6f, i & 2 ? 0.6f : -0.6f, aim)) return;
     }
 }
+
+#endif

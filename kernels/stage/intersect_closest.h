@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stage: finds the first surface on a ray. reads ray -> writes hit, throughput after absorption on
  * the way */
+#ifndef MCVISI_KERNELS_INTERSECT_CLOSEST_H
+#define MCVISI_KERNELS_INTERSECT_CLOSEST_H
+
 #include "path/camera_path.h"
 #include "traverse/closest.h"
 
@@ -30,3 +33,5 @@ MCV_FUNCTION void mcv_intersect_closest(mcv_world world, mcv_slot slot) {
     mcv_absorb(world, slot);
 #endif
 }
+
+#endif

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stage: adds the light of a shadow ray that nothing blocks. reads shadow ray -> writes radiance */
+#ifndef MCVISI_KERNELS_INTERSECT_SHADOW_H
+#define MCVISI_KERNELS_INTERSECT_SHADOW_H
+
 #include "path/camera_path.h"
 #include "geometry/surface.h"
 #if MCV_WITH_SURFACES
@@ -82,3 +85,5 @@ MCV_FUNCTION void mcv_intersect_shadow(mcv_world world, mcv_slot slot) {
         if (mcv_hits_target(world, slot, hit)) mcv_add_shadow_light(world, slot, hit, 1);
     }
 }
+
+#endif

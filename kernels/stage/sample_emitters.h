@@ -10,6 +10,9 @@
  *
  * reads ray, hit -> writes shadow ray
  */
+#ifndef MCVISI_KERNELS_SAMPLE_EMITTERS_H
+#define MCVISI_KERNELS_SAMPLE_EMITTERS_H
+
 #include "light/discrete.h"
 #include "light/environment.h"
 #include "path/identity.h"
@@ -517,3 +520,5 @@ MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) 
     MCV_WORD(slot, shadow_target, 0) = shadow.target;
     return mcv_make_shadow_ray(world, slot, &interaction, mcv_any_shading(), shadow);
 }
+
+#endif

@@ -4,6 +4,9 @@
  * path is continued or ended exactly once. reads ray, hit -> writes radiance, and ray, throughput,
  * media, density | ends
  */
+#ifndef MCVISI_KERNELS_SHADE_HIT_H
+#define MCVISI_KERNELS_SHADE_HIT_H
+
 #include "light/environment.h"
 #include "path/identity.h"
 #if MCV_WITH_LIGHT_TRACING
@@ -272,24 +275,42 @@ MCV_LOOP_FUNCTION mcv_split mcv_split_path(mcv_slot slot, float xi, mcv_color th
 }
 
 #if MCV_TILE
-/* Puts into `parted` how a branch continues. */
-MCV_LOOP_FUNCTION void mcv_keep_split(mcv_slot slot, mcv_split split) {
+/* What mcv_continue_branch asks for, in branch_state. */
+MCV_LOOP_FUNCTION void mcv_store_split(mcv_slot slot, mcv_split split) {
     MCV_STORE_3(slot, branch_state, split.other.direction);
     MCV_WORD(slot, branch_state, 3) = split.other.media;
     MCV_STORE(slot, branch_state, 4, split.other.density);
     MCV_EACH_CHANNEL(c) MCV_STORE(slot, branch_state, 5 + c, split.carried.c[c]);
 }
+
+MCV_LOOP_FUNCTION mcv_split mcv_load_split(mcv_slot slot) {
+    mcv_split split;
+    split.other.direction = MCV_LOAD_3(slot, branch_state);
+    split.other.media = MCV_WORD(slot, branch_state, 3);
+    split.other.density = MCV_LOAD(slot, branch_state, 4);
+    split.other.event = MCV_EVENT_END;
+    MCV_EACH_CHANNEL(c) split.carried.c[c] = MCV_LOAD(slot, branch_state, 5 + c);
+    return split;
+}
 #endif
 
-/* A path's branch begins in the slot beside, with random numbers of its own, as a copy of what the
- * path is before it goes on. */
-MCV_LOOP_FUNCTION void mcv_name_branch(mcv_slot slot, mcv_slot beside) {
+/* A copy of a path becomes its branch: it has random numbers of its own, nothing found so far, and
+ * goes the other way. */
+MCV_LOOP_FUNCTION void mcv_continue_branch(mcv_world world, mcv_slot slot,
+                                           const mcv_interaction *interaction, mcv_shading shading,
+                                           mcv_split split) {
     const uint number = MCV_WORD(slot, branch, 0);
-    MCV_WORD(beside, branch, 0) = MCV_BRANCHES + number;
-    MCV_WORD(beside, stream, 0) = mcv_hash_2(MCV_WORD(slot, stream, 0), number);
-    MCV_EACH_CHANNEL(i) MCV_STORE(beside, radiance, i, 0.0f);
+    MCV_WORD(slot, branch, 0) = MCV_BRANCHES + number;
+    MCV_WORD(slot, stream, 0) = mcv_hash_2(MCV_WORD(slot, stream, 0), number);
+    MCV_EACH_CHANNEL(i) MCV_STORE(slot, radiance, i, 0.0f);
+    mcv_continue_path(world, slot, interaction, shading, split.other, split.carried, 0);
+#if MCV_LEAVES_TOGETHER
+    const mcv_vec3 origin = mcv_onward_origin(*interaction, split.other.direction);
+    MCV_STORE_3(slot, origin, origin);
+#endif
 }
 
+/* The branch begins in the slot beside; the path has not continued yet. */
 static void mcv_start_branch(mcv_world world, mcv_slot slot, mcv_slot beside,
                              const mcv_interaction *interaction, mcv_split split) {
     for (uint word = 0; word < MCV_PATH_hit; ++word) {
@@ -299,12 +320,7 @@ static void mcv_start_branch(mcv_world world, mcv_slot slot, mcv_slot beside,
 #if MCV_WITH_MIXED
     MCV_WORD(beside, hit, 0) = MCV_WORD(slot, hit, 0);
 #endif
-    mcv_name_branch(slot, beside);
-    mcv_continue_path(world, beside, interaction, mcv_any_shading(), split.other, split.carried, 0);
-#if MCV_LEAVES_TOGETHER
-    const mcv_vec3 origin = mcv_onward_origin(*interaction, split.other.direction);
-    MCV_STORE_3(beside, origin, origin);
-#endif
+    mcv_continue_branch(world, beside, interaction, mcv_any_shading(), split);
 }
 #endif
 
@@ -412,3 +428,5 @@ static uint mcv_lost_energy(mcv_slot slot) {
     MCV_LOAD_COLOR(slot, throughput, throughput);
     return (uint)(mcv_brightest(throughput) * 2048.0f + 0.5f);
 }
+
+#endif

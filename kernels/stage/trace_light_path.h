@@ -16,6 +16,9 @@
  *
  * reads nothing -> writes splats
  */
+#ifndef MCVISI_KERNELS_TRACE_LIGHT_PATH_H
+#define MCVISI_KERNELS_TRACE_LIGHT_PATH_H
+
 #include "light/discrete.h"
 #include "traverse/closest.h"
 #include "light/light_path.h"
@@ -517,3 +520,5 @@ MCV_FUNCTION void mcv_trace_light_path(mcv_world world, uint index, __global uin
     ++counts[MCV_COUNTER_depth_cut];
     counts[MCV_COUNTER_lost] += mcv_lost_light(path.throughput);
 }
+
+#endif

@@ -86,7 +86,7 @@ intersect_all(__global const mcv_leaf *leaves, __global const mcv_batch_ray *ray
             mcv_vec(rays[i].origin[0], rays[i].origin[1], rays[i].origin[2]),
             mcv_vec(rays[i].direction[0], rays[i].direction[1], rays[i].direction[2]), 0.0f);
         for (uint leaf = 0; leaf < leaf_count; ++leaf)
-            mcv_intersect_leaf(leaves + leaf, &ray.shear, &hit);
+            mcv_intersect_leaf(leaves + leaf, &ray, &hit);
         hits[i] = hit;
     }
 }
@@ -104,7 +104,7 @@ count_hits(__global const mcv_leaf *leaves, __global const mcv_batch_ray *rays,
         int crossings = 0;
         for (uint leaf = 0; leaf < leaf_count; ++leaf) {
             mcv_hit hit = mcv_miss(rays[i].t_max);
-            crossings += mcv_intersect_leaf(leaves + leaf, &ray.shear, &hit);
+            crossings += mcv_intersect_leaf(leaves + leaf, &ray, &hit);
         }
         counts[i] = crossings;
     }

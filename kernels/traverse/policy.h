@@ -7,7 +7,7 @@
 #ifndef MCVISI_WAYS_H
 #define MCVISI_WAYS_H
 
-#include "traverse/packet.h"
+#include "traverse/trace_packet.h"
 
 #if MCV_WITH_INTERLEAVE
 #define MCV_TRACE_CLOSEST mcv_intersect_closest_interleaved

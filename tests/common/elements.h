@@ -5,6 +5,7 @@
 #define MCVISI_TESTS_ELEMENTS_H
 
 #include "scene_builder.h"
+#include "device/features.h"
 
 #include "cl/cl.h"
 #include "reference/random.h"
@@ -41,7 +42,7 @@ static inline void run_elements(const char *kernel_name, uint32_t sensor_type, c
     cl_mem first_buffer = NULL;
     cl_mem in_buffer;
     cl_mem out_buffer;
-    mcv_feature_options(element_features, 1, sensor_type, MCV_SAMPLER_SOBOL, MCV_BLOCK, options,
+    mcv_feature_defines(element_features, 1, sensor_type, MCV_SAMPLER_SOBOL, MCV_BLOCK, options,
                         sizeof options);
     if (strcmp(options, built) != 0) {
         if (program) clReleaseProgram(program);

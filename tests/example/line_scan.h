@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Line scan camera (type "lineScan"): the example of "Adding a sensor" in the README. One row of
- * pixels behind a pinhole, past which the part moves along y by `linePitch` from line to line:
- * perspective in x, parallel in y. The image is the stack of lines, row 0 at +y. In the optical
- * frame (mcvisi/sensors/sensor.h) the line of row v sees along
+ * Line scan camera (type "lineScan"): the example of "A sensor" in docs/adding-an-element.md.
+ *
+ * One row of pixels behind a pinhole, past which the part moves along y by `linePitch` from line
+ * to line: perspective in x, parallel in y. The image is the stack of lines, row 0 at +y. In the
+ * optical frame (mcvisi/sensors/sensor.h) the line of row v sees along
  *
  *     o = (0, (p_y - v) linePitch, 0)        d = (-s_x/b, 0, 1)
  *

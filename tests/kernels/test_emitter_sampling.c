@@ -7,6 +7,7 @@
  * error of one float32 operation.
  */
 #include "elements.h"
+#include "device/features.h"
 #include "image_emitters.h"
 
 #include "kernels/light/discrete.h"
@@ -73,7 +74,7 @@ static void open_world(world_on_device *w, const mcv_scene *scene) {
     const mcv_frame frame = {.emitter_count = packed->emitter_count,
                              .environment_emitter = packed->environment_emitter};
     BUILD(mcv_cl_write(&cl, w->scene.frame, 0, sizeof frame, &frame, &builder_error));
-    mcv_feature_options(packed->features, packed->channels, MCV_SENSOR_PINHOLE, MCV_SAMPLER_SOBOL,
+    mcv_feature_defines(packed->features, packed->channels, MCV_SENSOR_PINHOLE, MCV_SAMPLER_SOBOL,
                         MCV_BLOCK, options, sizeof options);
     BUILD(mcv_cl_build(&cl, "test/emitters", options, &w->program, &builder_error));
 }

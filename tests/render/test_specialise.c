@@ -18,8 +18,10 @@
 #include <unistd.h>
 
 #include "cl/flatten.h"
+#include "device/features.h"
 #include "device/pack.h"
 #include "render/render.h"
+#include "loader/load.h"
 
 #define BIT(NAME) (1u << MCV_FEATURE_##NAME)
 
@@ -135,7 +137,7 @@ static void expect_nothing_unneeded(const char *what, uint32_t features, uint32_
                                     uint32_t sensor) {
     char options[1024];
     char *full[PROGRAMS];
-    mcv_feature_options(features, channels, sensor, MCV_SAMPLER_SOBOL, 256, options,
+    mcv_feature_defines(features, channels, sensor, MCV_SAMPLER_SOBOL, 256, options,
                         sizeof options);
     restore_sources();
     for (int p = 0; p < PROGRAMS; ++p) full[p] = preprocess(programs[p], options);
@@ -229,7 +231,7 @@ static void test_a_needed_header_is_missed(void **state) {
     (void)state;
     const uint32_t all = (1u << MCV_FEATURE_COUNT) - 1;
     char options[1024];
-    mcv_feature_options(all, 3, MCV_SENSOR_LIGHT_FIELD, MCV_SAMPLER_SOBOL, 256, options,
+    mcv_feature_defines(all, 3, MCV_SENSOR_LIGHT_FIELD, MCV_SAMPLER_SOBOL, 256, options,
                         sizeof options);
     restore_sources();
     char *full = preprocess("schedule/tile", options);

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# example_sensor.sh SOURCES BUILD: adds the example of the README's "Adding a sensor" to a copy of the sources by the steps that stand
-# there and no other, builds the program, and renders with the new sensor. The copy stays in BUILD, so that only changes are compiled again.
+# example_sensor.sh SOURCES BUILD: adds the example of docs/adding-an-element.md, "A sensor", to a
+# copy of the sources by the steps that stand there and no other, builds the program, and renders
+# with the new sensor. The copy stays in BUILD, so that only changes are compiled again.
 set -euo pipefail
 sources=$1 example=$1/tests/example copy=$2/example_sensor
 export LC_ALL=C.UTF-8
@@ -13,7 +14,8 @@ fail() {
 
 # after FILE LINE TEXT: puts TEXT behind the first line that holds LINE, which must be there.
 after() {
-    grep -qF -- "$2" "$tree/$1" || fail "$1 has no line with '$2': the steps in the README are for other sources"
+    grep -qF -- "$2" "$tree/$1" ||
+        fail "$1 has no line with '$2': docs/adding-an-element.md is for other sources"
     LINE=$2 TEXT=$3 awk '{ print } !done && index($0, ENVIRON["LINE"]) { print ENVIRON["TEXT"]; done = 1 }' "$tree/$1" >"$tree/edited"
     mv "$tree/edited" "$tree/$1"
 }

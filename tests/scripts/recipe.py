@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Run the commands of README.md, "From a part to a measurement", on a bracket, and compare what they measure with its CAD dimensions.
+"""Run the commands of README.md, "Your first measurement", on a bracket, and compare what they
+measure with its CAD dimensions.
 
-recipe.py MCVISI README.md FOLDER
+recipe.py MCVISI README.md QUICK-START.md FOLDER
 
-The bracket is bracket_part.py's; where trimesh and manifold3d can be imported another one from that CAD library goes the same way. Only
---time is replaced, by --spp 16, so that the noise does not depend on the machine.
+The first line writes the bracket. Where trimesh and manifold3d can be imported another bracket from
+that CAD library goes the same way. Only --time is replaced, by --spp 16, so that the noise does not
+depend on the machine. The quick start must hold the same lines.
 """
 import json
 import math
@@ -19,14 +21,18 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import bracket_part  # noqa: E402
 
 CAD = bracket_part.DEFAULTS
-HEADING = "### From a part to a measurement\n"
+HEADING = "## Your first measurement\n"
 
 
-def commands_of(readme):
-    """The first five indented lines below the heading that call mcvisi, without comments."""
-    section = open(readme, encoding="utf-8").read().split(HEADING)[1].split("\n#")[0]
-    lines = [shlex.split(line, comments=True) for line in section.splitlines() if line.startswith("    mcvisi ")][:5]
-    assert [line[1] for line in lines] == ["new", "check", "render", "camera", "measure"], "the recipe has other lines: %s" % lines
+def commands_of(page):
+    """The first six indented lines below the heading: one that writes part.stl, then mcvisi's."""
+    section = open(page, encoding="utf-8").read().split(HEADING)[1].split("\n#")[0]
+    code = [line for line in section.splitlines() if line.startswith("    ")][:6]
+    lines = [shlex.split(line, comments=True) for line in code]
+    verbs = [" ".join(line[:2]) for line in lines]
+    expected = ["mcvisi " + verb for verb in ("new", "check", "render", "camera", "measure")]
+    if lines[0][0] != "python3" or lines[0][2:] != ["part.stl"] or verbs[1:] != expected:
+        sys.exit("%s: the recipe has other lines: %s" % (page, lines))
     return lines
 
 
@@ -38,7 +44,7 @@ def run(program, words):
 
 
 def render(program, lines):
-    for line in lines[:4]:
+    for line in lines:
         words = line[1:]
         if "--time" in words:
             at = words.index("--time")
@@ -99,19 +105,24 @@ def measure(program, line):
 
 def check_bracket(program, lines, what):
     print(what)
-    render(program, lines)
-    measure(program, lines[4])
+    render(program, lines[1:5])
+    measure(program, lines[5])
 
 
 def main():
-    program, readme, folder = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2]), sys.argv[3]
+    program, readme, quick_start = (os.path.abspath(path) for path in sys.argv[1:4])
+    folder = sys.argv[4]
     lines = commands_of(readme)
+    if commands_of(quick_start) != lines:
+        sys.exit("%s and %s have different recipes" % (readme, quick_start))
     os.makedirs(folder, exist_ok=True)
     os.chdir(folder)
     for name in os.listdir("."):
         os.remove(name)
-    bracket_part.write_stl("part.stl", bracket_part.bracket(**CAD))
-    check_bracket(program, commands_of(readme), "a bracket by the standard library")
+    # The script's path is relative to the README's folder.
+    script = os.path.join(os.path.dirname(readme), lines[0][1])
+    subprocess.run([sys.executable, "-B", script] + lines[0][2:], check=True)
+    check_bracket(program, lines, "a bracket by the standard library")
     try:
         import manifold3d  # noqa: F401
         import trimesh

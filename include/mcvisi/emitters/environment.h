@@ -12,7 +12,7 @@
  * so that the image's middle lies at the node's -z, its top at +y, and who looks along -z has its
  * right half on the right. A pixel is uniform, nothing is interpolated. Surfaces that spread light
  * choose a pixel by its brightness times its solid angle Ω = (4π/W) sin(π/2H) sin((2 row + 1)
- * π/2H), in it a direction by solid angle, weighed against their own choice by the balance
+ * π/2H), in it a direction by solid angle, weighed against their own choice by the power
  * heuristic.
  *
  *     {"type": "environment", "radiance": 0.1}

@@ -9,7 +9,7 @@
  * each other is right in sum only (Kulla and Conty 2017). Roughness between 0 and 0.032 is 0.032.
  *
  * n and k are given as such, or by a metal's name: then they are those of its table in
- * host/scene/metals.c at the wavelengths of the scene (MCVISI_spectrum, see the README).
+ * host/scene/metals.c at the wavelengths of the scene (MCVISI_spectrum, docs/scene-format.md).
  *
  *     {"type": "conductor", "metal": "copper", "roughness": 0.3}
  *     {"type": "conductor", "n": [0.27, 0.68, 1.32], "k": [3.61, 2.63, 2.29]}
@@ -22,8 +22,8 @@
 #define MCV_CONDUCTOR_PARAMS(X) \
     X(spectrum, n, MCV_UNSET, 0, 100, \
       "real part of the refractive index n - ik, in place of a metal's name") \
-    X(spectrum, k, MCV_UNSET, 0, 100, "its extinction coefficient") \
+    X(spectrum, k, MCV_UNSET, 0, 100, "extinction coefficient k of n - ik") \
     MCV_ROUGHNESS_PARAMS(X, 0) \
-    X(choice, metal, 0, 0, 7, "whose n and k at the scene's wavelengths it has")
+    X(choice, metal, 0, 0, 7, "metal whose n and k at the scene's wavelengths count")
 
 #endif

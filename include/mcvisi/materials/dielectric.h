@@ -54,8 +54,9 @@
     MCV_ROUGHNESS_PARAMS(X, 0) \
     X(number, coating, 0, 0, 1, \
       "reflectance at normal incidence of a coating, against gas or vacuum; 0: none") \
-    X(choice, glass, 0, 0, 25, "whose index at the scene's wavelengths it has") \
+    X(choice, glass, 0, 0, 25, \
+      "glass of the catalogue whose index at the scene's wavelengths counts") \
     X(number, abbeNumber, 0, 0, 1e30, \
-      "(n_d - 1)/(n_F - n_C), by which n depends on the wavelength; 0: it does not")
+      "V_d = (n_d - 1)/(n_F - n_C), which makes n depend on the wavelength; 0: it does not")
 
 #endif

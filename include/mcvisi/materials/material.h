@@ -2,7 +2,7 @@
 /*
  * What all materials share. In a scene a material stands in the extension object MCVISI_materials
  * of a glTF material,
- * {"type": …, parameters}; core glTF materials are mapped to them (see the README).
+ * {"type": …, parameters}; core glTF materials are mapped to them (docs/scene-format.md).
  *
  * A path carries L/n² (so a smooth interface multiplies by its transmittance only); pixel =
  * n_sensor² Σ … L_e/n_emitter². Interpolated normals bend light, the triangle's face decides on
@@ -26,6 +26,6 @@
     X(number, anisotropy, 0, 0, 1, \
       "how much rougher the surface is along the tangent than across") \
     X(angle, anisotropyRotation, 0, -100, 100, \
-      "of the rougher direction from the tangent, counter-clockwise [rad]")
+      "angle of the rougher direction from the tangent, counter-clockwise [rad]")
 
 #endif

@@ -31,7 +31,8 @@
     X(angle, entranceAngle, 1.5707963267948966, MCV_POSITIVE, 1.5707963267948966, \
       "angle of incidence at which half as much returns; 90deg: at all angles as much [rad]") \
     X(angle, divergence, 0, 0, 1.5, \
-      "about the way back, within which half of the returned light lies; 0: all returns exactly " \
+      "angle about the way back, within which half of the returned light lies; 0: all returns " \
+      "exactly " \
       "[rad]") \
     X(spectrum, diffuseReflectance, 0, 0, 1, "share of the light that is scattered diffusely")
 

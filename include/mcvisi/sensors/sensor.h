@@ -90,7 +90,7 @@
 /* Of the sensors with a lens. */
 #define MCV_FALLOFF_PARAMS(X) \
     X(choice, falloff, 0, 0, 1, \
-      "of irradiance: cos⁴ of the angles on the object's side or on the image's")
+      "whose angles the cos⁴ of irradiance takes: the object's side or the image's")
 
 /* A ray of sight in the optical frame. The direction has z = 1 and is not normalised. */
 typedef struct mcv_sensor_ray {

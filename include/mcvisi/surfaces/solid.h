@@ -21,6 +21,12 @@ enum { MCV_PIECE_FIRST_CAP, MCV_PIECE_SECOND_CAP, MCV_PIECE_SIDE, MCV_PIECE_COUN
  * MCV_NONE. */
 #define MCV_EXACT 0x80000000u
 
+MCV_LOOP_FUNCTION uint mcv_exact_hit(uint solid, uint piece) {
+    return MCV_EXACT | 4u * solid | piece;
+}
+MCV_LOOP_FUNCTION uint mcv_solid_of(uint exact) { return (exact & ~MCV_EXACT) >> 2; }
+MCV_LOOP_FUNCTION uint mcv_piece_of(uint exact) { return exact & 3u; }
+
 /* Of a ray that starts on an exact surface: twice the number of that surface, and 1 if the ray goes
  * to +z of a cap or out of a side. */
 typedef struct mcv_device_cap {

@@ -50,7 +50,7 @@
     X(length, radius, MCV_UNSET, -1e15, 1e15, \
       "radius of curvature at the vertex, positive if the centre lies towards +z [m]") \
     X(number, curvature, MCV_UNSET, -1e9, 1e9, \
-      "or its inverse [1/m]; 0, a plane, where neither is given") \
+      "inverse of the radius; a plane where neither is given [1/m]") \
     X(number, conic, 0, -1e9, 1e9, "conic constant k") \
     X(flag, cylindrical, 0, 0, 1, "curved along y only") \
     X(length, semiDiameter, MCV_REQUIRED, MCV_POSITIVE, 1e6, "radius of the surface's edge [m]")

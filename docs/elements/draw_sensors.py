@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sensors from the side: the scene lies to the right, the optical axis is z of the optical frame."""
+
+from sketch import DIM, FAINT, HUES, INK, SIGHT, Sketch
+
+
+def pinhole():
+    s = Sketch(650, 270, (270, 140), "Pinhole camera: image plane, pinhole and two rays of sight")
+    b, half, far = 150, 60, 300
+    s.axis(-220, 360)
+    s.film(-b, -half, half, 8)
+    s.stop(0, 2.5, 90)
+    for y in (half - 7.5, -half + 7.5):
+        s.ray([(-b, y), (0, 0), (far, -y * far / b)], SIGHT)
+    s.dot((-b, half - 7.5), "s", 40, SIGHT)
+    s.text((far + 6, -(half - 7.5) * far / b + 4), "d", "start", SIGHT)
+    s.dimension((-b, -half), (0, -half), "`imageDistance` b", -52)
+    s.dimension((-b - 7, -half), (-b - 7, half), "", 22)
+    s.text((-b - 36, 46), "`resolution`", "end", DIM)
+    s.text((-b - 36, 30), "×", "end", DIM)
+    s.text((-b - 36, 14), "`pixelSize`", "end", DIM)
+    s.text((6, 100), "pinhole = origin", "start")
+    s.text((-b, 84), "image plane")
+    s.text((350, 12), "z", "end", FAINT)
+    return s
+
+
+def thin_lens():
+    s = Sketch(720, 330, (250, 180), "Thin lens camera: a ray of sight from the film through the "
+               "lens to the plane in focus")
+    f, w, half = 80, 300, 72
+    b = f * w / (w - f)
+    m = b / w
+    image = (-b, 20)
+    focused = (w, -20 / m)
+    s.axis(-200, 440)
+    s.area([image, (0, half), focused, (0, -half)], "#f3d3d5", opacity=0.35)
+    s.lens(0, half)
+    s.film(-b, -55, 55, 8)
+    s.line([(w, -125), (w, 100)], FAINT, 1.2, "6 4")
+    for y in (half, -half):
+        s.line([image, (0, y), focused], SIGHT, 0.9, "4 3")
+    s.ray([image, (0, 38), focused], SIGHT, 1.8)
+    past = 1.35
+    s.line([focused, (w * past, 38 + (focused[1] - 38) * past)], SIGHT, 1.8)
+    s.dot(image, "s", 130, SIGHT)
+    s.dot((0, 38), "o", 40, SIGHT, 14)
+    s.dot(focused, "w", 235, SIGHT, 14)
+    s.dot((-f, 0), "F", 300, INK, 14)
+    s.dot((f, 0), "F", 300, INK, 14)
+    s.text((w, 112), "plane in focus")
+    s.text((-b, 72), "image plane")
+    s.text((w * past + 6, 38 + (focused[1] - 38) * past), "d", "start", SIGHT)
+    s.dimension((-b, -55), (0, -55), "`imageDistance` b", -75)
+    s.dimension((0, -half), (w, -half), "`focusDistance` w", -58)
+    s.dimension((0, half), (f, half), "`focalLength` f", 28)
+    s.dimension((-14, -half), (-14, half), "", 0)
+    s.text((-22, 96), "`lensDiameter` D_l", "end", DIM)
+    s.line([(-24, 90), (-15, 60)], DIM, 0.7)
+    s.text((432, 12), "z", "end", FAINT)
+    return s
+
+
+def telecentric():
+    s = Sketch(760, 380, (300, 205), "Telecentric camera: every chief ray is parallel to the axis "
+               "on the object's side")
+    f, b, stop, half = 105, 175, 13, 104
+    m = (b - f) / f
+    work = b * f / (b - f)
+    s.axis(-225, 400)
+    s.lens(0, half)
+    s.film(-b, -58, 58, 8)
+    s.stop(-f, stop, 66)
+    s.line([(work, -130), (work, 130)], FAINT, 1.2, "6 4")
+
+    def sight(y, a):
+        o = y + (a - y) * b / (b - f)
+        return [(-b, y), (-f, a), (0, o), (work, -y / m)]
+
+    for y in (44, 0, -44):
+        s.ray(sight(y, 0), SIGHT, 1.6 if y else 1.1)
+        for a in (stop, -stop):
+            s.line(sight(y, a), SIGHT, 0.8, "4 3")
+    path = sight(44, stop)
+    s.ray(path, SIGHT, 1.8)
+    s.dot(path[0], "s", 130, SIGHT)
+    s.dot(path[1], "a", 70, SIGHT, 14)
+    s.dot(path[2], "o", 60, SIGHT, 14)
+    s.dot(path[3], "w", 320, SIGHT)
+    s.text((work / 2 + 10, 80), "chief rays: parallel to the axis", "middle", SIGHT)
+    s.text((-b, 76), "image plane")
+    s.text((-f + 6, 84), "stop", "middle")
+    s.text((work, 142), "plane in focus")
+    s.dimension((-b, -58), (0, -58), "`imageDistance` b", -104)
+    s.dimension((-f, -66), (0, -66), "`focalLength` f", -62)
+    s.dimension((0, -half), (work, -half), "`workingDistance` W", -58)
+    s.dimension((-f - 9, -stop), (-f - 9, stop), "", 0)
+    s.line([(-f - 9, -6), (-f - 44, -84)], DIM, 0.7)
+    s.text((-f - 40, -92), "`stopDiameter` D_t", "end", DIM)
+    s.dimension((work, -44 / m), (work, 44 / m), "", -40)
+    s.text((work + 46, 34), "object field", "start", DIM)
+    s.dimension((0, -half), (0, half), "", 24)
+    s.text((-32, 118), "`lensDiameter` D_l", "middle", DIM)
+    s.text((work + 46, 18), "= image / m", "start", DIM)
+    s.text((395, -12), "z", "end", FAINT)
+    return s
+
+
+def light_field():
+    s = Sketch(760, 360, (400, 195), "Light field camera: the pixels behind a microlens look at one "
+               "focused point through different places of the main lens")
+    f, b, half, lenses, pixels = 90, 150, 75, 5, 4
+    w = b * f / (b - f)
+    pitch = 28
+    micro = pitch * b / (2 * half)  # a microlens fills its macro pixel with the image of the lens
+    behind = -b - micro
+    c = pitch
+    focused = (w, -c * w / b)
+    grown = 1 + micro / b  # straight lines through the microlenses' centres
+    s.axis(-225, 310)
+    s.lens(0, half)
+    s.line([(w, -120), (w, 90)], FAINT, 1.2, "6 4")
+    for i in range(lenses):
+        s.lens(-b, pitch / 2, 4, (i - lenses // 2) * pitch)
+    top = pitch * lenses / 2 * grown
+    s.film(behind, -top, top, lenses * pixels, 8)
+    for i in range(lenses + 1):
+        y = (i - lenses / 2) * pitch * grown
+        s.line([(behind, y), (behind - 8, y)], INK, 2)
+    for j in range(pixels):
+        o = half * (2 * (j + 0.5) / pixels - 1)
+        pixel = (behind, c + (c - o) * micro / b)
+        tall = half / pixels * micro / b
+        s.area([(behind, pixel[1] - tall), (behind, pixel[1] + tall), (behind - 8, pixel[1] + tall),
+                (behind - 8, pixel[1] - tall)], HUES[j], INK, width=0.6)
+        s.line([pixel, (-b, c)], HUES[j], 1.2)
+        s.ray([(-b, c), (0, o), focused], HUES[j], 1.3)
+        s.circle((0, o), 2.4, HUES[j], HUES[j])
+    s.dot((-b, c), "c", 60, INK, 15)
+    s.dot(focused, "w", 320, INK)
+    s.text((12, half * 0.75 + 4), "o", "start", HUES[3])
+    s.text((behind - 14, c - 10), "s", "end", HUES[3])
+    s.text((-b + 16, 104), "microlenses")
+    s.text((w, 102), "plane in focus")
+    s.dimension((-b, -70), (0, -70), "`imageDistance` b", -80)
+    s.dimension((behind, -top), (-b, -top), "", -28)
+    s.text((behind - 4, -top - 30), "f_µ", "end", DIM)
+    s.dimension((0, -half), (w, -half), "`focusDistance` w", -75)
+    s.dimension((0, half), (f, half), "`focalLength` f", 28)
+    s.dot((f, 0), "F", 60, INK, 14)
+    s.dimension((14, -half), (14, half), "", 0)
+    s.text((22, -half - 12), "`lensDiameter` D_l", "start", DIM)
+    s.dimension((behind - 8, -top), (behind - 8, top), "", 52)
+    s.text((behind - 8 - 60, -24), "`spatialResolution`", "end", DIM)
+    s.text((behind - 8 - 60, -40), "M × N macro pixels", "end", DIM)
+    low, high = (c + sign * pitch / 2 * grown for sign in (-1, 1))
+    low, high = low + c * (grown - 1), high + c * (grown - 1)
+    s.dimension((behind - 8, low), (behind - 8, high), "", 24)
+    s.text((behind - 8 - 60, 62), "`angularResolution`", "end", DIM)
+    s.text((behind - 8 - 60, 46), "J × K pixels", "end", DIM)
+    s.text((behind - 8 - 60, 30), "of `pixelSize`", "end", DIM)
+    s.line([(behind - 8 - 57, 46), (behind - 8 - 26, (low + high) / 2 + 2)], DIM, 0.7)
+    s.text((305, 12), "z", "end", FAINT)
+    return s
+
+
+DRAWINGS = {"pinhole": pinhole, "thin-lens": thin_lens, "telecentric": telecentric,
+            "light-field": light_field}

@@ -1,0 +1,312 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "device/features.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "device/light.h"
+#include "kernels/path/camera_path.h"
+#include "mcvisi/accel.h"
+#include "scene/emitters.h"
+#include "scene/mesh.h"
+#include "scene/sensors.h"
+
+static const char *const feature_words[] = {
+#define MCV_X(NAME, word, why) word,
+    MCV_FEATURES(MCV_X)
+#undef MCV_X
+};
+
+static const char *const sensor_names[] = {
+#define MCV_X(name, key, NAME) #name,
+    MCV_SENSORS(MCV_X)
+#undef MCV_X
+};
+
+void mcv_feature_names(uint32_t features, char *names, size_t size) {
+    size_t length = 0;
+    names[0] = '\0';
+    for (unsigned i = 0; i < MCV_FEATURE_COUNT; ++i) {
+        if (!(features >> i & 1) || length >= size) continue;
+        length += (size_t)snprintf(names + length, size - length, "%s%s", length > 0 ? " " : "",
+                                   feature_words[i]);
+    }
+}
+
+void mcv_feature_defines(uint32_t features, uint32_t channels, uint32_t sensor_type, bool random,
+                         uint32_t slice, char *options, size_t size) {
+    snprintf(
+        options, size,
+        "-DMCV_CHANNELS=%u -DMCV_SENSOR=%s -DMCV_SENSOR_%s=1 -DMCV_SAMPLER_RANDOM=%d -DMCV_SLICE=%u"
+#define MCV_X(NAME, word, why) " -DMCV_WITH_" #NAME "=%u"
+        MCV_FEATURES(MCV_X)
+#undef MCV_X
+            ,
+        channels, sensor_names[sensor_type], sensor_names[sensor_type], random,
+        slice
+#define MCV_X(NAME, word, why) , features >> MCV_FEATURE_##NAME & 1
+            MCV_FEATURES(MCV_X)
+#undef MCV_X
+    );
+}
+
+uint32_t mcv_path_words(uint32_t features, uint32_t channels) {
+    MCV_FEATURE_VARIABLES(features)
+#define MCV_CHANNELS channels
+#define MCV_X(field, words) +(words)
+    return 0 MCV_PATH_FIELDS(MCV_X);
+#undef MCV_X
+#undef MCV_CHANNELS
+}
+
+uint32_t mcv_path_branches(uint32_t features) {
+    return features >> MCV_FEATURE_SPLIT & 1 ? MCV_SPLIT_BRANCHES : 1;
+}
+
+/* --- the decision --- */
+
+/* The features found so far. The first cause of a feature is kept. */
+typedef struct finding {
+    uint32_t features;
+    mcv_feature_causes *causes; /* or NULL */
+} finding;
+
+static bool has(const finding *f, unsigned feature) { return f->features >> feature & 1; }
+
+/* Adds a feature if `needed`; the cause is `kind "name"`, or the kind alone. */
+static void add(finding *f, unsigned feature, bool needed, const char *kind, const char *name) {
+    if (!needed || has(f, feature)) return;
+    f->features |= 1u << feature;
+    if (!f->causes) return;
+    if (name)
+        snprintf(f->causes->of[feature], MCV_CAUSE_SIZE, "%s \"%s\"", kind, name);
+    else
+        snprintf(f->causes->of[feature], MCV_CAUSE_SIZE, "%s", kind);
+}
+
+static void drop(finding *f, unsigned feature) {
+    f->features &= ~(1u << feature);
+    if (f->causes) f->causes->of[feature][0] = '\0';
+}
+
+static bool any_above_0(const double spectrum[3]) {
+    return spectrum[0] > 0 || spectrum[1] > 0 || spectrum[2] > 0;
+}
+
+static void find_of_material(finding *f, const mcv_material *m) {
+    const mcv_dielectric_params *glass =
+        m->type == MCV_MATERIAL_DIELECTRIC ? &m->as.dielectric : NULL;
+    const bool diffuse = m->type == MCV_MATERIAL_DIFFUSE;
+    const bool sheet = m->type == MCV_MATERIAL_SHEET || m->type == MCV_MATERIAL_BEAM_SPLITTER;
+    const bool texture = m->texture != MCV_NONE || mcv_material_surface_texture(m) != MCV_NONE;
+    const struct {
+        unsigned feature;
+        bool needed;
+    } of[] = {
+        {MCV_FEATURE_DIFFUSE, diffuse},
+        {MCV_FEATURE_TRANSLUCENT, diffuse && any_above_0(m->as.diffuse.transmittance)},
+        {MCV_FEATURE_DIELECTRIC, glass},
+        {MCV_FEATURE_ABSORPTION, glass && any_above_0(glass->absorption)},
+        {MCV_FEATURE_COATING, glass && glass->coating > 0},
+        {MCV_FEATURE_DISPERSION, glass && !mcv_is_grey(glass->ior)},
+        {MCV_FEATURE_SPLIT, sheet || glass},
+        {MCV_FEATURE_SHEET, sheet},
+        {MCV_FEATURE_MIRROR, m->type == MCV_MATERIAL_MIRROR},
+        {MCV_FEATURE_GLOSS, mcv_material_is_rough(m) || m->type == MCV_MATERIAL_CONDUCTOR},
+        {MCV_FEATURE_RETROREFLECTOR, m->type == MCV_MATERIAL_RETROREFLECTOR},
+        {MCV_FEATURE_TEXTURE, texture},
+    };
+    for (size_t i = 0; i < sizeof of / sizeof of[0]; ++i)
+        add(f, of[i].feature, of[i].needed, "material", m->name);
+}
+
+static void find_of_emitter(finding *f, const mcv_emitter *e) {
+    const bool environment = e->type == MCV_EMITTER_ENVIRONMENT;
+    const bool punctual = e->type == MCV_EMITTER_POINT || e->type == MCV_EMITTER_SPOT ||
+                          e->type == MCV_EMITTER_DIRECTIONAL;
+    const struct {
+        unsigned feature;
+        bool needed;
+    } of[] = {
+        {MCV_FEATURE_PARALLEL, !isnan(mcv_emitter_half_angle(e))},
+        {MCV_FEATURE_LIGHT_FIELD, e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER},
+        {MCV_FEATURE_PROJECTOR, e->type == MCV_EMITTER_PROJECTOR},
+        {MCV_FEATURE_AREA, e->type == MCV_EMITTER_AREA},
+        {MCV_FEATURE_ENVIRONMENT, environment && !mcv_is_sampled(e)},
+        {MCV_FEATURE_ENVIRONMENT_IMAGE, environment && mcv_is_sampled(e)},
+        {MCV_FEATURE_BEAM, e->type == MCV_EMITTER_COLLIMATED_BEAM},
+        {MCV_FEATURE_PUNCTUAL, punctual},
+        {MCV_FEATURE_TEXTURE, e->texture != MCV_NONE},
+    };
+    for (size_t i = 0; i < sizeof of / sizeof of[0]; ++i)
+        add(f, of[i].feature, of[i].needed, "emitter", e->name);
+}
+
+/* Does one box lie inside of the other, by more than coordinates round? */
+static bool well_inside(const mcv_box3d *inner, const mcv_box3d *outer) {
+    for (int k = 0; k < 3; ++k) {
+        const double margin = 1e-6 * (outer->upper[k] - outer->lower[k]);
+        if (!(inner->lower[k] > outer->lower[k] + margin &&
+              inner->upper[k] < outer->upper[k] - margin))
+            return false;
+    }
+    return true;
+}
+
+static bool is_dielectric_body(const mcv_scene *scene, const mcv_instance *instance) {
+    return scene->materials[instance->material].type == MCV_MATERIAL_DIELECTRIC;
+}
+
+/* Are both of them pieces of exact bodies with one frame, as those of a lens are? */
+static bool same_lens(const mcv_scene *scene, const mcv_instance *a, const mcv_instance *b) {
+    return scene->meshes[a->mesh].triangle_count == 0 &&
+           scene->meshes[b->mesh].triangle_count == 0 &&
+           memcmp(&a->to_world, &b->to_world, sizeof a->to_world) == 0;
+}
+
+/* Does the outer body's mesh come near the box of a body in its own box? A vial's mesh does, a lens
+ * around a bubble does not. */
+static bool comes_near(const mcv_scene *scene, uint32_t outer, const mcv_box3d *inner) {
+    const uint32_t triangles = scene->meshes[scene->instances[outer].mesh].triangle_count;
+    for (uint32_t t = 0; t < triangles; ++t) {
+        double corners[3][3];
+        mcv_box3d box;
+        mcv_scene_corners(scene, outer, t, corners);
+        for (int k = 0; k < 3; ++k) {
+            const double margin = 1e-6 * (inner->upper[k] - inner->lower[k]);
+            box.lower[k] = fmin(corners[0][k], fmin(corners[1][k], corners[2][k])) - margin;
+            box.upper[k] = fmax(corners[0][k], fmax(corners[1][k], corners[2][k])) + margin;
+        }
+        if (mcv_boxes_overlap(&box, inner)) return true;
+    }
+    return false;
+}
+
+/* May bodies of dielectrics touch? Not where their boxes are apart, nor where one lies within the
+ * other and away from its surface. The first such pair. */
+static bool may_touch(const mcv_scene *scene, const mcv_box3d *boxes, uint32_t pair[2]) {
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        const mcv_instance *a = scene->instances + i;
+        if (!is_dielectric_body(scene, a)) continue;
+        for (uint32_t j = 0; j < i; ++j) {
+            const mcv_instance *b = scene->instances + j;
+            if (!is_dielectric_body(scene, b) || same_lens(scene, a, b)) continue;
+            if (!mcv_boxes_overlap(boxes + i, boxes + j)) continue;
+            if (well_inside(boxes + i, boxes + j)
+                    ? comes_near(scene, j, boxes + i)
+                    : !well_inside(boxes + j, boxes + i) || comes_near(scene, i, boxes + j)) {
+                pair[0] = j;
+                pair[1] = i;
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* Next-event estimation, and how it chooses: known once the emitters are packed. */
+static void find_next_event(finding *f, const mcv_scene *scene, const mcv_packed *packed) {
+    const uint32_t scatters =
+        1u << MCV_FEATURE_DIFFUSE | 1u << MCV_FEATURE_GLOSS | 1u << MCV_FEATURE_RETROREFLECTOR;
+    const uint32_t by_chance =
+        1u << MCV_FEATURE_ENVIRONMENT | 1u << MCV_FEATURE_DIELECTRIC | 1u << MCV_FEATURE_SHEET;
+    bool rectangle = false, emits = false;
+    uint32_t count = 0;
+    const char *name = NULL, *rectangle_name = NULL;
+    add(f, MCV_FEATURE_INTERLEAVE,
+        (f->features & scatters) && scene->triangle_count >= MCV_MANY_TRIANGLES,
+        "the number of triangles", NULL);
+    if (!(f->features & scatters) || !packed->emitters) return;
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) {
+        if (!mcv_is_sampled(scene->emitters + i)) continue;
+        const mcv_device_emitter *e = &packed->emitters[count++];
+        if (e->power > 0 && !emits) name = scene->emitters[i].name;
+        if (e->rectangle.width != 0 && !rectangle) rectangle_name = scene->emitters[i].name;
+        emits = emits || e->power > 0;
+        rectangle = rectangle || e->rectangle.width != 0;
+    }
+    add(f, MCV_FEATURE_NEXT_EVENT, emits, "emitter", name);
+    add(f, MCV_FEATURE_RECTANGLE, emits && rectangle, "emitter", rectangle_name);
+    add(f, MCV_FEATURE_REACH, emits && count > 1 && count <= MCV_MOST_REACHING,
+        "the number of emitters", NULL);
+    add(f, MCV_FEATURE_EARLY_ROULETTE, emits && !(f->features & by_chance),
+        "no environment, glass or sheet", NULL);
+}
+
+/*
+ * The largest angle between a pixel's rays and its chief ray; behind optics, what these may make of
+ * it. 0 of a pinhole.
+ */
+static double pupil_half_angle(const mcv_sensor *sensor, bool through_optics) {
+    const mcv_telecentric_params *t = &sensor->as.telecentric;
+    const mcv_thin_lens_params *l = &sensor->as.thin_lens;
+    const mcv_light_field_params *f = &sensor->as.light_field;
+    /* The same optics may spread what the pupil collects over some larger angle. */
+    const double spread = through_optics ? 4 : 1;
+    if (sensor->type == MCV_SENSOR_TELECENTRIC)
+        return spread * atan(t->stopDiameter / 2 / t->focalLength);
+    /* Guiding costs a dozen rays for each of the many pixels, which see little of the lens. */
+    if (sensor->type == MCV_SENSOR_LIGHT_FIELD && (f->binning[0] > 1 || f->binning[1] > 1))
+        return 0; /* several chief rays */
+    if (sensor->type == MCV_SENSOR_LIGHT_FIELD)
+        return atan(f->lensDiameter / 2 / fmin(f->angularResolution[0], f->angularResolution[1]) *
+                    fabs(mcv_kappa(f->focalLength, f->imageDistance)));
+    if (sensor->type != MCV_SENSOR_THIN_LENS) return 0;
+    /* Optics in between may part rays that are parallel here: assume about as strong ones as the
+     * camera's. */
+    const double power =
+        through_optics ? 1 / l->focalLength : fabs(mcv_kappa(l->focalLength, l->imageDistance));
+    return spread * atan(l->lensDiameter / 2 * power);
+}
+
+/* The emitter whose cone is narrower than what the sensor's pupil sees of it, or NULL. */
+static const char *find_guiding_emitter(const finding *f, const mcv_scene *scene,
+                                        const mcv_packed *packed, const mcv_sensor *sensor) {
+    const bool through_optics = has(f, MCV_FEATURE_DIELECTRIC) || has(f, MCV_FEATURE_MIRROR);
+    const double alpha = pupil_half_angle(sensor, through_optics);
+    const double *m = sensor->to_world.m;
+    uint32_t number = 0;
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) {
+        if (!mcv_is_sampled(scene->emitters + i)) continue;
+        const mcv_device_emitter *e = &packed->emitters[number++];
+        if (e->type != MCV_EMITTER_PARALLEL || !e->parallel.from_receiver) continue;
+        const double beta = 2 * asin((double)e->parallel.sin_half);
+        /* The emitter's axis and the node's z both point to where the light goes. */
+        const double cosine =
+            e->parallel.axis[0] * m[2] + e->parallel.axis[1] * m[5] + e->parallel.axis[2] * m[8];
+        const double apart = acos(fmin(fmax(cosine, -1), 1));
+        const bool facing =
+            through_optics || sensor->type != MCV_SENSOR_TELECENTRIC || apart <= alpha + beta;
+        if (beta < alpha && facing) return scene->emitters[i].name;
+    }
+    return NULL;
+}
+
+uint32_t mcv_decide_features(const mcv_scene *scene, const mcv_packed *packed,
+                             const mcv_sensor *sensor, mcv_feature_options options,
+                             mcv_feature_causes *causes) {
+    finding f = {0, causes};
+    uint32_t pair[2];
+    if (causes) memset(causes, 0, sizeof *causes);
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        const mcv_instance *instance = &scene->instances[i];
+        find_of_material(&f, &scene->materials[instance->material]);
+        add(&f, MCV_FEATURE_NORMALS, scene->meshes[instance->mesh].normals, "node", instance->name);
+    }
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) find_of_emitter(&f, &scene->emitters[i]);
+    add(&f, MCV_FEATURE_SURFACES, scene->solid_count > 0, "exact surfaces", NULL);
+    if (may_touch(scene, packed->boxes, pair))
+        add(&f, MCV_FEATURE_CONTACT, true, "node", scene->instances[pair[1]].name);
+    find_next_event(&f, scene, packed);
+    add(&f, MCV_FEATURE_MIXED, options.mixed, "--precision mixed", NULL);
+    if (sensor) {
+        const char *guiding = find_guiding_emitter(&f, scene, packed, sensor);
+        add(&f, MCV_FEATURE_AIM, guiding, "emitter", guiding);
+        add(&f, MCV_FEATURE_LIGHT_TRACING, mcv_traces_light(packed, sensor), "sensor",
+            sensor->name);
+    }
+    if (options.no_light_paths) drop(&f, MCV_FEATURE_LIGHT_TRACING);
+    if (options.no_split) drop(&f, MCV_FEATURE_SPLIT);
+    return f.features;
+}

@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The emitters that next-event estimation samples, and the tables by which they are chosen. */
+#include "device/pack_steps.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "device/light.h"
+#include "scene/emitters.h"
+#include "scene/mesh.h"
+
+/* Over all channels; of what comes from infinitely far away that which falls on the scene's ball.
+ */
+static double emitter_power(const mcv_scene *scene, const mcv_packed *packed,
+                            const mcv_emitter *emitter) {
+    double mean[3];
+    mcv_emitter_image_mean(scene, emitter, mean);
+    const double brightness = emitter->radiance[0] * mean[0] + emitter->radiance[1] * mean[1] +
+                              emitter->radiance[2] * mean[2];
+    const double disk = M_PI * pow(mcv_packed_size(packed) / 2, 2);
+    if (emitter->type == MCV_EMITTER_DIRECTIONAL) return brightness * disk;
+    if (emitter->type == MCV_EMITTER_ENVIRONMENT)
+        return brightness * mcv_emitter_solid_angle(emitter) * disk;
+    return brightness * mcv_emitter_unit_power(scene, emitter);
+}
+
+/*
+ * A sixteenth of all choices goes in equal parts to all emitters that shine: one that is dim beside
+ * the others may be the only one close by, and lights without extent are found in no other way.
+ */
+static void share_choices(double *powers, uint32_t count) {
+    double total = 0;
+    uint32_t shining = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        total += powers[i];
+        shining += powers[i] > 0;
+    }
+    for (uint32_t i = 0; i < count; ++i)
+        if (powers[i] > 0) powers[i] = 15 * powers[i] + total / shining;
+}
+
+/* The middle of the instance's box, re-centred. */
+static void find_middle(const mcv_packed *packed, uint32_t instance, float middle[3]) {
+    const mcv_box3d *box = &packed->boxes[instance];
+    for (int k = 0; k < 3; ++k)
+        middle[k] = (float)(0.5 * (box->lower[k] + box->upper[k]) - packed->centre[k]);
+}
+
+/* What depends on the type. */
+static void prepare_emitter(const mcv_scene *scene, const mcv_packed *packed, uint32_t index,
+                            mcv_device_emitter *to) {
+    switch (scene->emitters[index].type) {
+    case MCV_EMITTER_PARALLEL:
+    case MCV_EMITTER_TELECENTRIC_PROJECTOR:
+        to->type = MCV_EMITTER_PARALLEL;
+        mcv_parallel_prepare(scene, index, &to->parallel);
+        break;
+    case MCV_EMITTER_LIGHT_FIELD_EMITTER:
+        mcv_light_field_emitter_prepare(scene, index, &to->light_field);
+        break;
+    case MCV_EMITTER_PROJECTOR:
+        mcv_projector_prepare(scene, index, &to->projector);
+        break;
+    case MCV_EMITTER_ENVIRONMENT:
+        mcv_environment_prepare(scene, index, &to->environment);
+        break;
+    case MCV_EMITTER_COLLIMATED_BEAM:
+        mcv_collimated_beam_prepare(scene, index, &to->beam);
+        break;
+    case MCV_EMITTER_POINT:
+    case MCV_EMITTER_SPOT:
+        to->type = MCV_EMITTER_SPOT;
+        mcv_spot_prepare(scene, index, packed->centre, &to->spot);
+        break;
+    case MCV_EMITTER_DIRECTIONAL:
+        mcv_directional_prepare(scene, index, &to->directional);
+        break;
+    default:
+        break;
+    }
+}
+
+static double length(const double v[3]) { return hypot(hypot(v[0], v[1]), v[2]); }
+
+/* From the middle, which is re-centred, to a triangle's corners. */
+static void ways_to(const mcv_scene *scene, const mcv_packed *packed, uint32_t instance,
+                    uint32_t triangle, const float middle[3], double ways[3][3]) {
+    mcv_scene_corners(scene, instance, triangle, ways);
+    for (int c = 0; c < 3; ++c)
+        for (int k = 0; k < 3; ++k) ways[c][k] -= packed->centre[k] + (double)middle[k];
+}
+
+/*
+ * Where a receiver may look for the emitter, and how its light thins out
+ * (kernels/light/selection.h). What comes from infinitely far away has the power that falls on the
+ * scene's ball.
+ */
+static void find_reach(const mcv_scene *scene, const mcv_packed *packed, const mcv_emitter *from,
+                       mcv_device_emitter *to) {
+    const double size = mcv_packed_size(packed) / 2;
+    to->radius = -1;
+    to->narrowest = (float)(size * size * (from->type == MCV_EMITTER_ENVIRONMENT ? 4 : 1));
+    if (from->type == MCV_EMITTER_ENVIRONMENT || from->type == MCV_EMITTER_DIRECTIONAL) return;
+    const bool has_surface = mcv_emitter_has_surface(from->type);
+    const double area = has_surface ? from->area : 0,
+                 beam = from->type == MCV_EMITTER_COLLIMATED_BEAM;
+    to->narrowest = (float)(area / M_PI);
+    to->widening =
+        beam ? 0 : (float)(mcv_emitter_unit_power(scene, from) / (M_PI * (has_surface ? area : 1)));
+    to->radius = 0;
+    if (!has_surface) {
+        memcpy(to->middle, to->spot.position, sizeof to->middle);
+        return;
+    }
+    double radius = 0, facing[3] = {0, 0, 0}, ways[3][3];
+    for (uint32_t t = 0; t < to->triangle_count; ++t) {
+        double face[3];
+        mcv_scene_face_normal(scene, from->instance, t, face);
+        ways_to(scene, packed, from->instance, t, to->middle, ways);
+        for (int c = 0; c < 3; ++c) radius = fmax(radius, length(ways[c]));
+        for (int k = 0; k < 3 && length(face) > 0; ++k)
+            facing[k] += face[k] / length(face) / to->triangle_count;
+    }
+    /* The corners have been rounded, by less than a fourth of that. */
+    to->radius = nextafterf((float)(radius + mcv_packed_size(packed) * 0x1p-22), INFINITY);
+    /* Flat as far as float coordinates can be: where normals differ, their mean is shorter than 1
+     * by the square of the angle. */
+    bool is_flat = length(facing) > 1 - 1e-12;
+    for (uint32_t t = 0; is_flat && t < to->triangle_count; ++t) {
+        ways_to(scene, packed, from->instance, t, to->middle, ways);
+        for (int c = 0; c < 3; ++c) {
+            const double height =
+                ways[c][0] * facing[0] + ways[c][1] * facing[1] + ways[c][2] * facing[2];
+            is_flat = is_flat && fabs(height) <= 0x1p-20 * (radius + length(packed->centre));
+        }
+    }
+    for (int k = 0; is_flat && k < 3; ++k) to->facing[k] = (float)facing[k];
+}
+
+/* The triangles' shares of the area, from entry `next` of the table on. */
+static void pack_surface(const mcv_scene *scene, mcv_packed *packed, const mcv_emitter *from,
+                         uint32_t number, size_t next, double *areas) {
+    mcv_device_emitter *to = &packed->emitters[number];
+    to->cdf = (uint32_t)next;
+    to->triangle_count = scene->meshes[scene->instances[from->instance].mesh].triangle_count;
+    for (uint32_t t = 0; t < to->triangle_count; ++t)
+        areas[t] = mcv_scene_triangle_area(scene, from->instance, t);
+    mcv_write_cdf(packed->emitter_cdf + next, to->triangle_count, areas);
+    find_middle(packed, from->instance, to->middle);
+    packed->instances[from->instance].emitter = number;
+}
+
+bool mcv_is_sampled(const mcv_emitter *emitter) {
+    return emitter->type != MCV_EMITTER_ENVIRONMENT || emitter->texture != MCV_NONE;
+}
+
+/* Entries of an environment's image in the table of shares: of its rows, then of each row's pixels.
+ */
+size_t mcv_environment_entries(const mcv_texture *image) {
+    return image->height + 1 + (size_t)image->height * (image->width + 1);
+}
+
+/* The shares of rows and pixels in what comes from the sky, from entry `next` of the table on. */
+static mcv_result pack_environment(const mcv_scene *scene, mcv_packed *packed,
+                                   const mcv_emitter *from, uint32_t number, size_t next,
+                                   mcv_error *error) {
+    const mcv_texture *image = scene->textures + from->texture;
+    bool failed = false;
+    double *rows = mcv_pack_allocate(image->height, sizeof(double), &failed);
+    double *pixels = mcv_pack_allocate(image->width, sizeof(double), &failed);
+    double decoded[256];
+    mcv_srgb_table(decoded);
+    for (uint32_t row = 0; !failed && row < image->height; ++row) {
+        uint32_t *cdf =
+            packed->emitter_cdf + next + image->height + 1 + (size_t)row * (image->width + 1);
+        for (uint32_t column = 0; column < image->width; ++column) {
+            double rgb[3];
+            mcv_texture_value(image, decoded, column, row, rgb);
+            pixels[column] = from->radiance[0] * rgb[0] + from->radiance[1] * rgb[1] +
+                             from->radiance[2] * rgb[2];
+        }
+        rows[row] = mcv_write_cdf(cdf, image->width, pixels) *
+                    sin((2.0 * row + 1) * M_PI / (2.0 * image->height));
+    }
+    if (!failed) mcv_write_cdf(packed->emitter_cdf + next, image->height, rows);
+    packed->emitters[number].cdf = (uint32_t)next;
+    packed->environment_emitter = number;
+    free(rows);
+    free(pixels);
+    return failed ? mcv_fail(error, MCV_FAILED, "%s: no memory for the environment's image",
+                             scene->path)
+                  : MCV_OK;
+}
+
+mcv_result mcv_pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
+    uint32_t *cdf = packed->emitter_cdf;
+    size_t next = packed->emitter_count + 1;
+    uint32_t count = 0;
+    bool failed = false;
+    mcv_result result = MCV_OK;
+    double *powers = mcv_pack_allocate(scene->emitter_count, sizeof(double), &failed);
+    double *areas = mcv_pack_allocate(scene->triangle_count, sizeof(double), &failed);
+    for (uint32_t i = 0; !failed && result == MCV_OK && i < scene->emitter_count; ++i) {
+        const mcv_emitter *from = &scene->emitters[i];
+        if (!mcv_is_sampled(from)) continue;
+        mcv_device_emitter *to = &packed->emitters[count];
+        *to = (mcv_device_emitter){.type = from->type,
+                                   .instance = from->instance,
+                                   .texture = from->texture,
+                                   .area = (float)from->area};
+        for (int k = 0; k < 3; ++k) to->radiance[k] = (float)from->radiance[k];
+        if (mcv_emitter_has_surface(from->type)) {
+            pack_surface(scene, packed, from, count, next, areas);
+            next += to->triangle_count + 1;
+        }
+        if (from->type == MCV_EMITTER_ENVIRONMENT) {
+            result = pack_environment(scene, packed, from, count, next, error);
+            next += mcv_environment_entries(scene->textures + from->texture);
+        }
+        prepare_emitter(scene, packed, i, to);
+        find_reach(scene, packed, from, to);
+        mcv_pack_rectangle(scene, packed, to);
+        powers[count++] = emitter_power(scene, packed, from);
+    }
+    if (!failed) {
+        double all = 0;
+        for (uint32_t i = 0; i < count; ++i) all += powers[i];
+        for (uint32_t i = 0; i < count && all > 0; ++i)
+            packed->emitters[i].power = (float)(powers[i] / all);
+        share_choices(powers, count);
+        mcv_write_cdf(cdf, count, powers);
+        for (uint32_t i = 0; i < count; ++i)
+            packed->emitters[i].probability = (float)((cdf[i + 1] - cdf[i]) * 0x1p-31);
+    }
+    free(powers);
+    free(areas);
+    if (failed) return mcv_fail(error, MCV_FAILED, "%s: no memory for the emitters", scene->path);
+    if (result != MCV_OK) return result;
+    packed->light_cdf = (uint32_t)next;
+    return MCV_OK;
+}

@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A pass over the pixels: launches of the schedule, and reading back what they leave. */
+#include "render/renderer.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "core/basics.h"
+
+enum { MAX_LOG2_SAMPLES = 16 }; /* per launch and set */
+
+static uint32_t floor_log2(uint64_t x) {
+    uint32_t k = 0;
+    while (x >>= 1) ++k;
+    return k;
+}
+
+bool mcv_find_blocked_pixel(const mcv_film *film, uint32_t number, size_t *pixel) {
+    const uint32_t tiles = (film->width + 7) / 8;
+    const uint32_t column = (number >> 6) % tiles * 8 + (number & 7);
+    const uint32_t row = (number >> 6) / tiles * 8 + (number >> 3 & 7);
+    *pixel = (size_t)row * film->width + column;
+    return column < film->width && row < film->height;
+}
+
+/* The same in the order in which pixels are rendered. */
+static bool find_pixel(const mcv_renderer *r, uint32_t number, size_t *pixel) {
+    if (!r->listed) return mcv_find_blocked_pixel(r->film, number, pixel);
+    *pixel = r->listed[number];
+    return true;
+}
+
+/* Some sets of a round: what their launches leave on the device, on its way into the round. */
+typedef struct readback {
+    uint32_t first_set, sets;
+    uint32_t launched_blocks, blocks_per_set; /* of one launch; of the round */
+    uint32_t first_block;                     /* of the launch that was read */
+    float *read;                              /* its sums */
+    double *blocks;                           /* [set][channel][block] */
+    double share; /* of a sample in the round: 1 over what the class takes more of them */
+    bool pending; /* `read` holds sums that are not yet added */
+} readback;
+
+/* The sum of a set's samples in the round, once all of its launches are read. */
+static double sum_of_set(const readback *h, uint32_t set, uint32_t channel, uint32_t channels) {
+    const size_t at = (size_t)set * channels + channel;
+    if (h->blocks_per_set == 1) return (double)h->read[2 * at] + (double)h->read[2 * at + 1];
+    return mcv_tree_sum(h->blocks + at * h->blocks_per_set, h->blocks_per_set, 1);
+}
+
+/* Adds what was read; after the last launch of the sets, their sums go into the round. */
+static void accumulate_readback(const mcv_renderer *r, readback *h) {
+    const mcv_film *film = r->film;
+    const uint32_t channels = film->channels;
+    const size_t pixels = (size_t)film->width * film->height;
+    if (!h->pending) return;
+    h->pending = false;
+    for (uint32_t set = 0; h->blocks_per_set > 1 && set < h->sets; ++set) {
+        for (uint32_t b = 0; b < h->launched_blocks; ++b) {
+            for (uint32_t c = 0; c < channels; ++c) {
+                const float *pair =
+                    h->read + 2 * (((size_t)set * h->launched_blocks + b) * channels + c);
+                h->blocks[((size_t)set * channels + c) * h->blocks_per_set + h->first_block + b] =
+                    (double)pair[0] + (double)pair[1];
+            }
+        }
+    }
+    if (h->first_block + h->launched_blocks < h->blocks_per_set) return;
+    /* Sets are replicates of one pixel, then those of the next. */
+    for (uint32_t i = 0; i < h->sets;) {
+        size_t pixel;
+        const bool inside = find_pixel(r, (h->first_set + i) / film->replicates, &pixel);
+        for (uint32_t replicate = (h->first_set + i) % film->replicates;
+             replicate < film->replicates && i < h->sets; ++replicate, ++i)
+            for (uint32_t c = 0; inside && c < channels; ++c)
+                r->round[((size_t)replicate * channels + c) * pixels + pixel] =
+                    h->share * sum_of_set(h, i, c, channels);
+    }
+}
+
+static double stage_seconds(const mcv_render_stats *stats) {
+    double seconds = 0;
+    for (uint32_t i = 0; i < stats->stage_count; ++i) seconds += stats->stages[i].seconds;
+    return seconds;
+}
+
+/* One launch: 2^frame.log2_samples samples of `sets` sets. While it runs, what the one before left
+ * is brought in. */
+static mcv_result launch(mcv_renderer *r, uint32_t sets, uint32_t first_block, readback *h) {
+    const double begun = mcv_seconds();
+    r->frame.path_count = sets << r->frame.log2_samples;
+    MCV_TRY(mcv_schedule_start(&r->schedule, &r->frame, r->stats, r->error));
+    accumulate_readback(r, h);
+    MCV_TRY(mcv_schedule_wait(&r->schedule, r->stats, r->error));
+    MCV_TRY(mcv_cl_read(&r->cl, r->schedule.sums, 0,
+                        8 * (size_t)sets * h->launched_blocks * r->film->channels, h->read,
+                        r->error));
+    h->first_set = r->frame.first_set;
+    h->sets = sets;
+    h->first_block = first_block;
+    h->pending = true;
+    if (r->stats->seconds_first_sample > 0) return MCV_OK;
+    r->warming = fmax(0, mcv_seconds() - begun - stage_seconds(r->stats));
+    r->stats->seconds_first_sample = mcv_seconds() - r->begun;
+    return MCV_OK;
+}
+
+/* Tells the caller how far the render is, with so much of a round; false: it is to stop now. */
+static bool go_on(const mcv_renderer *r, double samples, double error) {
+    const mcv_render_options *o = r->options;
+    if (!o->progress) return true;
+    const double seconds = mcv_seconds() - r->begun;
+    double fraction = o->last > 0 ? samples / (double)(o->last - o->first) : 0;
+    if (o->seconds > 0 && seconds / o->seconds > fraction) fraction = seconds / o->seconds;
+    /* The error falls at least as fast as the root of the samples grows. */
+    if (o->error > 0 && error > 0 && isfinite(error))
+        fraction =
+            fmax(fraction, fmin(1, pow(o->error / error, 2) * samples / (double)r->film->samples));
+    if (o->progress(o->user, fraction, seconds, error)) return true;
+    r->stats->interrupted = true;
+    /* The first round is always finished: a stopped render has an image. */
+    return r->film->samples == 0;
+}
+
+static uint64_t times_power(uint64_t count, int level) {
+    return level < 0 ? count >> -level : count << level;
+}
+
+mcv_result mcv_render_class(mcv_renderer *r, mcv_pixel_class class, uint64_t first, uint64_t count,
+                            double done_before, bool *stop) {
+    const mcv_film *film = r->film;
+    const uint32_t channels = film->channels;
+    const uint64_t first_set = (uint64_t) class.first * film->replicates,
+                   set_count = (uint64_t) class.count * film->replicates;
+    const uint64_t end_set = first_set + set_count;
+    const uint32_t capacity = r->schedule.capacity;
+    const double before = (double)film->samples;
+    const uint64_t pixels = r->listed ? (uint64_t)film->width * film->height : class.count;
+    const double round = (double)count * class.count / (double)pixels;
+    first = times_power(first, class.level);
+    count = times_power(count, class.level);
+    uint32_t log2_samples = floor_log2(count);
+    if (log2_samples > MAX_LOG2_SAMPLES) log2_samples = MAX_LOG2_SAMPLES;
+    if (log2_samples > floor_log2(capacity)) log2_samples = floor_log2(capacity);
+    const uint32_t launch_samples = 1u << log2_samples;
+    const uint32_t block = launch_samples < MCV_BLOCK ? launch_samples : MCV_BLOCK;
+    const uint32_t sets_per_launch = capacity / launch_samples;
+    readback h = {.launched_blocks = launch_samples / block,
+                  .blocks_per_set = (uint32_t)(count / block),
+                  .share = ldexp(1, -class.level)};
+    mcv_result result = MCV_OK;
+    if (end_set > 0xffffffffu) {
+        return mcv_fail(r->error, MCV_BAD_INPUT,
+                        "the image has too many pixels for %u replicates: %llu sets, at most 2^32",
+                        film->replicates, (unsigned long long)end_set);
+    }
+    h.read = malloc(8 * (size_t)sets_per_launch * h.launched_blocks * channels);
+    h.blocks = malloc(8 * (size_t)sets_per_launch * channels * h.blocks_per_set);
+    if (!h.read || !h.blocks)
+        result = mcv_fail(r->error, MCV_FAILED, "no memory for the sums of a launch");
+
+    r->frame.log2_samples = log2_samples;
+    uint32_t sets = 0;
+    for (uint64_t set = first_set; result == MCV_OK && !*stop && set < end_set; set += sets) {
+        /* A short first launch: the user sees soon that something comes. Not where pictures have
+         * come before. */
+        const bool at_once = r->stats->kept_program || r->stats->seconds_first_sample > 0;
+        const uint32_t most = at_once ? sets_per_launch : (sets_per_launch + 15) / 16;
+        sets = (uint32_t)(end_set - set < most ? end_set - set : most);
+        r->frame.first_set = (uint32_t)set;
+        for (uint64_t s = 0; result == MCV_OK && s < count; s += launch_samples) {
+            r->frame.first_sample = (uint32_t)(first + s);
+            result = launch(r, sets, (uint32_t)(s / block), &h);
+        }
+        const double share = (double)(set + sets - first_set) / (double)set_count;
+        if (result == MCV_OK) *stop = !go_on(r, before + share * round, done_before);
+    }
+    if (result == MCV_OK) accumulate_readback(r, &h);
+    free(h.read);
+    free(h.blocks);
+    return result;
+}
+
+/* The light paths of samples [first, first + count), where camera paths are launched without them.
+ */
+static mcv_result render_light(mcv_renderer *r, uint64_t first, uint64_t count) {
+    const uint32_t capacity = r->schedule.capacity;
+    const uint64_t set_count =
+        mcv_tiled_pixels(r->film->width, r->film->height) * r->film->replicates;
+    if (!r->scene.splats || !r->listed) return MCV_OK;
+    r->frame.log2_samples = floor_log2(count < capacity ? count : capacity);
+    if (r->frame.log2_samples > MAX_LOG2_SAMPLES) r->frame.log2_samples = MAX_LOG2_SAMPLES;
+    const uint32_t sets_per_launch = capacity >> r->frame.log2_samples;
+    for (uint64_t set = 0; set < set_count; set += sets_per_launch) {
+        const uint64_t sets = set_count - set < sets_per_launch ? set_count - set : sets_per_launch;
+        r->frame.first_set = (uint32_t)set;
+        r->frame.path_count = (uint32_t)sets << r->frame.log2_samples;
+        for (uint64_t s = 0; s < count; s += (uint64_t)1 << r->frame.log2_samples) {
+            r->frame.first_sample = (uint32_t)(first + s);
+            MCV_TRY(mcv_schedule_trace_light(&r->schedule, &r->frame, r->stats, r->error));
+        }
+    }
+    return MCV_OK;
+}
+
+mcv_result mcv_render_pass(mcv_renderer *r, uint64_t first, uint64_t count, double done_before,
+                           bool *stop) {
+    for (uint32_t i = 0; i < r->class_count && !*stop; ++i)
+        MCV_TRY(mcv_render_class(r, r->classes[i], first, count, done_before, stop));
+    return *stop ? MCV_OK : render_light(r, first, count);
+}

@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Adaptive sampling: a pilot render decides how many samples each pixel takes. */
+#include "render/renderer.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "core/basics.h"
+
+enum {
+    PILOT_SHARE = 32,     /* of the samples that it decides about, one part in so many: */
+    LEAST_PILOT = 4,      /* per pixel, over all of its replicates, */
+    MOST_PILOT = 1024,    /* for which more would tell little more; */
+    PILOT_REPLICATES = 8, /* at most */
+    WORTH_A_PILOT = 64,   /* samples per pixel, over all replicates */
+};
+
+/* They change the user's seed for the pilot, and for the render after it. */
+static const uint32_t PILOT_SEED = 0x7f4a7c15u, ADAPTIVE_SEED = 0x2545f491u;
+
+/* The power by which the variance falls with the samples; 1 with random numbers. */
+static const double SOBOL_FALL = 1.25;
+
+/* Adaptive sampling must need less than this share of the samples that all pixels would take alike:
+ * noisy pixels cost more. */
+static const double WORTH = 0.9;
+
+static double fall_of(const mcv_render_options *o) {
+    return o->sampler == MCV_SAMPLER_RANDOM ? 1 : SOBOL_FALL;
+}
+
+/* How many samples per replicate the render is going to have, from those it has and their error;
+ * infinite: nobody knows. */
+static double expected_samples(const mcv_renderer *r, double error) {
+    const mcv_render_options *o = r->options;
+    const double samples = (double)r->film->samples;
+    double expected = o->last > 0 ? (double)o->last : INFINITY;
+    if (o->error > 0)
+        expected = fmin(expected, samples * pow(fmax(error / o->error, 1), 2 / fall_of(o)));
+    if (o->seconds > 0)
+        expected = fmin(expected, samples * o->seconds / (mcv_seconds() - r->begun));
+    return expected;
+}
+
+/* Lists the pixels by their levels; all in one class where these are not known. */
+static mcv_result list_pixels(mcv_renderer *r) {
+    const mcv_film *film = r->film;
+    const size_t count = (size_t)film->width * film->height;
+    const uint32_t numbers = (uint32_t)mcv_tiled_pixels(film->width, film->height);
+    uint32_t listed = 0;
+    if (!r->listed) r->listed = malloc(count * sizeof *r->listed);
+    if (!r->listed)
+        return mcv_fail(r->error, MCV_FAILED, "no memory for a list of %zu pixels", count);
+    r->class_count = 0;
+    for (int level = MCV_LOWEST_LEVEL; level <= MCV_HIGHEST_LEVEL; ++level) {
+        const uint32_t first = listed;
+        for (uint32_t i = 0; i < numbers; ++i) {
+            size_t pixel;
+            if (mcv_find_blocked_pixel(film, i, &pixel) &&
+                (film->levels ? film->levels[pixel] : 0) == level)
+                r->listed[listed++] = (uint32_t)pixel;
+        }
+        if (listed > first)
+            r->classes[r->class_count++] = (mcv_pixel_class){level, first, listed - first};
+    }
+    r->frame.listed = 1;
+    mcv_cl_release(&r->scene.listed);
+    return mcv_cl_buffer(&r->cl, "the list of pixels", count * sizeof *r->listed, r->listed,
+                         &r->scene.listed, r->error);
+}
+
+void mcv_unlist_pixels(mcv_renderer *r) {
+    free(r->listed);
+    r->listed = NULL;
+    r->frame.listed = 0;
+    r->class_count = 1;
+    r->classes[0] =
+        (mcv_pixel_class){0, 0, (uint32_t)mcv_tiled_pixels(r->film->width, r->film->height)};
+}
+
+/* An empty film, to be filled with other random numbers. */
+static mcv_result begin_anew(mcv_renderer *r) {
+    const size_t values = mcv_film_values(r->film);
+    const cl_uint nothing = 0;
+    if (r->scene.splats)
+        MCV_TRY_CL(clEnqueueFillBuffer(r->cl.queue, r->scene.splats, &nothing, sizeof nothing, 0,
+                                       8 * values, 0, NULL, NULL),
+                   r->error);
+    r->film->samples = 0;
+    r->frame.seed = r->options->seed ^ ADAPTIVE_SEED;
+    return list_pixels(r);
+}
+
+/* So many samples per pixel (a power of two) of camera paths alone, in as many replicates as may
+ * be, that the image knows nothing of. */
+static mcv_result render_pilot(mcv_renderer *r, uint32_t samples, mcv_film *pilot, bool *stop) {
+    mcv_film *film = r->film;
+    double *round = r->round;
+    const uint32_t replicates = samples < PILOT_REPLICATES ? samples : PILOT_REPLICATES;
+    MCV_TRY(mcv_film_new(pilot, film->width, film->height, film->channels, replicates, r->error));
+    r->film = pilot;
+    r->round = pilot->sums;
+    r->frame.replicates = replicates;
+    r->frame.seed = r->options->seed ^ PILOT_SEED;
+    mcv_result result = list_pixels(r);
+    if (result == MCV_OK)
+        result = mcv_render_class(r, r->classes[0], 0, samples / replicates, INFINITY, stop);
+    r->film = film;
+    r->round = round;
+    r->frame.replicates = film->replicates;
+    r->frame.seed = r->options->seed;
+    mcv_unlist_pixels(r);
+    return result;
+}
+
+/* The samples per pixel of the pilot that is worth its while now, over all replicates; 0: none. */
+static uint32_t worthy_pilot(const mcv_renderer *r, double expected) {
+    const double all = expected * r->film->replicates,
+                 begun = (double)r->film->samples * r->film->replicates;
+    if (all < WORTH_A_PILOT || expected < MCV_FIRST_ADAPTIVE) return 0;
+    uint32_t samples = LEAST_PILOT;
+    while (samples < MOST_PILOT && 2 * PILOT_SHARE * samples <= all) samples *= 2;
+    return begun + samples < all / 4 ? samples : 0;
+}
+
+mcv_result mcv_adapt(mcv_renderer *r, double error, bool *decided) {
+    mcv_film *film = r->film;
+    const mcv_render_options *o = r->options;
+    const bool is_known =
+        film->samples >= MCV_MIN_SAMPLES || !(o->error > 0 || o->seconds > 0 || o->last == 0);
+    double expected = is_known ? expected_samples(r, error) : 0;
+    if (!isfinite(expected)) expected = (double)PILOT_SHARE * (double)film->samples;
+    const uint32_t samples = worthy_pilot(r, expected);
+    mcv_film pilot = {0};
+    bool stop = false;
+    double gain = 0;
+    if (samples == 0) return MCV_OK;
+    *decided = true;
+    film->levels = malloc((size_t)film->width * film->height);
+    if (!film->levels) return mcv_fail(r->error, MCV_FAILED, "no memory for the levels of pixels");
+    mcv_result result = render_pilot(r, samples, &pilot, &stop);
+    const double begun = (double)film->samples + (double)samples / film->replicates;
+    const double budget = o->last > 0 ? 1 - begun / (double)o->last : 1;
+    if (result == MCV_OK)
+        result = mcv_allocate_samples(&pilot, fall_of(o), budget, film->levels, &gain, r->error);
+    mcv_film_free(&pilot);
+    MCV_TRY(result);
+    if (!r->stats->interrupted && gain > 0 && begun + expected / gain < WORTH * expected)
+        return begin_anew(r);
+    free(film->levels);
+    film->levels = NULL;
+    return MCV_OK;
+}

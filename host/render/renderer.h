@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the files of the renderer share: its state, and the steps of a render. */
+#ifndef MCVISI_HOST_RENDER_RENDERER_H
+#define MCVISI_HOST_RENDER_RENDERER_H
+
+#include "render/adaptive.h"
+#include "render/render.h"
+#include "render/schedule.h"
+
+enum {
+    MCV_MAX_CLASSES = MCV_HIGHEST_LEVEL - MCV_LOWEST_LEVEL + 1,
+    MCV_MIN_SAMPLES = 4, /* per replicate, before an error estimate may stop the render */
+    /* Samples per replicate of the first adaptive round: each pixel has one. */
+    MCV_FIRST_ADAPTIVE = 1 << -MCV_LOWEST_LEVEL,
+};
+
+/* Per replicate. */
+#define MCV_MOST_SAMPLES ((uint64_t)0x80000000u)
+#define MCV_MOST_ADAPTIVE (MCV_MOST_SAMPLES >> MCV_HIGHEST_LEVEL)
+
+/* What a program is specialised for, and the sizes of a schedule's buffers follow from. */
+typedef struct mcv_program_key {
+    uint32_t features, channels, sensor_type, sampler, schedule, slice, depth;
+} mcv_program_key;
+
+/* The pixels that take 2^level times the samples: they stand together in the list. */
+typedef struct mcv_pixel_class {
+    int level;
+    uint32_t first, count;
+} mcv_pixel_class;
+
+struct mcv_renderer {
+    /* Kept between renders: */
+    mcv_cl cl;
+    mcv_device_scene scene;
+    mcv_schedule schedule, earlier; /* the one at work; another, to go back to when a number crosses
+                                       a limit and back */
+    mcv_program_key key, earlier_key;
+    /* Of one render: */
+    const mcv_render_options *options;
+    mcv_render_stats *stats;
+    mcv_film *film;
+    double *round; /* like the film's sums: those of the samples of this round */
+    mcv_frame frame;
+    uint32_t *listed; /* the pixels by class; NULL: all in their order, in one class */
+    mcv_pixel_class classes[MCV_MAX_CLASSES];
+    uint32_t class_count;
+    double begun;   /* when */
+    double warming; /* seconds of the first launch that its stages did not take: drivers compile
+                       there what they left out before */
+    mcv_error *error;
+};
+
+/* pass.c */
+
+/* Where in the image the pixel of this number lies, block by block; false if its block of 8 x 8
+ * pixels sticks out there. */
+bool mcv_find_blocked_pixel(const mcv_film *film, uint32_t number, size_t *pixel);
+
+/*
+ * All samples [first, first + count), times 2^level, of the class's pixels into r->round; count is
+ * a power of two. *stop is set when the caller's progress function asked for it: the round is not
+ * whole then.
+ */
+mcv_result mcv_render_class(mcv_renderer *r, mcv_pixel_class class, uint64_t first, uint64_t count,
+                            double done_before, bool *stop);
+
+/* All samples [first, first + count) of all pixels into r->round; count is a power of two. */
+mcv_result mcv_render_pass(mcv_renderer *r, uint64_t first, uint64_t count, double done_before,
+                           bool *stop);
+
+/* pilot.c */
+
+/* All pixels in their order, in one class. */
+void mcv_unlist_pixels(mcv_renderer *r);
+
+/*
+ * Once it is known how many samples the render will take: renders a pilot, and if that pays, throws
+ * away what the film has and begins anew, with other random numbers and for each pixel as many
+ * samples as it needs. What was known when that was decided has no part in the image, so that the
+ * image is unbiased. *decided: the pilot was rendered.
+ */
+mcv_result mcv_adapt(mcv_renderer *r, double error, bool *decided);
+
+#endif

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The buffers of a scene on the device: kernel arguments (kernels/world.h), members of the host's
+ * mcv_device_scene, and what fills them. A new buffer is one line here.
+ *
+ * X(space, type, name, "the words", bytes, data): in `space`, of elements of `type`. The host alone
+ * reads the last three: what messages call the buffer, its size and its contents, in the terms of
+ * fill_buffers (host/device/device_scene.c); bytes 0: a scene lacks it, and kernels get NULL.
+ * `data` NULL: the contents are written for each sensor or pass.
+ */
+#ifndef MCVISI_BUFFERS_H
+#define MCVISI_BUFFERS_H
+
+#define MCV_BUFFERS(X) \
+    X(__constant, mcv_frame, frame, "the frame", sizeof(mcv_frame), NULL) \
+    X(__constant, mcv_sensor, sensor, "the sensor", sizeof(any_sensor), NULL) \
+    X(__global, mcv_node, nodes, "the nodes of the acceleration structure", \
+      bvh->node_count * sizeof *bvh->nodes, bvh->nodes) \
+    X(__global, mcv_leaf, leaves, "the leaves of the acceleration structure", \
+      bvh->leaf_count * sizeof *bvh->leaves, bvh->leaves) \
+    /* Three vertices and the instance. */ \
+    X(__global, uint4, triangles, "the triangles", 16 * triangles, p->triangles) \
+    X(__global, float, positions, "the vertices", 12 * vertices, p->positions) \
+    X(__global, float, normals, "the normals", present(p->normals, 12 * vertices), p->normals) \
+    X(__global, float, texcoords, "the texture coordinates", \
+      present(p->texcoords, 8 * p->texcoord_sets * vertices), p->texcoords) \
+    /* Direction, and the handedness of its bitangent. */ \
+    X(__global, float, tangents, "the tangents", present(p->tangents, 16 * vertices), p->tangents) \
+    X(__global, mcv_device_instance, instances, "the instances", \
+      p->instance_count * sizeof *p->instances, p->instances) \
+    X(__global, mcv_device_material, materials, "the materials", \
+      p->material_count * sizeof *p->materials, p->materials) \
+    X(__global, mcv_device_gloss, gloss, "the glossy materials", \
+      present(p->gloss, p->material_count * sizeof *p->gloss), p->gloss) \
+    X(__global, float, albedos, "the albedos of microfacets", 4 * p->albedo_count, p->albedos) \
+    X(__global, mcv_device_medium, media, "the media", tables * sizeof p->media[0], p->media) \
+    X(__global, mcv_device_interface, interfaces, "the interfaces", \
+      tables * sizeof p->interfaces[0], p->interfaces) \
+    /* Where the albedos of a rough interface begin; MCV_NONE: it is smooth. */ \
+    X(__global, uint, interface_albedos, "the rough interfaces", \
+      dielectric && p->gloss ? sizeof p->interface_albedos : 0, p->interface_albedos) \
+    X(__global, mcv_device_emitter, emitters, "the emitters", \
+      p->emitter_count * sizeof *p->emitters, p->emitters) \
+    X(__global, uint, emitter_cdf, "the emitters' areas", \
+      p->emitter_count > 0 ? 4 * p->cdf_count : 0, p->emitter_cdf) \
+    X(__global, mcv_device_texture, textures, "the list of textures", \
+      textures ? p->texture_count * sizeof *p->textures : 0, p->textures) \
+    /* RGBA, 8 bits each, or three floats. */ \
+    X(__global, uint, texels, "the textures", textures ? 4 * p->texel_count : 0, p->texels) \
+    /* Of the pixels, row by row; made by mcv_device_scene_place. */ \
+    X(__global, mcv_device_pupil_guide, pupil_guides, "the pupil guides", 0, NULL) \
+    /* The pixels of a pass where the frame has them listed; made by the renderer. */ \
+    X(__global, uint, listed, "the listed pixels", 0, NULL) \
+    X(__global, MCV_SOLID, solids, "the exact surfaces", \
+      present(p->solids, p->solid_count * sizeof *p->solids), p->solids) \
+    X(__global, MCV_PRECISE_SOLID, precise_solids, "the exact surfaces in double", \
+      present(p->precise_solids, p->solid_count * sizeof *p->precise_solids), p->precise_solids) \
+    /* What rounding leaves of positions and normals. */ \
+    X(__global, float, position_lows, "the low words of the vertices", \
+      present(p->position_lows, 12 * vertices), p->position_lows) \
+    X(__global, float, normal_lows, "the low words of the normals", \
+      present(p->normal_lows, 12 * vertices), p->normal_lows) \
+    /* Of the media. */ \
+    X(__global, MCV_DOUBLE, refractive_indices, "the refractive indices", \
+      mixed ? sizeof p->refractive_indices : 0, p->refractive_indices)
+
+#endif

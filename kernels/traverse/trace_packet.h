@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Many rays through the hierarchy together (J. A. Tsakok, Faster Incoherent Rays: Multi-BVH Ray
+ * Stream Tracing, HPG 2009): a node or a leaf is visited once, with a list of all rays that enter
+ * it. Rays from places close to each other enter much the same ones, whichever way they go then.
+ * They share the branches that no processor foresees, which is where a ray alone spends its time,
+ * and a leaf is tested with many of them side by side.
+ *
+ * They find what they find alone, to the last bit: a triangle is tested by the same arithmetic, and
+ * boxes only leave out what cannot be hit (traverse/ray_frame.h; any superset of the leaves in any
+ * order gives the same hit).
+ */
+#ifndef MCVISI_KERNELS_TRACE_PACKET_H
+#define MCVISI_KERNELS_TRACE_PACKET_H
+
+#include "traverse/flat.h"
+#include "traverse/interleave.h"
+
+/* Down from so many, each ray of a list continues alone: nearest first is then worth more than
+ * company. */
+#define MCV_PACKET_FEW 5
+
+/* A child that waits: its node's level, and which of its children it is. */
+typedef struct mcv_packet_child {
+    uint child, level, lane;
+} mcv_packet_child;
+
+/*
+ * The traversal of a packet. Each level of nodes has the list of the rays that have reached its
+ * node, and for each ray a mask of the children that it enters. Lists and masks end with eight
+ * entries that nothing chooses.
+ */
+typedef struct mcv_packet_traversal {
+    mcv_packet rays;
+    uchar lists[MCV_BVH_LEVELS + 2][MCV_PACKET + 8], masks[MCV_BVH_LEVELS + 1][MCV_PACKET + 8];
+    uint counts[MCV_BVH_LEVELS + 1];
+    mcv_packet_child waiting[MCV_BVH_STACK + MCV_BVH_WIDTH];
+    uint depth; /* children that wait */
+} mcv_packet_traversal;
+
+/* Begins at the root. Closest hits are looked for by the rays of each octant of directions by
+ * themselves, for which the nearest child is much the same one. */
+MCV_LOOP_FUNCTION void mcv_begin_packet(uint count, int any, mcv_packet_traversal *p) {
+    uint roots = 0;
+    for (uint i = 0; i < count; ++i) {
+        uint octant = 0;
+#pragma unroll
+        for (int axis = 0; axis < 3 && !any; ++axis)
+            octant = octant << 1 | as_uint(p->rays.inverse[axis][i]) >> 31;
+        p->lists[0][i] = (uchar)i;
+        p->masks[0][i] = (uchar)(1u << octant);
+        roots |= 1u << octant;
+    }
+    vstore8((uchar8)(0), 0, p->lists[0] + count);
+    vstore8((uchar8)(0), 0, p->masks[0] + count);
+    p->counts[0] = count;
+    p->depth = 0;
+    while (roots) p->waiting[p->depth++] = (mcv_packet_child){0, 0, mcv_pop_bit(&roots)};
+}
+
+/* Lists the rays that enter a child and that are not done, on the level below; returns how many. */
+MCV_LOOP_FUNCTION uint mcv_list_entering(mcv_packet_child next, int any, mcv_packet_traversal *p) {
+    const uchar *from = p->lists[next.level], *masks = p->masks[next.level];
+    uchar *list = p->lists[next.level + 1u];
+    const uint count = p->counts[next.level];
+    uint listed = 0;
+    for (uint first = 0; first < count; first += 8) {
+#pragma unroll
+        for (uint k = first; k < first + 8; ++k) {
+            const uint i = from[k];
+            list[listed] = (uchar)i;
+            listed += masks[k] >> next.lane & (any ? p->rays.t[i] >= 0.0f : 1);
+        }
+    }
+    vstore8((uchar8)(0), 0, list + listed);
+    return listed;
+}
+
+/* The children of a node wait, the nearest on top, as the ray sees it that enters it first. */
+MCV_LOOP_FUNCTION void mcv_visit_node(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
+                                      mcv_packet_child next, uint listed, mcv_packet_traversal *p) {
+    __global const mcv_node *node = nodes + next.child;
+    const uint level = next.level + 1u, bottom = p->depth;
+    float8 least = (float8)(INFINITY);
+    float begin[MCV_BVH_WIDTH];
+    uint entered = 0;
+    for (uint k = 0; k < listed; ++k) {
+        const uint ray = p->lists[level][k];
+        const mcv_slabs slabs = mcv_packet_slabs(&p->rays, ray);
+        float8 entry;
+        const uint mask = mcv_intersect_boxes(node, &slabs, p->rays.t[ray], &entry);
+        least = min(least, entry);
+        p->masks[level][k] = (uchar)mask;
+        entered |= mask;
+    }
+    vstore8((uchar8)(0), 0, p->masks[level] + listed);
+    vstore8(least, 0, begin);
+    p->counts[level] = listed;
+    while (entered) {
+        const uint lane = mcv_pop_bit(&entered);
+        mcv_prefetch_child(nodes, leaves, node->child[lane]);
+        uint place = p->depth++;
+        for (; place > bottom && begin[p->waiting[place - 1].lane] < begin[lane]; --place)
+            p->waiting[place] = p->waiting[place - 1];
+        p->waiting[place] = (mcv_packet_child){node->child[lane], level, lane};
+    }
+}
+
+/* The hits of at most MCV_PACKET rays, all of finite origin. */
+MCV_LOOP_FUNCTION void mcv_trace_packet(__global const mcv_node *nodes,
+                                        __global const mcv_leaf *leaves, mcv_rows origins,
+                                        mcv_rows directions, const uint *numbers, uint count,
+                                        int any, int interleaves, mcv_hits hits) {
+    mcv_packet_traversal p;
+    mcv_straggler stragglers[MCV_STRAGGLERS];
+    uint alone = 0;
+    mcv_packet_setup(origins, directions, numbers, count, nodes->extent, hits, &p.rays);
+    mcv_begin_packet(count, any, &p);
+    while (p.depth > 0 || alone > 0) {
+        if (interleaves && (p.depth == 0 || alone + MCV_PACKET_FEW > MCV_STRAGGLERS)) {
+            mcv_trace_interleaved(nodes, leaves, &p.rays, stragglers, alone, any);
+            alone = 0;
+            continue;
+        }
+        const mcv_packet_child next = p.waiting[--p.depth];
+        const uint listed = mcv_list_entering(next, any, &p);
+        const uchar *list = p.lists[next.level + 1u];
+        if (listed <= MCV_PACKET_FEW) {
+            for (uint k = 0; k < listed; ++k) {
+                const mcv_straggler straggler = {list[k], next.child};
+                if (interleaves)
+                    stragglers[alone++] = straggler;
+                else
+                    mcv_trace_straggler(nodes, leaves, &p.rays, straggler, any);
+            }
+        } else if (next.child & MCV_CHILD_LEAF) {
+            mcv_packet_leaf(leaves + (next.child & ~MCV_CHILD_LEAF), &p.rays, list, listed, any);
+        } else {
+            mcv_visit_node(nodes, leaves, next, listed, &p);
+        }
+    }
+    for (uint i = 0; i < count; ++i) mcv_put_hit(hits, numbers[i], p.rays.hits[i]);
+}
+
+/*
+ * The hits of the rays numbers[0 … count - 1]: the closest or, where any hit will do, one of them,
+ * of which only the triangle is known. On entry they are misses (mcv_miss) or what else the rays
+ * have hit, which stays where nothing closer is hit.
+ */
+#define MCV_TRACE_PACKETS(name, any, interleaves) \
+    static inline __attribute__((noinline)) void name( \
+        __global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_rows origins, \
+        mcv_rows directions, const uint *numbers, uint count, mcv_hits hits) { \
+        if (mcv_is_flat(nodes)) { \
+            mcv_trace_flat(nodes, leaves, origins, directions, numbers, count, any, hits); \
+            return; \
+        } \
+        for (uint first = 0; first < count; first += MCV_PACKET) \
+            mcv_trace_packet(nodes, leaves, origins, directions, numbers + first, \
+                             min(count - first, (uint)MCV_PACKET), any, interleaves, hits); \
+    }
+MCV_TRACE_PACKETS(mcv_intersect_closest_packets, 0, 0)
+MCV_TRACE_PACKETS(mcv_intersect_any_packets, 1, 0)
+MCV_TRACE_PACKETS(mcv_intersect_closest_interleaved, 0, 1)
+MCV_TRACE_PACKETS(mcv_intersect_any_interleaved, 1, 1)
+
+#endif
