@@ -17,6 +17,7 @@
 #include "convergence.h"
 #include "harness.h"
 #include "io/figure.h"
+#include "loader/load.h"
 
 #include <ctype.h>
 #include <stdarg.h>

@@ -17,6 +17,7 @@
 #include "drive.h"
 #include "device/features.h"
 #include "harness.h"
+#include "loader/load.h"
 
 static const char first_sample_scene[] = "report-clean.glb";
 

@@ -4,7 +4,7 @@
 #define MCVISI_HOST_CLI_CAMERA_H
 
 #include "analysis/read_out.h"
-#include "cli/options.h"
+#include "cli/command.h"
 
 #include <limits.h>
 

@@ -3,7 +3,7 @@
 #include "check/findings.h"
 #include "device/features.h"
 #include "check/growth.h"
-#include "cli/options.h"
+#include "cli/command.h"
 #include "cli/report.h"
 #include "scene/sensor_find.h"
 #include "core/output_file.h"
@@ -15,6 +15,7 @@
 #include "scene/mesh.h"
 #include "scene/params.h"
 #include "scene/sensors.h"
+#include "loader/load.h"
 
 #include <math.h>
 #include <stdio.h>

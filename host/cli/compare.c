@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi compare: whether two renders of the same picture differ by more than their noise. */
 #include "analysis/compare.h"
-#include "cli/options.h"
+#include "cli/command.h"
 #include "cli/picture.h"
 #include "cli/report.h"
 #include "scene/sensor_find.h"
@@ -10,6 +10,7 @@
 #include "core/output_file.h"
 #include "report/progress.h"
 #include "reference/reference.h"
+#include "loader/load.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 /* mcvisi lightfield: sub-aperture views and the Earth Mover's gradient of a light field image. */
 #include "analysis/contrast.h"
 #include "analysis/lightfield_file.h"
-#include "cli/options.h"
+#include "cli/command.h"
 #include "core/basics.h"
 #include "cli/report.h"
 #include "io/figure.h"

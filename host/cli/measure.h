@@ -4,7 +4,7 @@
 #define MCVISI_HOST_CLI_MEASURE_H
 
 #include "analysis/found.h"
-#include "cli/options.h"
+#include "cli/command.h"
 
 /* The image, and what is known of it. */
 typedef struct mcv_subject {

@@ -4,7 +4,7 @@
 #ifndef MCVISI_HOST_CLI_PICTURE_H
 #define MCVISI_HOST_CLI_PICTURE_H
 
-#include "cli/options.h"
+#include "cli/command.h"
 #include "io/picture_header.h"
 #include "io/png.h"
 #include "render/render.h"

@@ -4,7 +4,7 @@
 #define MCVISI_HOST_CLI_PLACES_H
 
 #include "analysis/places.h"
-#include "cli/options.h"
+#include "cli/command.h"
 
 /* The places of the options, as given. Texts are the command's. */
 mcv_places mcv_places_of(const mcv_command *command);

@@ -3,13 +3,14 @@
 #include "check/findings.h"
 #include "cli/camera.h"
 #include "cli/interrupt.h"
-#include "cli/options.h"
+#include "cli/command.h"
 #include "cli/picture.h"
 #include "scene/sensor_find.h"
 #include "core/basics.h"
 #include "report/progress.h"
 #include "report/summary.h"
 #include "reference/reference.h"
+#include "loader/load.h"
 
 #include <math.h>
 #include <stdio.h>

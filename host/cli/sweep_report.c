@@ -70,7 +70,7 @@ mcv_result mcv_sweep_report(const mcv_sweep *s, bool json, double spent, mcv_err
     json_object_set_new(document, "seconds", json_real(spent));
     json_object_set_new(document, "stage_seconds", json_real(s->stage_seconds));
     json_object_set_new(document, "assets_read",
-                        json_integer((json_int_t)mcv_kept_assets_read(s->assets)));
+                        json_integer((json_int_t)mcv_asset_cache_reads(s->assets)));
     json_object_set_new(document, "structures_built", json_integer((json_int_t)s->built));
     json_object_set_new(document, "programs_built", json_integer((json_int_t)s->compiled));
     json_object_set_new(document, "metrics", extremes);

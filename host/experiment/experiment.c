@@ -19,7 +19,7 @@ static mcv_result check_rig(mcv_sweep *s, mcv_error *error) {
     const mcv_experiment *e = s->experiment;
     mcv_scene *scene;
     uint32_t sensor;
-    MCV_TRY(mcv_scene_load_again(e->rig, e->set, s->assets, &scene, error));
+    MCV_TRY(mcv_scene_load_cached(e->rig, e->set, s->assets, &scene, error));
     snprintf(s->fingerprint, sizeof s->fingerprint, "%016" PRIx64, scene->fingerprint);
     for (uint32_t i = 0; i < scene->warning_count && e->calls.warning; ++i)
         e->calls.warning(e->calls.user, scene->warnings[i]);
@@ -74,7 +74,7 @@ mcv_result mcv_experiment_plan(const mcv_experiment *e, mcv_sweep *s, mcv_error 
     MCV_TRY(mcv_plan_sets(&e->variation, &s->plan, error));
     s->done = calloc(s->plan.set_count, sizeof *s->done);
     s->renderer = mcv_renderer_new();
-    s->assets = mcv_kept_assets_new();
+    s->assets = mcv_asset_cache_new();
     if (!s->done || !s->renderer || !s->assets)
         return mcv_fail(error, MCV_FAILED, "no memory for %zu sets", s->plan.set_count);
     MCV_TRY(plan_files(s, error));
@@ -128,7 +128,7 @@ void mcv_experiment_free(mcv_sweep *s) {
     mcv_table_free(&s->table);
     mcv_plan_free(&s->plan);
     mcv_renderer_free(s->renderer);
-    mcv_kept_assets_free(s->assets);
+    mcv_asset_cache_free(s->assets);
     free(s->done);
     *s = (mcv_sweep){.table = {.descriptor = -1}};
 }

@@ -4,6 +4,7 @@
 #define MCVISI_TESTS_SCENE_FILES_H
 
 #include "scene/scene.h"
+#include "loader/load.h"
 
 #include <stdarg.h>
 #include <stdio.h>

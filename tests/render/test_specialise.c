@@ -21,6 +21,7 @@
 #include "device/features.h"
 #include "device/pack.h"
 #include "render/render.h"
+#include "loader/load.h"
 
 #define BIT(NAME) (1u << MCV_FEATURE_##NAME)
 

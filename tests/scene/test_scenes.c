@@ -14,6 +14,7 @@
 #include <stdlib.h>
 
 #include "scene/scene.h"
+#include "loader/load.h"
 
 #define PI 3.14159265358979323846
 
