@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The verbs and options of the program, each listed once. Parsing (cli/command.h), help, messages and
- * JSON schemas follow from the lists. */
+/* The verbs and options of the program, each listed once. Parsing (cli/command.h), help, messages
+ * and JSON schemas follow from the lists. */
 #ifndef MCVISI_HOST_CLI_OPTIONS_H
 #define MCVISI_HOST_CLI_OPTIONS_H
 

@@ -19,8 +19,8 @@ mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene *
 
 /*
  * For scenes that are loaded many times. The cache holds the files of MCVISI_assets as they were
- * parsed. A file is read again only if it has changed since (by inode, size and times). A scene does
- * not depend on the cache. mcv_asset_cache_reads: how many assets had to be read so far.
+ * parsed. A file is read again only if it has changed since (by inode, size and times). A scene
+ * does not depend on the cache. mcv_asset_cache_reads: how many assets had to be read so far.
  */
 typedef struct mcv_asset_cache mcv_asset_cache;
 mcv_asset_cache *mcv_asset_cache_new(void); /* NULL without memory */
