@@ -281,7 +281,7 @@ static void take_figure(const mcv_found *found, const double pixel[2], const cha
 #define MCV_X(member, name) \
     if (is_figure(figure, name, of->member, scale, quantity)) return;
     if (found->form == MCV_FORM_EDGE) {
-        const mcv_edge *of = straight;
+        const mcv_edge *of = &found->as.edge;
         const double scale = across;
         MCV_EDGE_METRICS(MCV_X)
     } else if (found->form == MCV_FORM_LINE) {

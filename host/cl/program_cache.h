@@ -14,8 +14,8 @@ enum { MCV_MAX_BUILD_OPTIONS = 2048 };
 /* The device's context, which the caller releases; NULL with a code where there is none. */
 cl_context mcv_cached_context(cl_device_id device, cl_int *code);
 
-/* The program of this text and these options, which the caller releases; NULL where there is none.
- * `source` lives as long as the process. */
+/* The program of this text and these options, which the caller releases; NULL where it is not
+ * there. `source` lives as long as the process. */
 cl_program mcv_cached_program(cl_context context, const char *source, const char *options);
 void mcv_keep_program(cl_context context, const char *source, const char *options,
                       cl_program program);

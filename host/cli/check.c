@@ -269,7 +269,7 @@ static void report_work(mcv_report *report, const mcv_packed *packed,
 #undef MCV_X
     };
     static const char *const reasons[] = {
-#define MCV_X(NAME, word, why) why,
+#define MCV_X(NAME, word, why) (why), /* a text of several pieces, no missing comma */
         MCV_FEATURES(MCV_X)
 #undef MCV_X
     };

@@ -6,6 +6,7 @@
 #include "cli/measure.h"
 #include "io/exr.h"
 #include "io/values.h"
+#include "loader/load.h"
 #include "scene/sensor_find.h"
 #include "scene/sensors.h"
 #include "loader/load.h"

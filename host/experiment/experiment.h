@@ -18,6 +18,7 @@
 #include "experiment/measure.h"
 #include "experiment/plan.h"
 #include "experiment/table.h"
+#include "loader/load.h"
 #include "render/render.h"
 #include "loader/load.h"
 

@@ -114,7 +114,7 @@ mcv_result mcv_plan_set(const mcv_plan *plan, size_t set, double *numbers, bool 
 mcv_result mcv_plan_sets(const mcv_variation *variation, mcv_plan *plan, mcv_error *error) {
     mcv_levels levels[MCV_DESIGN_PARAMETERS];
     double numbers[MCV_DESIGN_PARAMETERS];
-    bool wanted;
+    bool wanted = false;
     for (size_t i = 0; i < plan->varied; ++i) levels[i] = plan->parameters[i].levels;
     MCV_TRY(mcv_design_make(variation->design, levels, plan->varied, variation->points,
                             variation->seed, &plan->sets, &plan->set_count, error));

@@ -16,7 +16,10 @@ mcv_result mcv_load_set(const mcv_sweep *s, const double *numbers, mcv_set_texts
     const mcv_overrides given = s->experiment->set;
     const mcv_plan *plan = &s->plan;
     const char **items = malloc((given.count + plan->count + 1) * sizeof *items);
-    if (!items) return mcv_fail(error, MCV_FAILED, "no memory for a set of parameters");
+    if (!items) {
+        mcv_fail(error, MCV_FAILED, "no memory for a set of parameters");
+        return MCV_FAILED;
+    }
     if (given.count) memcpy(items, given.items, given.count * sizeof *items);
     for (size_t i = 0; i < plan->count; ++i) {
         const mcv_parameter *p = plan->parameters + i;
@@ -25,7 +28,7 @@ mcv_result mcv_load_set(const mcv_sweep *s, const double *numbers, mcv_set_texts
     }
     const mcv_result result =
         mcv_scene_load_cached(s->experiment->rig, (mcv_overrides){items, given.count + plan->count},
-                              s->assets, scene, error);
+                             s->assets, scene, error);
     free(items);
     return result;
 }
@@ -113,7 +116,7 @@ static mcv_result measure(const mcv_sweep *s, const set_at_work *w, size_t set,
 static mcv_result try_set(mcv_sweep *s, size_t set, double *row, mcv_error *error) {
     mcv_set_texts texts;
     mcv_film film = {0};
-    mcv_scene *scene;
+    mcv_scene *scene = NULL;
     set_at_work w = {.sweep = s};
     MCV_TRY(mcv_load_set(s, row, texts, &scene, error));
     w.scene = scene;

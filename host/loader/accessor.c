@@ -194,8 +194,8 @@ static double component(const uint8_t *p, uint32_t type) {
 static float scaled(double value, const mcv_accessor *accessor) {
     static const double largest[] = {127, 255, 32767, 65535};
     if (!accessor->normalized) return (float)value;
-    // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): validation lets only
-    // integers be normalized
+    /* Validation lets only integers be normalized. */
+    // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult)
     return (float)fmax(value / largest[accessor->component_type - MCV_GLTF_BYTE], -1);
 }
 

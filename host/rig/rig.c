@@ -38,9 +38,10 @@ static mcv_result read_view(const char *text, double direction[3], mcv_error *er
     for (int i = 0; i < 3; ++i) direction[i] = word / 2 == i && word >= 0 ? (word % 2 ? -1 : 1) : 0;
     if (word >= 0) return MCV_OK;
     const bool numbers = text[strspn(text, "0123456789.eE+-,")] == '\0';
-    // NOLINTNEXTLINE(cert-err34-c): digits only, and what is out of range is not finite
-    if (numbers &&
-        sscanf(text, "%lf,%lf,%lf%c", direction, direction + 1, direction + 2, &end) == 3) {
+    const int count =
+        // NOLINTNEXTLINE(cert-err34-c): digits only, and what is out of range is not finite
+        numbers ? sscanf(text, "%lf,%lf,%lf%c", direction, direction + 1, direction + 2, &end) : 0;
+    if (count == 3) {
         const double length = hypot(hypot(direction[0], direction[1]), direction[2]);
         for (int i = 0; i < 3; ++i) direction[i] /= length;
         if (isfinite(length) && length > 0) return MCV_OK;

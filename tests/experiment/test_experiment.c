@@ -203,6 +203,7 @@ static void test_failing_set(void **state) {
         assert_non_null(strstr(sweep.table.messages[2], "imageDistance"));
         mcv_experiment_free(&sweep);
     }
+    assert_int_equal(system("grep -q '\"no, \"\"not\"\" this one\"$' t.csv"), 0);
     assert_int_equal(renders, 2); /* the third scene is none; nothing is done again */
     assert_int_equal(t.rows, 3);
 }
@@ -237,6 +238,8 @@ static void test_interrupted(void **state) {
                     fabs(row[2] * 4 * sqrt(PIXELS) - 1) <= (i < 2 ? 5e-10 : 1e-14));
     }
     mcv_experiment_free(&sweep);
+    /* What a crash had left of a row is gone: five lines of eight fields. */
+    assert_int_equal(system("test $(wc -l <t.csv) -eq 5 && awk -F, 'NF != 8 {exit 1}' t.csv"), 0);
     assert_int_equal(system("printf ' ' >>s.gltf"), 0);
     run_fails(&e, MCV_BAD_INPUT, "has changed since t.csv was begun");
     json_decref(e.settings);

@@ -4,11 +4,7 @@
  * element's header replaced by an empty file they are the same text. To see that the comparison
  * sees, a used header is emptied too: the text changes.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <ctype.h>
 #include <dirent.h>

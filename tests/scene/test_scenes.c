@@ -4,11 +4,7 @@
  * normals, the panel and the camera where the report's experiment has them, the CAD part in the
  * frame of its camera.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <stdio.h>
 #include <stdlib.h>

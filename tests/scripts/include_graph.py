@@ -32,7 +32,6 @@ LONG_FILES = {
     # host
     "host/cl/cl.c": TO_SPLIT,
     "host/cli/check.c": TO_SPLIT,
-    "host/device/multiple.c": TO_SPLIT,
     "host/reference/gloss.c": TO_SPLIT,
     # kernels
     "kernels/bsdf/bsdf.h": TO_SPLIT,
@@ -49,8 +48,6 @@ LONG_FILES = {
 RULERS = "comments that divide it, to be joined to one line each when it is split"
 WIDE_FILES = {
     "host/lens/glass_codes.c": "a table: one glass in each line",
-    "host/device/multiple.c": RULERS,
-    "host/loader/accessor.c": RULERS,
     "host/reference/gloss.c": RULERS,
     "kernels/geometry/precise.h": RULERS,
     "kernels/geometry/solids.h": RULERS,
