@@ -31,7 +31,6 @@ TO_SPLIT = "to be split"
 LONG_FILES = {
     # host
     "host/cl/cl.c": TO_SPLIT,
-    "host/cli/check.c": TO_SPLIT,
     "host/reference/gloss.c": TO_SPLIT,
     # kernels
     "kernels/bsdf/bsdf.h": TO_SPLIT,
