@@ -3,6 +3,8 @@
 #ifndef MCVISI_KERNELS_SHADOW_ROWS_H
 #define MCVISI_KERNELS_SHADOW_ROWS_H
 
+#include "schedule/tile.h"
+
 #include "schedule/intersect_rows.h"
 #include "stage/intersect_shadow.h"
 

@@ -4,6 +4,8 @@
 #ifndef MCVISI_KERNELS_SORT_PATHS_H
 #define MCVISI_KERNELS_SORT_PATHS_H
 
+#include "schedule/tile.h"
+
 #include "schedule/compact.h"
 #include "schedule/ranges.h"
 #include "schedule/vectorize.h"

@@ -6,13 +6,13 @@
 #ifndef MCVISI_KERNELS_TERMINATE_PATHS_H
 #define MCVISI_KERNELS_TERMINATE_PATHS_H
 
+#include "schedule/tile.h"
+
 #include "schedule/compact.h"
 #include "schedule/ranges.h"
 #include "schedule/value_rows.h"
 #include "stage/shade_hit.h"
-#if MCV_WITH_NEXT_EVENT
 #include "stage/sample_emitters.h"
-#endif
 
 /* Of the paths of a kind the rows first … last - 1, side by side in `apart`; returns how many paths
  * there are. */

@@ -7,18 +7,16 @@
 #ifndef MCVISI_KERNELS_SHADE_HIT_H
 #define MCVISI_KERNELS_SHADE_HIT_H
 
+#include "light/emission.h"
 #include "light/environment.h"
 #include "path/identity.h"
-#if MCV_WITH_LIGHT_TRACING
+#include "path/sensor_ray.h"
 #include "light/light_path.h"
-#endif
 #include "geometry/interaction.h"
 #include "light/selection.h"
 #include "stage/roulette.h"
 #include "bsdf/shading.h"
-#if MCV_WITH_MIXED
 #include "geometry/precise.h"
-#endif
 
 /*
  * How much oftener than by its chance the less likely way on is followed. Nothing much comes by it
