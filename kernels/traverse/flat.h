@@ -42,9 +42,10 @@ MCV_LOOP_FUNCTION void mcv_store_some(const mcv_lanes *rays, const uint *numbers
     } while (changed);
 }
 
-MCV_LOOP_FUNCTION void mcv_trace_flat(__global const mcv_node *root, __global const mcv_leaf *leaves,
-                                      mcv_rows origins, mcv_rows directions, const uint *numbers,
-                                      uint count, int any, mcv_hits hits) {
+MCV_LOOP_FUNCTION void mcv_trace_flat(__global const mcv_node *root,
+                                      __global const mcv_leaf *leaves, mcv_rows origins,
+                                      mcv_rows directions, const uint *numbers, uint count, int any,
+                                      mcv_hits hits) {
     for (uint first = 0; first < count; first += MCV_LANES) {
         const uint *own = numbers + first;
         uint filled[MCV_LANES]; /* the last ray in place of those that are missing */
@@ -65,8 +66,8 @@ MCV_LOOP_FUNCTION void mcv_trace_flat(__global const mcv_node *root, __global co
         uint changed = 0;
         for (uint child = 0; child < MCV_BVH_WIDTH; ++child)
             if (root->child[child] != MCV_NONE)
-                changed |= mcv_lanes_hit_leaf(leaves + (root->child[child] & ~MCV_CHILD_LEAF), any,
-                                              &rays);
+                changed |=
+                    mcv_lanes_hit_leaf(leaves + (root->child[child] & ~MCV_CHILD_LEAF), any, &rays);
         if (!changed) continue;
         if (neighbours)
             mcv_store_neighbours(&rays, before, own[0], any, hits);
