@@ -426,7 +426,7 @@ MCV_BATCH uint mcv_shade_light_hits(mcv_world world, mcv_slot slot, const uint *
 /* The light paths of the launch's paths first … last - 1. */
 MCV_BATCH void mcv_trace_light_slices(mcv_world world, uint first, uint last, __global uint *splats,
                                       uint counts[MCV_COUNTER_COUNT]) {
-    uint paths[MCV_PATH_WORDS * MCV_ROW];
+    MCV_ALIGNED uint paths[MCV_PATH_WORDS * MCV_ROW];
     uint class_end[MCV_CLASS_COUNT], connected[MCV_SLOTS], gloss;
     mcv_slot slot;
     slot.base = paths;

@@ -85,7 +85,7 @@ MCV_BATCH void mcv_render_slice(mcv_world world, uint slice, __global float *sum
                                 __global uint *counters, __global uint *clocks) {
     const uint first = slice * MCV_SLICE,
                count = min((uint)MCV_SLICE, world.frame->path_count - first);
-    uint paths[MCV_PATH_WORDS * MCV_ROW];
+    MCV_ALIGNED uint paths[MCV_PATH_WORDS * MCV_ROW];
     float values[MCV_CHANNELS * MCV_SLOTS];
     uint classes[MCV_ROW], class_end[MCV_CLASS_COUNT], fate[MCV_ROW], gloss;
     uint counts[MCV_COUNTER_COUNT] = {0};
