@@ -163,6 +163,7 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
                                                __global const float *tables, mcv_color more,
                                                mcv_vec3 o, mcv_vec3 i, int far) {
     mcv_color multiple;
+    (void)far;
 #if MCV_WITH_DIELECTRIC
     if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
         const uint words = gloss->inside + (far ? 2u : 0u) + 2u + 2u * MCV_ALBEDO_COSINES;

@@ -4,8 +4,10 @@
 #ifndef MCVISI_KERNELS_RETROREFLECTOR_H
 #define MCVISI_KERNELS_RETROREFLECTOR_H
 
-#include "world.h"
+#include "bsdf/scattering.h"
+#include "path/sampler.h"
 
+#if MCV_WITH_RETROREFLECTOR
 /* Seen from o. */
 typedef struct mcv_retroreflection {
     float cosine;     /* of o; 0: the surface is seen edge-on and black */
@@ -56,5 +58,46 @@ static mcv_vec3 mcv_retroreflector_choose(__global const mcv_device_material *m,
     if (returns) return mcv_retroreflector_sample(m->spread, o, xi, eta);
     return mcv_normalize(mcv_from_frame(mcv_sample_cosine(xi, eta), n));
 }
+
+/* The direction is unit. Where the interpolated normal and the face disagree on its side nothing
+ * comes. */
+MCV_FUNCTION mcv_response mcv_respond_retroreflector(mcv_world world, mcv_interaction interaction,
+                                                     uint material, uint media,
+                                                     mcv_vec3 direction) {
+    mcv_response response =
+        mcv_retroreflector_respond(world.materials + material, interaction.normal,
+                                   mcv_scale(interaction.direction, -1.0f), direction);
+    if (!(mcv_dot(direction, interaction.face) > 0.0f)) {
+        response.value = mcv_grey(0.0f);
+        response.density = 0.0f;
+    }
+    response.media = media;
+    return response;
+}
+
+MCV_FUNCTION mcv_scattering mcv_scatter_retroreflector(mcv_world world, mcv_interaction interaction,
+                                                       uint material, uint media, mcv_pair pair,
+                                                       float choice) {
+    __global const mcv_device_material *from = world.materials + material;
+    const mcv_vec3 o = mcv_scale(interaction.direction, -1.0f);
+    const mcv_retroreflection back = mcv_retroreflection_at(from, interaction.normal, o);
+    const int returns = back.chance > 0.0f && choice >= 1.0f - back.chance;
+    mcv_scattering scattering = mcv_scatter_into(o, media, MCV_EVENT_END);
+    if (returns && from->spread == 0.0f) {
+        MCV_EACH_CHANNEL(i) scattering.factor.c[i] = from->value[i] * back.efficiency / back.chance;
+        scattering.chance = back.chance;
+        scattering.event = MCV_EVENT_REFLECT;
+        return scattering;
+    }
+    scattering.direction =
+        mcv_retroreflector_choose(from, interaction.normal, o, pair.x, pair.y, returns);
+    const mcv_response response =
+        mcv_respond_retroreflector(world, interaction, material, media, scattering.direction);
+    scattering.factor =
+        response.density > 0.0f ? mcv_dim(response.value, 1.0f / response.density) : mcv_grey(0.0f);
+    scattering.density = response.density;
+    return scattering;
+}
+#endif
 
 #endif

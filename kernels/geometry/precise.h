@@ -16,6 +16,7 @@
 #include "geometry/double.h"
 #include "bsdf/bsdf.h"
 
+#if MCV_WITH_MIXED
 /* Where a ray meets a surface. */
 typedef struct mcv_precise_interaction {
     mcv_dvec point, face, normal; /* [m]; unit, on the ray's side */
@@ -253,5 +254,6 @@ static mcv_onward mcv_go_on_precisely(mcv_world world, const mcv_interaction *in
     if (onward.precise) on->direction = rounded;
     return onward;
 }
+#endif
 
 #endif

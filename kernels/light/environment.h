@@ -5,6 +5,7 @@
 
 #include "light/discrete.h"
 #include "geometry/surface.h"
+#include "path/media.h"
 
 #if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
 /* A pixel of the environment's image. */

@@ -4,7 +4,7 @@
 #define MCVISI_KERNELS_LIGHT_H
 
 #include "mcvisi/light_cone.h"
-#include "geometry/surface.h"
+#include "light/emission.h"
 
 #if MCV_WITH_EMISSION
 /* What an emitter's surface shines into, or more. */

@@ -3,6 +3,8 @@
 #ifndef MCVISI_KERNELS_BEGIN_PATHS_H
 #define MCVISI_KERNELS_BEGIN_PATHS_H
 
+#include "schedule/tile.h"
+
 #include "schedule/sort_paths.h"
 #include "stage/generate_rays.h"
 

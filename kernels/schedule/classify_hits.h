@@ -3,6 +3,8 @@
 #ifndef MCVISI_KERNELS_CLASSIFY_HITS_H
 #define MCVISI_KERNELS_CLASSIFY_HITS_H
 
+#include "schedule/tile.h"
+
 #include "schedule/compact.h"
 #include "schedule/ranges.h"
 #include "schedule/vectorize.h"

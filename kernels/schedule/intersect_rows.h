@@ -4,6 +4,8 @@
 #ifndef MCVISI_KERNELS_INTERSECT_ROWS_H
 #define MCVISI_KERNELS_INTERSECT_ROWS_H
 
+#include "schedule/tile.h"
+
 #include "schedule/solid_rows.h"
 #include "stage/intersect_closest.h"
 #include "traverse/policy.h"

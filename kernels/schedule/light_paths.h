@@ -8,12 +8,15 @@
 #ifndef MCVISI_KERNELS_LIGHT_SLICES_H
 #define MCVISI_KERNELS_LIGHT_SLICES_H
 
+#include "schedule/tile.h"
+
 #include "schedule/classify_hits.h"
 #include "schedule/shadow_rows.h"
 #include "schedule/sort_paths.h"
 #include "schedule/surface_rows.h"
 #include "stage/trace_light_path.h"
 
+#if MCV_WITH_LIGHT_TRACING
 /* Where beams come to the lens by themselves, colours part or surfaces touch, light paths go one by
  * one. */
 #define MCV_LIGHT_TOGETHER \
@@ -423,7 +426,7 @@ MCV_BATCH uint mcv_shade_light_hits(mcv_world world, mcv_slot slot, const uint *
 /* The light paths of the launch's paths first … last - 1. */
 MCV_BATCH void mcv_trace_light_slices(mcv_world world, uint first, uint last, __global uint *splats,
                                       uint counts[MCV_COUNTER_COUNT]) {
-    uint paths[MCV_PATH_WORDS * MCV_ROW];
+    MCV_ALIGNED uint paths[MCV_PATH_WORDS * MCV_ROW];
     uint class_end[MCV_CLASS_COUNT], connected[MCV_SLOTS], gloss;
     mcv_slot slot;
     slot.base = paths;
@@ -464,6 +467,7 @@ MCV_BATCH void mcv_trace_light_slices(mcv_world world, uint first, uint last, __
                                       uint counts[MCV_COUNTER_COUNT]) {
     for (; first < last; ++first) mcv_trace_light_path(world, first, splats, counts);
 }
+#endif
 #endif
 
 #endif

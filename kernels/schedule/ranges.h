@@ -19,6 +19,8 @@
 #ifndef MCVISI_KERNELS_RANGES_H
 #define MCVISI_KERNELS_RANGES_H
 
+#include "schedule/tile.h"
+
 #include "bsdf/shading.h"
 
 /*

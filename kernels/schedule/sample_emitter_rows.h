@@ -7,12 +7,15 @@
 #ifndef MCVISI_KERNELS_LOOK_FOR_EMITTERS_H
 #define MCVISI_KERNELS_LOOK_FOR_EMITTERS_H
 
+#include "schedule/tile.h"
+
 #include "schedule/compact.h"
 #include "schedule/ranges.h"
 #include "schedule/surface_rows.h"
 #include "schedule/vectorize.h"
 #include "stage/sample_emitters.h"
 
+#if MCV_WITH_NEXT_EVENT
 /* Of so many emitters each has some four paths of a slice that look for it; of more, too few to be
  * worked out together. */
 #define MCV_MOST_SORTED (MCV_SLICE / 4u)
@@ -490,5 +493,6 @@ MCV_BATCH uint mcv_sample_emitters(mcv_world world, mcv_slot slot, const uint *c
     }
     return shadow_count;
 }
+#endif
 
 #endif

@@ -4,6 +4,8 @@
 #ifndef MCVISI_KERNELS_SHADE_ROWS_H
 #define MCVISI_KERNELS_SHADE_ROWS_H
 
+#include "schedule/tile.h"
+
 #include "schedule/sort_paths.h"
 #include "schedule/surface_rows.h"
 #include "stage/shade_hit.h"

@@ -3,6 +3,8 @@
 #ifndef MCVISI_KERNELS_SHADOW_ROWS_H
 #define MCVISI_KERNELS_SHADOW_ROWS_H
 
+#include "schedule/tile.h"
+
 #include "schedule/intersect_rows.h"
 #include "stage/intersect_shadow.h"
 
@@ -14,7 +16,7 @@
  */
 MCV_BATCH void mcv_shadows_past_solids(mcv_world world, const uint *paths, uint first, uint last,
                                        int any, mcv_hits hits) {
-    uint rows[8 * MCV_ROW];
+    MCV_ALIGNED uint rows[8 * MCV_ROW];
     float lengths[MCV_ROW];
     const uint count = last - first;
     const mcv_hits exact = mcv_hits_in(rows + 4 * MCV_ROW, MCV_ROW);
@@ -76,7 +78,7 @@ MCV_BATCH void mcv_add_shadow_lights(mcv_world world, uint *paths, uint first, u
 static void mcv_intersect_shadows(mcv_world world, uint *paths, const uint *listed, uint count) {
     const mcv_rows origins = MCV_ROWS(paths, shadow_origin),
                    directions = MCV_ROWS(paths, shadow_direction);
-    uint rows[4 * MCV_ROW];
+    MCV_ALIGNED uint rows[4 * MCV_ROW];
     const mcv_hits hits = mcv_hits_in(rows, MCV_ROW);
     for (int any = !MCV_WITH_TARGETS; any < 2; ++any) {
         const uint *chosen = listed;

@@ -7,6 +7,8 @@
 #ifndef MCVISI_KERNELS_FEW_TRIANGLES_H
 #define MCVISI_KERNELS_FEW_TRIANGLES_H
 
+#include "schedule/tile.h"
+
 #include "schedule/compact.h"
 #include "geometry/interaction.h"
 #include "schedule/vectorize.h"

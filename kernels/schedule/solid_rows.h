@@ -4,6 +4,8 @@
 #ifndef MCVISI_KERNELS_SOLID_ROWS_H
 #define MCVISI_KERNELS_SOLID_ROWS_H
 
+#include "schedule/tile.h"
+
 #include "schedule/compact.h"
 #include "schedule/vectorize.h"
 #include "traverse/closest.h"

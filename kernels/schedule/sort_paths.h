@@ -4,6 +4,8 @@
 #ifndef MCVISI_KERNELS_SORT_PATHS_H
 #define MCVISI_KERNELS_SORT_PATHS_H
 
+#include "schedule/tile.h"
+
 #include "schedule/compact.h"
 #include "schedule/ranges.h"
 #include "schedule/vectorize.h"
@@ -14,6 +16,7 @@ MCV_BATCH void mcv_move_rows(uint *paths, uint words, const uint *from, const ui
     uint moving[MCV_SLOTS];
     for (uint word = 0; moves > 0 && word < words; ++word) {
         uint *row = paths + word * MCV_ROW;
+        MCV_VECTORIZE
         for (uint k = 0; k < moves; ++k) moving[k] = row[from[k]];
         for (uint k = 0; k < moves; ++k) row[to[k]] = moving[k];
     }

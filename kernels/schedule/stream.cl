@@ -10,20 +10,14 @@
  * paths at depth d; after the frame's depth + 1 of them, shadow rays at each depth.
  */
 #include "world.h"
-#if MCV_WITH_AIM
 #include "stage/guide_pupil.h"
-#endif
 #include "stage/generate_rays.h"
 #include "stage/intersect_closest.h"
-#if MCV_WITH_NEXT_EVENT
 #include "stage/sample_emitters.h"
 #include "stage/intersect_shadow.h"
-#endif
 #include "stage/shade_hit.h"
 #include "stage/accumulate_film.h"
-#if MCV_WITH_LIGHT_TRACING
 #include "stage/trace_light_path.h"
-#endif
 
 #define MCV_STREAM_GROUP 64
 #define MCV_STAGE_KERNEL(stage) \

@@ -5,6 +5,8 @@
 #ifndef MCVISI_KERNELS_SURFACE_ROWS_H
 #define MCVISI_KERNELS_SURFACE_ROWS_H
 
+#include "schedule/tile.h"
+
 #include "geometry/interaction.h"
 #include "path/identity.h"
 #include "schedule/ranges.h"

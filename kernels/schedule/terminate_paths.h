@@ -6,13 +6,13 @@
 #ifndef MCVISI_KERNELS_TERMINATE_PATHS_H
 #define MCVISI_KERNELS_TERMINATE_PATHS_H
 
+#include "schedule/tile.h"
+
 #include "schedule/compact.h"
 #include "schedule/ranges.h"
 #include "schedule/value_rows.h"
 #include "stage/shade_hit.h"
-#if MCV_WITH_NEXT_EVENT
 #include "stage/sample_emitters.h"
-#endif
 
 /* Of the paths of a kind the rows first … last - 1, side by side in `apart`; returns how many paths
  * there are. */
@@ -153,7 +153,8 @@ MCV_BATCH uint mcv_terminate_at_lamp(mcv_world world, uint *apart, uint count, u
  * of nothing, too. Returns how many values are not finite. */
 MCV_BATCH uint mcv_terminate_early(mcv_world world, uint *paths, uint *classes, uint count,
                                    uint depth, float *values) {
-    uint apart[(MCV_PATH_hit + 4) * MCV_ROW], flags[MCV_SLOTS], ended[MCV_SLOTS], black = 0;
+    MCV_ALIGNED uint apart[(MCV_PATH_hit + 4) * MCV_ROW];
+    uint flags[MCV_SLOTS], ended[MCV_SLOTS], black = 0;
     uint ending = mcv_set_apart(paths, classes, MCV_CLASS_MISS, count, MCV_LEAVES_BEGIN,
                                 MCV_LEAVES_END, apart);
     uint nonfinite = mcv_shade_misses(world, apart, ending, values);

@@ -5,8 +5,7 @@
  * memory sees it. The paths under way lie side by side in the slots 0 … alive - 1, so that a stage
  * is a loop over rows (schedule/vectorize.h). kernels/README.md tells the life of a path.
  */
-#define MCV_TILE 1
-#define MCV_ROWS_SPACE __private
+#include "schedule/tile.h"
 
 #include "world.h"
 #include "schedule/begin_paths.h"
@@ -17,15 +16,9 @@
 #include "schedule/shadow_rows.h"
 #include "schedule/sort_paths.h"
 #include "schedule/terminate_paths.h"
-#if MCV_WITH_NEXT_EVENT
 #include "schedule/sample_emitter_rows.h"
-#endif
-#if MCV_WITH_AIM
 #include "stage/guide_pupil.h"
-#endif
-#if MCV_WITH_LIGHT_TRACING
 #include "schedule/light_paths.h"
-#endif
 
 #define MCV_SLICE_KERNEL __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void
 
@@ -92,7 +85,7 @@ MCV_BATCH void mcv_render_slice(mcv_world world, uint slice, __global float *sum
                                 __global uint *counters, __global uint *clocks) {
     const uint first = slice * MCV_SLICE,
                count = min((uint)MCV_SLICE, world.frame->path_count - first);
-    uint paths[MCV_PATH_WORDS * MCV_ROW];
+    MCV_ALIGNED uint paths[MCV_PATH_WORDS * MCV_ROW];
     float values[MCV_CHANNELS * MCV_SLOTS];
     uint classes[MCV_ROW], class_end[MCV_CLASS_COUNT], fate[MCV_ROW], gloss;
     uint counts[MCV_COUNTER_COUNT] = {0};

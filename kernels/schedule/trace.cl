@@ -8,9 +8,7 @@
 #include "stage/intersect_closest.h"
 #include "path/camera_path.h"
 #include "bsdf/bsdf.h"
-#if MCV_WITH_MIXED
 #include "geometry/precise.h"
-#endif
 
 MCV_FUNCTION void mcv_write_vector(__global float *to, mcv_vec3 v) {
     to[0] = v.x;

@@ -7,6 +7,8 @@
 #ifndef MCVISI_KERNELS_VALUE_ROWS_H
 #define MCVISI_KERNELS_VALUE_ROWS_H
 
+#include "schedule/tile.h"
+
 #include "schedule/vectorize.h"
 #include "stage/accumulate_film.h"
 

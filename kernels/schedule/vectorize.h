@@ -41,6 +41,9 @@
 #define MCV_VECTORIZE_MASKED
 #endif
 
+/* Of rows: no vector of 16 words lies across two cache lines then. */
+#define MCV_ALIGNED __attribute__((aligned(64)))
+
 /* The paths in the slots first … last - 1, one after the other. */
 #if MCV_TILE
 #define MCV_EACH_PATH(slot, paths, first, last) \

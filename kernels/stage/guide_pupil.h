@@ -14,6 +14,7 @@
 #include "bsdf/bsdf.h"
 #include "path/sensor_ray.h"
 
+#if MCV_WITH_AIM
 /* Rays are compared this far apart in the pupil, in its radii: wide against rounding, and facets of
  * a lens; narrow against aberrations. */
 #define MCV_AIM_STEP 0.0625f
@@ -167,5 +168,6 @@ static void mcv_guide_pupil(mcv_world world, uint pixel, __global mcv_device_pup
         if (mcv_aim_from(world, film, i & 1 ? 0.6f : -0.6f, i & 2 ? 0.6f : -0.6f, aim)) return;
     }
 }
+#endif
 
 #endif

@@ -5,6 +5,7 @@
 #define MCVISI_KERNELS_INTERSECT_CLOSEST_H
 
 #include "path/camera_path.h"
+#include "path/media.h"
 #include "traverse/closest.h"
 
 #if MCV_WITH_ABSORPTION

@@ -4,10 +4,10 @@
 #define MCVISI_KERNELS_INTERSECT_SHADOW_H
 
 #include "path/camera_path.h"
+#include "path/media.h"
+#include "traverse/bvh8.h"
 #include "geometry/surface.h"
-#if MCV_WITH_SURFACES
 #include "geometry/solids.h"
-#endif
 
 /* The light of the emitter at the hit arrives, if it is lit; a ray that ends at the emitter's point
  * has no triangle. */

@@ -14,12 +14,14 @@
 #define MCVISI_KERNELS_SAMPLE_EMITTERS_H
 
 #include "light/discrete.h"
+#include "light/emission.h"
 #include "light/environment.h"
 #include "path/identity.h"
 #include "geometry/interaction.h"
 #include "light/selection.h"
 #include "bsdf/shading.h"
 
+#if MCV_WITH_NEXT_EVENT
 /* Where an emitter is looked for from. */
 typedef struct mcv_receiver {
     mcv_vec3 point, error, face;
@@ -520,5 +522,6 @@ MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) 
     MCV_WORD(slot, shadow_target, 0) = shadow.target;
     return mcv_make_shadow_ray(world, slot, &interaction, mcv_any_shading(), shadow);
 }
+#endif
 
 #endif

@@ -10,6 +10,7 @@
 
 #include "path/sensor_ray.h"
 
+#if MCV_WITH_LIGHT_TRACING
 /* cell: of replicate, channel and pixel. 0 if the sum no longer fits. */
 MCV_FUNCTION int mcv_add_splat(__global uint *splats, size_t cell, float units, float xi) {
     if (!(units < 9.0e18f)) return 0;
@@ -41,5 +42,6 @@ static void mcv_splat(mcv_world world, __global uint *splats, uint replicate, mc
             ++counts[MCV_COUNTER_saturated];
     }
 }
+#endif
 
 #endif

@@ -27,6 +27,7 @@
 #include "bsdf/shading.h"
 #include "stage/splat_film.h"
 
+#if MCV_WITH_LIGHT_TRACING
 /* Which light path it is. They are numbered sample by sample: Sobol' points of one replicate, over
  * pixels and samples. */
 typedef struct mcv_light_identity {
@@ -520,5 +521,6 @@ MCV_FUNCTION void mcv_trace_light_path(mcv_world world, uint index, __global uin
     ++counts[MCV_COUNTER_depth_cut];
     counts[MCV_COUNTER_lost] += mcv_lost_light(path.throughput);
 }
+#endif
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One ray through the hierarchy of mcvisi/accel.h. It finds what a loop over all triangles finds, to
- * the last bit (traverse/ray_frame.h). */
+/* One ray through the hierarchy of mcvisi/accel.h. It finds what a loop over all triangles finds,
+ * to the last bit (traverse/ray_frame.h). */
 #ifndef MCVISI_KERNELS_BVH8_H
 #define MCVISI_KERNELS_BVH8_H
 
@@ -36,13 +36,12 @@ static inline float mcv_waiting_entry(ulong waiting) { return as_float((uint)(wa
  * first or, where any hit will do, in the order of the lanes. 0 at the end: there is none that
  * could hold a closer hit, or something is hit and any hit will do.
  */
-MCV_LOOP_FUNCTION int
-mcv_traverse_step(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                  const mcv_ray_frame *ray, int any, mcv_hit *hit, uint *current, uint *count,
-                  ulong *waiting) {
+MCV_LOOP_FUNCTION int mcv_traverse_step(__global const mcv_node *nodes,
+                                        __global const mcv_leaf *leaves, const mcv_ray_frame *ray,
+                                        int any, mcv_hit *hit, uint *current, uint *count,
+                                        ulong *waiting) {
     if (*current & MCV_CHILD_LEAF) {
-        if (mcv_intersect_leaf(leaves + (*current & ~MCV_CHILD_LEAF), ray, hit) && any)
-            return 0;
+        if (mcv_intersect_leaf(leaves + (*current & ~MCV_CHILD_LEAF), ray, hit) && any) return 0;
     } else {
         __global const mcv_node *node = nodes + *current;
         float8 entry;
@@ -131,8 +130,7 @@ mcv_next_hit_ray(__global const mcv_node *nodes, __global const mcv_leaf *leaves
     while (count > 0) {
         const uint current = waiting[--count];
         if (current & MCV_CHILD_LEAF) {
-            mcv_intersect_leaf_after(leaves + (current & ~MCV_CHILD_LEAF), &ray, &after,
-                                     &hit);
+            mcv_intersect_leaf_after(leaves + (current & ~MCV_CHILD_LEAF), &ray, &after, &hit);
             continue;
         }
         float8 entry;

@@ -42,9 +42,20 @@ MCV_LOOP_FUNCTION void mcv_store_some(const mcv_lanes *rays, const uint *numbers
     } while (changed);
 }
 
-MCV_LOOP_FUNCTION void mcv_trace_flat(__global const mcv_node *root, __global const mcv_leaf *leaves,
-                                      mcv_rows origins, mcv_rows directions, const uint *numbers,
-                                      uint count, int any, mcv_hits hits) {
+MCV_LOOP_FUNCTION void mcv_trace_flat(__global const mcv_node *root,
+                                      __global const mcv_leaf *leaves, mcv_rows origins,
+                                      mcv_rows directions, const uint *numbers, uint count, int any,
+                                      mcv_hits hits) {
+    __global const float *corners[MCV_BVH_WIDTH * MCV_LEAF_TRIANGLES];
+    uint triangles[MCV_BVH_WIDTH * MCV_LEAF_TRIANGLES], triangle_count = 0;
+    for (uint child = 0; child < MCV_BVH_WIDTH; ++child) {
+        if (root->child[child] == MCV_NONE) continue;
+        __global const mcv_leaf *leaf = leaves + (root->child[child] & ~MCV_CHILD_LEAF);
+        for (uint lane = 0; lane < MCV_LEAF_TRIANGLES && leaf->triangle[lane] != MCV_NONE; ++lane) {
+            corners[triangle_count] = MCV_CORNERS_OF(leaf, lane);
+            triangles[triangle_count++] = leaf->triangle[lane];
+        }
+    }
     for (uint first = 0; first < count; first += MCV_LANES) {
         const uint *own = numbers + first;
         uint filled[MCV_LANES]; /* the last ray in place of those that are missing */
@@ -63,10 +74,8 @@ MCV_LOOP_FUNCTION void mcv_trace_flat(__global const mcv_node *root, __global co
         rays.triangle = before;
         rays.b = rays.c = rays.det = (mcv_floats)(1.0f);
         uint changed = 0;
-        for (uint child = 0; child < MCV_BVH_WIDTH; ++child)
-            if (root->child[child] != MCV_NONE)
-                changed |= mcv_lanes_hit_leaf(leaves + (root->child[child] & ~MCV_CHILD_LEAF), any,
-                                              &rays);
+        for (uint i = 0; i < triangle_count; ++i)
+            changed |= mcv_lanes_hit(corners[i], triangles[i], any, &rays);
         if (!changed) continue;
         if (neighbours)
             mcv_store_neighbours(&rays, before, own[0], any, hits);

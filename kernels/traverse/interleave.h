@@ -22,41 +22,28 @@ typedef struct mcv_traversal {
     ulong waiting[MCV_BVH_STACK];
 } mcv_traversal;
 
-static inline void mcv_begin_traversal(const mcv_packet *p, mcv_straggler straggler,
-                                       mcv_traversal *t) {
-    t->ray = mcv_packet_ray(p, straggler.ray);
-    t->hit = p->hits[straggler.ray];
-    t->number = straggler.ray;
-    t->current = straggler.child;
-    t->count = 0;
-}
-
-MCV_LOOP_FUNCTION int mcv_step_traversal(__global const mcv_node *nodes,
-                                         __global const mcv_leaf *leaves, int any,
-                                         mcv_traversal *t) {
-    return mcv_traverse_step(nodes, leaves, &t->ray, any, &t->hit, &t->current, &t->count,
-                             t->waiting);
-}
-
 /* One straggler to its end. */
-static inline __attribute__((noinline)) void
-mcv_trace_straggler(__global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_packet *p,
-                    mcv_straggler straggler, int any) {
-    mcv_traversal t;
-    mcv_begin_traversal(p, straggler, &t);
-    while (mcv_step_traversal(nodes, leaves, any, &t)) {}
-    mcv_packet_take(p, t.number, any, t.hit);
+static inline __attribute__((noinline)) void mcv_trace_straggler(__global const mcv_node *nodes,
+                                                                 __global const mcv_leaf *leaves,
+                                                                 mcv_packet *p,
+                                                                 mcv_straggler straggler, int any) {
+    /* No mcv_traversal: with the stack in it, the compiler keeps no part of it in registers. */
+    const mcv_ray_frame ray = mcv_packet_ray(p, straggler.ray);
+    mcv_hit hit = p->hits[straggler.ray];
+    ulong waiting[MCV_BVH_STACK];
+    uint current = straggler.child, count = 0;
+    while (mcv_traverse_step(nodes, leaves, &ray, any, &hit, &current, &count, waiting)) {}
+    mcv_packet_take(p, straggler.ray, any, hit);
 }
 
 /*
- * Several stragglers, a step each in turn: while one waits for memory the others compute. A ray that
- * continues from two children at once does not know at one of them what it has hit at the other
- * until it has arrived.
+ * Several stragglers, a step each in turn: while one waits for memory the others compute. A ray
+ * that continues from two children at once does not know at one of them what it has hit at the
+ * other until it has arrived.
  */
 MCV_LOOP_FUNCTION void mcv_trace_interleaved(__global const mcv_node *nodes,
                                              __global const mcv_leaf *leaves, mcv_packet *p,
-                                             const mcv_straggler *stragglers, uint count,
-                                             int any) {
+                                             const mcv_straggler *stragglers, uint count, int any) {
     mcv_traversal traversals[MCV_INTERLEAVED];
     uint order[MCV_INTERLEAVED]; /* the traversals that are under way first */
     uint next = 0, busy = 0;
@@ -64,7 +51,8 @@ MCV_LOOP_FUNCTION void mcv_trace_interleaved(__global const mcv_node *nodes,
     for (;;) {
         for (uint i = 0; i < busy;) {
             mcv_traversal *t = traversals + order[i];
-            if (mcv_step_traversal(nodes, leaves, any, t)) {
+            if (mcv_traverse_step(nodes, leaves, &t->ray, any, &t->hit, &t->current, &t->count,
+                                  t->waiting)) {
                 mcv_prefetch_child(nodes, leaves, t->current);
                 ++i;
                 continue;
@@ -75,9 +63,16 @@ MCV_LOOP_FUNCTION void mcv_trace_interleaved(__global const mcv_node *nodes,
             order[i] = order[busy];
             order[busy] = done;
         }
-        for (; busy < MCV_INTERLEAVED && next < count; ++next)
-            if (p->t[stragglers[next].ray] >= 0.0f)
-                mcv_begin_traversal(p, stragglers[next], traversals + order[busy++]);
+        for (; busy < MCV_INTERLEAVED && next < count; ++next) {
+            const uint i = stragglers[next].ray;
+            if (p->t[i] < 0.0f) continue;
+            mcv_traversal *t = traversals + order[busy++];
+            t->ray = mcv_packet_ray(p, i);
+            t->hit = p->hits[i];
+            t->number = i;
+            t->current = stragglers[next].child;
+            t->count = 0;
+        }
         if (busy == 0) return;
     }
 }

@@ -57,14 +57,16 @@ MCV_LOOP_FUNCTION void mcv_lanes_setup(mcv_rows origins, mcv_rows directions, co
 #define MCV_AXIS(if_z, if_y, if_x) \
     MCV_MAIN(shear, (mcv_floats)(if_z), (mcv_floats)(if_y), (mcv_floats)(if_x))
 
+/* A triangle of a leaf: its first coordinate. */
+#define MCV_CORNERS_OF(leaf, lane) ((__global const float *)(leaf)->vertex + (lane))
+
 /*
  * One triangle of a leaf against all rays; of a ray that has hit t is -1 where any hit will do.
  * Returns those that have hit, one bit each.
  */
-MCV_LOOP_FUNCTION uint mcv_lanes_hit(__global const mcv_leaf *leaf, uint lane, int any,
+MCV_LOOP_FUNCTION uint mcv_lanes_hit(__global const float *corners, uint number, int any,
                                      mcv_lanes *rays) {
-    __global const float *corners = (__global const float *)leaf->vertex + lane;
-    const mcv_uints triangle = (mcv_uints)(leaf->triangle[lane]);
+    const mcv_uints triangle = (mcv_uints)(number);
     const mcv_lane_shear *shear = &rays->shear;
     mcv_floats x[3], y[3], z[3], t, b, c, det;
     mcv_ints met;
@@ -93,14 +95,6 @@ MCV_LOOP_FUNCTION uint mcv_lanes_hit(__global const mcv_leaf *leaf, uint lane, i
     rays->det = met ? det : rays->det;
     rays->triangle = met ? triangle : rays->triangle;
     return mcv_mask_lanes(met);
-}
-
-/* All triangles of a leaf. */
-MCV_LOOP_FUNCTION uint mcv_lanes_hit_leaf(__global const mcv_leaf *leaf, int any, mcv_lanes *rays) {
-    uint changed = 0;
-    for (uint lane = 0; lane < MCV_LEAF_TRIANGLES && leaf->triangle[lane] != MCV_NONE; ++lane)
-        changed |= mcv_lanes_hit(leaf, lane, any, rays);
-    return changed;
 }
 
 #endif

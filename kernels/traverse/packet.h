@@ -109,7 +109,9 @@ static inline __attribute__((noinline)) void mcv_packet_leaf(__global const mcv_
         rays.t = mcv_load_lanes(t);
         rays.b = rays.c = rays.det = (mcv_floats)(1.0f);
         rays.triangle = mcv_load_lanes(triangles);
-        uint changed = mcv_lanes_hit_leaf(leaf, any, &rays);
+        uint changed = 0;
+        for (uint lane = 0; lane < MCV_LEAF_TRIANGLES && leaf->triangle[lane] != MCV_NONE; ++lane)
+            changed |= mcv_lanes_hit(MCV_CORNERS_OF(leaf, lane), leaf->triangle[lane], any, &rays);
         if (!changed) continue;
         mcv_store_lanes(rays.t, t);
         mcv_store_lanes(rays.b / rays.det, u);

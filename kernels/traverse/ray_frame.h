@@ -33,7 +33,7 @@
         FLOAT inverse[3], near_offset[3], far_offset[3]; \
     } SLABS; \
     typedef struct SHEAR { \
-        INT main_z, main_y; /* whether that is the main axis; else it is x */ \
+        INT main_z, main_y;               /* whether that is the main axis; else it is x */ \
         FLOAT origin[3], slope[2], scale; /* scale: 1 / z */ \
     } SHEAR; \
     MCV_LOOP_FUNCTION void NAME(const FLOAT *o, const FLOAT *d, float extent, SLABS *slabs, \

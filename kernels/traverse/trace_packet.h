@@ -77,8 +77,9 @@ MCV_LOOP_FUNCTION uint mcv_list_entering(mcv_packet_child next, int any, mcv_pac
 }
 
 /* The children of a node wait, the nearest on top, as the ray sees it that enters it first. */
-MCV_LOOP_FUNCTION void mcv_visit_node(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
-                                      mcv_packet_child next, uint listed, mcv_packet_traversal *p) {
+MCV_LOOP_FUNCTION void mcv_visit_node(__global const mcv_node *nodes,
+                                      __global const mcv_leaf *leaves, mcv_packet_child next,
+                                      uint listed, mcv_packet_traversal *p) {
     __global const mcv_node *node = nodes + next.child;
     const uint level = next.level + 1u, bottom = p->depth;
     float8 least = (float8)(INFINITY);

@@ -48,10 +48,9 @@
     static inline INT RISES(FLOAT px, FLOAT py, FLOAT qx, FLOAT qy) { \
         return (py > qy) | ((py == qy) & (px < qx)); \
     } \
-    MCV_LOOP_FUNCTION uint NAME( \
-        const FLOAT *x, const FLOAT *y, const FLOAT *z, FLOAT shear_x, FLOAT shear_y, \
-        FLOAT scale_z, FLOAT t_max, INT *met, FLOAT *t_met, FLOAT *b_met, FLOAT *c_met, \
-        FLOAT *det_met) { \
+    MCV_LOOP_FUNCTION uint NAME(const FLOAT *x, const FLOAT *y, const FLOAT *z, FLOAT shear_x, \
+                                FLOAT shear_y, FLOAT scale_z, FLOAT t_max, INT *met, FLOAT *t_met, \
+                                FLOAT *b_met, FLOAT *c_met, FLOAT *det_met) { \
         const FLOAT a = EDGE(x[2], y[2], x[1], y[1]); \
         const FLOAT b = EDGE(x[0], y[0], x[2], y[2]); \
         const FLOAT c = EDGE(x[1], y[1], x[0], y[0]); \
@@ -114,19 +113,21 @@ MCV_INTERSECT_SHEARED(mcv_intersect_lanes, mcv_edge_function_lanes, mcv_edge_ris
  * does one with the same t and a lower number. Returns whether there was one. With `after`, only
  * what comes after that hit in this order counts.
  */
-MCV_LOOP_FUNCTION int
-mcv_intersect_leaf_after(__global const mcv_leaf *leaf, const mcv_ray_frame *ray, const mcv_hit *after,
-                         mcv_hit *hit) {
+MCV_LOOP_FUNCTION int mcv_intersect_leaf_after(__global const mcv_leaf *leaf,
+                                               const mcv_ray_frame *ray, const mcv_hit *after,
+                                               mcv_hit *hit) {
     const mcv_shear *shear = &ray->shear;
     float4 x[3], y[3], z[3];
 #pragma unroll
     for (int corner = 0; corner < 3; ++corner) {
         __global const float *rows = (__global const float *)leaf->vertex[corner];
         z[corner] = *(__global const float4 *)(rows + ray->row[2]) - (float4)(shear->origin[2]);
-        x[corner] = fma((float4)(-shear->slope[0]), z[corner],
-                        *(__global const float4 *)(rows + ray->row[0]) - (float4)(shear->origin[0]));
-        y[corner] = fma((float4)(-shear->slope[1]), z[corner],
-                        *(__global const float4 *)(rows + ray->row[1]) - (float4)(shear->origin[1]));
+        x[corner] =
+            fma((float4)(-shear->slope[0]), z[corner],
+                *(__global const float4 *)(rows + ray->row[0]) - (float4)(shear->origin[0]));
+        y[corner] =
+            fma((float4)(-shear->slope[1]), z[corner],
+                *(__global const float4 *)(rows + ray->row[1]) - (float4)(shear->origin[1]));
     }
     float4 t, b, c, det;
     int4 met;
@@ -160,8 +161,8 @@ mcv_intersect_leaf_after(__global const mcv_leaf *leaf, const mcv_ray_frame *ray
     return found;
 }
 
-MCV_LOOP_FUNCTION int
-mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_ray_frame *ray, mcv_hit *hit) {
+MCV_LOOP_FUNCTION int mcv_intersect_leaf(__global const mcv_leaf *leaf, const mcv_ray_frame *ray,
+                                         mcv_hit *hit) {
     return mcv_intersect_leaf_after(leaf, ray, 0, hit);
 }
 

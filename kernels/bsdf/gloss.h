@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Surfaces of microfacets (bsdf/microfacet.h), in the frame of the surface; and smooth metals. */
+#ifndef MCVISI_KERNELS_BSDF_GLOSS_H
+#define MCVISI_KERNELS_BSDF_GLOSS_H
+
+#include "bsdf/dielectric.h"
+#include "bsdf/scattering.h"
+#include "path/sampler.h"
+#include "bsdf/microfacet.h"
+
+#if MCV_WITH_GLOSS
+/* A glossy surface as a ray meets it. */
+typedef struct mcv_gloss_interaction {
+    mcv_gloss gloss;
+    mcv_vec3 x, y, z; /* the frame of the surface */
+    mcv_vec3 o;       /* in that frame */
+    mcv_lobes lobes;
+    uint near_media, far_media; /* of light on the ray's side and on the other */
+} mcv_gloss_interaction;
+
+MCV_FUNCTION mcv_vec3 mcv_gloss_local(const mcv_gloss_interaction *m, mcv_vec3 v) {
+    return mcv_vec(mcv_dot(v, m->x), mcv_dot(v, m->y), mcv_dot(v, m->z));
+}
+
+/* Whether the material is one of microfacets: a smooth metal is not. */
+static int mcv_is_rough(mcv_world world, const mcv_interaction *interaction, uint media) {
+    const mcv_device_instance instance = world.instances[interaction->surface.instance];
+    const uint type = world.materials[instance.material].type;
+    if (!world.materials[instance.material].scattering_sides) return 0;
+#if MCV_WITH_DIELECTRIC
+    if (type == MCV_MATERIAL_DIELECTRIC)
+        return mcv_cross_surface(world, interaction, media).albedos != MCV_NONE;
+#else
+    (void)media;
+#endif
+    return type == MCV_MATERIAL_METALLIC_ROUGHNESS || type == MCV_MATERIAL_CONDUCTOR;
+}
+
+/* The surface's values are those of its table, `from`, but the roughness, the metallic share and
+ * the colour where textures give them. */
+MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction_of(
+    mcv_world world, const mcv_interaction *interaction, const mcv_device_gloss *from, uint type,
+    mcv_color base, float scale, float metallic, uint media) {
+    mcv_gloss_interaction m;
+    const float roughness = from->roughness * scale;
+    const float alpha =
+        roughness * roughness > MCV_LEAST_ALPHA ? roughness * roughness : MCV_LEAST_ALPHA;
+    m.near_media = m.far_media = media;
+    m.gloss.type = type;
+    m.gloss.base = base;
+    m.gloss.metallic = from->metallic * metallic;
+    m.gloss.layer = from->roughnesses > 1u ? scale * (float)(from->roughnesses - 1) : 0.0f;
+    m.gloss.table = from->table;
+    m.gloss.inside = interaction->inside;
+    m.gloss.between.eta = 1.0f;
+    m.gloss.between.delta = 0.0f;
+    m.gloss.alpha.x = mcv_fma(1.0f - alpha, from->anisotropy, alpha);
+    m.gloss.alpha.y = alpha;
+#if MCV_WITH_DIELECTRIC
+    if (m.gloss.type == MCV_MATERIAL_DIELECTRIC) {
+        const mcv_crossing crossing = mcv_cross_surface(world, interaction, media);
+        m.near_media = crossing.before;
+        m.far_media = crossing.after;
+        m.gloss.between = crossing.between;
+        /* A body has none of its own, MCV_NONE. With a choice between two places in memory the loop
+         * over paths would not be vectorised. */
+        m.gloss.table &= crossing.albedos;
+    } else {
+        m.gloss.between.eta =
+            mcv_sqrt(world.media[mcv_filling_medium(media)].inverse_index_squared);
+    }
+#endif
+
+    m.z = interaction->normal;
+    mcv_basis(m.z, &m.x, &m.y);
+    if (from->anisotropy > 0.0f) {
+        const mcv_vec3 tangent = mcv_tangent(world, interaction->surface, from->direction);
+        const mcv_vec3 x = mcv_along(tangent, -mcv_dot(tangent, m.z), m.z);
+        if (mcv_dot(x, x) > 0.0f) m.x = mcv_normalize(x);
+        m.y = mcv_cross(m.z, m.x);
+    }
+    m.o = mcv_gloss_local(&m, mcv_scale(interaction->direction, -1.0f));
+    m.lobes = mcv_gloss_lobes(from, &m.gloss, world.albedos, m.o);
+    return m;
+}
+
+static mcv_gloss_interaction mcv_make_gloss_interaction(mcv_world world,
+                                                        const mcv_interaction *interaction,
+                                                        uint material, uint media) {
+    const mcv_device_gloss from = world.gloss[material];
+    float scale = 1.0f, metallic = 1.0f;
+#if MCV_WITH_TEXTURE
+    if (from.texture != MCV_NONE) {
+        const float s = mcv_image_place(world, interaction->surface, from.texture, 0);
+        const float t = mcv_image_place(world, interaction->surface, from.texture, 1);
+        scale = mcv_texture_value(world, from.texture, s, t, 1);
+        metallic = mcv_texture_value(world, from.texture, s, t, 2);
+    }
+#endif
+    return mcv_make_gloss_interaction_of(world, interaction, &from, world.materials[material].type,
+                                         mcv_material_value(world, interaction->surface, material),
+                                         scale, metallic, media);
+}
+
+/* The same, worked out once for a path's surface, or in the given room. */
+MCV_FUNCTION const mcv_gloss_interaction *mcv_known_gloss(mcv_world world,
+                                                          const mcv_interaction *interaction,
+                                                          uint material, uint media,
+                                                          mcv_gloss_interaction *room) {
+#if MCV_TILE
+    if (interaction->gloss) {
+        if (*interaction->gloss_known) return interaction->gloss;
+        *interaction->gloss_known = 1u;
+        room = interaction->gloss;
+    }
+#endif
+    *room = mcv_make_gloss_interaction(world, interaction, material, media);
+    return room;
+}
+
+/* The direction is unit. Where the interpolated normal and the face disagree on its side nothing
+ * comes. */
+MCV_LOOP_FUNCTION mcv_response mcv_respond_gloss_of(mcv_world world,
+                                                    const mcv_interaction *interaction,
+                                                    const mcv_device_gloss *from,
+                                                    const mcv_gloss_interaction *m,
+                                                    mcv_vec3 direction) {
+    const mcv_vec3 i = mcv_gloss_local(m, direction);
+    const int far = i.z < 0.0f;
+    const float side = mcv_dot(direction, interaction->face);
+    const int comes = far ? side < 0.0f : side > 0.0f;
+    mcv_response response = mcv_gloss_respond(from, &m->gloss, world.albedos, &m->lobes, m->o, i);
+    MCV_EACH_CHANNEL(c) response.value.c[c] = comes ? response.value.c[c] : 0.0f;
+    response.density = comes ? response.density : 0.0f;
+    response.media = far ? m->far_media : m->near_media;
+    return response;
+}
+
+static __attribute__((noinline)) mcv_response
+mcv_respond_gloss(mcv_world world, const mcv_interaction *interaction, uint material,
+                  const mcv_gloss_interaction *m, mcv_vec3 direction) {
+    const mcv_device_gloss from = world.gloss[material];
+    return mcv_respond_gloss_of(world, interaction, &from, m, direction);
+}
+
+MCV_LOOP_FUNCTION mcv_vec3 mcv_choose_gloss_of(const mcv_device_gloss *from,
+                                               const mcv_gloss_interaction *m, mcv_pair pair,
+                                               float choice) {
+    const mcv_vec3 i = mcv_gloss_sample(from, &m->gloss, &m->lobes, m->o, pair.x, pair.y, choice);
+    return mcv_normalize(mcv_along(mcv_along(mcv_scale(m->z, i.z), i.y, m->y), i.x, m->x));
+}
+
+/* A way on in a direction that has been chosen. */
+MCV_LOOP_FUNCTION mcv_scattering mcv_turn_by_gloss(mcv_world world,
+                                                   const mcv_interaction *interaction,
+                                                   const mcv_device_gloss *from,
+                                                   const mcv_gloss_interaction *m,
+                                                   mcv_vec3 direction) {
+    const mcv_response response = mcv_respond_gloss_of(world, interaction, from, m, direction);
+    mcv_scattering scattering = mcv_scatter_into(direction, response.media, MCV_EVENT_END);
+    const float scale = 1.0f / response.density;
+    MCV_EACH_CHANNEL(c)
+    scattering.factor.c[c] = response.density > 0.0f ? response.value.c[c] * scale : 0.0f;
+    scattering.density = response.density;
+    return scattering;
+}
+
+/* The microfacet of rough glass that has turned light one way turns it the other way, too: *other,
+ * whose chance is 0 where it does not. */
+MCV_LOOP_FUNCTION mcv_scattering mcv_split_by_gloss(mcv_world world,
+                                                    const mcv_interaction *interaction,
+                                                    const mcv_device_gloss *from,
+                                                    const mcv_gloss_interaction *m, mcv_pair pair,
+                                                    float choice, mcv_scattering *other) {
+    mcv_scattering on =
+        mcv_turn_by_gloss(world, interaction, from, m, mcv_choose_gloss_of(from, m, pair, choice));
+    const mcv_vec3 h = mcv_ggx_sample(m->gloss.alpha, m->o, pair.x, pair.y);
+    const float specular = m->lobes.specular,
+                share = mcv_gloss_fresnel(from, &m->gloss, mcv_dot(m->o, h)).c[0];
+    const int turns = choice < specular, reflects = choice < specular * share;
+    on.chance = turns ? (reflects ? share : 1.0f - share) : 1.0f;
+    on.remainder = choice / specular;
+    *other = mcv_turn_by_gloss(
+        world, interaction, from, m,
+        mcv_choose_gloss_of(from, m, pair,
+                            reflects ? specular * (1.0f - MCV_UNIT_ROUNDOFF) : 0.0f));
+    other->chance = 1.0f - on.chance;
+    return on;
+}
+
+static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_interaction interaction, uint material,
+                                        uint media, mcv_pair pair, float choice, int parts,
+                                        mcv_scattering *other) {
+    mcv_gloss_interaction room;
+    const mcv_device_gloss from = world.gloss[material];
+    const mcv_gloss_interaction *m = mcv_known_gloss(world, &interaction, material, media, &room);
+    if (parts && m->gloss.type == MCV_MATERIAL_DIELECTRIC)
+        return mcv_split_by_gloss(world, &interaction, &from, m, pair, choice, other);
+    return mcv_turn_by_gloss(world, &interaction, &from, m,
+                             mcv_choose_gloss_of(&from, m, pair, choice));
+}
+
+/* A smooth metal. */
+static mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_interaction interaction,
+                                            uint material, uint media) {
+    mcv_scattering scattering = mcv_scatter_mirrored(interaction, media);
+    __global const mcv_device_gloss *from = world.gloss + material;
+    float scale = 1.0f;
+#if MCV_WITH_DIELECTRIC
+    scale = mcv_sqrt(world.media[mcv_filling_medium(media)].inverse_index_squared);
+#endif
+    const float cosine = -mcv_dot(interaction.direction, interaction.normal);
+    MCV_EACH_CHANNEL(i)
+    scattering.factor.c[i] = mcv_conductor_fresnel(from->n[i] * scale, from->k[i] * scale,
+                                                   cosine < 1.0f ? cosine : 1.0f);
+    return scattering;
+}
+#endif
+
+#endif

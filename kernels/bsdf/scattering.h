@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * How a path continues from a surface.
+ *
+ * Interpolated normals bend light, the triangle's face decides on which side it continues: where
+ * both disagree (at a silhouette) the face's normal is used.
+ */
+#ifndef MCVISI_KERNELS_SCATTERING_H
+#define MCVISI_KERNELS_SCATTERING_H
+
+#include "geometry/hit.h"
+#include "mcvisi/events.h"
+
+/* How a path goes on. */
+typedef struct mcv_scattering {
+    mcv_vec3 direction;
+    mcv_color factor; /* of the throughput; all 0: the path ends */
+    float density;    /* [1/sr], 0 for smooth surfaces */
+    float chance; /* with which a surface of glass, a sheet or a beam splitter chose this way on of
+                     its two */
+    float remainder; /* rough glass: what is left of the number that chose it */
+    uint media;
+    uint event; /* MCV_EVENT_… */
+} mcv_scattering;
+
+/* All light continues in a direction, in the same media. */
+MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_into(mcv_vec3 direction, uint media, uint event) {
+    mcv_scattering scattering;
+    scattering.direction = direction;
+    scattering.factor = mcv_grey(1.0f);
+    scattering.density = 0.0f;
+    scattering.chance = 1.0f;
+    scattering.remainder = 0.0f;
+    scattering.media = media;
+    scattering.event = event;
+    return scattering;
+}
+
+#if MCV_WITH_DIELECTRIC || MCV_WITH_SHEET
+/* a or b, word by word as in mcv_choose. */
+MCV_LOOP_FUNCTION mcv_scattering mcv_choose_scattering(int condition, mcv_scattering a,
+                                                       mcv_scattering b) {
+    mcv_scattering chosen;
+    chosen.direction = mcv_choose(condition, a.direction, b.direction);
+    MCV_EACH_CHANNEL(i) chosen.factor.c[i] = condition ? a.factor.c[i] : b.factor.c[i];
+    chosen.density = condition ? a.density : b.density;
+    chosen.chance = condition ? a.chance : b.chance;
+    chosen.media = condition ? a.media : b.media;
+    chosen.event = condition ? a.event : b.event;
+    return chosen;
+}
+
+/* One of a smooth surface's two ways on; *other is the other one. */
+MCV_LOOP_FUNCTION mcv_scattering mcv_choose_way(mcv_scattering reflected, mcv_scattering passed,
+                                                int reflects, mcv_scattering *other) {
+    *other = mcv_choose_scattering(reflects, passed, reflected);
+    return mcv_choose_scattering(reflects, reflected, passed);
+}
+#endif
+
+#if MCV_WITH_DIELECTRIC || MCV_WITH_SHEET || MCV_WITH_MIRROR || MCV_WITH_GLOSS
+MCV_LOOP_FUNCTION mcv_vec3 mcv_reflected(mcv_interaction interaction) {
+    const mcv_vec3 d = mcv_reflect(interaction.direction, interaction.normal);
+    return mcv_choose(mcv_dot(d, interaction.face) > 0.0f, d,
+                      mcv_reflect(interaction.direction, interaction.face));
+}
+
+/* As a mirror does. */
+MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_mirrored(mcv_interaction interaction, uint media) {
+    return mcv_scatter_into(mcv_reflected(interaction), media, MCV_EVENT_REFLECT);
+}
+#endif
+
+#endif

@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the surfaces of emitters send, and the density with which next-event estimation chooses
+ * them. */
+#ifndef MCVISI_KERNELS_EMISSION_H
+#define MCVISI_KERNELS_EMISSION_H
+
+#include "geometry/surface.h"
+
+#if MCV_WITH_LIGHT_FIELD && MCV_WITH_TEXTURE
+/* The image's value for a place on a light field emitter and a direction. */
+MCV_FUNCTION mcv_color mcv_light_field_value(mcv_world world, mcv_surface surface,
+                                             __global const mcv_device_emitter *e,
+                                             mcv_vec3 direction) {
+    uint column, row;
+    const float s = mcv_texcoord(world, surface, 0);
+    const float t = mcv_texcoord(world, surface, 1);
+    if (!mcv_light_field_pixel(&e->light_field, s, t, direction, &column, &row))
+        return mcv_grey(0.0f);
+    return mcv_texel(world, world.textures[e->texture], (int)column, (int)row);
+}
+#endif
+
+#if MCV_WITH_PROJECTOR && MCV_WITH_TEXTURE
+/* The image's value for a place on a projector's lens and a direction. */
+MCV_FUNCTION mcv_color mcv_projector_value(mcv_world world, mcv_surface surface,
+                                           __global const mcv_device_emitter *e,
+                                           mcv_vec3 direction) {
+    const mcv_device_texture image = world.textures[e->texture];
+    float across, down;
+    const float s = mcv_texcoord(world, surface, 0);
+    const float t = mcv_texcoord(world, surface, 1);
+    if (!mcv_projector_place(&e->projector, s, t, direction, &across, &down)) return mcv_grey(0.0f);
+    return mcv_texel(world, image, (int)mcv_cell(across, image.width),
+                     (int)mcv_cell(down, image.height));
+}
+#endif
+
+/* Does any surface emit what a ray can meet? */
+#define MCV_WITH_EMISSION \
+    (MCV_WITH_PARALLEL || MCV_WITH_LIGHT_FIELD || MCV_WITH_PROJECTOR || MCV_WITH_AREA)
+
+#if MCV_WITH_EMISSION
+/* Radiance of a place where the emitter shines into a direction. */
+MCV_LOOP_FUNCTION mcv_color mcv_full_radiance(mcv_world world, mcv_surface surface, uint emitter) {
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    mcv_color radiance;
+    MCV_EACH_CHANNEL(i) radiance.c[i] = e->radiance[i];
+    (void)surface;
+#if MCV_WITH_TEXTURE
+    if (e->texture != MCV_NONE)
+        radiance = mcv_tint(radiance, mcv_texture_at(world, surface, e->texture));
+#endif
+    return radiance;
+}
+
+/* Whether an emitter of a type that sends its full radiance or nothing shines in a direction (unit,
+ * away from the surface). */
+MCV_LOOP_FUNCTION int mcv_shines(__global const mcv_device_emitter *e, mcv_vec3 face,
+                                 mcv_vec3 normal, mcv_vec3 direction) {
+    float share = 0.0f;
+    (void)e, (void)normal;
+#if MCV_WITH_PARALLEL
+    const float parallel = mcv_parallel_evaluate(&e->parallel, direction, normal);
+    share = e->type == MCV_EMITTER_PARALLEL ? parallel : share;
+#endif
+#if MCV_WITH_AREA
+    const float everywhere = mcv_area_evaluate(direction, normal);
+    share = e->type == MCV_EMITTER_AREA ? everywhere : share;
+#endif
+    return (share > 0.0f) & (mcv_dot(direction, face) > 0.0f);
+}
+
+/* Radiance that an emitter's surface sends in a direction (unit, away from the surface), in its
+ * medium. */
+MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint emitter,
+                                        mcv_vec3 direction) {
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    if (!(mcv_dot(direction, surface.face) > 0.0f)) return mcv_grey(0.0f);
+#if MCV_WITH_LIGHT_FIELD && MCV_WITH_TEXTURE
+    if (e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) {
+        mcv_color radiance = mcv_light_field_value(world, surface, e, direction);
+        MCV_EACH_CHANNEL(i) radiance.c[i] *= e->radiance[i];
+        return radiance;
+    }
+#endif
+#if MCV_WITH_PROJECTOR && MCV_WITH_TEXTURE
+    if (e->type == MCV_EMITTER_PROJECTOR) {
+        mcv_color radiance = mcv_projector_value(world, surface, e, direction);
+        MCV_EACH_CHANNEL(i) radiance.c[i] *= e->radiance[i];
+        return radiance;
+    }
+#endif
+    return mcv_shines(e, surface.face, surface.normal, direction)
+               ? mcv_full_radiance(world, surface, emitter)
+               : mcv_grey(0.0f);
+}
+#endif
+
+#if MCV_WITH_NEXT_EVENT && MCV_WITH_EMISSION
+#if MCV_WITH_PARALLEL
+/*
+ * Whether next-event estimation at a receiver samples the emitter's cone of directions, or its
+ * area: whichever is the smaller solid angle. The receiver is known up to rounding here and there,
+ * so the answer may differ where both are equal to 1e-6: there both are as good, and too few to
+ * matter.
+ */
+MCV_LOOP_FUNCTION int mcv_samples_cone(__global const mcv_device_emitter *e, mcv_vec3 receiver) {
+    const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
+    const int wide = e->area > e->parallel.solid_angle * mcv_dot(way, way);
+    return (e->type == MCV_EMITTER_PARALLEL) & (e->parallel.from_receiver != 0u) & wide;
+}
+#endif
+
+/* Of the choices on an emitter those of a triangle. */
+MCV_LOOP_FUNCTION float mcv_triangle_share(mcv_world world, __global const mcv_device_emitter *e,
+                                           uint triangle) {
+    __global const uint *cdf =
+        world.emitter_cdf + e->cdf + (triangle - world.instances[e->instance].first_triangle);
+    return (float)(cdf[1] - cdf[0]) * 4.656612873077393e-10f; /* 2^-31 */
+}
+
+/* The density [1/sr] of directions to a place on an emitter at the given distance, chosen uniform
+ * by area. */
+MCV_LOOP_FUNCTION float mcv_area_density(__global const mcv_device_emitter *e, float share,
+                                         mcv_surface surface, mcv_vec3 direction, float distance) {
+    return e->probability * share * distance * distance /
+           (surface.area * mcv_abs(mcv_dot(direction, surface.face)));
+}
+
+#if MCV_WITH_RECTANGLE
+#define mcv_is_rectangle(e) ((e)->rectangle.width > 0.0f)
+
+MCV_LOOP_FUNCTION mcv_rectangle_view mcv_view_emitter(__global const mcv_device_emitter *e,
+                                                      mcv_vec3 receiver) {
+    return mcv_view_rectangle(&e->rectangle, mcv_vec(e->facing[0], e->facing[1], e->facing[2]),
+                              receiver);
+}
+#else
+#define mcv_is_rectangle(e) 0
+#endif
+
+/* That with which next-event estimation at a receiver chooses the direction to such a place; of a
+ * rectangle or not; share: its triangle's.
+ */
+MCV_LOOP_FUNCTION float mcv_density_towards(__global const mcv_device_emitter *e, int rectangle,
+                                            float share, mcv_vec3 receiver, mcv_surface surface,
+                                            mcv_vec3 direction, float distance) {
+    float density = mcv_area_density(e, share, surface, direction, distance);
+    (void)rectangle, (void)receiver;
+#if MCV_WITH_RECTANGLE
+    if (rectangle) {
+        const mcv_rectangle_view view = mcv_view_emitter(e, receiver);
+        density = mcv_samples_solid_angle(view) ? e->probability / view.solid_angle : density;
+    }
+#endif
+#if MCV_WITH_PARALLEL
+    const float cone = e->probability / e->parallel.solid_angle;
+    density = mcv_samples_cone(e, receiver) ? cone : density;
+#endif
+    return density;
+}
+
+MCV_FUNCTION float mcv_emitter_density(mcv_world world, mcv_vec3 receiver, mcv_surface surface,
+                                       uint emitter, mcv_vec3 direction, float distance) {
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    const float share = mcv_triangle_share(world, e, surface.triangle);
+    return mcv_density_towards(e, mcv_is_rectangle(e), share, receiver, surface, direction,
+                               distance);
+}
+#endif
+
+#endif

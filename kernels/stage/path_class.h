@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a camera path has hit, as far as light paths share its light: MCV_PATH_CLASS_… */
+#ifndef MCVISI_KERNELS_PATH_CLASS_H
+#define MCVISI_KERNELS_PATH_CLASS_H
+
+#include "bsdf/shading.h"
+#include "light/light_path.h"
+#include "path/sensor_ray.h"
+
+#if MCV_WITH_LIGHT_TRACING
+/* What light paths leave of what the emitter sends along this path. */
+MCV_FUNCTION float mcv_camera_share(mcv_world world, mcv_slot slot, mcv_interaction interaction,
+                                    uint emitter) {
+#if MCV_WITH_EMISSION
+    if (MCV_WORD(slot, path_class, 0) != MCV_PATH_CLASS_CARRIED ||
+        !(world.emitters[emitter].light_flux > 0.0f))
+        return 1.0f;
+    const float etendue = mcv_light_etendue(world, interaction.surface, emitter,
+                                            mcv_scale(interaction.direction, -1.0f));
+    if (etendue > 0.0f) return 1.0f - mcv_light_share(world, etendue, MCV_LOAD(slot, footprint, 0));
+#else
+    (void)world, (void)slot, (void)interaction, (void)emitter;
+#endif
+    return 1.0f;
+}
+
+/* The path goes on from a point of a surface that spreads light, widely, sharply or neither, or
+ * just lets it pass. */
+MCV_LOOP_FUNCTION void mcv_update_path_class_at(mcv_world world, mcv_slot slot, mcv_vec3 point,
+                                                int scatters, int connectable, int near_specular,
+                                                int passes) {
+    const uint before = MCV_WORD(slot, path_class, 0);
+    const int straight = before == MCV_PATH_CLASS_STRAIGHT,
+              carries = (before == MCV_PATH_CLASS_DIFFUSE) | (before == MCV_PATH_CLASS_CARRIED);
+    const float footprint =
+        mcv_sensor_footprint(world.sensor, mcv_point_to_optical(world.frame, point).z);
+    const uint spread = connectable ? MCV_PATH_CLASS_DIFFUSE
+                        : straight  ? MCV_PATH_CLASS_OTHER
+                                    : MCV_PATH_CLASS_GLOSSY;
+    const uint smooth = carries                ? MCV_PATH_CLASS_CARRIED
+                        : (straight & !passes) ? MCV_PATH_CLASS_OTHER
+                                               : before;
+    MCV_STORE(slot, footprint, 0, straight ? footprint : MCV_LOAD(slot, footprint, 0));
+    MCV_WORD(slot, path_class, 0) = before == MCV_PATH_CLASS_OTHER            ? before
+                                    : (scatters & !(carries & near_specular)) ? spread
+                                                                              : smooth;
+}
+
+MCV_LOOP_FUNCTION void mcv_update_path_class(mcv_world world, mcv_slot slot,
+                                             const mcv_interaction *interaction,
+                                             mcv_shading shading, mcv_scattering on) {
+    const int passes = shading.kind == MCV_SHADING_ANY && on.event == MCV_EVENT_PASS &&
+                       mcv_is_sheet(world, *interaction);
+    mcv_update_path_class_at(world, slot, interaction->surface.point, on.density > 0.0f,
+                             mcv_is_connectable(world, *interaction),
+                             mcv_is_near_specular(world, *interaction), passes);
+}
+#endif
+
+#endif

@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Surfaces of glass, sheets and beam splitters split a path: it takes one way, a branch the other.
+ */
+#ifndef MCVISI_KERNELS_SPLIT_PATH_H
+#define MCVISI_KERNELS_SPLIT_PATH_H
+
+#include "stage/continue_path.h"
+#include "stage/roulette.h"
+
+/*
+ * How much oftener than by its chance the less likely way on is followed. Nothing much comes by it
+ * where all light is narrow; wide light may come from anywhere.
+ */
+#define MCV_SPLIT_EFFORT \
+    (MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE || MCV_WITH_AREA || MCV_WITH_LIGHT_FIELD \
+         ? 8.0f \
+         : 1.0f)
+
+MCV_LOOP_FUNCTION int mcv_may_split(mcv_slot slot) {
+#if MCV_WITH_SPLIT
+    return MCV_WORD(slot, branch, 0) + 1u < MCV_BRANCHES;
+#else
+    (void)slot;
+    return 0;
+#endif
+}
+
+#if MCV_WITH_SPLIT
+/* How a path splits. */
+typedef struct mcv_split {
+    mcv_scattering on, other; /* the path's and the branch's way, */
+    mcv_color carried;        /* what that carries, */
+    int splits, branches;     /* and whether there are both */
+} mcv_split;
+
+/*
+ * The path takes the likelier one of two ways on instead of that which chance has chosen, and a
+ * branch the other one, each weighed by its own chance: R + T. The branch has to survive roulette.
+ * Where an environment shines from all sides both ways bring about the same: the path then stands
+ * in for what roulette ends, so that both carry as much as before. xi: the number that has chosen,
+ * or what is left of it, which has no other use any more.
+ */
+MCV_LOOP_FUNCTION mcv_split mcv_split_path(mcv_slot slot, float xi, mcv_color throughput,
+                                           mcv_scattering on, mcv_scattering other) {
+    mcv_split split;
+    const int swaps = (other.chance > on.chance) |
+                      ((other.chance == on.chance) & (other.event == MCV_EVENT_REFLECT));
+    const mcv_scattering likelier = mcv_choose_scattering(swaps, other, on);
+    split.other = mcv_choose_scattering(swaps, on, other);
+    const float effort = MCV_SPLIT_EFFORT * mcv_average(throughput);
+    const float wanted = split.other.chance * (effort > 1.0f ? effort : 1.0f);
+    const float lives = wanted < 1.0f ? wanted : 1.0f;
+    float weight = likelier.chance;
+    split.splits = (other.chance > 0.0f) & mcv_may_split(slot);
+#if MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE
+    /* What roulette would soon play for is left to chance: light from all sides keeps being found
+     * without noise. */
+    const float branches = split.other.chance / lives,
+                goes_on = lives < 1.0f ? 1.0f - branches : likelier.chance;
+    const float least = mcv_brightest(throughput) * (goes_on < branches ? goes_on : branches);
+    split.splits &= !(least < MCV_ROULETTE_WEIGHT * (1.0f - 8.0f * MCV_UNIT_ROUNDOFF));
+    weight = lives < 1.0f ? xi < lives ? goes_on : 1.0f : weight;
+#endif
+    split.on = mcv_choose_scattering(split.splits, likelier, on);
+    split.on.factor = mcv_dim(split.on.factor, split.splits ? weight : 1.0f);
+    split.carried = mcv_dim(mcv_tint(throughput, split.other.factor), split.other.chance / lives);
+    split.branches = split.splits & (xi < lives) & (mcv_brightest(split.carried) > 0.0f);
+    return split;
+}
+
+#if MCV_TILE
+/* What mcv_continue_branch asks for, in branch_state. */
+MCV_LOOP_FUNCTION void mcv_store_split(mcv_slot slot, mcv_split split) {
+    MCV_STORE_3(slot, branch_state, split.other.direction);
+    MCV_WORD(slot, branch_state, 3) = split.other.media;
+    MCV_STORE(slot, branch_state, 4, split.other.density);
+    MCV_EACH_CHANNEL(c) MCV_STORE(slot, branch_state, 5 + c, split.carried.c[c]);
+}
+
+MCV_LOOP_FUNCTION mcv_split mcv_load_split(mcv_slot slot) {
+    mcv_split split;
+    split.other.direction = MCV_LOAD_3(slot, branch_state);
+    split.other.media = MCV_WORD(slot, branch_state, 3);
+    split.other.density = MCV_LOAD(slot, branch_state, 4);
+    split.other.event = MCV_EVENT_END;
+    MCV_EACH_CHANNEL(c) split.carried.c[c] = MCV_LOAD(slot, branch_state, 5 + c);
+    return split;
+}
+#endif
+
+/* A copy of a path becomes its branch: it has random numbers of its own, nothing found so far, and
+ * goes the other way. */
+MCV_LOOP_FUNCTION void mcv_continue_branch(mcv_world world, mcv_slot slot,
+                                           const mcv_interaction *interaction, mcv_shading shading,
+                                           mcv_split split) {
+    const uint number = MCV_WORD(slot, branch, 0);
+    MCV_WORD(slot, branch, 0) = MCV_BRANCHES + number;
+    MCV_WORD(slot, stream, 0) = mcv_hash_2(MCV_WORD(slot, stream, 0), number);
+    MCV_EACH_CHANNEL(i) MCV_STORE(slot, radiance, i, 0.0f);
+    mcv_continue_path(world, slot, interaction, shading, split.other, split.carried, 0);
+#if MCV_LEAVES_TOGETHER
+    const mcv_vec3 origin = mcv_onward_origin(*interaction, split.other.direction);
+    MCV_STORE_3(slot, origin, origin);
+#endif
+}
+
+/* The branch begins in the slot beside; the path has not continued yet. */
+static void mcv_start_branch(mcv_world world, mcv_slot slot, mcv_slot beside,
+                             const mcv_interaction *interaction, mcv_split split) {
+    for (uint word = 0; word < MCV_PATH_hit; ++word) {
+        const uint row = word * MCV_CAPACITY(slot);
+        beside.base[row + beside.index] = slot.base[row + slot.index];
+    }
+#if MCV_WITH_MIXED
+    MCV_WORD(beside, hit, 0) = MCV_WORD(slot, hit, 0);
+#endif
+    mcv_continue_branch(world, beside, interaction, mcv_any_shading(), split);
+}
+#endif
+
+#endif
