@@ -18,6 +18,7 @@
 #include "drive.h"
 #include "harness.h"
 #include "mesh.h"
+#include "scene/sensors.h"
 
 enum { MOST_POINTS = 16, SPHERE_PIXELS = 64, SPHERE_DEPTH = 6 };
 

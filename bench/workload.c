@@ -11,6 +11,7 @@
 #include "mcvisi/sampling.h"
 #include "mcvisi/accel.h"
 #include "scene/scene.h"
+#include "scene/geometry.h"
 #include "loader/load.h"
 
 const char *const ray_kind_names[RAY_KINDS] = {"primary", "diffuse", "random"};

@@ -12,6 +12,8 @@
 #include "io/figure.h"
 #include "io/png.h"
 #include "scene/scene.h"
+#include "scene/sensors.h"
+#include "scene/texture.h"
 #include "loader/load.h"
 
 #include <errno.h>
@@ -23,9 +25,7 @@
 
 enum { MAX_IMAGES = 4, MAX_PANELS = 3, TEXT = 128 };
 
-/* --- numbers
- * ----------------------------------------------------------------------------------------------------
- */
+/* --- numbers --- */
 
 /* The images of one panel, one channel each (the mean of what there were), the first one's standard
  * error, and that one in colour. */
@@ -336,9 +336,7 @@ static void say_evenness(const images *seen, char *text) {
              100 * sqrt(fmax(squares / n - mean * mean - errors / n, 0)) / mean);
 }
 
-/* --- the gallery
- * ------------------------------------------------------------------------------------------------
- */
+/* --- the gallery --- */
 
 typedef struct panel {
     const char *caption;

@@ -86,9 +86,7 @@ static mcv_result analyse(const char *path, result *r, mcv_error *error) {
     return analysed;
 }
 
-/* --- the figure
- * --------------------------------------------------------------------------------------------------
- */
+/* --- the figure --- */
 
 enum { ZOOM = 4, MARGIN = 16, TITLE = 32, LINE = 20 };
 
@@ -135,9 +133,7 @@ static mcv_result draw(const char *path, const result *results, mcv_error *error
     return mcv_page_write(page, path, error);
 }
 
-/* --- the summary
- * -------------------------------------------------------------------------------------------------
- */
+/* --- the summary --- */
 
 static json_t *number(double value) { return isfinite(value) ? json_real(value) : json_null(); }
 

@@ -3,6 +3,7 @@
  * surfaces. */
 #include "check/find.h"
 #include "scene/transform.h"
+#include "scene/geometry.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Findings about sensors: what is in their fields, how sharp, and how large. */
 #include "check/find.h"
+#include "scene/geometry.h"
 
 #include <math.h>
 #include <stdio.h>

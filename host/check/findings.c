@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "check/find.h"
 #include "core/basics.h"
+#include "scene/geometry.h"
+#include "scene/materials.h"
 
 #include <math.h>
 #include <stdarg.h>

@@ -4,6 +4,7 @@
 #include "check/find.h"
 #include "core/basics.h"
 #include "scene/emitters.h"
+#include "scene/geometry.h"
 
 #include <math.h>
 #include <stdio.h>

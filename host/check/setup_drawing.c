@@ -2,6 +2,8 @@
 /* One drawing of a set-up: what it shows, at which scale, and all of it in order. */
 #include "check/setup_drawing.h"
 
+#include "scene/geometry.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -3,6 +3,7 @@
 #include "check/setup_drawing.h"
 
 #include "io/html.h"
+#include "scene/geometry.h"
 
 #include <math.h>
 #include <stdlib.h>

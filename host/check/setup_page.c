@@ -5,6 +5,7 @@
 #include "core/output_file.h"
 #include "io/html.h"
 #include "scene/params.h"
+#include "scene/sensors.h"
 
 #include <math.h>
 #include <stdlib.h>

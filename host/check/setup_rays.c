@@ -4,6 +4,7 @@
 
 #include "io/html.h"
 #include "scene/emitters.h"
+#include "scene/geometry.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cl/cache.h"
 
+#include "core/basics.h"
+
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,10 +12,10 @@
 
 enum { MAX_PATH = 1024 };
 
-/* 64-bit FNV-1a, continued from `hash`. */
+/* A hash continued by a text and a separator that no text holds. */
 static uint64_t hash_text(uint64_t hash, const char *text) {
-    for (; *text; ++text) hash = (hash ^ (unsigned char)*text) * 0x100000001b3u;
-    return (hash ^ 0xff) * 0x100000001b3u; /* a separator that no text holds */
+    const unsigned char separator = 0xff;
+    return mcv_hash_bytes(mcv_hash_bytes(hash, text, strlen(text)), &separator, 1);
 }
 
 /* The folder: ours alone, made if it is missing. PoCL and NVIDIA keep caches of their own. */
@@ -39,7 +41,7 @@ static bool cache_path(const mcv_cl *cl, const char *source, const char *options
         return false;
 
     const char *const parts[] = {mcv_version(), source, options, cl->name, cl->version};
-    uint64_t low = 0xcbf29ce484222325u;
+    uint64_t low = MCV_HASH_BEGIN;
     uint64_t high = 0x84222325cbf29ce4u;
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
         low = hash_text(low, parts[i]);

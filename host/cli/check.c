@@ -1,34 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi check: what was understood of a scene, and what rendering it takes. */
 #include "check/findings.h"
-#include "device/features.h"
-#include "check/growth.h"
-#include "cli/command.h"
-#include "cli/report.h"
-#include "scene/sensor_find.h"
-#include "core/output_file.h"
 #include "check/setup_page.h"
-#include "reference/filling.h"
+#include "cli/check_report.h"
+#include "cli/command.h"
+#include "core/output_file.h"
+#include "device/features.h"
 #include "device/pack.h"
-#include "render/render.h"
-#include "scene/emitters.h"
-#include "scene/mesh.h"
-#include "scene/params.h"
-#include "scene/sensors.h"
 #include "loader/load.h"
+#include "render/render.h"
+#include "scene/geometry.h"
+#include "scene/sensor_find.h"
+#include "scene/sensors.h"
 
-#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {
     DEFINES_SLICE = 512
 }; /* of the tile schedule, as the renderer chooses it where paths split */
-
-/* --- scene
- * ------------------------------------------------------------------------------------------------------
- */
 
 static void report_size(mcv_report *report, const mcv_scene *scene) {
     double lower[3] = {INFINITY, INFINITY, INFINITY};
@@ -49,220 +39,6 @@ static void report_size(mcv_report *report, const mcv_scene *scene) {
     mcv_report_numbers(report, "lower_corner", "m", ", ", lower, 3);
     mcv_report_numbers(report, "upper_corner", "m", ", ", upper, 3);
 }
-
-/* --- elements
- * ---------------------------------------------------------------------------------------------------
- */
-
-/* All parameters of an element, as they are after everything that follows from others has been
- * derived. */
-static void report_parameters(mcv_report *report, mcv_param_table table, const void *params) {
-    for (size_t i = 0; i < table.count; ++i) {
-        const mcv_param *p = table.params + i;
-        const void *field = (const char *)params + p->offset;
-        if (mcv_param_unset(p, params)) continue;
-        switch (p->kind) {
-        case MCV_PARAM_length:
-            mcv_report_number(report, p->key, "m", *(const double *)field);
-            break;
-        case MCV_PARAM_angle:
-            mcv_report_number(report, p->key, "rad", *(const double *)field);
-            break;
-        case MCV_PARAM_number:
-            mcv_report_number(report, p->key, "", *(const double *)field);
-            break;
-        case MCV_PARAM_integer:
-        case MCV_PARAM_int2:
-        case MCV_PARAM_int4: {
-            const uint32_t *values = field;
-            double numbers[4];
-            const size_t count = mcv_param_components(p->kind);
-            for (size_t k = 0; k < count; ++k) numbers[k] = values[k];
-            mcv_report_numbers(report, p->key, "", count == 2 ? " x " : ", ", numbers, count);
-            break;
-        }
-        case MCV_PARAM_length2:
-            mcv_report_numbers(report, p->key, "m", " x ", field, 2);
-            break;
-        case MCV_PARAM_number2:
-            mcv_report_numbers(report, p->key, "", ", ", field, 2);
-            break;
-        case MCV_PARAM_spectrum:
-            mcv_report_spectrum(report, p->key, "", field);
-            break;
-        case MCV_PARAM_flag:
-        case MCV_PARAM_image:
-        case MCV_PARAM_pattern: /* of emitters only, which report_emitter describes */
-            break;
-        case MCV_PARAM_choice:
-            mcv_report_text(report, p->key, mcv_param_options(p->key)[*(const int *)field]);
-            break;
-        }
-    }
-}
-
-static void report_place(mcv_report *report, const mcv_transform *to_world) {
-    const double *m = to_world->m;
-    mcv_report_numbers(report, "position", "m", ", ", m + 9, 3);
-    mcv_report_numbers(report, "faces", "", ", ", (const double[]){-m[2], -m[5], -m[8]}, 3);
-}
-
-/* Less of a pupil, or of the directions, is likely not meant. */
-static const double little = 0.5;
-
-/* What the emitters of a cone before a sensor light of its pupil, or of its directions. */
-static mcv_result report_fillings(mcv_report *report, const mcv_scene *scene, uint32_t index,
-                                  mcv_findings *findings, mcv_error *error) {
-    const mcv_sensor *sensor = scene->sensors + index;
-    const bool directions = sensor->type == MCV_SENSOR_LIGHT_FIELD;
-    ref_filling *fillings;
-    uint32_t count;
-    mcv_result result = ref_sensor_fillings(scene, index, &fillings, &count, error);
-    if (result == MCV_OK && count > 0) mcv_report_list(report, "faces_emitters");
-    for (uint32_t i = 0; i < count && result == MCV_OK; ++i) {
-        const mcv_emitter *emitter = scene->emitters + fillings[i].emitter;
-        mcv_report_element(report, emitter->name, mcv_emitter_types[emitter->type]);
-        mcv_report_number(report, directions ? "share_of_directions_lit" : "share_of_pupil_lit", "",
-                          fillings[i].share);
-        mcv_report_close(report);
-        if (fillings[i].share < little)
-            result = mcv_findings_add(findings, MCV_SEVERITY_WARNING, "emitters", emitter->name,
-                                      NULL, error,
-                                      "emitter \"%s\" lights %.2g %% of the %s of sensor \"%s\", "
-                                      "where that looks into it: its cone "
-                                      "is narrower than what the sensor takes in",
-                                      emitter->name, 100 * fillings[i].share,
-                                      directions ? "J x K directions" : "pupil", sensor->name);
-    }
-    if (result == MCV_OK && count > 0) mcv_report_close(report);
-    free(fillings);
-    return result;
-}
-
-/* How edges before a backlight grow. */
-static void report_growth(mcv_report *report, const mcv_scene *scene, const mcv_sensor *sensor) {
-    mcv_growth growth;
-    char sentence[512];
-    if (!mcv_growth_of(scene, sensor, &growth)) return;
-    mcv_growth_sentence(scene, &growth, sentence);
-    mcv_report_open(report, "silhouettes");
-    mcv_report_text(report, "backlight", scene->emitters[growth.emitter].name);
-    mcv_report_text(report, "part", scene->instances[growth.instance].name);
-    mcv_report_number(report, "thickness", "m", growth.thickness);
-    mcv_report_number(report, "tangent_of_cone", "", growth.cone);
-    mcv_report_quantity(report, "growth_of_edge", "m", growth.edge.value, growth.edge.uncertainty);
-    if (report->json)
-        mcv_report_text(report, "note", sentence); /* people read it among the findings */
-    mcv_report_close(report);
-}
-
-static mcv_result report_sensor(mcv_report *report, const mcv_scene *scene, uint32_t index,
-                                mcv_findings *findings, mcv_error *error) {
-    const mcv_sensor *sensor = scene->sensors + index;
-    const mcv_optics optics = mcv_sensor_optics(sensor);
-    uint32_t width, height;
-    char label[128];
-    mcv_sensor_film_size(sensor, &width, &height);
-    mcv_sensor_label(scene, index, label, sizeof label);
-    mcv_report_element(report, label, mcv_sensor_types[sensor->type]);
-    report_place(report, &sensor->to_world);
-    mcv_report_numbers(report, "image", "", " x ", (const double[]){width, height}, 2);
-    report_parameters(report, mcv_sensor_table(sensor->type), &sensor->as);
-    mcv_report_open(report, "optics");
-    mcv_report_number(report, "magnification", "", optics.magnification);
-    mcv_report_number(report, "working_distance", "m", optics.focused_depth);
-    mcv_report_numbers(report, "depth_of_field", "m", " to ", optics.depth_of_field, 2);
-    mcv_report_numbers(report, "field_of_view", "m", " x ", optics.field, 2);
-    mcv_report_numbers(report, "angle_of_view", "rad", " x ", optics.field_angle, 2);
-    mcv_report_number(report, "f_number", "", optics.f_number);
-    mcv_report_number(report, "numerical_aperture", "", optics.numerical_aperture);
-    mcv_report_numbers(report, "macro_pixel_pitch", "m", " x ", optics.macro_pixel, 2);
-    mcv_report_close(report);
-    MCV_TRY(report_fillings(report, scene, index, findings, error));
-    report_growth(report, scene, sensor);
-    mcv_report_close(report);
-    return MCV_OK;
-}
-
-static void report_radiometry(mcv_report *report, const char *key, const char *unit,
-                              const mcv_emitter *emitter, double factor, const double mean[3]) {
-    const double *l = emitter->radiance;
-    mcv_report_spectrum(report, key, unit,
-                        (const double[]){factor * mean[0] * l[0], factor * mean[1] * l[1],
-                                         factor * mean[2] * l[2]});
-}
-
-/* A projector's lens, and the size of its picture where that is sharp. */
-static void report_lens(mcv_report *report, const mcv_scene *scene, const mcv_emitter *emitter) {
-    const mcv_projector_params *p = &emitter->as.projector;
-    const double scale = p->focusDistance / p->imageDistance;
-    uint32_t pixels[2];
-    mcv_projector_resolution(p, scene->textures + emitter->texture, pixels);
-    mcv_report_number(report, "focalLength", "m", p->focalLength);
-    mcv_report_number(report, "imageDistance", "m", p->imageDistance);
-    mcv_report_number(report, "focusDistance", "m", p->focusDistance);
-    mcv_report_number(report, "lensDiameter", "m", p->lensDiameter);
-    mcv_report_number(report, "fNumber", "", p->fNumber);
-    mcv_report_numbers(
-        report, "picture_in_focus", "m", " x ",
-        (const double[]){scale * pixels[0] * p->pixelSize[0], scale * pixels[1] * p->pixelSize[1]},
-        2);
-}
-
-static void report_emitter(mcv_report *report, const mcv_scene *scene, uint32_t index) {
-    const mcv_emitter *emitter = scene->emitters + index;
-    const double half_angle = mcv_emitter_half_angle(emitter),
-                 power = mcv_emitter_unit_power(scene, emitter);
-    const char *unit, *key = mcv_emitter_brightness(emitter, &unit);
-    const bool radiant = strcmp(key, "radiance") == 0;
-    double mean[3];
-    mcv_emitter own = *emitter;
-    mcv_emitter_image_mean(scene, emitter, mean);
-    mcv_report_element(report, emitter->name, mcv_emitter_types[emitter->type]);
-    if (emitter->instance != MCV_NONE) {
-        const mcv_instance *instance = scene->instances + emitter->instance;
-        mcv_report_text(report, "node", instance->name);
-        report_place(report, &instance->to_world);
-    } else if (emitter->type != MCV_EMITTER_ENVIRONMENT || emitter->texture != MCV_NONE) {
-        report_place(report, &emitter->to_world);
-    }
-    if (!isnan(half_angle)) mcv_report_number(report, "halfAngle", "rad", half_angle);
-    mcv_report_number(report, "solid_angle", "sr", mcv_emitter_solid_angle(emitter));
-    report_radiometry(report, key, unit, emitter, 1, (const double[]){1, 1, 1});
-    if (emitter->type == MCV_EMITTER_PROJECTOR) report_lens(report, scene, emitter);
-    if (radiant)
-        report_radiometry(report, "exitance", "W/m²", emitter,
-                          mcv_emitter_projected_solid_angle(emitter), mean);
-    if (emitter->instance != MCV_NONE) mcv_report_number(report, "area", "m²", emitter->area);
-    if (!isnan(power)) report_radiometry(report, "power", "W", emitter, power, mean);
-    if (mcv_emitter_image(&own) && emitter->texture != MCV_NONE) {
-        const mcv_texture *image = scene->textures + emitter->texture;
-        mcv_report_text(report, "image", image->name);
-        mcv_report_numbers(report, "pixels", "", " x ",
-                           (const double[]){image->width, image->height}, 2);
-        mcv_report_spectrum(report, "mean_of_image", "", mean);
-    } else if (emitter->texture != MCV_NONE) {
-        mcv_report_text(report, "texture", "an image lowers these values");
-    }
-    mcv_report_close(report);
-}
-
-static void report_material(mcv_report *report, const mcv_scene *scene, uint32_t index) {
-    const mcv_material *material = scene->materials + index;
-    double triangles = 0;
-    for (uint32_t i = 0; i < scene->instance_count; ++i)
-        if (scene->instances[i].material == index)
-            triangles += scene->meshes[scene->instances[i].mesh].triangle_count;
-    mcv_report_element(report, material->name, mcv_material_types[material->type]);
-    mcv_report_number(report, "triangles", "", triangles);
-    report_parameters(report, mcv_material_table(material->type), &material->as);
-    if (material->texture != MCV_NONE)
-        mcv_report_text(report, "texture", scene->textures[material->texture].name);
-    mcv_report_close(report);
-}
-
-/* --- what rendering takes
- * --------------------------------------------------------------------------------------- */
 
 static void report_work(mcv_report *report, const mcv_packed *packed,
                         const mcv_feature_causes *causes) {
@@ -339,13 +115,14 @@ static mcv_result print_report(const mcv_scene *scene, const mcv_packed *packed,
     mcv_report_list(&report, "sensors");
     for (uint32_t i = 0; i < scene->sensor_count; ++i)
         if (only == MCV_NONE || only == i)
-            MCV_TRY(report_sensor(&report, scene, i, findings, error));
+            MCV_TRY(mcv_check_report_sensor(&report, scene, i, findings, error));
     mcv_report_close(&report);
     mcv_report_list(&report, "emitters");
-    for (uint32_t i = 0; i < scene->emitter_count; ++i) report_emitter(&report, scene, i);
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) mcv_check_report_emitter(&report, scene, i);
     mcv_report_close(&report);
     mcv_report_list(&report, "materials");
-    for (uint32_t i = 0; i < scene->material_count; ++i) report_material(&report, scene, i);
+    for (uint32_t i = 0; i < scene->material_count; ++i)
+        mcv_check_report_material(&report, scene, i);
     mcv_report_close(&report);
     report_work(&report, packed, causes);
     report_findings(&report, findings);
@@ -360,8 +137,8 @@ static void print_defines(uint32_t features, uint32_t channels, uint32_t sensor_
 }
 
 static mcv_result report_scene(const mcv_scene *scene, const mcv_packed *packed,
-                               const mcv_feature_causes *causes,
-                               const mcv_command *command, mcv_error *error) {
+                               const mcv_feature_causes *causes, const mcv_command *command,
+                               mcv_error *error) {
     mcv_findings findings;
     MCV_TRY(mcv_findings_of(scene, &findings, error));
     mcv_result result = print_report(scene, packed, causes, command, &findings, error);

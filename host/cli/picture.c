@@ -4,8 +4,10 @@
 #include "cli/camera.h"
 #include "scene/sensor_find.h"
 #include "io/exr.h"
+#include "core/basics.h"
 #include "core/output_file.h"
 #include "scene/camera_model.h"
+#include "scene/sensors.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -102,9 +104,9 @@ static mcv_result hash_file(const char *path, uint64_t *hash, mcv_error *error) 
     unsigned char bytes[65536];
     FILE *file = fopen(path, "rb");
     if (!file) return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", path, strerror(errno));
-    *hash = 0xcbf29ce484222325u;
+    *hash = MCV_HASH_BEGIN;
     for (size_t count; (count = fread(bytes, 1, sizeof bytes, file)) > 0;)
-        for (size_t i = 0; i < count; ++i) *hash = (*hash ^ bytes[i]) * 0x100000001b3u;
+        *hash = mcv_hash_bytes(*hash, bytes, count);
     const bool failed = ferror(file);
     fclose(file);
     return failed ? mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read to its end", path) : MCV_OK;

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/sweep.h"
+#include "cli/command.h"
+#include "loader/load.h"
 
 #include <math.h>
 #include <stdio.h>

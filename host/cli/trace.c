@@ -5,6 +5,7 @@
 #include "core/output_file.h"
 #include "reference/reference.h"
 #include "loader/load.h"
+#include "scene/geometry.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -22,3 +22,9 @@ int mcv_whole_characters(const char *text, int most) {
     for (count = most; count > 0 && ((unsigned char)text[count] & 0xc0) == 0x80;) --count;
     return count;
 }
+
+uint64_t mcv_hash_bytes(uint64_t hash, const void *data, size_t size) {
+    const unsigned char *bytes = data;
+    for (size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 0x100000001b3u;
+    return hash;
+}

@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 /* Several texts, none of which are owned. */
 typedef struct mcv_texts {
@@ -16,6 +17,10 @@ double mcv_seconds(void);
 
 /* Whether a file's name has this ending, ".png", in capitals or not. */
 bool mcv_ends_in(const char *path, const char *ending);
+
+/* FNV-1a, 64 bits: continues a hash, at first MCV_HASH_BEGIN, by some bytes. */
+#define MCV_HASH_BEGIN 0xcbf29ce484222325u
+uint64_t mcv_hash_bytes(uint64_t hash, const void *data, size_t size);
 
 /* How many bytes of a text, at most so many, end with a whole character of UTF-8: for "%.*s". */
 int mcv_whole_characters(const char *text, int most);

@@ -11,6 +11,9 @@
 #include "scene/emitters.h"
 #include "scene/mesh.h"
 #include "scene/sensors.h"
+#include "scene/geometry.h"
+#include "scene/materials.h"
+#include "scene/spectra.h"
 
 static const char *const feature_words[] = {
 #define MCV_X(NAME, word, why) word,

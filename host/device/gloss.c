@@ -8,6 +8,7 @@
 #include "mcvisi/materials/microfacet.h"
 #include "device/albedo.h"
 #include "device/multiple.h"
+#include "scene/materials.h"
 
 /* α along the tangent and across, as the device computes it. */
 static void alphas(double roughness, double anisotropy, double alpha[2]) {

@@ -10,6 +10,9 @@
 #include "device/pack_steps.h"
 #include "scene/emitters.h"
 #include "scene/mesh.h"
+#include "scene/geometry.h"
+#include "scene/materials.h"
+#include "scene/spectra.h"
 
 void *mcv_pack_allocate(size_t count, size_t size, bool *failed) {
     void *memory = calloc(count > 0 ? count : 1, size);

@@ -9,6 +9,8 @@
 #include "device/light.h"
 #include "scene/emitters.h"
 #include "scene/mesh.h"
+#include "scene/geometry.h"
+#include "scene/texture.h"
 
 /* Over all channels; of what comes from infinitely far away that which falls on the scene's ball.
  */

@@ -7,6 +7,7 @@
 
 #include "scene/mesh.h"
 #include "scene/transform.h"
+#include "scene/geometry.h"
 
 mcv_box3d mcv_box3d_empty(void) {
     return (mcv_box3d){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Materials, textures, and how the tile schedule shades an instance. */
 #include "device/pack_steps.h"
+#include "scene/materials.h"
+#include "scene/texture.h"
 
 #include <math.h>
 

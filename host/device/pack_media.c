@@ -9,6 +9,8 @@
 #include "device/gloss.h"
 #include "scene/mesh.h"
 #include "scene/solid.h"
+#include "scene/geometry.h"
+#include "scene/materials.h"
 
 /* One medium: bodies of one material that keep apart share it. */
 typedef struct body_medium {

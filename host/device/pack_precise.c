@@ -2,6 +2,7 @@
 /* What `--precision mixed` needs of a scene beside the floats: their rests, exact surfaces and
  * refractive indices in double. */
 #include "device/pack.h"
+#include "scene/geometry.h"
 
 #include <stdlib.h>
 

@@ -6,6 +6,7 @@
 #include "experiment/run_set.h"
 #include "experiment/sidecar.h"
 #include "scene/sensor_find.h"
+#include "loader/load.h"
 
 #include <errno.h>
 #include <inttypes.h>

@@ -20,6 +20,7 @@
 #include "experiment/table.h"
 #include "loader/load.h"
 #include "render/render.h"
+#include "loader/load.h"
 
 #include <jansson.h>
 

@@ -4,6 +4,7 @@
 #include "core/basics.h"
 #include "experiment/set_image.h"
 #include "scene/sensor_find.h"
+#include "loader/load.h"
 
 #include <math.h>
 #include <stdio.h>

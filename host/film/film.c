@@ -63,10 +63,11 @@ double mcv_film_mean_samples(const mcv_film *film) {
     return sum / ((double)film->width * film->height);
 }
 
-double mcv_tree_sum(const double *values, size_t count, size_t stride) {
+double mcv_pairwise_sum(const double *values, size_t count, size_t stride) {
     if (count == 1) return values[0];
     const size_t half = count / 2;
-    return mcv_tree_sum(values, half, stride) + mcv_tree_sum(values + half * stride, half, stride);
+    return mcv_pairwise_sum(values, half, stride) +
+           mcv_pairwise_sum(values + half * stride, half, stride);
 }
 
 mcv_result mcv_film_merge(mcv_film *a, const mcv_film *b, mcv_error *error) {

@@ -45,7 +45,7 @@ double mcv_film_mean_samples(const mcv_film *film);
  * sums of aligned halves are the halves of the sum, so blocks summed apart and then added give the
  * same bits.
  */
-double mcv_tree_sum(const double *values, size_t count, size_t stride);
+double mcv_pairwise_sum(const double *values, size_t count, size_t stride);
 
 /*
  * a += b, for the aligned sample range that follows a's. Fails where sizes differ, or where a is

@@ -68,8 +68,7 @@ typedef struct mcv_lens {
     mcv_lens_report *report;
 } mcv_lens;
 
-/* --- text (lens_text.c)
- * ----------------------------------------------------------------------------------------- */
+/* --- text (lens_text.c) --- */
 
 /* UTF-16 (with a byte order mark or by its zeros), UTF-8 or Latin-1 to UTF-8 that ends with 0 and
  * holds none; the caller frees. */
@@ -96,15 +95,12 @@ void mcv_lens_warn(mcv_lens *l, const char *format, ...) __attribute__((format(p
 /* Appends an empty surface that begins in the current line. */
 mcv_result mcv_lens_add_surface(mcv_lens *l, mcv_error *error);
 
-/* --- readers
- * ----------------------------------------------------------------------------------------------------
- */
+/* --- readers --- */
 
 mcv_result mcv_lens_zemax_read(mcv_lens *l, char *text, mcv_error *error);
 mcv_result mcv_lens_codev_read(mcv_lens *l, mcv_lens_shape shape, char *text, mcv_error *error);
 
-/* --- glasses (lens_glass.c)
- * ------------------------------------------------------------------------------------- */
+/* --- glasses (lens_glass.c) --- */
 
 /* Finds what stands behind each surface; `indices` as in mcv_lens_options. */
 mcv_result mcv_lens_find_glasses(mcv_lens *l, const char *const *indices, size_t index_count,
@@ -118,8 +114,7 @@ bool mcv_lens_fit_glass(mcv_lens_glass *glass, const double *wavelengths, const 
 /* The index behind a surface at a wavelength [m]. */
 double mcv_lens_index(const mcv_lens_surface *s, double wavelength);
 
-/* --- first-order optics (lens_first_order.c)
- * -------------------------------------------------------------------- */
+/* --- first-order optics (lens_first_order.c) --- */
 
 /* NAN where there is none; distances count from the last surface that bounds glass. */
 typedef struct mcv_lens_first_order {
@@ -153,8 +148,7 @@ mcv_lens_first_order mcv_lens_trace(const mcv_lens *l, bool as_written);
 mcv_result mcv_lens_find_semi_diameters(mcv_lens *l, int first, int end, const bool *given,
                                         mcv_error *error);
 
-/* --- glTF (lens_write.c)
- * ---------------------------------------------------------------------------------------- */
+/* --- glTF (lens_write.c) --- */
 
 /* The surfaces first … end - 1, and a stop that is none of a body; places count from the first
  * glass. NULL without memory. */

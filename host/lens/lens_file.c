@@ -9,8 +9,7 @@
 #include "core/basics.h"
 #include "lens/lens.h"
 
-/* --- radius or curvature
- * ---------------------------------------------------------------------------------------- */
+/* --- radius or curvature --- */
 
 static void read_as(mcv_lens *l, mcv_lens_shape shape) {
     for (int i = 0; i < l->count; ++i) {
@@ -63,8 +62,7 @@ static mcv_result choose_shape(mcv_lens *l, mcv_error *error) {
     return MCV_OK;
 }
 
-/* --- semi-diameters that fit the bodies
- * -------------------------------------------------------------------------- */
+/* --- semi-diameters that fit the bodies --- */
 
 /* Where a surface is upright, or a little before. */
 static double largest_radius(const mcv_lens_surface *s, double share) {
@@ -139,8 +137,7 @@ static void fit_semi_diameters(mcv_lens *l, int first, int end, const bool *give
         }
 }
 
-/* --- the file as a whole
- * ---------------------------------------------------------------------------------------- */
+/* --- the file as a whole --- */
 
 /* The surfaces that are written: from the first to the last of glass, and the stop. */
 static mcv_result find_extent(const mcv_lens *l, int *first, int *end, mcv_error *error) {

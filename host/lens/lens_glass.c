@@ -13,6 +13,7 @@
 #include "lens/glass_codes.h"
 #include "scene/params.h"
 #include "scene/scene.h"
+#include "scene/spectra.h"
 
 /* N-BK7 is NBK7_SCHOTT elsewhere. */
 static bool same_glass(const char *a, const char *b) {

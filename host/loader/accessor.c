@@ -163,9 +163,7 @@ mcv_result mcv_accessor_get(const json_t *root, const json_t *object, const char
     return mcv_accessor_check(root, json_array_get(accessors, index), accessor, &here, error);
 }
 
-/* --- reading
- * ----------------------------------------------------------------------------------------------------
- */
+/* --- reading --- */
 
 static double component(const uint8_t *p, uint32_t type) {
     uint16_t u16;
@@ -206,8 +204,8 @@ static const uint8_t *element(const mcv_gltf *gltf, const mcv_buffer_span *span,
 }
 
 /* A buffer may be declared without data. */
-static mcv_result check_data(const mcv_gltf *gltf, const mcv_buffer_span *span, const mcv_json_path *place,
-                             mcv_error *error) {
+static mcv_result check_data(const mcv_gltf *gltf, const mcv_buffer_span *span,
+                             const mcv_json_path *place, mcv_error *error) {
     if (span->view == MCV_NONE || span->end <= mcv_gltf_buffer(gltf, span->buffer).size)
         return MCV_OK;
     return mcv_fail_at(place, error, "buffer %u has no data: give it a uri", span->buffer);

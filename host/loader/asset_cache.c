@@ -11,9 +11,7 @@ struct mcv_asset_cache {
     size_t count, read;
 };
 
-/* --- stamps
- * -----------------------------------------------------------------------------------------------------
- */
+/* --- stamps --- */
 
 static bool read_stamp(const char *path, mcv_stamp *stamp) {
     struct stat s;
@@ -58,9 +56,7 @@ void mcv_stamps_free(mcv_stamp *stamps, size_t count) {
     free(stamps);
 }
 
-/* --- assets
- * -----------------------------------------------------------------------------------------------------
- */
+/* --- assets --- */
 
 mcv_asset_cache *mcv_asset_cache_new(void) { return calloc(1, sizeof(mcv_asset_cache)); }
 
@@ -102,7 +98,7 @@ const mcv_cached_asset *mcv_asset_cache_find(const mcv_asset_cache *cache, const
 }
 
 mcv_result mcv_asset_cache_add(mcv_loader *asset, const double size[3], const mcv_json_path *place,
-                        mcv_error *error) {
+                               mcv_error *error) {
     mcv_asset_cache *cache = asset->cache;
     if (!cache) return MCV_OK;
     mcv_cached_asset *assets = realloc(cache->assets, (cache->count + 1) * sizeof *assets);

@@ -3,6 +3,7 @@
 #include "loader/loader.h"
 
 #include "scene/mesh.h"
+#include "scene/materials.h"
 
 #include <stdlib.h>
 

@@ -27,9 +27,7 @@ mcv_result mcv_load_local(const json_t *node, mcv_transform *transform, const mc
     return MCV_OK;
 }
 
-/* --- MCVISI_pose
- * ------------------------------------------------------------------------------------------------
- */
+/* --- MCVISI_pose --- */
 
 typedef struct pose_params {
     MCV_POSE_PARAMS(MCV_DEFINE_FIELD)

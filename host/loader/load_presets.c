@@ -10,8 +10,7 @@
 
 enum { SEGMENTS = 128, DOME_RINGS = 24 };
 
-/* --- the element that shines
- * ------------------------------------------------------------------------------------ */
+/* --- the element that shines --- */
 
 static mcv_result check_diameters(double inner, double outer, const char *inner_key,
                                   const char *outer_key, const mcv_json_path *place,
@@ -63,8 +62,7 @@ mcv_result mcv_preset_resolve(const mcv_preset *preset, mcv_emitter *emitter,
     return check_shape(preset, place, error);
 }
 
-/* --- surfaces of revolution
- * ------------------------------------------------------------------------------------- */
+/* --- surfaces of revolution --- */
 
 typedef struct profile_point {
     double r, z;

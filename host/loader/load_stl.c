@@ -34,9 +34,7 @@ static mcv_result number_vertices(mcv_mesh *mesh, const mcv_json_path *place, mc
     return MCV_OK;
 }
 
-/* --- binary
- * -----------------------------------------------------------------------------------------------------
- */
+/* --- binary --- */
 
 static mcv_result read_binary(mcv_bytes bytes, mcv_mesh *mesh, const mcv_json_path *place,
                               mcv_error *error) {
@@ -63,9 +61,7 @@ static mcv_result read_binary(mcv_bytes bytes, mcv_mesh *mesh, const mcv_json_pa
     return MCV_OK;
 }
 
-/* --- ASCII
- * ------------------------------------------------------------------------------------------------------
- */
+/* --- ASCII --- */
 
 /* The next word; lines are counted. Whatever the locale, numbers have a point. */
 typedef struct reader {
@@ -183,9 +179,7 @@ static mcv_result read_ascii(mcv_bytes bytes, mcv_mesh *mesh, const mcv_json_pat
     return result;
 }
 
-/* --- both
- * -------------------------------------------------------------------------------------------------------
- */
+/* --- both --- */
 
 /* Binary files may begin with `solid` as well; ASCII has no byte 0 where they have their count. */
 static bool is_ascii(mcv_bytes bytes) {

@@ -9,9 +9,7 @@
 
 #include <stdlib.h>
 
-/* --- parameters
- * -------------------------------------------------------------------------------------------------
- */
+/* --- parameters --- */
 
 #define MCV_X(name, key, NAME) \
     typedef struct mcv_##name##_params { \
@@ -58,8 +56,7 @@ mcv_param_table mcv_lens_surface_table(void) {
     return (mcv_param_table){rows, sizeof rows / sizeof rows[0], sizeof(element_params)};
 }
 
-/* --- one optical surface
- * ---------------------------------------------------------------------------------------- */
+/* --- one optical surface --- */
 
 static mcv_result read_asphere(const json_t *object, mcv_cap *cap, const mcv_json_path *place,
                                mcv_error *error) {
@@ -95,9 +92,7 @@ static mcv_result make_cap(double radius, double curvature, double conic, bool c
     return read_asphere(object, cap, place, error);
 }
 
-/* --- lenses
- * -----------------------------------------------------------------------------------------------------
- */
+/* --- lenses --- */
 
 typedef struct lens_surface {
     lens_surface_params params;
@@ -190,9 +185,7 @@ static mcv_result define_lens(mcv_loader *loader, const json_t *object, mcv_body
     return result;
 }
 
-/* --- other bodies
- * -----------------------------------------------------------------------------------------------
- */
+/* --- other bodies --- */
 
 /* One solid; its params have been checked. */
 static mcv_result make_solid(uint32_t type, const void *params, const json_t *object,
@@ -289,8 +282,7 @@ void mcv_load_free_bodies(mcv_loader *loader) {
     free(loader->bodies);
 }
 
-/* --- what a node places
- * ----------------------------------------------------------------------------------------- */
+/* --- what a node places --- */
 
 mcv_result mcv_load_body(mcv_loader *loader, const json_t *node, const mcv_transform *to_world,
                          const mcv_json_path *place, mcv_error *error) {

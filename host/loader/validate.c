@@ -71,8 +71,7 @@ static mcv_result check_asset(const json_t *root, const mcv_json_path *file, mcv
     return MCV_OK;
 }
 
-/* --- nodes and scenes
- * ------------------------------------------------------------------------------------------- */
+/* --- nodes and scenes --- */
 
 static mcv_result check_transform(const json_t *node, const mcv_json_path *place,
                                   mcv_error *error) {
@@ -214,8 +213,7 @@ static mcv_result check_nodes(const json_t *root, const mcv_json_path *file, mcv
     return result;
 }
 
-/* --- cameras, textures
- * ------------------------------------------------------------------------------------------ */
+/* --- cameras, textures --- */
 
 static mcv_result check_camera(const json_t *root, const json_t *camera, mcv_bytes binary,
                                const mcv_json_path *place, mcv_error *error) {

@@ -5,6 +5,7 @@
 
 #include "reference/texture.h"
 #include "scene/emitters.h"
+#include "scene/geometry.h"
 
 /* Half-angle of the cone into which every point emits, or 0. */
 static double cone_of(const mcv_emitter *emitter) {

@@ -3,6 +3,7 @@
 #include "reference/geometry.h"
 
 #include "reference/solids.h"
+#include "scene/geometry.h"
 
 #include <float.h>
 #include <stdlib.h>

@@ -7,6 +7,7 @@
 #include "mcvisi/materials/microfacet.h"
 #include "reference/interface.h"
 #include "device/multiple.h"
+#include "scene/materials.h"
 
 enum { COSINES = 100, AZIMUTHS = 25, ROUGHNESSES = 33, NORMALS = 64 };
 

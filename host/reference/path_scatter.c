@@ -4,6 +4,7 @@
 
 #include "reference/lights.h"
 #include "reference/retroreflector.h"
+#include "scene/materials.h"
 
 static ref_vec to_frame(const ref_scatterer *s, ref_vec v) {
     return (ref_vec){ref_dot(v, s->x), ref_dot(v, s->y), ref_dot(v, s->interaction.normal)};

@@ -4,6 +4,8 @@
 
 #include "reference/retroreflector.h"
 #include "reference/texture.h"
+#include "scene/materials.h"
+#include "scene/spectra.h"
 
 /* Where a medium on either side refracts channels differently only one of them goes on. */
 static void keep_channel(ref_path *p, const mcv_dielectric_params *near,

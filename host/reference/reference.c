@@ -10,6 +10,8 @@
 
 #include "core/basics.h"
 #include "reference/path.h"
+#include "scene/sensors.h"
+#include "scene/spectra.h"
 
 /* A pass: the samples [first, first + count) of every replicate of every pixel. Threads take whole
  * rows. */

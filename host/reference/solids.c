@@ -26,9 +26,7 @@ static ref_vec place_in(const mcv_solid *solid, ref_vec point) {
 
 static ref_vec along(ref_vec p, double t, ref_vec d) { return ref_add(p, ref_scale(t, d)); }
 
-/* --- caps
- * -------------------------------------------------------------------------------------------------------
- */
+/* --- caps --- */
 
 static double square_radius(const mcv_cap *cap, double x, double y) {
     return cap->cylindrical ? y * y : x * x + y * y;
@@ -155,9 +153,7 @@ static int meet_cap(const mcv_solid *solid, int piece, ref_vec p, ref_vec d, boo
     return kept;
 }
 
-/* --- sides
- * ------------------------------------------------------------------------------------------------------
- */
+/* --- sides --- */
 
 static bool between_caps(const mcv_solid *solid, ref_vec p) {
     return solid->side == MCV_SIDE_SPHERE ||
@@ -205,9 +201,7 @@ static int meet_box_side(const mcv_solid *solid, ref_vec p, ref_vec d, bool on,
     return kept;
 }
 
-/* --- pieces
- * -----------------------------------------------------------------------------------------------------
- */
+/* --- pieces --- */
 
 int ref_meet_piece(const mcv_solid *solid, int piece, ref_vec origin, ref_vec direction, bool on,
                    double distances[REF_MEETINGS]) {

@@ -8,6 +8,7 @@
 #include "reference/reference.h"
 #include "reference/retroreflector.h"
 #include "reference/texture.h"
+#include "scene/materials.h"
 
 typedef struct vertices {
     mcv_vertex *items;

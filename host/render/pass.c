@@ -45,7 +45,7 @@ typedef struct readback {
 static double sum_of_set(const readback *h, uint32_t set, uint32_t channel, uint32_t channels) {
     const size_t at = (size_t)set * channels + channel;
     if (h->blocks_per_set == 1) return (double)h->read[2 * at] + (double)h->read[2 * at + 1];
-    return mcv_tree_sum(h->blocks + at * h->blocks_per_set, h->blocks_per_set, 1);
+    return mcv_pairwise_sum(h->blocks + at * h->blocks_per_set, h->blocks_per_set, 1);
 }
 
 /* Adds what was read; after the last launch of the sets, their sums go into the round. */

@@ -10,6 +10,8 @@
 #include "core/basics.h"
 #include "film/film.h"
 #include "render/renderer.h"
+#include "scene/sensors.h"
+#include "scene/spectra.h"
 
 mcv_render_options mcv_render_defaults(void) {
     return (mcv_render_options){

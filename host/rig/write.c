@@ -32,9 +32,7 @@ enum { CHOSEN = 4, GIVEN = 9 }; /* digits of lengths */
 
 static const char *length(double metres) { return mcv_rig_length(metres, CHOSEN); }
 
-/* --- elements
- * ---------------------------------------------------------------------------------------------------
- */
+/* --- elements --- */
 
 static bool is_light_field(const mcv_rig *r) {
     return r->wishes.kind == MCV_RIG_LIGHT_FIELD || r->wishes.kind == MCV_RIG_TRANSPARENT;
@@ -214,9 +212,7 @@ static void print_rig(FILE *out, const mcv_rig *r, const char *uri) {
     fprintf(out, "}}\n  ]\n}\n");
 }
 
-/* --- files
- * ------------------------------------------------------------------------------------------------------
- */
+/* --- files --- */
 
 static mcv_result plan_output(const mcv_rig *r, const char *output, char *path, mcv_error *error) {
     const char *part = r->wishes.part, *dot = strrchr(part, '.');

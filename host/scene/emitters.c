@@ -4,6 +4,7 @@
 
 #include "scene/params.h"
 #include "scene/sensors.h"
+#include "scene/texture.h"
 
 #include <float.h>
 

@@ -3,6 +3,7 @@
 #include "scene/emitter_shape.h"
 
 #include "scene/sensors.h"
+#include "scene/geometry.h"
 
 #include <float.h>
 

@@ -2,6 +2,7 @@
 /* The scene's triangles in the world. */
 #include "scene/mesh.h"
 #include "scene/transform.h"
+#include "scene/geometry.h"
 
 #include <math.h>
 

@@ -9,6 +9,7 @@
  * 437 to 1052 nm.
  */
 #include "scene/scene.h"
+#include "scene/spectra.h"
 
 /* The squared index of air relative to vacuum. */
 #define AIR (1.000272 * 1.000272)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What several kinds of material have in common. */
-#include "scene/scene.h"
+#include "scene/materials.h"
 
 mcv_roughness mcv_material_roughness(const mcv_material *material) {
     switch (material->type) {

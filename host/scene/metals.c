@@ -8,6 +8,7 @@
  * polished metal with an oxide reflects less.
  */
 #include "scene/scene.h"
+#include "scene/spectra.h"
 
 static const struct {
     int count;

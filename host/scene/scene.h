@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The scene as the host works with it: what the file says, in SI units and double, before any
- * re-centring or packing for a device. The loader (host/loader/load.c) makes it; the OpenCL
+ * re-centring or packing for a device. The loader (loader/load.h) makes it. The OpenCL
  * renderer, the reference renderer and `mcvisi check` read it.
  *
  * Everything inside is owned by the scene and freed by mcv_scene_free. Tests may build one by hand
@@ -10,56 +10,9 @@
 #ifndef MCVISI_HOST_SCENE_SCENE_H
 #define MCVISI_HOST_SCENE_SCENE_H
 
-#include "mcvisi/elements.h"
 #include "mcvisi/mcvisi.h"
-#include "mcvisi/params.h"
-
-#include "mcvisi/emitters/area.h"
-#include "mcvisi/emitters/collimated_beam.h"
-#include "mcvisi/emitters/directional.h"
-#include "mcvisi/emitters/environment.h"
-#include "mcvisi/emitters/light_field.h"
-#include "mcvisi/emitters/parallel.h"
-#include "mcvisi/emitters/point.h"
-#include "mcvisi/emitters/projector.h"
-#include "mcvisi/emitters/spot.h"
-#include "mcvisi/emitters/telecentric_projector.h"
-#include "mcvisi/materials/absorber.h"
-#include "mcvisi/materials/beam_splitter.h"
-#include "mcvisi/materials/conductor.h"
-#include "mcvisi/materials/dielectric.h"
-#include "mcvisi/materials/diffuse.h"
-#include "mcvisi/materials/metallic_roughness.h"
-#include "mcvisi/materials/mirror.h"
-#include "mcvisi/materials/retroreflector.h"
-#include "mcvisi/materials/sheet.h"
-#include "mcvisi/pattern.h"
-#include "mcvisi/presets/bar.h"
-#include "mcvisi/presets/coaxial.h"
-#include "mcvisi/presets/dome.h"
-#include "mcvisi/presets/ring.h"
-#include "mcvisi/sensors/light_field.h"
-#include "mcvisi/sensors/pinhole.h"
-#include "mcvisi/sensors/telecentric.h"
-#include "mcvisi/sensors/thin_lens.h"
-#include "mcvisi/surfaces/surfaces.h"
-
-/* The parameter structs mcv_<name>_params; the absorber has no parameters and C no empty structs.
- */
-#define MCV_X(name, key, NAME) \
-    typedef struct mcv_##name##_params { \
-        MCV_##NAME##_PARAMS(MCV_DEFINE_FIELD) char end; \
-    } mcv_##name##_params;
-MCV_SENSORS(MCV_X)
-MCV_EMITTERS(MCV_X)
-MCV_PRESETS(MCV_X)
-MCV_MATERIALS(MCV_X)
-#undef MCV_X
-
-/* Row-major affine map of points: world = m[0..8] p + m[9..11]. */
-typedef struct mcv_transform {
-    double m[12];
-} mcv_transform;
+#include "scene/elements.h"
+#include "scene/transform.h"
 
 /* An image, row 0 on top: 8-bit RGBA whose values are sRGB-encoded (glTF), or linear values
  * (OpenEXR). */
@@ -187,13 +140,6 @@ typedef struct mcv_sensor {
     } as; /* resolved: the report's parameters are all set */
 } mcv_sensor;
 
-/* What microfacets lose is tabled for one channel's indices: green's. */
-enum { MCV_ALBEDO_CHANNEL = 1 };
-
-/* A scene's wavelengths lie between [m]. */
-#define MCV_LEAST_WAVELENGTH 1e-7
-#define MCV_LARGEST_WAVELENGTH 1e-4
-
 typedef struct mcv_scene {
     char *path; /* of the file, for messages */
     uint32_t texture_count, material_count, mesh_count, instance_count, emitter_count, sensor_count;
@@ -223,7 +169,9 @@ mcv_scene *mcv_scene_new(const char *path);
  * Each copies its argument (arrays, names and all) and appends it; the new element has the index
  * count - 1. add_instance sets first_triangle and triangle_count; add_emitter sets area, resolves
  * radiance or power, takes texture from the parameter `image` where it has one, and marks its
- * instance; add_sensor resolves the parameters. Bad values fail as they would from a file.
+ * instance; add_sensor resolves the parameters. add_instance gives a mesh without tangents some if
+ * its material needs them: by its texture coordinates, or else along its x axis. Bad values fail as
+ * they would from a file.
  */
 mcv_result mcv_scene_add_texture(mcv_scene *scene, const mcv_texture *texture, mcv_error *error);
 mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material, mcv_error *error);
@@ -241,98 +189,8 @@ mcv_result mcv_scene_add_frame(mcv_scene *scene, const char *name, bool of_asset
  * instance). */
 mcv_result mcv_scene_add_solid(mcv_scene *scene, const mcv_solid *solid, const char *name,
                                uint32_t body, uint32_t rim, mcv_error *error);
-/* A mesh without tangents gets them, by its texture coordinates or else along its x axis, when a
- * material is put on it that needs them. */
+/* Adds a sentence to the scene's warnings. */
 mcv_result mcv_scene_warn(mcv_scene *scene, mcv_error *error, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-
-/* All parameters of `params` at their defaults (NaN where unset), for hand-made elements: table
- * from mcv_<kind>_table(type). */
-typedef struct mcv_param_table {
-    const mcv_param *params;
-    size_t count;
-    size_t struct_size;
-} mcv_param_table;
-mcv_param_table mcv_sensor_table(uint32_t type);
-mcv_param_table mcv_emitter_table(uint32_t type); /* presets too */
-mcv_param_table mcv_material_table(uint32_t type);
-void mcv_params_set_defaults(mcv_param_table table, void *params);
-/* A parameter's field of params, or NULL where the table has none of that name. */
-void *mcv_params_find(mcv_param_table table, const char *key, const void *params);
-
-/*
- * The wavelength that a channel stands for [m]. Unless the scene says, a grey scene is rendered at
- * the d line of helium, 587.6 nm, and the channels of a coloured one at 611.4, 549.1 and 464.2 nm.
- */
-double mcv_scene_wavelength(const mcv_scene *scene, int channel);
-
-/* Sets n and k of conductors given by name. Call it when all else is in the scene: what it holds
- * decides whether it is grey. */
-void mcv_scene_settle_spectra(mcv_scene *scene);
-
-/* The index of a glass (an option of `glass`) at a wavelength [m]. */
-double mcv_glass_index(int glass, double wavelength);
-
-/* The index at a wavelength [m] by Cauchy's first two terms from n_d and Abbe's number; at least 1.
- */
-double mcv_cauchy_index(double n_d, double abbe_number, double wavelength);
-
-/* n and k of a metal (an option of `metal`), between the wavelengths of its table by line, beyond
- * them at their ends. */
-void mcv_metal_index(int metal, double wavelength, double *n, double *k);
-
-/* The microfacets of a material; all 0 where it is smooth or has none. */
-typedef struct mcv_roughness {
-    double roughness;  /* α is its square */
-    double anisotropy; /* 0 … 1 */
-    double rotation;   /* of the rougher direction from the tangent, counter-clockwise [rad] */
-} mcv_roughness;
-mcv_roughness mcv_material_roughness(const mcv_material *material);
-bool mcv_material_is_rough(const mcv_material *material); /* it consists of microfacets */
-double mcv_material_coating(const mcv_material *material,
-                            double outside); /* its R0 against a medium of an index, or 0: none */
-uint32_t mcv_material_surface_texture(
-    const mcv_material *material);                     /* of roughness and metallic, or MCV_NONE */
-bool mcv_scene_has_directions(const mcv_scene *scene); /* whether a material is anisotropic */
-
-/* Pixels of the sensor's image. */
-void mcv_sensor_film_size(const mcv_sensor *sensor, uint32_t *width, uint32_t *height);
-
-/* The linear value of a byte encoded as IEC 61966-2-1 says. */
-double mcv_srgb_decode(uint8_t value);
-
-/* Linear R, G, B of a texture's pixel; `decoded` holds mcv_srgb_decode of all bytes. */
-void mcv_texture_value(const mcv_texture *texture, const double decoded[256], uint32_t column,
-                       uint32_t row, double rgb[3]);
-void mcv_srgb_table(double decoded[256]);
-
-bool mcv_is_grey(const double spectrum[3]);
-
-/* The number of channels that the spectra need: 1 if all are grey and no texture is coloured,
- * else 3. */
-uint32_t mcv_scene_channels(const mcv_scene *scene);
-
-/* World geometry in double. `global` is a triangle's number; `instance` gets its instance. Corners
- * run counter-clockwise from the front. */
-uint32_t mcv_scene_instance_of(const mcv_scene *scene, uint32_t global);
-void mcv_scene_triangle(const mcv_scene *scene, uint32_t instance, uint32_t local,
-                        uint32_t vertices[3]); /* of the mesh, in that order */
-void mcv_scene_vertex(const mcv_scene *scene, uint32_t instance, uint32_t vertex, double world[3]);
-void mcv_scene_box(const mcv_scene *scene, uint32_t instance, double lower[3],
-                   double upper[3]); /* without vertices: lower > upper */
-void mcv_scene_corners(const mcv_scene *scene, uint32_t instance, uint32_t local,
-                       double corners[3][3]);
-void mcv_scene_face_normal(const mcv_scene *scene, uint32_t instance, uint32_t local,
-                           double normal[3]); /* twice the area long */
-void mcv_scene_vertex_normals(const mcv_scene *scene, uint32_t instance, uint32_t local,
-                              double normals[3][3]); /* unit; flat meshes: the face's */
-/* A vertex's tangent in the world, not normalised, and the sign of its bitangent: normal x tangent.
- */
-void mcv_scene_tangent(const mcv_scene *scene, uint32_t instance, uint32_t vertex,
-                       double tangent[4]);
-void mcv_transform_point(const mcv_transform *transform, const double p[3], double out[3]);
-void mcv_transform_vector(const mcv_transform *transform, const double v[3], double out[3]);
-mcv_transform mcv_transform_compose(const mcv_transform *outer, const mcv_transform *inner);
-mcv_transform mcv_transform_identity(void);
 
 #endif

@@ -10,6 +10,7 @@
 #include "scene/solid.h"
 #include "scene/spectra.h"
 #include "scene/transform.h"
+#include "scene/materials.h"
 
 #include <float.h>
 #include <stdarg.h>

@@ -4,6 +4,7 @@
 #include "scene/params.h"
 #include "scene/pattern.h"
 #include "scene/surfaces.h"
+#include "scene/spectra.h"
 
 const char *const mcv_schema_names[] = {
     "MCVISI_sensors", "MCVISI_emitters", "MCVISI_materials", "MCVISI_assets",

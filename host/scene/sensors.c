@@ -3,8 +3,7 @@
 
 #include "scene/params.h"
 
-/* --- what is read out
- * ------------------------------------------------------------------------------------------- */
+/* --- what is read out --- */
 
 /* The parameters that say so, of any sensor; its resolution counts macro pixels of `angular` pixels
  * each. */
@@ -87,9 +86,7 @@ static mcv_centre centre(const mcv_readout *readout, int axis, uint32_t binning)
     return (mcv_centre){(int)halves, (float)(from_first - halves / 2)};
 }
 
-/* --- pinhole
- * ----------------------------------------------------------------------------------------------------
- */
+/* --- pinhole --- */
 
 mcv_result mcv_pinhole_resolve(mcv_pinhole_params *params, const mcv_json_path *place,
                                mcv_error *error) {
@@ -110,9 +107,7 @@ void mcv_pinhole_prepare(const mcv_pinhole_params *params, mcv_pinhole *device) 
     };
 }
 
-/* --- what agrees
- * -------------------------------------------------------------------------------------------------
- */
+/* --- what agrees --- */
 
 /*
  * Values that follow from others may be given too, rounded: half a unit in the fourth digit of a
@@ -134,9 +129,7 @@ static mcv_result settle(double *value, double follows, const char *key, const c
     return MCV_OK;
 }
 
-/* --- thin lens
- * --------------------------------------------------------------------------------------------------
- */
+/* --- thin lens --- */
 
 /* A/h² where irradiance is measured, else 0. */
 static double etendue(int radiometry, double area, double distance) {
@@ -193,9 +186,7 @@ void mcv_thin_lens_prepare(const mcv_thin_lens_params *params, mcv_thin_lens *de
     };
 }
 
-/* --- telecentric
- * ------------------------------------------------------------------------------------------------
- */
+/* --- telecentric --- */
 
 /*
  * f and b from any two of f, b, m, W; settle() compares the rest with them. Where more are given f
@@ -293,9 +284,7 @@ void mcv_telecentric_prepare(const mcv_telecentric_params *params, mcv_telecentr
     };
 }
 
-/* --- light field
- * ------------------------------------------------------------------------------------------------
- */
+/* --- light field --- */
 
 mcv_result mcv_light_field_resolve(mcv_light_field_params *p, const mcv_json_path *place,
                                    mcv_error *error) {
@@ -324,9 +313,7 @@ void mcv_light_field_prepare(const mcv_light_field_params *params, mcv_light_fie
     };
 }
 
-/* --- all
- * --------------------------------------------------------------------------------------------------------
- */
+/* --- all --- */
 
 mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_json_path *place, mcv_error *error) {
     MCV_TRY(mcv_params_check(mcv_sensor_table(sensor->type), &sensor->as, place, error));

@@ -67,4 +67,7 @@ typedef struct mcv_optics {
 } mcv_optics;
 mcv_optics mcv_sensor_optics(const mcv_sensor *sensor);
 
+/* Pixels of the sensor's image. */
+void mcv_sensor_film_size(const mcv_sensor *sensor, uint32_t *width, uint32_t *height);
+
 #endif

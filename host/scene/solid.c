@@ -2,6 +2,7 @@
 #include "scene/solid.h"
 
 #include "scene/transform.h"
+#include "scene/materials.h"
 
 #include <math.h>
 

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "scene/transform.h"
 
+#include <math.h>
+#include <string.h>
+
 mcv_transform mcv_transform_identity(void) {
     return (mcv_transform){{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}};
 }

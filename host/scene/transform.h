@@ -1,9 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Affine transforms in double; the ones that others need are declared in scene.h. */
+/* Affine transforms in double. */
 #ifndef MCVISI_HOST_SCENE_TRANSFORM_H
 #define MCVISI_HOST_SCENE_TRANSFORM_H
 
-#include "scene/scene.h"
+#include <stdbool.h>
+
+/* Row-major affine map of points: world = m[0..8] p + m[9..11]. */
+typedef struct mcv_transform {
+    double m[12];
+} mcv_transform;
+
+void mcv_transform_point(const mcv_transform *transform, const double p[3], double out[3]);
+void mcv_transform_vector(const mcv_transform *transform, const double v[3], double out[3]);
+mcv_transform mcv_transform_compose(const mcv_transform *outer, const mcv_transform *inner);
+mcv_transform mcv_transform_identity(void);
 
 /* Negative where the transform mirrors. */
 double mcv_transform_determinant(const mcv_transform *transform);

@@ -5,6 +5,7 @@
 
 #include "exact_builder.h"
 #include "reference/vector.h"
+#include "scene/geometry.h"
 
 /* What a ray is off by: place [m] and direction [rad]. */
 typedef struct off_by {

@@ -11,6 +11,7 @@
 #include "reference/random.h"
 #include "reference/sensor_ray.h"
 #include "scene/emitters.h"
+#include "scene/sensors.h"
 #include "truths.h"
 
 enum { CASES = 1 << 20 };

@@ -6,6 +6,7 @@
 
 #include "analysis/compare.h"
 #include "render/adaptive.h"
+#include "scene/spectra.h"
 
 /* test_adaptive_slow.c sets it: all cases, of which the quick test has those that no others stand
  * for. */

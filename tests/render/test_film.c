@@ -23,15 +23,15 @@ static void test_tree_sum_is_the_same_for_every_split(void **state) {
     double in_order = 0;
     for (int i = 0; i < COUNT * STRIDE; ++i) values[i] = scattered(&seed);
     for (size_t i = 0; i < COUNT; ++i) in_order += values[i * STRIDE];
-    const double whole = mcv_tree_sum(values, COUNT, STRIDE);
+    const double whole = mcv_pairwise_sum(values, COUNT, STRIDE);
     /* Any order is within n u of the sum of magnitudes; the data are such that the bits do differ,
      * else the test says nothing. */
     assert_true(whole != in_order);
     for (size_t block = 1; block <= COUNT; block *= 2) {
         double blocks[COUNT];
         for (size_t i = 0; i < COUNT / block; ++i)
-            blocks[i] = mcv_tree_sum(values + i * block * STRIDE, block, STRIDE);
-        const double sum = mcv_tree_sum(blocks, COUNT / block, 1);
+            blocks[i] = mcv_pairwise_sum(values + i * block * STRIDE, block, STRIDE);
+        const double sum = mcv_pairwise_sum(blocks, COUNT / block, 1);
         if (sum != whole) fail_msg("blocks of %zu: %.17g instead of %.17g", block, sum, whole);
     }
 }
@@ -53,13 +53,13 @@ static void test_merge_of_rounds_equals_the_whole(void **state) {
         assert_int_equal(mcv_film_new(&round, 3, 2, 1, REPLICATES, &error), MCV_OK);
         round.samples = count;
         for (int i = 0; i < REPLICATES * PIXELS; ++i)
-            round.sums[i] = mcv_tree_sum(values + (size_t)i * SAMPLES + first, count, 1);
+            round.sums[i] = mcv_pairwise_sum(values + (size_t)i * SAMPLES + first, count, 1);
         assert_int_equal(mcv_film_merge(&film, &round, &error), MCV_OK);
         mcv_film_free(&round);
     }
     assert_int_equal(film.samples, SAMPLES);
     for (int i = 0; i < REPLICATES * PIXELS; ++i) {
-        const double whole = mcv_tree_sum(values + (size_t)i * SAMPLES, SAMPLES, 1);
+        const double whole = mcv_pairwise_sum(values + (size_t)i * SAMPLES, SAMPLES, 1);
         if (film.sums[i] != whole)
             fail_msg("place %d: %.17g instead of %.17g", i, film.sums[i], whole);
     }

@@ -478,7 +478,7 @@ static void test_many_equal_samples(void **state) {
     int filled[LEVELS + 1] = {0};
     for (int i = 0; i < 64; ++i) block[i] = i % 2 ? 1 + 0x1p-24 : 1 - 0x1p-24;
     for (uint32_t b = 0; b < 1u << LEVELS; ++b) {
-        double sum = mcv_tree_sum(block, 64, 1);
+        double sum = mcv_pairwise_sum(block, 64, 1);
         int level = 0;
         for (; filled[level]; ++level) {
             sum += tree[level];

@@ -9,6 +9,7 @@
 #include "reference/reference.h"
 #include "reference/vector.h"
 #include "loader/load.h"
+#include "scene/geometry.h"
 
 enum { RAYS = 1 << 20 };
 static const double u = 0x1p-24;

@@ -8,6 +8,7 @@
 
 #include "reference/reference.h"
 #include "scene_files.h"
+#include "scene/geometry.h"
 
 static mcv_error error;
 

@@ -5,6 +5,7 @@
 
 #include "lens/glass_codes.h"
 #include "scene/params.h"
+#include "scene/spectra.h"
 
 static const char zemax[] =
     "VERS 150514\r\nMODE SEQ\r\nNAME \xd8"

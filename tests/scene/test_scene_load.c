@@ -4,6 +4,8 @@
 #include "test.h"
 
 #include "scene_files.h"
+#include "scene/geometry.h"
+#include "scene/spectra.h"
 
 #include <float.h>
 #include <math.h>

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 
 #include "scene/scene.h"
+#include "scene/geometry.h"
 #include "loader/load.h"
 
 #define PI 3.14159265358979323846

@@ -10,6 +10,7 @@
 #include "check/findings.h"
 #include "comma_locale.h"
 #include "scene_files.h"
+#include "scene/geometry.h"
 
 /* A tetrahedron, outwards; 30 x 20 x 10. */
 enum { TRIANGLES = 4, BYTES = 84 + 50 * TRIANGLES };

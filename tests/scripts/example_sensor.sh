@@ -31,7 +31,7 @@ cat "$example/sensors.c" >>"$tree/host/scene/sensors.c"
 # 3. A line in the list, and the header's #include on both sides.
 # shellcheck disable=SC1003 # the backslash is C's
 after include/mcvisi/elements.h 'X(pinhole, "pinhole", PINHOLE)' '    X(line_scan, "lineScan", LINE_SCAN) \'
-after host/scene/scene.h '#include "mcvisi/sensors/light_field.h"' '#include "mcvisi/sensors/line_scan.h"'
+after host/scene/elements.h '#include "mcvisi/sensors/light_field.h"' '#include "mcvisi/sensors/line_scan.h"'
 after kernels/world.h '#define MCV_JOIN(a, b, c)' '#ifdef MCV_SENSOR_line_scan
 #include "mcvisi/sensors/line_scan.h"
 #endif'

@@ -31,8 +31,6 @@ TO_SPLIT = "to be split"
 LONG_FILES = {
     # host
     "host/cl/cl.c": TO_SPLIT,
-    "host/cli/check.c": TO_SPLIT,
-    "host/device/multiple.c": TO_SPLIT,
     "host/reference/gloss.c": TO_SPLIT,
     # kernels
     "kernels/bsdf/bsdf.h": TO_SPLIT,
@@ -49,17 +47,7 @@ LONG_FILES = {
 RULERS = "comments that divide it, to be joined to one line each when it is split"
 WIDE_FILES = {
     "host/lens/glass_codes.c": "a table: one glass in each line",
-    "host/cli/check.c": RULERS,
-    "host/device/multiple.c": RULERS,
-    "host/lens/lens.h": RULERS,
-    "host/loader/accessor.c": RULERS,
-    "host/loader/asset_cache.c": RULERS,
-    "host/loader/load_stl.c": RULERS,
-    "host/loader/load_surfaces.c": RULERS,
     "host/reference/gloss.c": RULERS,
-    "host/reference/solids.c": RULERS,
-    "host/rig/write.c": RULERS,
-    "host/scene/sensors.c": RULERS,
     "kernels/geometry/precise.h": RULERS,
     "kernels/geometry/solids.h": RULERS,
     "kernels/traverse/bvh8.h": RULERS,

@@ -4,6 +4,7 @@
  */
 #include "exact_builder.h"
 #include "loader/load.h"
+#include "scene/spectra.h"
 
 /* test_glass_slow.c sets it: all cases, of which the quick test has those that no others stand for.
  */

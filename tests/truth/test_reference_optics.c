@@ -8,6 +8,7 @@
 
 #include "reference/interface.h"
 #include "reference/random.h"
+#include "scene/geometry.h"
 
 /*
  * Rounding of traced coordinates of size <= 4: a path of this file takes fewer than 64 operations

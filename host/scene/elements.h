@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The parameters of all elements as structs and tables. Both follow from the lists of
+ * mcvisi/elements.h and of each element's header. */
+#ifndef MCVISI_HOST_SCENE_ELEMENTS_H
+#define MCVISI_HOST_SCENE_ELEMENTS_H
+
+#include "mcvisi/elements.h"
+#include "mcvisi/mcvisi.h"
+#include "mcvisi/params.h"
+
+#include "mcvisi/emitters/area.h"
+#include "mcvisi/emitters/collimated_beam.h"
+#include "mcvisi/emitters/directional.h"
+#include "mcvisi/emitters/environment.h"
+#include "mcvisi/emitters/light_field.h"
+#include "mcvisi/emitters/parallel.h"
+#include "mcvisi/emitters/point.h"
+#include "mcvisi/emitters/projector.h"
+#include "mcvisi/emitters/spot.h"
+#include "mcvisi/emitters/telecentric_projector.h"
+#include "mcvisi/materials/absorber.h"
+#include "mcvisi/materials/beam_splitter.h"
+#include "mcvisi/materials/conductor.h"
+#include "mcvisi/materials/dielectric.h"
+#include "mcvisi/materials/diffuse.h"
+#include "mcvisi/materials/metallic_roughness.h"
+#include "mcvisi/materials/mirror.h"
+#include "mcvisi/materials/retroreflector.h"
+#include "mcvisi/materials/sheet.h"
+#include "mcvisi/pattern.h"
+#include "mcvisi/presets/bar.h"
+#include "mcvisi/presets/coaxial.h"
+#include "mcvisi/presets/dome.h"
+#include "mcvisi/presets/ring.h"
+#include "mcvisi/sensors/light_field.h"
+#include "mcvisi/sensors/pinhole.h"
+#include "mcvisi/sensors/telecentric.h"
+#include "mcvisi/sensors/thin_lens.h"
+#include "mcvisi/surfaces/surfaces.h"
+
+/* The parameter structs mcv_<name>_params. `end` stands for the absorber, which has no parameters:
+ * C has no empty structs. */
+#define MCV_X(name, key, NAME) \
+    typedef struct mcv_##name##_params { \
+        MCV_##NAME##_PARAMS(MCV_DEFINE_FIELD) char end; \
+    } mcv_##name##_params;
+MCV_SENSORS(MCV_X)
+MCV_EMITTERS(MCV_X)
+MCV_PRESETS(MCV_X)
+MCV_MATERIALS(MCV_X)
+#undef MCV_X
+
+/* All parameters of `params` at their defaults (NaN where unset), for hand-made elements: table
+ * from mcv_<kind>_table(type). */
+typedef struct mcv_param_table {
+    const mcv_param *params;
+    size_t count;
+    size_t struct_size;
+} mcv_param_table;
+mcv_param_table mcv_sensor_table(uint32_t type);
+mcv_param_table mcv_emitter_table(uint32_t type); /* presets too */
+mcv_param_table mcv_material_table(uint32_t type);
+void mcv_params_set_defaults(mcv_param_table table, void *params);
+/* A parameter's field of params, or NULL where the table has none of that name. */
+void *mcv_params_find(mcv_param_table table, const char *key, const void *params);
+
+#endif

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What shading needs to know of a material. */
+#ifndef MCVISI_HOST_SCENE_MATERIALS_H
+#define MCVISI_HOST_SCENE_MATERIALS_H
+
+#include "scene/scene.h"
+
+/* What microfacets lose is tabled for one channel's indices: green's. */
+enum { MCV_ALBEDO_CHANNEL = 1 };
+
+/* The microfacets of a material; all 0 where it is smooth or has none. */
+typedef struct mcv_roughness {
+    double roughness;  /* α is its square */
+    double anisotropy; /* 0 … 1 */
+    double rotation;   /* of the rougher direction from the tangent, counter-clockwise [rad] */
+} mcv_roughness;
+mcv_roughness mcv_material_roughness(const mcv_material *material);
+bool mcv_material_is_rough(const mcv_material *material); /* it consists of microfacets */
+double mcv_material_coating(const mcv_material *material,
+                            double outside); /* its R0 against a medium of an index, or 0: none */
+uint32_t mcv_material_surface_texture(
+    const mcv_material *material);                     /* of roughness and metallic, or MCV_NONE */
+bool mcv_scene_has_directions(const mcv_scene *scene); /* whether a material is anisotropic */
+
+#endif
