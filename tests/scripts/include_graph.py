@@ -33,15 +33,11 @@ LONG_FILES = {
     "host/cl/cl.c": TO_SPLIT,
     "host/reference/gloss.c": TO_SPLIT,
     # kernels
-    "kernels/bsdf/bsdf.h": TO_SPLIT,
     "kernels/bsdf/microfacet.h": TO_SPLIT,
     "kernels/geometry/precise.h": TO_SPLIT,
-    "kernels/geometry/solids.h": TO_SPLIT,
-    "kernels/geometry/surface.h": TO_SPLIT,
     "kernels/schedule/light_paths.h": TO_SPLIT,
     "kernels/schedule/sample_emitter_rows.h": TO_SPLIT,
     "kernels/stage/sample_emitters.h": TO_SPLIT,
-    "kernels/stage/shade_hit.h": TO_SPLIT,
     "kernels/stage/trace_light_path.h": TO_SPLIT,
 }
 RULERS = "comments that divide it, to be joined to one line each when it is split"
@@ -49,12 +45,6 @@ WIDE_FILES = {
     "host/lens/glass_codes.c": "a table: one glass in each line",
     "host/reference/gloss.c": RULERS,
     "kernels/geometry/precise.h": RULERS,
-    "kernels/geometry/solids.h": RULERS,
-    "kernels/traverse/bvh8.h": RULERS,
-    "kernels/traverse/flat.h": RULERS,
-    "kernels/traverse/interleave.h": RULERS,
-    "kernels/traverse/trace_packet.h": RULERS,
-    "kernels/traverse/triangle.h": RULERS,
 }
 
 
