@@ -406,7 +406,7 @@ static mcv_result bench_opened(mesh_bench *m, RTCDevice device) {
 
 static mcv_result bench_mesh(bench *b, mcv_cl *core, RTCDevice device, int i, means *all,
                              mcv_error *error) {
-    workload_mesh w;
+    workload_mesh w = {0};
     MCV_TRY(workload_load(i, &w, error));
     mesh_bench m = {.b = b,
                     .w = &w,

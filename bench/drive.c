@@ -8,9 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 #include "harness.h"
 #include "scene/sensors.h"
+#include "loader/load.h"
 
 const char *const stage_names[STAGE_COUNT] = {
 #define MCV_X(stage, runs) #stage,

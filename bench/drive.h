@@ -50,7 +50,7 @@ mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options,
 void drive_close(drive *d);
 
 /* As a bench_side runs it: start, wait, read the sums. */
-mcv_result drive_run(void *d, mcv_error *error);
+mcv_result drive_run(void *user, mcv_error *error);
 
 enum {
 #define MCV_X(stage, runs) STAGE_##stage,

@@ -17,6 +17,7 @@
 #include "convergence.h"
 #include "harness.h"
 #include "io/figure.h"
+#include "loader/load.h"
 
 #include <ctype.h>
 #include <stdarg.h>
@@ -322,7 +323,7 @@ static const double true_edge = 48 + 0.5 * 1.3e-6 / 4.8e-6;
 
 /* How far off the edge is [pixel]. */
 static mcv_result edge_error(const mcv_film *film, double *off, mcv_error *error) {
-    mcv_readings readings = {{0}, {0}};
+    mcv_readings readings = {0};
     mcv_edge edge;
     mcv_result result = mcv_film_develop(film, &readings.values, NULL, error);
     if (result == MCV_OK)

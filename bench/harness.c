@@ -124,7 +124,7 @@ static void put_row(bench *b, const char *unit, double ours, double peer, double
 
 double bench_row(bench *b, bench_clock clock, const bench_side *ours, const bench_side *peer,
                  double work, const char *unit, const char *format, ...) {
-    double mine[BENCH_REPETITIONS], theirs[BENCH_REPETITIONS], ratios[BENCH_REPETITIONS];
+    double mine[BENCH_REPETITIONS] = {0}, theirs[BENCH_REPETITIONS], ratios[BENCH_REPETITIONS];
     double ratio = NAN, other = NAN;
     take(b, ours, clock, mine);
     double spread = bench_spread(mine, b->repetitions);

@@ -39,7 +39,7 @@ typedef struct image_maker {
 mcv_result make_film(const image_maker *m, mcv_film *film, mcv_error *error);
 
 /* A bench_side: an image of the next seed, and its error. */
-mcv_result make_image(void *maker, mcv_error *error);
+mcv_result make_image(void *user, mcv_error *error);
 double rmse_of(const image_maker *m);
 
 /* Of 64 times the samples in 16 replicates. */

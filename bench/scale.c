@@ -98,7 +98,7 @@ static mcv_result bench_triangles_of(bench *b, uint32_t squares, double *nanosec
 static mcv_result bench_triangles(bench *b, mcv_error *error) {
     static const uint32_t squares[] = {9, 29, 91, 289, 913};
     const int count = b->quick ? 3 : 5;
-    double nanoseconds[5];
+    double nanoseconds[5] = {0};
     for (int i = 0; i < count; ++i)
         MCV_TRY(bench_triangles_of(b, squares[i], nanoseconds + i, error));
     bench_summary(b, "cost_per_decade_of_triangles",

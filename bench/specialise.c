@@ -17,6 +17,7 @@
 #include "drive.h"
 #include "device/features.h"
 #include "harness.h"
+#include "loader/load.h"
 
 static const char first_sample_scene[] = "report-clean.glb";
 
@@ -91,10 +92,16 @@ static mcv_result ask_child(const char *program, const char *what, const char *s
     snprintf(command, sizeof command, "POCL_CACHE_DIR='%s' exec '%s' --child %s '%s' %s", cache,
              program, what, scene, argument);
     FILE *pipe = popen(command, "r");
-    const bool told =
-        pipe && fscanf(pipe, "%lf %lf", seconds->by + BENCH_WALL, seconds->by + BENCH_CPU) == 2;
+    char line[128] = "", *wall_end = line, *cpu_end = line;
+    if (pipe && fgets(line, sizeof line, pipe)) {
+        seconds->by[BENCH_WALL] = strtod(line, &wall_end);
+        seconds->by[BENCH_CPU] = strtod(wall_end, &cpu_end);
+    }
     if (pipe) pclose(pipe);
-    return told ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s failed", command);
+    /* Both numbers stand there. */
+    return wall_end > line && cpu_end > wall_end
+               ? MCV_OK
+               : mcv_fail(error, MCV_FAILED, "%s failed", command);
 }
 
 /* An empty folder beside the output. */

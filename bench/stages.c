@@ -70,17 +70,18 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 /* What each stage reads and writes of a path (the heads of kernels/<stage>.cl). */
 static const int traffic[STAGE_COUNT][16] = {
     [STAGE_generate_rays] = {FIELD_origin, FIELD_direction, FIELD_weight, FIELD_throughput,
-                             FIELD_radiance, FIELD_media, FIELD_density, FIELD_left},
-    [STAGE_intersect_closest] = {FIELD_origin, FIELD_direction, FIELD_left, FIELD_hit},
+                             FIELD_radiance, FIELD_media, FIELD_density, FIELD_origin_surface},
+    [STAGE_intersect_closest] = {FIELD_origin, FIELD_direction, FIELD_origin_surface, FIELD_hit},
     [STAGE_sample_emitters] = {FIELD_hit, FIELD_direction, FIELD_throughput, FIELD_media,
                                FIELD_shadow_origin, FIELD_shadow_direction, FIELD_shadow_target,
-                               FIELD_shadow_left, FIELD_shadow_light},
+                               FIELD_shadow_origin_surface, FIELD_shadow_light},
     [STAGE_intersect_shadow] = {FIELD_shadow_origin, FIELD_shadow_direction, FIELD_shadow_target,
-                                FIELD_shadow_left, FIELD_shadow_light, FIELD_radiance,
+                                FIELD_shadow_origin_surface, FIELD_shadow_light, FIELD_radiance,
                                 FIELD_radiance},
     [STAGE_shade_surfaces] = {FIELD_hit, FIELD_origin, FIELD_direction, FIELD_direction,
                               FIELD_throughput, FIELD_throughput, FIELD_radiance, FIELD_radiance,
-                              FIELD_media, FIELD_media, FIELD_density, FIELD_density, FIELD_left},
+                              FIELD_media, FIELD_media, FIELD_density, FIELD_density,
+                              FIELD_origin_surface},
     [STAGE_accumulate_film] = {FIELD_weight, FIELD_radiance},
 };
 
@@ -127,8 +128,8 @@ static void list_free(ray_list *list) {
 static mcv_result list_by_slice(ray_list *list, uint32_t slice, uint32_t slices, mcv_error *error) {
     ray_list sorted = {0};
     size_t *next = calloc(slices + 1, sizeof *next);
+    if (!next) return mcv_fail(error, MCV_FAILED, "no memory to sort rays");
     mcv_result result = list_reserve(&sorted, list->count, error);
-    if (!next) result = mcv_fail(error, MCV_FAILED, "no memory to sort rays");
     for (size_t i = 0; result == MCV_OK && i < list->count; ++i) ++next[list->paths[i] / slice + 1];
     for (uint32_t i = 0; result == MCV_OK && i < slices; ++i) next[i + 1] += next[i];
     for (size_t i = 0; result == MCV_OK && i < list->count; ++i) {

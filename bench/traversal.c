@@ -18,7 +18,8 @@
 
 enum { OURS, OURS_ALL, ROBUST, ROBUST_ALL, FAST, PLAIN, SIDES };
 static const char *const peer_names[SIDES] = {
-    [ROBUST] = "Embree robust", [FAST] = "Embree fast", [PLAIN] = "scalar BVH2"};
+    [OURS] = "ourselves",           [OURS_ALL] = "ourselves", [ROBUST] = "Embree robust",
+    [ROBUST_ALL] = "Embree robust", [FAST] = "Embree fast",   [PLAIN] = "scalar BVH2"};
 
 typedef struct means {
     bench_mean closest[RAY_KINDS], any, scaling, fast, plain;
@@ -48,7 +49,7 @@ static mcv_result compare(const mesh_bench *m, int kind, int side, bool any, con
     if (different <= (side <= OURS_ALL ? 0 : 1e-3)) return MCV_OK;
     return mcv_fail(m->error, MCV_FAILED, "%s, %s: %.2f %% of the %s hits differ between us and %s",
                     m->name, ray_kind_names[kind], 100 * different, any ? "any" : "closest",
-                    side <= OURS_ALL ? "ourselves" : peer_names[side]);
+                    peer_names[side]);
 }
 
 /* Runs each side once and compares what it finds. */
@@ -169,7 +170,7 @@ static mcv_result bench_opened(mesh_bench *m, mcv_cl *core, const mesh *t) {
 
 static mcv_result bench_mesh(bench *b, mcv_cl *core, RTCDevice embree, int i, means *all,
                              mcv_error *error) {
-    workload_mesh w;
+    workload_mesh w = {0};
     MCV_TRY(workload_load(i, &w, error));
     mesh_bench m = {
         .b = b,

@@ -11,6 +11,7 @@
 #include "mcvisi/sampling.h"
 #include "mcvisi/accel.h"
 #include "scene/scene.h"
+#include "loader/load.h"
 
 const char *const ray_kind_names[RAY_KINDS] = {"primary", "diffuse", "random"};
 
@@ -141,7 +142,9 @@ void workload_make_rays(const bench *b, const mesh *m, RTCScene scene, mcv_hit *
     const uint32_t side = b->quick ? 128 : 512;
     made->count = side * side;
     make_primary(side, made->rays[PRIMARY]);
-    embree_run(&(embree_cast){scene, made->rays[PRIMARY], made->count, 1, false, hits, NULL}, NULL);
+    mcv_error error; /* one thread is there already */
+    (void)embree_run(&(embree_cast){scene, made->rays[PRIMARY], made->count, 1, false, hits, NULL},
+                     &error);
     make_diffuse(m, made->count, made->rays[PRIMARY], hits, made->rays[DIFFUSE]);
     make_random(made->count, made->rays[RANDOM]);
 }

@@ -62,7 +62,7 @@ typedef struct cast {
     caster *caster;
     cl_kernel kernel;
 } cast;
-mcv_result cast_run(void *cast, mcv_error *error);
+mcv_result cast_run(void *user, mcv_error *error);
 
 /* Embree's: a scene of a build quality; triangles are shared with the mesh. */
 RTCScene embree_scene(RTCDevice device, const mesh *m, enum RTCSceneFlags flags,
@@ -75,7 +75,7 @@ typedef struct embree_cast {
     mcv_hit *hits; /* closest */
     int *found;    /* any */
 } embree_cast;
-mcv_result embree_run(void *cast, mcv_error *error);
+mcv_result embree_run(void *user, mcv_error *error);
 
 /* The share of the rays whose hits differ: other triangles count where distances are not within
  * 1e-5 as well. Fast tests do lose edges. */

@@ -12,6 +12,7 @@
 #include "io/figure.h"
 #include "io/png.h"
 #include "scene/scene.h"
+#include "loader/load.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "accel/bvh.h"
-
-#include "accel/split.h"
+#include "accel/bvh_builder.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -15,41 +12,6 @@ enum {
     MOST_THREADS = 256,
     MOST_TRIANGLES = 1 << 28,
 };
-
-/* A node to be made: its place among the drafts, its level (the root's is 1) and what lies under
- * it. */
-typedef struct task {
-    uint32_t draft, level;
-    mcv_record content;
-} task;
-
-typedef struct builder {
-    mcv_splitter splitter;
-    uint32_t triangle_count, threads;
-    uint32_t capacity; /* references, those of spatial splits included */
-    /* Draft nodes are numbered in the order in which the threads happen to make them; `order`
-     * renumbers them. */
-    mcv_node **chunks;
-    uint32_t chunk_count;
-    uint32_t node_count, leaf_count;
-    float extent;
-    task *tasks;
-    uint32_t task_count, task_capacity, busy;
-    bool failed;
-    pthread_mutex_t lock;
-    pthread_cond_t changed;
-    mcv_bvh *bvh;
-    uint32_t *leaf_contents; /* per leaf, as in a draft's child */
-} builder;
-
-/* What one thread works with. */
-typedef struct worker {
-    builder *builder;
-    uint32_t number;
-    uint32_t next_draft, drafts_left; /* of its current chunk */
-    uint32_t node_count, leaf_count;
-    mcv_box3f bounds, centroids; /* of its share of the triangles */
-} worker;
 
 /* Levels that n triangles need if every node halves them evenly. */
 static uint32_t levels_needed(uint32_t n) {
@@ -71,7 +33,8 @@ static bool opens_before(const mcv_record *a, const mcv_record *b, bool halve) {
  * is halved evenly, so that the depth stays within MCV_BVH_LEVELS: an uneven split costs a level
  * and needs one to spare.
  */
-static uint32_t open_record(builder *b, const task *t, mcv_record children[MCV_BVH_WIDTH]) {
+static uint32_t open_record(mcv_bvh_builder *b, const mcv_bvh_task *t,
+                            mcv_record children[MCV_BVH_WIDTH]) {
     const bool halve =
         t->level + levels_needed(t->content.limit - t->content.begin) - 1 >= MCV_BVH_LEVELS;
     uint32_t count = 1;
@@ -99,17 +62,15 @@ static uint32_t open_record(builder *b, const task *t, mcv_record children[MCV_B
     return count;
 }
 
-/* ---- drafts
- * -----------------------------------------------------------------------------------------------------
- */
+/* --- drafts --- */
 
-static mcv_node *draft_node(const builder *b, uint32_t draft) {
+static mcv_node *draft_node(const mcv_bvh_builder *b, uint32_t draft) {
     return b->chunks[draft / CHUNK] + draft % CHUNK;
 }
 
 /* A place for one more draft node; MCV_NONE without memory. */
-static uint32_t add_draft(worker *w) {
-    builder *b = w->builder;
+static uint32_t add_draft(mcv_bvh_worker *w) {
+    mcv_bvh_builder *b = w->builder;
     if (w->drafts_left == 0) {
         mcv_node *chunk = malloc(CHUNK * sizeof *chunk);
         pthread_mutex_lock(&b->lock);
@@ -141,11 +102,11 @@ static void set_child(mcv_node *node, uint32_t slot, const mcv_box3f *bounds, ui
     node->child[slot] = child;
 }
 
-static bool push_task(builder *b, const task *t) {
+static bool push_task(mcv_bvh_builder *b, const mcv_bvh_task *t) {
     pthread_mutex_lock(&b->lock);
     if (b->task_count == b->task_capacity) {
         const uint32_t capacity = b->task_capacity ? 2 * b->task_capacity : 256;
-        task *grown = realloc(b->tasks, capacity * sizeof *grown);
+        mcv_bvh_task *grown = realloc(b->tasks, capacity * sizeof *grown);
         if (grown) {
             b->tasks = grown;
             b->task_capacity = capacity;
@@ -161,8 +122,8 @@ static bool push_task(builder *b, const task *t) {
 }
 
 /* Makes one draft node and what is under it; large children are left to whoever is free. */
-static bool make_node(worker *w, const task *t) {
-    builder *b = w->builder;
+static bool make_node(mcv_bvh_worker *w, const mcv_bvh_task *t) {
+    mcv_bvh_builder *b = w->builder;
     mcv_record children[MCV_BVH_WIDTH];
     const uint32_t count = mcv_record_count(&t->content) ? open_record(b, t, children) : 0;
     mcv_node *node = draft_node(b, t->draft);
@@ -175,7 +136,7 @@ static bool make_node(worker *w, const task *t) {
             ++w->leaf_count;
             continue;
         }
-        const task under = {add_draft(w), t->level + 1, children[i]};
+        const mcv_bvh_task under = {add_draft(w), t->level + 1, children[i]};
         if (under.draft == MCV_NONE) return false;
         set_child(node, i, &children[i].bounds, under.draft);
         if (!(mcv_record_count(children + i) > GRAIN ? push_task(b, &under) : make_node(w, &under)))
@@ -184,14 +145,14 @@ static bool make_node(worker *w, const task *t) {
     return true;
 }
 
-static void make_nodes(worker *w) {
-    builder *b = w->builder;
+static void make_nodes(mcv_bvh_worker *w) {
+    mcv_bvh_builder *b = w->builder;
     pthread_mutex_lock(&b->lock);
     for (;;) {
         while (b->task_count == 0 && b->busy && !b->failed)
             pthread_cond_wait(&b->changed, &b->lock);
         if (b->task_count == 0 || b->failed) break;
-        const task next = b->tasks[--b->task_count];
+        const mcv_bvh_task next = b->tasks[--b->task_count];
         ++b->busy;
         pthread_mutex_unlock(&b->lock);
         make_node(w, &next);
@@ -204,72 +165,13 @@ static void make_nodes(worker *w) {
     pthread_mutex_unlock(&b->lock);
 }
 
-/* ---- before and after
- * ------------------------------------------------------------------------------------------- */
-
-/* This worker's part of n things. */
-static void share(const worker *w, uint32_t n, uint32_t *begin, uint32_t *end) {
-    *begin = (uint32_t)((uint64_t)n * w->number / w->builder->threads);
-    *end = (uint32_t)((uint64_t)n * (w->number + 1) / w->builder->threads);
-}
-
-static void make_references(worker *w) {
-    builder *b = w->builder;
-    uint32_t begin, end;
-    share(w, b->triangle_count, &begin, &end);
-    mcv_record all = mcv_record_empty(begin, end, end);
-    for (uint32_t i = begin; i < end; ++i) {
-        mcv_reference *r = b->splitter.references + i;
-        *r = (mcv_reference){
-            {INFINITY, INFINITY, INFINITY}, i, {-INFINITY, -INFINITY, -INFINITY}, 0};
-        for (int corner = 0; corner < 3; ++corner) {
-            const float *p =
-                b->splitter.positions + 3 * (size_t)b->splitter.indices[3 * (size_t)i + corner];
-            for (int axis = 0; axis < 3; ++axis) {
-                r->lower[axis] = p[axis] < r->lower[axis] ? p[axis] : r->lower[axis];
-                r->upper[axis] = p[axis] > r->upper[axis] ? p[axis] : r->upper[axis];
-            }
-        }
-        mcv_record_add(&all, r);
-    }
-    w->bounds = all.bounds;
-    w->centroids = all.centroids;
-}
-
-static void fill_leaves(worker *w) {
-    builder *b = w->builder;
-    uint32_t begin, end;
-    share(w, b->leaf_count, &begin, &end);
-    for (uint32_t i = begin; i < end; ++i) {
-        mcv_leaf *leaf = b->bvh->leaves + i;
-        const uint32_t content = b->leaf_contents[i] & ~MCV_CHILD_LEAF;
-        const uint32_t first = content / MCV_LEAF_TRIANGLES,
-                       count = content % MCV_LEAF_TRIANGLES + 1;
-        *leaf = (mcv_leaf){.triangle = {MCV_NONE, MCV_NONE, MCV_NONE, MCV_NONE}};
-        uint32_t lane = 0;
-        for (uint32_t k = first; k < first + count; ++k) {
-            const uint32_t triangle = b->splitter.references[k].triangle;
-            /* Two parts of one triangle may meet again. */
-            bool there = false;
-            for (uint32_t before = 0; before < lane; ++before)
-                there = there || leaf->triangle[before] == triangle;
-            if (there) continue;
-            leaf->triangle[lane] = triangle;
-            for (int corner = 0; corner < 3; ++corner) {
-                const float *p = b->splitter.positions +
-                                 3 * (size_t)b->splitter.indices[3 * (size_t)triangle + corner];
-                for (int axis = 0; axis < 3; ++axis) leaf->vertex[corner][axis][lane] = p[axis];
-            }
-            ++lane;
-        }
-    }
-}
+/* --- before and after --- */
 
 /*
  * Numbers nodes depth first and leaves in the order of their parents, siblings side by side: the
  * same for any number of threads, and near in memory what is near in space.
  */
-static void order(builder *b) {
+static void order(mcv_bvh_builder *b) {
     struct {
         uint32_t draft, parent, slot;
     } waiting[MCV_BVH_STACK] = {{0, 0, 0}};
@@ -296,8 +198,8 @@ static void order(builder *b) {
 }
 
 typedef struct launch {
-    worker worker;
-    void (*work)(worker *);
+    mcv_bvh_worker worker;
+    void (*work)(mcv_bvh_worker *);
 } launch;
 
 static void *run_launch(void *user) {
@@ -307,7 +209,7 @@ static void *run_launch(void *user) {
 }
 
 /* Runs work on all threads; where one cannot be started, its share is done here. */
-static void run_workers(builder *b, launch *launches, void (*work)(worker *)) {
+static void run_workers(mcv_bvh_builder *b, launch *launches, void (*work)(mcv_bvh_worker *)) {
     pthread_t threads[MOST_THREADS];
     bool started[MOST_THREADS] = {false};
     for (uint32_t i = 0; i < b->threads; ++i) {
@@ -327,13 +229,13 @@ static void *allocate(uint32_t count, size_t size) {
     return aligned_alloc(128, (bytes + 127) / 128 * 128);
 }
 
-static bool build(builder *b, launch *launches) {
+static bool build(mcv_bvh_builder *b, launch *launches) {
     b->capacity = b->triangle_count + b->triangle_count / 10 * SPARE_TENTHS;
     b->splitter.references = allocate(b->capacity, sizeof *b->splitter.references);
     b->chunks = allocate(b->capacity / CHUNK + b->threads + 2, sizeof *b->chunks);
     if (!b->splitter.references || !b->chunks) return false;
-    run_workers(b, launches, make_references);
-    task root = {0, 1, mcv_record_empty(0, b->triangle_count, b->capacity)};
+    run_workers(b, launches, mcv_bvh_make_references);
+    mcv_bvh_task root = {0, 1, mcv_record_empty(0, b->triangle_count, b->capacity)};
     for (uint32_t i = 0; i < b->threads; ++i) {
         mcv_box_add(&root.content.bounds, &launches[i].worker.bounds);
         mcv_box_add(&root.content.centroids, &launches[i].worker.centroids);
@@ -344,7 +246,7 @@ static bool build(builder *b, launch *launches) {
     }
 
     b->splitter.root_area = mcv_box_area(&root.content.bounds);
-    worker first = {.builder = b};
+    mcv_bvh_worker first = {.builder = b};
     if (add_draft(&first) == MCV_NONE || !push_task(b, &root)) return false;
     b->node_count = 1;
     run_workers(b, launches, make_nodes);
@@ -357,7 +259,7 @@ static bool build(builder *b, launch *launches) {
     while (b->chunk_count) free(b->chunks[--b->chunk_count]);
     b->bvh->leaves = allocate(b->leaf_count, sizeof *b->bvh->leaves);
     if (!b->bvh->leaves) return false;
-    run_workers(b, launches, fill_leaves);
+    run_workers(b, launches, mcv_bvh_fill_leaves);
     b->bvh->node_count = b->node_count;
     b->bvh->leaf_count = b->leaf_count;
     return true;
@@ -376,12 +278,13 @@ mcv_result mcv_bvh_build(const float *positions, const uint32_t *indices, uint32
         threads = processors > 0 ? (uint32_t)processors : 1;
     }
     if (threads > MOST_THREADS) threads = MOST_THREADS;
-    builder b = {.splitter = {.positions = positions, .indices = indices, .threads = threads},
-                 .triangle_count = triangle_count,
-                 .threads = threads,
-                 .bvh = bvh,
-                 .lock = PTHREAD_MUTEX_INITIALIZER,
-                 .changed = PTHREAD_COND_INITIALIZER};
+    mcv_bvh_builder b = {
+        .splitter = {.positions = positions, .indices = indices, .threads = threads},
+        .triangle_count = triangle_count,
+        .threads = threads,
+        .bvh = bvh,
+        .lock = PTHREAD_MUTEX_INITIALIZER,
+        .changed = PTHREAD_COND_INITIALIZER};
     launch *launches = calloc(threads, sizeof *launches);
     const bool built = launches && build(&b, launches);
     while (b.chunk_count) free(b.chunks[--b.chunk_count]);

@@ -1,103 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "analysis/blur.h"
+
 #include "analysis/fft.h"
 #include "core/parallel.h"
 
-#include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* --- modulation
- * -------------------------------------------------------------------------------------------------
- */
-
-double mcv_lens_modulation(const mcv_lens_mtf *mtf, double frequency) {
-    if (mtf->row_count == 0) {
-        const double s = frequency * mtf->wavelength * mtf->f_number;
-        return s < 1 ? 2 / M_PI * (acos(s) - s * sqrt(1 - s * s)) : 0;
-    }
-    size_t i = 1,
-           end = mtf->row_count; /* the first row from 1 on that is not below lies in i … end */
-    while (i < end) {
-        const size_t middle = (i + end) / 2;
-        if (mtf->rows[middle].frequency < frequency)
-            i = middle + 1;
-        else
-            end = middle;
-    }
-    if (i == mtf->row_count) return mtf->rows[i - 1].modulation;
-    const mcv_mtf_row a = mtf->rows[i - 1], b = mtf->rows[i];
-    return a.modulation +
-           (b.modulation - a.modulation) * (frequency - a.frequency) / (b.frequency - a.frequency);
-}
-
-static mcv_result check_row(const char *path, unsigned line, const mcv_mtf_row *rows, size_t count,
-                            mcv_error *error) {
-    const mcv_mtf_row *row = rows + count;
-    if (!(row->modulation >= 0 && row->modulation <= 1))
-        return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: line %u: a modulation of %g: must be from 0 to 1", path, line,
-                        row->modulation);
-    if (count == 0 && !(row->frequency == 0 && row->modulation == 1))
-        return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: line %u: the first row must be 0, 1: full modulation at frequency 0",
-                        path, line);
-    if (count > 0 && !(row->frequency > row[-1].frequency && isfinite(row->frequency)))
-        return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: line %u: frequencies must ascend, but %g follows %g", path, line,
-                        row->frequency * 1e-3, row[-1].frequency * 1e-3);
-    return MCV_OK;
-}
-
-mcv_result mcv_mtf_read(const char *path, mcv_mtf_row **rows, size_t *count, mcv_error *error) {
-    enum { MAX_ROWS = 10000 };
-    char text[256];
-    mcv_result result = MCV_OK;
-    FILE *file = fopen(path, "r");
-    *count = 0;
-    *rows = NULL;
-    if (!file)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
-    *rows = malloc(MAX_ROWS * sizeof **rows);
-    if (!*rows) {
-        fclose(file);
-        return mcv_fail(error, MCV_FAILED, "%s: no memory for it", path);
-    }
-    for (unsigned line = 1; result == MCV_OK && *count < MAX_ROWS && fgets(text, sizeof text, file);
-         ++line) {
-        mcv_mtf_row *row = *rows + *count;
-        if (text[strspn(text, " \t\r\n")] == '\0' || text[0] == '#') continue;
-        char *end, *start = text;
-        row->frequency = 1e3 * strtod(start, &end);
-        start = end + strspn(end, " \t,;");
-        const bool first = end != text;
-        row->modulation = strtod(start, &end);
-        if (!first || end == start || end[strspn(end, " \t\r\n")] != '\0')
-            result = mcv_fail(error, MCV_BAD_INPUT,
-                              "%s: line %u must be `cycles per mm, modulation`, as in 40, 0.62",
-                              path, line);
-        else
-            result = check_row(path, line, *rows, *count, error);
-        ++*count;
-    }
-    if (result == MCV_OK && *count == MAX_ROWS)
-        result =
-            mcv_fail(error, MCV_BAD_INPUT, "%s: has %d rows or more: thin it out", path, MAX_ROWS);
-    if (result == MCV_OK && *count < 2)
-        result = mcv_fail(error, MCV_BAD_INPUT, "%s: %zu rows make no MTF: at least 2 are needed",
-                          path, *count);
-    fclose(file);
-    if (result == MCV_OK) return MCV_OK;
-    free(*rows);
-    *rows = NULL;
-    return result;
-}
-
-/* --- filter
- * -----------------------------------------------------------------------------------------------------
- */
 
 /*
  * A periodic grid around the image. Light is its real part, the light's variance its imaginary
@@ -162,8 +71,7 @@ static void set_response_row(void *user, size_t y) {
 /* How often a frequency 0 … n/2 stands among the n. */
 static double weight(size_t k, size_t n) { return k == 0 || 2 * k == n ? 1 : 2; }
 
-/* --- what becomes of errors
- * ------------------------------------------------------------------------------------- */
+/* --- what becomes of errors --- */
 
 /* [k][d]: cos(2π kd/n). */
 static void fill_cosines(double *table, size_t rows, size_t columns, const double *roots,
@@ -246,9 +154,7 @@ static void add_correlation(const grid *g, double share, mcv_correlation *to) {
     to->shares += share * shares / count;
 }
 
-/* --- transforms
- * -------------------------------------------------------------------------------------------------
- */
+/* --- transforms --- */
 
 enum { LINES = MCV_FFT_LINES };
 

@@ -65,9 +65,7 @@ mcv_result mcv_camera_check_light(const mcv_image *light, mcv_error *error) {
     return MCV_OK;
 }
 
-/* --- the level
- * --------------------------------------------------------------------------------------------------
- */
+/* --- the level --- */
 
 enum { SQUARE = 16, LATTICE = 4, LATTICES = LATTICE * LATTICE };
 
@@ -160,9 +158,7 @@ mcv_quantity mcv_camera_level(const mcv_image *light, const mcv_image *light_err
     return (mcv_quantity){level, light_error ? sqrt(slanted) / sum : NAN};
 }
 
-/* --- the pixels
- * -------------------------------------------------------------------------------------------------
- */
+/* --- the pixels --- */
 
 /* Which channel of the light a pixel of a channel of the grey values reads, and with which colour's
  * sensitivity. */

@@ -1,194 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "analysis/compare.h"
-#include "analysis/statistics.h"
+#include "analysis/compare_unit.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#define ALL_CHANNELS UINT32_MAX
-
-/*
- * Without replicate values, a tile's p-value is near uniform where its noise is nearly normal: they
- * are counted from 25 effective samples of light per replicate on (relative variance at most 1/25,
- * as of a Poisson count of 25).
- */
-enum { MIN_EVENTS = 25 };
-
-/* One of the two pictures: a film, or images with their errors. */
-typedef struct side {
-    const mcv_film *film;
-    const mcv_measured *measured;
-    uint32_t replicates;
-    const double *rank_table; /* mcv_mann_whitney of both sides' replicates */
-} side;
-
-/* What is known of one region of one side. */
-typedef struct view {
-    mcv_estimate estimate;
-    double means[MCV_MAX_REPLICATES]; /* of a film's replicates */
-    uint64_t pixels;                  /* that are finite */
-} view;
-
-/* The outcome of one unit. */
-typedef struct outcome {
-    bool seen;       /* it has finite pixels, */
-    bool tested;     /* which are not all equal beyond doubt */
-    double p;        /* for the unit test */
-    bool counts;     /* whether the p-value may enter KS and count: */
-    double uniform;  /* uniform in [0, 1] or larger where there is no difference */
-    double variance; /* of the difference of the means */
-} outcome;
-
-static void channel_range(const mcv_region *region, uint32_t channels, uint32_t *first,
-                          uint32_t *last) {
-    *first = region->channel == ALL_CHANNELS ? 0 : region->channel;
-    *last = region->channel == ALL_CHANNELS ? channels : region->channel + 1;
-}
-
-/* The mean over the region in every replicate, then their spread: correlations between pixels are
- * in it. */
-static void view_film(const mcv_film *film, const mcv_region *region, view *v) {
-    uint32_t first, last;
-    channel_range(region, film->channels, &first, &last);
-    v->pixels = (uint64_t)region->width * region->height * (last - first);
-    for (uint32_t r = 0; r < film->replicates; ++r) {
-        double sum = 0;
-        for (uint32_t c = first; c < last; ++c) {
-            for (uint32_t row = region->row; row < region->row + region->height; ++row) {
-                const size_t line =
-                    (((size_t)r * film->channels + c) * film->height + row) * film->width;
-                for (uint32_t column = 0; column < region->width; ++column)
-                    sum += film->sums[line + region->column + column];
-            }
-        }
-        v->means[r] = sum / ((double)v->pixels * (double)film->samples);
-    }
-    v->estimate = mcv_estimate_replicates(v->means, film->replicates);
-}
-
-/* Standard errors of a pixel's channels add up (full correlation), variances of pixels do
- * (independence). */
-static void view_measured(const mcv_measured *m, const mcv_measured *other,
-                          const mcv_region *region, view *v) {
-    const mcv_image *image = m->mean;
-    const size_t plane = (size_t)image->width * image->height;
-    uint32_t first, last;
-    channel_range(region, image->channels, &first, &last);
-    double mean = 0, variance = 0, squares = 0;
-    v->pixels = 0;
-    for (uint32_t row = region->row; row < region->row + region->height; ++row) {
-        for (uint32_t column = region->column; column < region->column + region->width; ++column) {
-            const size_t at = (size_t)row * image->width + column;
-            double value = 0, deviation = 0, check = 0;
-            for (uint32_t c = first; c < last; ++c) {
-                value += image->pixels[c * plane + at];
-                deviation += m->error->pixels[c * plane + at];
-                check += (double)other->mean->pixels[c * plane + at] +
-                         other->error->pixels[c * plane + at];
-            }
-            if (!isfinite(value + deviation + check)) continue;
-            mean += value;
-            variance += deviation * deviation;
-            squares += deviation * deviation * deviation * deviation;
-            v->pixels += last - first;
-        }
-    }
-    const double count = (double)v->pixels;
-    v->estimate =
-        (mcv_estimate){.mean = mean / count,
-                       .variance = variance / (count * count),
-                       .freedom = squares > 0 ? variance * variance / squares * (m->replicates - 1)
-                                              : m->replicates - 1};
-}
-
-static void look(const side *s, const side *other, const mcv_region *region, view *v) {
-    if (s->film) {
-        view_film(s->film, region, v);
-    } else {
-        view_measured(s->measured, other->measured, region, v);
-    }
-}
-
-/* Welch's difference: the variance of x - y and its degrees of freedom (Welch 1947, Satterthwaite
- * 1946). */
-static mcv_estimate subtract(const mcv_estimate *x, const mcv_estimate *y) {
-    const double a = x->variance, b = y->variance;
-    return (mcv_estimate){.mean = x->mean - y->mean,
-                          .variance = a + b,
-                          .freedom = a + b > 0 ? (a + b) * (a + b) /
-                                                     (a * a / x->freedom + b * b / y->freedom)
-                                               : x->freedom + y->freedom};
-}
-
-static double welch(const mcv_estimate *difference) {
-    return mcv_student_two_sided(difference->mean / sqrt(difference->variance),
-                                 difference->freedom);
-}
-
-/*
- * The two-sided rank test of the replicate means; -1 where all are equal. Values closer than
- * rounding are ties, which are ordered as speaks least for a difference: no chance order of them
- * has a larger p-value, so that ties cannot raise a false alarm.
- */
-static double rank_test(const side *x, const view *vx, const side *y, const view *vy,
-                        double rounding) {
-    uint32_t greater = 0, ties = 0;
-    for (uint32_t i = 0; i < x->replicates; ++i) {
-        for (uint32_t j = 0; j < y->replicates; ++j) {
-            const double difference = vx->means[i] - vy->means[j];
-            ties += fabs(difference) <= rounding;
-            greater += difference > rounding;
-        }
-    }
-    const uint32_t pairs = x->replicates * y->replicates;
-    if (ties == pairs) return -1;
-    const uint32_t less = pairs - greater - ties;
-    const uint32_t smaller = (greater < less ? greater : less) + ties;
-    return 2 * smaller >= pairs ? 1 : fmin(1, 2 * x->rank_table[smaller]);
-}
-
-static bool enough_events(const side *s, const mcv_estimate *e) {
-    return e->variance * s->replicates * MIN_EVENTS <= e->mean * e->mean;
-}
-
-static outcome test_unit(const side *x, const side *y, const mcv_region *region) {
-    view vx, vy;
-    look(x, y, region, &vx);
-    look(y, x, region, &vy);
-    if (vx.pixels == 0) return (outcome){0};
-    const double rounding =
-        MCV_COMPARE_ROUNDING * fmax(fabs(vx.estimate.mean), fabs(vy.estimate.mean));
-    const mcv_estimate difference = subtract(&vx.estimate, &vy.estimate);
-    const bool equal = fabs(difference.mean) <= rounding;
-    const bool constant = difference.variance == 0;
-    outcome o = {.seen = true, .variance = difference.variance};
-    if (x->film) {
-        o.uniform = rank_test(x, &vx, y, &vy, rounding);
-        if (o.uniform < 0) return o;
-        o.counts = true;
-        o.p = equal ? 1 : fmax(o.uniform, constant ? 0 : welch(&difference));
-    } else {
-        if (constant && equal) return o;
-        /* Without noise all that is known of the replicates is that each side has one value. */
-        o.uniform = constant ? 2 * x->rank_table[0] : welch(&difference);
-        o.counts = sqrt(difference.variance) > rounding && enough_events(x, &vx.estimate) &&
-                   enough_events(y, &vy.estimate);
-        /*
-         * The replicates of one pixel may be alike by chance, as at an edge where each counts the
-         * same samples: their deviation tells little. No rank test of them could say more than
-         * this.
-         */
-        const bool pixel = region->width == 1 && region->height == 1;
-        o.p = equal ? 1 : fmax(o.uniform, pixel ? 2 * x->rank_table[0] : 0);
-    }
-    o.tested = true;
-    return o;
-}
-
 /* The unit test: all pixels and tiles, channel by channel. */
-static void test_units(const side *x, const side *y, uint32_t width, uint32_t height,
-                       uint32_t channels, mcv_comparison *c) {
+static void test_units(const mcv_compared *x, const mcv_compared *y, uint32_t width,
+                       uint32_t height, uint32_t channels, mcv_comparison *c) {
     double smallest = 1;
     for (uint32_t size = 1; size <= MCV_COMPARE_TILE; size *= MCV_COMPARE_TILE) {
         for (uint32_t channel = 0; channel < channels; ++channel) {
@@ -197,7 +16,7 @@ static void test_units(const side *x, const side *y, uint32_t width, uint32_t he
                     const mcv_region region = {channel, column, row,
                                                width - column < size ? width - column : size,
                                                height - row < size ? height - row : size};
-                    const outcome o = test_unit(x, y, &region);
+                    const mcv_unit_outcome o = mcv_compare_unit(x, y, &region);
                     c->units += o.tested;
                     if (o.tested && o.p < smallest) {
                         smallest = o.p;
@@ -212,8 +31,8 @@ static void test_units(const side *x, const side *y, uint32_t width, uint32_t he
 
 /* KS and count: one p-value per tile, over all channels (they share their paths and are no
  * independent cases). */
-static mcv_result test_tiles(const side *x, const side *y, uint32_t width, uint32_t height,
-                             mcv_comparison *c, mcv_error *error) {
+static mcv_result test_tiles(const mcv_compared *x, const mcv_compared *y, uint32_t width,
+                             uint32_t height, mcv_comparison *c, mcv_error *error) {
     const uint64_t most =
         (uint64_t)(width / MCV_COMPARE_TILE + 1) * (height / MCV_COMPARE_TILE + 1);
     double *p = malloc(most * sizeof *p);
@@ -225,10 +44,10 @@ static mcv_result test_tiles(const side *x, const side *y, uint32_t width, uint3
     for (uint32_t row = 0; row < height; row += MCV_COMPARE_TILE) {
         for (uint32_t column = 0; column < width; column += MCV_COMPARE_TILE) {
             const mcv_region region = {
-                ALL_CHANNELS, column, row,
+                MCV_ALL_CHANNELS, column, row,
                 width - column < MCV_COMPARE_TILE ? width - column : MCV_COMPARE_TILE,
                 height - row < MCV_COMPARE_TILE ? height - row : MCV_COMPARE_TILE};
-            const outcome o = test_unit(x, y, &region);
+            const mcv_unit_outcome o = mcv_compare_unit(x, y, &region);
             variance += o.variance;
             seen += o.seen;
             if (!o.counts) continue;
@@ -251,27 +70,28 @@ static mcv_result test_tiles(const side *x, const side *y, uint32_t width, uint3
     return MCV_OK;
 }
 
-static void test_image(const side *x, const side *y, uint32_t width, uint32_t height,
-                       uint32_t channels, mcv_comparison *c) {
-    view vx, vy;
+static void test_image(const mcv_compared *x, const mcv_compared *y, uint32_t width,
+                       uint32_t height, uint32_t channels, mcv_comparison *c) {
+    mcv_region_view vx, vy;
     double smallest = 1;
     for (uint32_t channel = 0; channel < channels; ++channel) {
         const mcv_region whole = {channel, 0, 0, width, height};
-        look(x, y, &whole, &vx);
-        look(y, x, &whole, &vy);
+        mcv_region_measure(x, y, &whole, &vx);
+        mcv_region_measure(y, x, &whole, &vy);
         if (vx.pixels == 0) continue;
-        const mcv_estimate difference = subtract(&vx.estimate, &vy.estimate);
+        const mcv_estimate difference = mcv_estimate_subtract(&vx.estimate, &vy.estimate);
         const double rounding =
             MCV_COMPARE_ROUNDING * fmax(fabs(vx.estimate.mean), fabs(vy.estimate.mean));
         /* Without any variance a difference is certain: welch() is 0. */
-        if (fabs(difference.mean) > rounding) smallest = fmin(smallest, welch(&difference));
+        if (fabs(difference.mean) > rounding)
+            smallest = fmin(smallest, mcv_welch_two_sided(&difference));
     }
     c->p_image = smallest == 1 ? 1 : mcv_sidak(smallest, channels);
 
-    const mcv_region whole = {ALL_CHANNELS, 0, 0, width, height};
-    look(x, y, &whole, &vx);
-    look(y, x, &whole, &vy);
-    const mcv_estimate difference = subtract(&vx.estimate, &vy.estimate);
+    const mcv_region whole = {MCV_ALL_CHANNELS, 0, 0, width, height};
+    mcv_region_measure(x, y, &whole, &vx);
+    mcv_region_measure(y, x, &whole, &vy);
+    const mcv_estimate difference = mcv_estimate_subtract(&vx.estimate, &vy.estimate);
     const double mean = (fabs(vx.estimate.mean) + fabs(vy.estimate.mean)) / 2;
     c->mean_x = vx.estimate.mean;
     c->mean_y = vy.estimate.mean;
@@ -283,16 +103,16 @@ static void test_image(const side *x, const side *y, uint32_t width, uint32_t he
     c->detectable_tile /= mean;
 }
 
-static void judge(const side *x, const side *y, mcv_comparison *c) {
+static void judge(const mcv_compared *x, const mcv_compared *y, mcv_comparison *c) {
     c->different = true;
     if (c->p_image < MCV_COMPARE_ALPHA) {
         snprintf(c->reason, sizeof c->reason,
                  "the image means %.6g and %.6g differ by %.3g %% (p = %.2g)", c->mean_x, c->mean_y,
                  100 * (c->mean_y / c->mean_x - 1), c->p_image);
     } else if (c->p_unit < MCV_COMPARE_ALPHA) {
-        view vx, vy;
-        look(x, y, &c->worst, &vx);
-        look(y, x, &c->worst, &vy);
+        mcv_region_view vx, vy;
+        mcv_region_measure(x, y, &c->worst, &vx);
+        mcv_region_measure(y, x, &c->worst, &vy);
         snprintf(c->reason, sizeof c->reason,
                  "the %u x %u pixels from column %u, row %u on, channel %u, are %.6g and %.6g on "
                  "average (p = %.2g among %llu units)",
@@ -313,8 +133,8 @@ static void judge(const side *x, const side *y, mcv_comparison *c) {
     }
 }
 
-static mcv_result compare(side *x, side *y, uint32_t width, uint32_t height, uint32_t channels,
-                          mcv_comparison *c, mcv_error *error) {
+static mcv_result compare(mcv_compared *x, mcv_compared *y, uint32_t width, uint32_t height,
+                          uint32_t channels, mcv_comparison *c, mcv_error *error) {
     if (x->replicates < 2 || y->replicates < 2 || x->replicates > MCV_MAX_REPLICATES ||
         y->replicates > MCV_MAX_REPLICATES) {
         return mcv_fail(
@@ -355,8 +175,8 @@ mcv_result mcv_compare_films(const mcv_film *x, const mcv_film *y, mcv_compariso
     if (x->samples == 0 || y->samples == 0)
         return mcv_fail(error, MCV_FAILED,
                         "a film without samples cannot be compared: nothing was rendered");
-    side sx = {.film = x, .replicates = x->replicates},
-         sy = {.film = y, .replicates = y->replicates};
+    mcv_compared sx = {.film = x, .replicates = x->replicates},
+                 sy = {.film = y, .replicates = y->replicates};
     return compare(&sx, &sy, x->width, x->height, x->channels, comparison, error);
 }
 
@@ -396,8 +216,8 @@ mcv_result mcv_compare_images(const mcv_measured *x, const mcv_measured *y,
     *comparison = (mcv_comparison){0};
     MCV_TRY(check_sizes(x, y, error));
     if (differ_in_finiteness(x->mean, y->mean, comparison)) return MCV_OK;
-    side sx = {.measured = x, .replicates = x->replicates},
-         sy = {.measured = y, .replicates = y->replicates};
+    mcv_compared sx = {.measured = x, .replicates = x->replicates},
+                 sy = {.measured = y, .replicates = y->replicates};
     return compare(&sx, &sy, x->mean->width, x->mean->height, x->mean->channels, comparison, error);
 }
 

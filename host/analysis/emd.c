@@ -84,9 +84,7 @@ void mcv_emd_free(mcv_emd *emd) {
 
 double mcv_emd_max_cost(const mcv_emd *emd) { return emd->max_cost; }
 
-/* --- the tree
- * ---------------------------------------------------------------------------------------------------
- */
+/* --- the tree --- */
 
 static void attach(node *nodes, int32_t child, int32_t parent) {
     node *c = nodes + child, *p = nodes + parent;
@@ -143,8 +141,7 @@ static void update_branch(mcv_emd *e, int32_t top) {
     }
 }
 
-/* --- the network simplex method
- * --------------------------------------------------------------------------------- */
+/* --- the network simplex method --- */
 
 /*
  * Brings the arc from source to sink into the tree. The arc that leaves is the last one in the
@@ -233,8 +230,7 @@ static void optimise(mcv_emd *e) {
     }
 }
 
-/* --- from histograms to a network and back
- * ---------------------------------------------------------------------- */
+/* --- from histograms to a network and back --- */
 
 static void add_node(mcv_emd *e, int32_t index, int32_t bin, int64_t amount) {
     e->nodes[index] = (node){.first_child = -1, .bin = bin, .flow = amount};

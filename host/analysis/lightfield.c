@@ -73,9 +73,7 @@ mcv_result mcv_light_field_plain(const mcv_image *image, const uint32_t angular[
     return MCV_OK;
 }
 
-/* --- gradient
- * ---------------------------------------------------------------------------------------------------
- */
+/* --- gradient --- */
 
 typedef struct gradient_job {
     const mcv_image *image;

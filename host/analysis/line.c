@@ -9,8 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- a line through several edges
- * --------------------------------------------------------------------------------- */
+/* --- a line through several edges --- */
 
 mcv_result mcv_line_parse(const char *text, size_t number, const mcv_image *image, mcv_line *line,
                           mcv_error *error) {
@@ -126,9 +125,7 @@ mcv_result mcv_line_locate(mcv_readings *readings, double least, mcv_line *line,
     return result;
 }
 
-/* --- a width
- * ------------------------------------------------------------------------------------------------------
- */
+/* --- a width --- */
 
 mcv_result mcv_caliper_parse(const char *text, size_t number, const mcv_image *image,
                              mcv_caliper *caliper, mcv_error *error) {

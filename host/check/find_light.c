@@ -9,9 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- beams
- * ------------------------------------------------------------------------------------------------------
- */
+/* --- beams --- */
 
 /* Has the mesh no thickness along an axis, and its normals (if any) no other component? *flat gets
  * the axis. */
@@ -156,9 +154,7 @@ static double widest(const mcv_scene *scene, const mcv_emitter *emitter) {
     return sine < 1 ? sine / sqrt(1 - sine * sine) : INFINITY;
 }
 
-/* --- unlit
- * ------------------------------------------------------------------------------------------------------
- */
+/* --- unlit --- */
 
 /* What turns an emitter: its node, as far as that has a name. */
 static const char *turned_by(const mcv_scene *scene, const mcv_emitter *emitter,
@@ -203,9 +199,7 @@ mcv_result mcv_find_unlit(const mcv_scene *scene, mcv_findings *findings, mcv_er
     return MCV_OK;
 }
 
-/* --- hidden
- * -----------------------------------------------------------------------------------------------------
- */
+/* --- hidden --- */
 
 /* Is a place of its plane, in the beam's axes, on a flat emitter? The hole of a ring is not. */
 static bool lies_on(const mcv_scene *scene, uint32_t instance, const beam *b, const double p[3]) {
@@ -265,9 +259,7 @@ mcv_result mcv_find_hidden(const mcv_scene *scene, mcv_findings *findings, mcv_e
     return MCV_OK;
 }
 
-/* --- bare_angle
- * -------------------------------------------------------------------------------------------------
- */
+/* --- bare_angle --- */
 
 /* Nobody thinks of a cone in tenths of a radian, but in radians of 10 degrees there are more than
  * two digits. */

@@ -8,8 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* --- open_body, thin_body
- * --------------------------------------------------------------------------------------- */
+/* --- open_body, thin_body --- */
 
 static const mcv_material *material_of(const mcv_scene *scene, uint32_t instance) {
     return scene->materials + scene->instances[instance].material;
@@ -63,9 +62,7 @@ mcv_result mcv_find_thin_body(const mcv_scene *scene, mcv_findings *findings, mc
     return MCV_OK;
 }
 
-/* --- facets
- * -----------------------------------------------------------------------------------------------------
- */
+/* --- facets --- */
 
 /* Neighbours that turn by more are meant to have an edge between them, by less are one plane but
  * for rounding [rad]. */
@@ -191,9 +188,7 @@ static mcv_result facets_of(const mcv_scene *scene, uint32_t instance, facets *f
     return mcv_fail(error, MCV_FAILED, "%s: no memory for the facets of its meshes", scene->path);
 }
 
-/* --- flat_glass
- * -------------------------------------------------------------------------------------------------
- */
+/* --- flat_glass --- */
 
 mcv_result mcv_find_flat_glass(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
@@ -222,9 +217,7 @@ mcv_result mcv_find_flat_glass(const mcv_scene *scene, mcv_findings *findings, m
     return MCV_OK;
 }
 
-/* --- outline
- * ----------------------------------------------------------------------------------------------------
- */
+/* --- outline --- */
 
 static const double tolerated = 0.1; /* of a pixel */
 

@@ -6,9 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* --- sees_nothing
- * -----------------------------------------------------------------------------------------------
- */
+/* --- sees_nothing --- */
 
 /* The slopes of all rays that enter a lens: of the chief rays, at most in a corner, and of the
  * others to them. */
@@ -83,9 +81,7 @@ mcv_result mcv_find_sees_nothing(const mcv_scene *scene, mcv_findings *findings,
     return MCV_OK;
 }
 
-/* --- outside
- * ----------------------------------------------------------------------------------------------------
- */
+/* --- outside --- */
 
 /* Is a mirror in the picture, in which things are seen that lie elsewhere? */
 static bool shows_mirror(const mcv_view *view, const mcv_scene *scene) {
@@ -166,9 +162,7 @@ mcv_result mcv_find_outside(const mcv_scene *scene, mcv_findings *findings, mcv_
     return MCV_OK;
 }
 
-/* --- defocus
- * ----------------------------------------------------------------------------------------------------
- */
+/* --- defocus --- */
 
 /* More than that is no edge that was meant to be sharp [pixels]. */
 static const double blurred = 3;
@@ -219,8 +213,7 @@ mcv_result mcv_find_defocus(const mcv_scene *scene, mcv_findings *findings, mcv_
     return MCV_OK;
 }
 
-/* --- large_pixel, unit
- * ------------------------------------------------------------------------------------------ */
+/* --- large_pixel, unit --- */
 
 /* The longest side of the instance's box in the world. */
 static double width_of(const mcv_scene *scene, uint32_t instance) {

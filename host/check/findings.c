@@ -14,9 +14,7 @@ const char *const mcv_severities[] = {
 #undef MCV_X
 };
 
-/* --- the list
- * ---------------------------------------------------------------------------------------------------
- */
+/* --- the list --- */
 
 static char *make_path(const char *kind, const char *name, const char *key) {
     char *path = NULL;
@@ -72,8 +70,7 @@ void mcv_findings_free(mcv_findings *findings) {
     *findings = (mcv_findings){0};
 }
 
-/* --- what the functions share
- * ----------------------------------------------------------------------------------- */
+/* --- what the functions share --- */
 
 const char *mcv_length_in_words(double metres, char text[32]) {
     const double size = fabs(metres);

@@ -27,8 +27,7 @@ static void depths_of(const mcv_scene *scene, uint32_t instance, const mcv_senso
     }
 }
 
-/* --- the backlight
- * ---------------------------------------------------------------------------------------------- */
+/* --- the backlight --- */
 
 /* Does the emitter's surface, by its first triangle, look at the sensor within 60° of its axis? */
 static bool faces(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_sensor *sensor) {
@@ -56,9 +55,7 @@ static uint32_t find_backlight(const mcv_scene *scene, const mcv_sensor *sensor,
     return found;
 }
 
-/* --- the part
- * ---------------------------------------------------------------------------------------------------
- */
+/* --- the part --- */
 
 static bool is_opaque(const mcv_scene *scene, uint32_t instance) {
     const uint32_t type = scene->materials[scene->instances[instance].material].type;
@@ -158,8 +155,7 @@ mcv_result mcv_find_growth(const mcv_scene *scene, mcv_findings *findings, mcv_e
     return MCV_OK;
 }
 
-/* --- at an edge of the image
- * ------------------------------------------------------------------------------------ */
+/* --- at an edge of the image --- */
 
 /* A corner in the frame of the edge: along it, across it towards the bright side [pixel], and the
  * depth [m]. */

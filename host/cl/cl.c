@@ -10,6 +10,7 @@
 
 #include "cl/cache.h"
 #include "cl/flatten.h"
+#include "cl/program_cache.h"
 #include "cl/programs.h"
 
 enum { MAX_PLATFORMS = 16, MAX_DEVICES = 64, BUILD_LOG_SHOWN = 1200 };
@@ -223,7 +224,7 @@ mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error) {
     }
     *cl = c.cl;
     cl_int code;
-    cl->context = clCreateContext(NULL, 1, &cl->device, NULL, NULL, &code);
+    cl->context = mcv_cached_context(cl->device, &code);
     MCV_TRY_CL(code, error);
     cl->queue = clCreateCommandQueue(cl->context, cl->device, CL_QUEUE_PROFILING_ENABLE, &code);
     if (code == CL_SUCCESS) return MCV_OK;
@@ -271,9 +272,24 @@ static mcv_result program_source(const char *name, char **from_files, const char
     return mcv_fail(error, MCV_DEVICE, "the library has no OpenCL program \"%s\"", name);
 }
 
+/* From the cache or by the compiler. */
+static mcv_result make_program(mcv_cl *cl, const char *name, const char *source,
+                               const char *options, cl_program *program, mcv_error *error) {
+    cl_int code = CL_SUCCESS;
+    if (mcv_cache_load(cl, source, options, program)) return MCV_OK;
+    *program = clCreateProgramWithSource(cl->context, 1, &source, NULL, &code);
+    if (code != CL_SUCCESS)
+        return mcv_fail(error, MCV_DEVICE, "clCreateProgramWithSource of %s.cl failed with %s",
+                        name, mcv_cl_error_name(code));
+    code = clBuildProgram(*program, 1, &cl->device, options, NULL, NULL);
+    if (code != CL_SUCCESS) return build_failure(cl, *program, name, code, error);
+    mcv_cache_store(cl, source, options, *program);
+    return MCV_OK;
+}
+
 mcv_result mcv_cl_build(mcv_cl *cl, const char *name, const char *options, cl_program *program,
                         mcv_error *error) {
-    char all_options[2048];
+    char all_options[MCV_MAX_BUILD_OPTIONS];
     char *from_files = NULL;
     const char *source = NULL;
     *program = NULL;
@@ -282,25 +298,16 @@ mcv_result mcv_cl_build(mcv_cl *cl, const char *name, const char *options, cl_pr
         snprintf(all_options, sizeof all_options, "-cl-std=CL1.2%s %s",
                  cl->correct_divide_sqrt ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", options);
     mcv_result result = MCV_OK;
-    cl_int code = CL_SUCCESS;
     if (length >= (int)sizeof all_options)
         result = mcv_fail(error, MCV_DEVICE, "%s.cl: the build options are too long", name);
-    if (result == MCV_OK && !mcv_cache_load(cl, source, all_options, program)) {
-        *program = clCreateProgramWithSource(cl->context, 1, &source, NULL, &code);
-        if (code != CL_SUCCESS) {
-            result =
-                mcv_fail(error, MCV_DEVICE, "clCreateProgramWithSource of %s.cl failed with %s",
-                         name, mcv_cl_error_name(code));
-        } else {
-            code = clBuildProgram(*program, 1, &cl->device, all_options, NULL, NULL);
-            if (code != CL_SUCCESS)
-                result = build_failure(cl, *program, name, code, error);
-            else
-                mcv_cache_store(cl, source, all_options, *program);
-        }
-    }
-    free(from_files);
+    if (result == MCV_OK && !from_files)
+        *program = mcv_cached_program(cl->context, source, all_options);
+    const bool made = result == MCV_OK && !*program;
+    if (made) result = make_program(cl, name, source, all_options, program, error);
     if (result == MCV_OK && !cl->probed) result = probe(cl, *program, error);
+    if (result == MCV_OK && made && !from_files)
+        mcv_keep_program(cl->context, source, all_options, *program);
+    free(from_files);
     if (result != MCV_OK && *program) {
         clReleaseProgram(*program);
         *program = NULL;

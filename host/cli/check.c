@@ -3,9 +3,9 @@
 #include "check/findings.h"
 #include "device/features.h"
 #include "check/growth.h"
-#include "cli/options.h"
+#include "cli/command.h"
 #include "cli/report.h"
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 #include "core/output_file.h"
 #include "check/setup_page.h"
 #include "reference/filling.h"
@@ -15,6 +15,7 @@
 #include "scene/mesh.h"
 #include "scene/params.h"
 #include "scene/sensors.h"
+#include "loader/load.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -272,7 +273,7 @@ static void report_work(mcv_report *report, const mcv_packed *packed,
 #undef MCV_X
     };
     static const char *const reasons[] = {
-#define MCV_X(NAME, word, why) why,
+#define MCV_X(NAME, word, why) (why), /* a text of several pieces, no missing comma */
         MCV_FEATURES(MCV_X)
 #undef MCV_X
     };

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi compare: whether two renders of the same picture differ by more than their noise. */
 #include "analysis/compare.h"
-#include "cli/options.h"
+#include "cli/command.h"
 #include "cli/picture.h"
 #include "cli/report.h"
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 #include "io/exr.h"
 #include "io/figure.h"
 #include "core/output_file.h"
 #include "report/progress.h"
 #include "reference/reference.h"
+#include "loader/load.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -105,9 +106,7 @@ static void free_render(render *r) {
     mcv_exr_free(&r->exr);
 }
 
-/* --- scenes
- * -----------------------------------------------------------------------------------------------------
- */
+/* --- scenes --- */
 
 static mcv_result choose_sensor(const mcv_command *command, mcv_scene *scene, uint32_t *sensor,
                                 mcv_error *error) {
@@ -223,8 +222,7 @@ static mcv_result check_options(const mcv_command *command, mcv_error *error) {
     return result;
 }
 
-/* --- the comparison
- * --------------------------------------------------------------------------------------------- */
+/* --- the comparison --- */
 
 /* Equal seeds make equal sample points: the noise of both would be the same, and the tests too
  * kind. */

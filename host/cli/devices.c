@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi devices: what --device can name. */
 #include "cl/cl.h"
-#include "cli/options.h"
+#include "cli/command.h"
 #include "cli/report.h"
 
 #include <stdio.h>

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi import: a lens file of a design program to a glTF file with exact surfaces, for a scene to
  * place. */
-#include "cli/options.h"
+#include "cli/command.h"
 #include "core/output_file.h"
 #include "lens/lens_file.h"
+#include "scene/scene.h"
+#include "loader/load.h"
 
 #include <limits.h>
 #include <math.h>

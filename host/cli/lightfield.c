@@ -2,7 +2,7 @@
 /* mcvisi lightfield: sub-aperture views and the Earth Mover's gradient of a light field image. */
 #include "analysis/contrast.h"
 #include "analysis/lightfield_file.h"
-#include "cli/options.h"
+#include "cli/command.h"
 #include "core/basics.h"
 #include "cli/report.h"
 #include "io/figure.h"
@@ -14,9 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- where to
- * ----------------------------------------------------------------------------------------------------
- */
+/* --- where to --- */
 
 /* Both may be NULL, not both are. */
 typedef struct outputs {
@@ -72,9 +70,7 @@ static mcv_result write_exr(const char *path, const mcv_exr *source, const mcv_i
     return result;
 }
 
-/* --- views
- * -------------------------------------------------------------------------------------------------------
- */
+/* --- views --- */
 
 /* The views with lines of middle grey between them. */
 static mcv_result write_views_png(const char *path, const mcv_image *views,
@@ -115,9 +111,7 @@ static mcv_result write_views(const mcv_light_field_file *file, const outputs *o
     return result;
 }
 
-/* --- gradient
- * ----------------------------------------------------------------------------------------------------
- */
+/* --- gradient --- */
 
 /* What is told of a gradient. */
 typedef struct account {
@@ -157,9 +151,7 @@ static mcv_result write_gradient(const mcv_command *command, const mcv_light_fie
     return result;
 }
 
-/* --- the verb
- * ----------------------------------------------------------------------------------------------------
- */
+/* --- the verb --- */
 
 static mcv_result report(const mcv_command *command, const mcv_light_field_file *file,
                          const outputs *out, const account *told, mcv_error *error) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The program: one verb per file beside this one. */
-#include "cli/options.h"
+#include "cli/command.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the program is asked to do: verbs and options, each listed once. Parsing, help and messages
- * follow from the lists. */
+/* The verbs and options of the program, each listed once. Parsing (cli/command.h), help, messages
+ * and JSON schemas follow from the lists. */
 #ifndef MCVISI_HOST_CLI_OPTIONS_H
 #define MCVISI_HOST_CLI_OPTIONS_H
 
-#include "scene/scene.h"
-
-#include <jansson.h>
+#include <stddef.h>
+#include <stdint.h>
 
 /* X(verb, VERB, "its arguments", "what it does"): none, one or two words; [] around an argument
  * that may be left out. */
@@ -361,80 +360,5 @@ enum {
       NULL, 0, 0, \
       "print JSON in SI units; render prints one object, on one line, per sensor; help a schema " \
       "of the options")
-
-typedef struct mcv_list {
-    const char **items;
-    size_t count;
-} mcv_list;
-
-#define MCV_OPTION_FIELD_flag(field) bool field;
-#define MCV_OPTION_FIELD_text(field) const char *field;
-#define MCV_OPTION_FIELD_list(field) mcv_list field;
-#define MCV_OPTION_FIELD_number(field) double field;
-#define MCV_OPTION_FIELD_time(field) double field;
-#define MCV_OPTION_FIELD_channels(field) double field[3];
-#define MCV_OPTION_FIELD_lengths(field) double field[3];
-#define MCV_OPTION_FIELD_count(field) uint64_t field;
-#define MCV_OPTION_FIELD_size(field) uint64_t field[2];
-#define MCV_OPTION_FIELD_range(field) uint64_t field[2];
-#define MCV_OPTION_FIELD_choice(field) uint64_t field;
-
-typedef struct mcv_command {
-    unsigned verb;
-    int argc; /* as given */
-    char **argv;
-    const char *argument; /* the scene, the image, or help's verb; NULL where left out */
-    const char *second;   /* the second argument of verbs that have one */
-    bool help;            /* --help after the verb */
-#define MCV_X(kind, field, ...) MCV_OPTION_FIELD_##kind(field)
-    MCV_OPTIONS(MCV_X)
-#undef MCV_X
-} mcv_command;
-
-/* Reads argv[1] …; texts point into argv. MCV_USAGE with a sentence that says what would be right.
- */
-mcv_result mcv_command_parse(int argc, char **argv, mcv_command *command, mcv_error *error);
-void mcv_command_free(mcv_command *command);
-
-/*
- * The options of the command's verb that can be told from the default, by their names, as texts and
- * lists of texts such as stand on the command line; without those of `without` (names, NULL at the
- * end) and flags. NULL without memory.
- */
-json_t *mcv_command_json(const mcv_command *command, const char *const *without);
-
-/*
- * The given command line with its argument replaced and the members of such an object put before it
- * as options: where both say something, the line as given counts. Values may be texts, numbers,
- * true, or lists of them, and are checked when the line is parsed. Freed by mcv_arguments_free.
- */
-typedef struct mcv_arguments {
-    char **items;
-    int count;
-} mcv_arguments;
-mcv_result mcv_arguments_read(const json_t *object, const char *argument, const mcv_command *given,
-                              const char *path, mcv_arguments *arguments, mcv_error *error);
-void mcv_arguments_free(mcv_arguments *arguments);
-
-/* Whether the reference renderer is asked for, by --device or by --precision; and MCV_USAGE for
- * options that contradict that. */
-bool mcv_wants_reference(const mcv_command *command);
-mcv_result mcv_precision_read(const mcv_command *command, uint32_t *precision, mcv_error *error);
-
-/* The verb's number, or an error that suggests the nearest one. */
-mcv_result mcv_verb_find(const char *name, unsigned *verb, mcv_error *error);
-
-/* Prints all verbs, or one and its options. */
-void mcv_help_print(void);
-void mcv_help_print_verb(unsigned verb);
-
-/* Prints the JSON schema (draft 4) of a verb's options; of sweep, that of its experiment files. */
-mcv_result mcv_help_print_schema(unsigned verb, mcv_error *error);
-
-/* The verbs. Results go to standard output, warnings and progress to standard error. */
-#define MCV_X(verb, VERB, argument, doc) \
-    mcv_result mcv_verb_##verb(const mcv_command *command, mcv_error *error);
-MCV_VERBS(MCV_X)
-#undef MCV_X
 
 #endif

@@ -2,11 +2,10 @@
 #include "cli/picture.h"
 
 #include "cli/camera.h"
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 #include "io/exr.h"
 #include "core/output_file.h"
 #include "scene/camera_model.h"
-#include "scene/params.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -17,9 +16,7 @@
 
 enum { MAX_PARTS = MCV_MAX_REPLICATES + 3 }; /* image, error, samples */
 
-/* --- names
- * ------------------------------------------------------------------------------------------------------
- */
+/* --- names --- */
 
 /* The path without the ending of its file name. */
 static int stem_length(const char *path) {
@@ -98,8 +95,7 @@ mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, 
     return MCV_OK;
 }
 
-/* --- what is needed to repeat a render
- * -------------------------------------------------------------------------- */
+/* --- what is needed to repeat a render --- */
 
 /* FNV-1a, 64 bits, of a file's bytes. */
 static mcv_result hash_file(const char *path, uint64_t *hash, mcv_error *error) {
@@ -160,30 +156,6 @@ static mcv_result make_samples(const mcv_film *film, mcv_exr_part *part, mcv_err
     return MCV_OK;
 }
 
-uint32_t mcv_picture_attributes(const mcv_sensor *sensor,
-                                mcv_attribute attributes[MCV_PICTURE_PARAMETERS],
-                                char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME]) {
-    const mcv_param_table table = mcv_sensor_table(sensor->type);
-    uint32_t count = 0;
-    for (size_t i = 0; i < table.count && count < MCV_PICTURE_PARAMETERS; ++i) {
-        const mcv_param *param = table.params + i;
-        const void *field = (const char *)&sensor->as + param->offset;
-        const uint32_t *integers = field;
-        const double *numbers = field;
-        mcv_attribute a = {.name = names[count],
-                           .count = (uint32_t)mcv_param_components(param->kind)};
-        if (param->kind == MCV_PARAM_choice || param->kind == MCV_PARAM_flag ||
-            param->kind == MCV_PARAM_image || param->kind == MCV_PARAM_pattern)
-            continue; /* of the scene */
-        if (mcv_param_unset(param, &sensor->as)) continue;
-        snprintf(names[count], MCV_EXR_ATTRIBUTE_NAME, "mcvisi:%s", param->key);
-        for (uint32_t k = 0; k < a.count; ++k)
-            a.numbers[k] = mcv_param_integral(param->kind) ? integers[k] : numbers[k];
-        attributes[count++] = a;
-    }
-    return count;
-}
-
 static mcv_result write_exr(const mcv_picture *picture, const mcv_command *command,
                             const mcv_scene *scene, uint32_t sensor,
                             const mcv_render_options *options, const mcv_film *film,
@@ -233,17 +205,6 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
         mcv_exr_write(picture->exr, parts, part_count, attributes, count, error);
     free(set);
     return result;
-}
-
-mcv_result mcv_picture_describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image,
-                                mcv_error *error) {
-    mcv_camera_model model;
-    MCV_TRY(mcv_camera_model_of(scene, scene->sensors + sensor, &model, error));
-    image->description = mcv_camera_model_write(&model);
-    mcv_camera_model_free(&model);
-    return image->description
-               ? MCV_OK
-               : mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model", scene->path);
 }
 
 mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *command,

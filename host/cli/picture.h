@@ -4,8 +4,8 @@
 #ifndef MCVISI_HOST_CLI_PICTURE_H
 #define MCVISI_HOST_CLI_PICTURE_H
 
-#include "cli/options.h"
-#include "io/exr.h"
+#include "cli/command.h"
+#include "io/picture_header.h"
 #include "io/png.h"
 #include "render/render.h"
 
@@ -38,20 +38,5 @@ mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *comm
  * given (render.c). */
 mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_options *options,
                                    mcv_error *error);
-
-/* Gives an image of a sensor its description: where the scene's points lie in it
- * (scene/camera_model.h). */
-mcv_result mcv_picture_describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image,
-                                mcv_error *error);
-
-enum { MCV_PICTURE_PARAMETERS = 16 };
-
-/*
- * The sensor's numbers as mcvisi:focalLength, mcvisi:angularResolution …, from its parameter table.
- * Returns how many; names holds the attributes' names.
- */
-uint32_t mcv_picture_attributes(const mcv_sensor *sensor,
-                                mcv_attribute attributes[MCV_PICTURE_PARAMETERS],
-                                char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME]);
 
 #endif

@@ -1,51 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/places.h"
 
-#include "analysis/part_place.h"
+mcv_texts mcv_texts_of(const mcv_list *list) { return (mcv_texts){list->items, list->count}; }
 
-#include <stdlib.h>
-
-static mcv_result resolve_list(const char *what, const mcv_list *from,
-                               const mcv_camera_model *model, mcv_list *to, mcv_error *error) {
-    to->items = calloc(from->count + 1, sizeof *to->items);
-    if (!to->items) return mcv_fail(error, MCV_FAILED, "no memory for %s", what);
-    for (; to->count < from->count; ++to->count) {
-        char *text;
-        MCV_TRY(mcv_part_place_resolve(what, from->items[to->count], model, &text, error));
-        to->items[to->count] = text;
-    }
-    return MCV_OK;
-}
-
-mcv_result mcv_places_resolve(const mcv_command *command, const mcv_camera_model *model,
-                              mcv_command *resolved, mcv_error *error) {
-    char *background = NULL;
-    *resolved = *command;
-    resolved->background = NULL;
-#define MCV_X(field, name) resolved->field = (mcv_list){0};
-    MCV_PLACE_OPTIONS(MCV_X)
+mcv_places mcv_places_of(const mcv_command *command) {
+    return (mcv_places){.regions = mcv_texts_of(&command->region),
+                        .background = command->background,
+                        .boxes = {
+#define MCV_X(form, FORM, figures, what) mcv_texts_of(&command->form),
+                            MCV_FORMS(MCV_X)
 #undef MCV_X
-    if (command->background)
-        MCV_TRY(
-            mcv_part_place_resolve("--background", command->background, model, &background, error));
-    resolved->background = background;
-#define MCV_X(field, name) \
-    MCV_TRY(resolve_list(name, &command->field, model, &resolved->field, error));
-    MCV_PLACE_OPTIONS(MCV_X)
-#undef MCV_X
-    return MCV_OK;
-}
-
-static void free_list(mcv_list *list) {
-    for (size_t i = 0; i < list->count; ++i) free((void *)list->items[i]);
-    free((void *)list->items);
-    *list = (mcv_list){0};
-}
-
-void mcv_places_free(mcv_command *resolved) {
-    free((void *)resolved->background);
-    resolved->background = NULL;
-#define MCV_X(field, name) free_list(&resolved->field);
-    MCV_PLACE_OPTIONS(MCV_X)
-#undef MCV_X
+                        }};
 }

@@ -1,28 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The options of `measure` and `sweep` that say where: those in a part's coordinates become pixels
- * of an image. */
+/* The options of `measure` and `sweep` that say where. */
 #ifndef MCVISI_HOST_CLI_PLACES_H
 #define MCVISI_HOST_CLI_PLACES_H
 
-#include "cli/options.h"
-#include "scene/camera_model.h"
+#include "analysis/places.h"
+#include "cli/command.h"
 
-/* X(field, "name"): options that are lists of places. */
-#define MCV_PLACE_OPTIONS(X) \
-    X(region, "--region") \
-    X(edge, "--edge") \
-    X(line, "--line") \
-    X(caliper, "--caliper") \
-    X(circle, "--circle") \
-    X(arc, "--arc")
+/* The places of the options, as given. Texts are the command's. */
+mcv_places mcv_places_of(const mcv_command *command);
 
-/*
- * A copy of the command whose places, and --background, are pixels (analysis/part_place.h). model:
- * of the image, or NULL. The copy shares the rest with the command, must not outlive it and is
- * freed by mcv_places_free, after failure as well.
- */
-mcv_result mcv_places_resolve(const mcv_command *command, const mcv_camera_model *model,
-                              mcv_command *resolved, mcv_error *error);
-void mcv_places_free(mcv_command *resolved);
+/* A list of the options as texts. */
+mcv_texts mcv_texts_of(const mcv_list *list);
 
 #endif

@@ -3,13 +3,14 @@
 #include "check/findings.h"
 #include "cli/camera.h"
 #include "cli/interrupt.h"
-#include "cli/options.h"
+#include "cli/command.h"
 #include "cli/picture.h"
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 #include "core/basics.h"
 #include "report/progress.h"
 #include "report/summary.h"
 #include "reference/reference.h"
+#include "loader/load.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,9 +20,7 @@
 static const double default_error = 0.01;
 static const double default_seconds = 60;
 
-/* --- options
- * ----------------------------------------------------------------------------------------------------
- */
+/* --- options --- */
 
 mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_options *options,
                                    mcv_error *error) {
@@ -71,9 +70,7 @@ mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_option
     return MCV_OK;
 }
 
-/* --- one sensor
- * -------------------------------------------------------------------------------------------------
- */
+/* --- one sensor --- */
 
 static mcv_result render_sensor(const mcv_command *command, const mcv_scene *scene,
                                 mcv_render_options options, uint32_t sensor,
@@ -141,9 +138,7 @@ static mcv_result render_and_print(const mcv_command *command, const mcv_scene *
                     picture.exr);
 }
 
-/* --- all sensors
- * ------------------------------------------------------------------------------------------------
- */
+/* --- all sensors --- */
 
 /* All pictures are planned before anything is rendered: hours later it is too late to say that a
  * folder is missing. */
@@ -204,7 +199,8 @@ mcv_result mcv_verb_render(const mcv_command *command, mcv_error *error) {
     mcv_scene *scene;
     mcv_render_options options;
     const double begun = mcv_seconds();
-    if (!command->camera && mcv_camera_wanted(command))
+    const mcv_camera_settings camera = mcv_camera_settings_of(command);
+    if (!command->camera && mcv_camera_wanted(&camera))
         return mcv_fail(
             error, MCV_USAGE,
             "the exposure is that of --camera FILE: give it, or leave the exposure out");

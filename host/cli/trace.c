@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi trace: every vertex of given rays' paths, as a table. */
-#include "cli/options.h"
+#include "cli/command.h"
 #include "cli/rays.h"
 #include "core/output_file.h"
 #include "reference/reference.h"
+#include "loader/load.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -3,6 +3,13 @@
 #define MCVISI_HOST_CORE_BASICS_H
 
 #include <stdbool.h>
+#include <stddef.h>
+
+/* Several texts, none of which are owned. */
+typedef struct mcv_texts {
+    const char *const *items;
+    size_t count;
+} mcv_texts;
 
 /* Seconds since some fixed time, which no change of the wall's clock disturbs. */
 double mcv_seconds(void);

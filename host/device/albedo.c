@@ -6,7 +6,6 @@
 #include <stdbool.h>
 
 #include "mcvisi/materials/microfacet.h"
-#include "device/multiple.h"
 
 /*
  * Points of the quadrature over visible microfacets. Those at the disk's rim send light down: w² =
@@ -46,7 +45,7 @@ void mcv_coat(double coating, double n1, double n2, double *scale, double *offse
 /* What the microfacets send out of the light from o, as shares of it: all and by (1 - c)^5, or by
  * Fresnel in and out of an index. */
 static void integrate(const double alpha[2], const double o[3], double eta, double coating,
-                      bool interface, const float *multiple, double sums[2]) {
+                      bool interface, double sums[2]) {
     const double own = lambda(alpha, o),
                  turn = o[1] == 0
                             ? M_PI
@@ -76,8 +75,7 @@ static void integrate(const double alpha[2], const double o[3], double eta, doub
             }
             const double s = (eta * c - c2) / (eta * c + c2), p = (c - eta * c2) / (c + eta * c2);
             const double fresnel = c2 > 0 ? fmax(scale * 0.5 * (s * s + p * p) + offset, 0) : 1;
-            const double again = multiple && kept > 0 ? mcv_multiple_at(multiple, o, reflected) : 0;
-            sums[0] += (fresnel + again) * kept;
+            sums[0] += fresnel * kept;
             if (c2 > 0 && refracted[2] < 0)
                 sums[0] +=
                     (1 - fresnel) * weight * (1 + own) *
@@ -131,31 +129,24 @@ void mcv_albedo_reflection(double alpha_x, double alpha_y, uint32_t azimuths, fl
     for (uint32_t i = 0; i < azimuths * MCV_ALBEDO_COSINES; ++i) {
         double o[3], sums[2];
         direction(i / MCV_ALBEDO_COSINES, i % MCV_ALBEDO_COSINES, azimuths, o);
-        integrate(alpha, o, 1, 0, false, NULL, sums);
+        integrate(alpha, o, 1, 0, false, sums);
         block[2 + 2 * i] = (float)(1 - sums[0]);
         block[3 + 2 * i] = (float)sums[1];
     }
     average(azimuths, block);
 }
 
-double mcv_albedo_left(const double alpha[2], const double o[3], double eta, double coating,
-                       const float *multiple) {
-    double sums[2];
-    integrate(alpha, o, eta, coating, true, multiple, sums);
-    return sums[0];
-}
-
 void mcv_albedo_interface(double alpha_x, double alpha_y, double n_outside, double n_inside,
-                          double coating, uint32_t azimuths, const float *multiple, float *block) {
+                          double coating, uint32_t azimuths, float *block) {
     const double alpha[2] = {alpha_x, alpha_y};
     for (uint32_t i = 0; i < azimuths * MCV_ALBEDO_COSINES; ++i) {
         double o[3];
         direction(i / MCV_ALBEDO_COSINES, i % MCV_ALBEDO_COSINES, azimuths, o);
         for (uint32_t side = 0; side < 2; ++side) {
             const double eta = side ? n_inside / n_outside : n_outside / n_inside;
-            const double left =
-                mcv_albedo_left(alpha, o, eta, coating, multiple ? multiple + side : NULL);
-            block[2 + 2 * i + side] = (float)fmax(1 - left, 0);
+            double sums[2];
+            integrate(alpha, o, eta, coating, true, sums);
+            block[2 + 2 * i + side] = (float)fmax(1 - sums[0], 0);
         }
     }
     average(azimuths, block);

@@ -18,16 +18,10 @@ void mcv_albedo_reflection(double alpha_x, double alpha_y, uint32_t azimuths, fl
 
 /*
  * The same for an interface: the share that one meeting with a microfacet neither reflects nor
- * refracts, coming from index n_outside and from n_inside; less what `multiple` (of
- * mcv_multiple_interface, or NULL) sends back.
+ * refracts, coming from index n_outside and from n_inside.
  */
 void mcv_albedo_interface(double alpha_x, double alpha_y, double n_outside, double n_inside,
-                          double coating, uint32_t azimuths, const float *multiple, float *block);
-
-/* Of light from o at an interface, eta = n_before/n_behind: what leaves after one meeting, and what
- * `multiple`'s words say leaves again. */
-double mcv_albedo_left(const double alpha[2], const double o[3], double eta, double coating,
-                       const float *multiple);
+                          double coating, uint32_t azimuths, float *block);
 
 /* What a coating of that reflectance at normal incidence makes of Fresnel's: scale F + offset. 0:
  * there is none. */

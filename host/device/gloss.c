@@ -18,7 +18,7 @@ static void alphas(double roughness, double anisotropy, double alpha[2]) {
 /* Floats of a table, for each of its roughnesses. */
 static uint32_t words_of(const mcv_albedo_source *source) {
     const uint32_t behind = source->n_outside > 0 && source->azimuths == 1
-                                ? mcv_multiple_words()
+                                ? mcv_interface_words()
                                 : 0; /* an interface's albedos */
     return source->multiple ? mcv_multiple_words() : mcv_albedo_words(source->azimuths) + behind;
 }
@@ -43,7 +43,7 @@ static bool integrate(const mcv_albedo_source *source, float *table) {
                 !multiple || mcv_multiple_interface(alpha[1], source->n_outside, source->n_inside,
                                                     source->coating, multiple);
             mcv_albedo_interface(alpha[0], alpha[1], source->n_outside, source->n_inside,
-                                 source->coating, source->azimuths, multiple, block);
+                                 source->coating, source->azimuths, block);
         } else {
             mcv_albedo_reflection(alpha[0], alpha[1], source->azimuths, block);
         }

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "mcvisi/materials/microfacet.h"
 #include "device/albedo.h"
+#include "device/microsurface.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -41,60 +41,6 @@ typedef struct surface {
     heading nodes[COSINES];
 } surface;
 
-static double lambda(double alpha, double cosine) {
-    const double slope = alpha * alpha * (1 - cosine * cosine) / (cosine * cosine);
-    return 0.5 * (sqrt(1 + slope) - 1);
-}
-
-static double density(double alpha, double h_z_squared) {
-    const double s = (1 - h_z_squared) / (alpha * alpha) + h_z_squared;
-    return 1 / (pi * alpha * alpha * s * s);
-}
-
-/*
- * The direction w into which a visible microfacet reflects light from o, which may come from below:
- * that of mcv_ggx_sample with radius² = 1 - left². *c gets the cosine of incidence, *h_z the
- * normal's.
- */
-static void reflect(double alpha, const double o[3], double left, const double turn[2], double w[3],
-                    double *c, double *h_z) {
-    double s[3] = {alpha * o[0], alpha * o[1], o[2]};
-    const double length = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
-    for (int k = 0; k < 3; ++k) s[k] /= length;
-    const double z = left * left * (1 + s[2]), q = 1 + s[2] - z,
-                 around = sqrt(fmax(q * (2 - q), 0));
-    double h[3] = {alpha * (around * turn[0] + s[0]), alpha * (around * turn[1] + s[1]),
-                   fmax(z, 1e-150)};
-    const double size = sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
-    for (int k = 0; k < 3; ++k) h[k] /= size;
-    *c = fmin(fmax(o[0] * h[0] + o[1] * h[1] + o[2] * h[2], 0), 1);
-    *h_z = h[2];
-    for (int k = 0; k < 3; ++k) w[k] = 2 * *c * h[k] - o[k];
-}
-
-/* The cosine of a row, column (kernels/bsdf/microfacet.h). The grazing one is the limit. */
-static double cosine_at(uint32_t column) {
-    const double x = (double)column / (COSINES - 1), rest = 1 - x;
-    return fmax(x * x / (x * x + rest * rest), 1e-3);
-}
-
-static double place_of(double cosine) {
-    const double root = sqrt(cosine), rest = sqrt(fmax(1 - cosine, 0));
-    return root / (root + rest) * (COSINES - 1);
-}
-
-/* Between two directions, whose cosines have that sum, the cosine of half the angle between the
- * azimuths for an entry, and back. */
-static double half_at(uint32_t entry, double sum) {
-    const double t = (double)entry / (AZIMUTHS - 1), k = sum + MCV_MULTIPLE_LEAST;
-    return k * t / (1 + k - t);
-}
-
-static double entry_of(double half, double sum) {
-    const double k = sum + MCV_MULTIPLE_LEAST;
-    return half * (1 + k) / (half + k) * (AZIMUTHS - 1);
-}
-
 static float reflectance(const float *steps, float c) {
     const float x = c * (float)STEPS;
     const uint32_t step = (uint32_t)x;
@@ -118,7 +64,7 @@ static void add_twice(const surface *work, const heading *from, const heading *t
         const double *w = from->w[f], d[3] = {x - w[0], y - w[1], z - w[2]};
         if (!(d[2] > 0)) continue;
         const double squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2],
-                     second = density(alpha, d[2] * d[2] / squared);
+                     second = mcv_facet_density(alpha, d[2] * d[2] / squared);
         const double reach = 1 / (1 + from->hit[f] + (w[2] > 0 ? from->lambda : to->lambda));
         const double first = from->density[f];
         const double value = from->weight[f] * first * second * reach /
@@ -139,18 +85,18 @@ static void add_twice(const surface *work, const heading *from, const heading *t
 static void fill_node(double alpha, double cosine, heading *node) {
     node->cosine = cosine;
     node->sine = sqrt(1 - cosine * cosine);
-    node->lambda = lambda(alpha, cosine);
+    node->lambda = mcv_smith(alpha, cosine);
     for (int a = 0; a < ANGLES; ++a)
         for (int r = 0; r < RADII; ++r) {
             const int f = a * RADII + r;
             const double left = (r + 0.5) / RADII;
             const double angle = 2 * pi * (a + 0.5) / ANGLES, turn[2] = {cos(angle), sin(angle)},
                          o[3] = {node->sine, 0, cosine};
-            double c, h_z;
-            reflect(alpha, o, left, turn, node->w[f], &c, &h_z);
+            double c, h[3];
+            mcv_reflect_by_facet(alpha, o, left, turn, node->w[f], &c, h);
             node->weight[f] = 2 * left / FACETS;
-            node->density[f] = density(alpha, h_z * h_z);
-            node->hit[f] = lambda(alpha, fmax(fabs(node->w[f][2]), 1e-12));
+            node->density[f] = mcv_facet_density(alpha, h[2] * h[2]);
+            node->hit[f] = mcv_smith(alpha, fmax(fabs(node->w[f][2]), 1e-12));
             node->c[f] = (float)c;
         }
 }
@@ -165,7 +111,7 @@ static double once_at(double alpha, const heading *a, const heading *b, double h
     const double c = 2 * half * half - 1, z = a->cosine + b->cosine,
                  across = b->sine * sqrt(fmax(1 - c * c, 0));
     const double along = a->sine + b->sine * c;
-    return density(alpha, z * z / (z * z + along * along + across * across));
+    return mcv_facet_density(alpha, z * z / (z * z + along * along + across * across));
 }
 
 /* Of light from a direction: the shares that leave white microfacets after one, two and more
@@ -181,9 +127,9 @@ static void count_reflections(double alpha, const heading *from, double shares[3
                      first = 4 * v * v * v / (RADII_1 * ANGLES_1);
         const int around = f / RADII_1;
         const double angle = pi * (around + 0.5) / ANGLES_1, turn[2] = {cos(angle), sin(angle)};
-        double w[3], back[3], c, h_z;
-        reflect(alpha, o, v * v, turn, w, &c, &h_z);
-        const double hit = lambda(alpha, fmax(fabs(w[2]), 1e-12)),
+        double w[3], back[3], c, h[3];
+        mcv_reflect_by_facet(alpha, o, v * v, turn, w, &c, h);
+        const double hit = mcv_smith(alpha, fmax(fabs(w[2]), 1e-12)),
                      goes_on = w[2] > 0 ? hit / (1 + own + hit) : 1;
         shares[0] += first * (1 - goes_on);
         for (int k = 0; k < 3; ++k) back[k] = -w[k];
@@ -194,8 +140,8 @@ static void count_reflections(double alpha, const heading *from, double shares[3
             const double other = 2 * pi * (about + 0.5) / ANGLES_2,
                          to[2] = {cos(other), sin(other)};
             double i[3];
-            reflect(alpha, back, u * u, to, i, &c, &h_z);
-            const double out = i[2] > 0 ? lambda(alpha, i[2]) : 0;
+            mcv_reflect_by_facet(alpha, back, u * u, to, i, &c, h);
+            const double out = i[2] > 0 ? mcv_smith(alpha, i[2]) : 0;
             const double leaves = i[2] > 0 ? (1 + own) / (1 + own + out) *
                                                  (w[2] > 0 ? 1 : (1 + hit) / (1 + hit + out))
                                            : 0;
@@ -209,13 +155,7 @@ static void count_reflections(double alpha, const heading *from, double shares[3
 static double between(double alpha, const double a[3], const double b[3]) {
     const double sum[3] = {a[0] + b[0], a[1] + b[1], a[2] + b[2]},
                  squared = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
-    return sum[2] > 0 && squared > 1e-20 ? density(alpha, sum[2] * sum[2] / squared) : 0;
-}
-
-/* The area of visible microfacets, over that of the surface, from a direction above or below. */
-static double visible(double alpha, const double w[3]) {
-    const double z = fmax(fabs(w[2]), 1e-12), l = lambda(alpha, z);
-    return w[2] > 0 ? z * (1 + l) : z * l;
+    return sum[2] > 0 && squared > 1e-20 ? mcv_facet_density(alpha, sum[2] * sum[2] / squared) : 0;
 }
 
 /*
@@ -250,21 +190,21 @@ static double thrice(double alpha, const heading *from, const heading *to, doubl
     double sum = 0;
     for (int choice = 0; choice < 3 * CHOICES; ++choice) {
         const int number = choice / 3 + 1;
-        double u[4], w1[3], w2[3], m1[3], m2[3], cosine, h_z;
+        double u[4], w1[3] = {0}, w2[3] = {0}, m1[3] = {0}, m2[3] = {0}, cosine, h[3];
         for (int k = 0; k < 4; ++k) u[k] = fmod(0.5 + steps[k] * number, 1);
         const double turn1[2] = {cos(2 * pi * u[1]), sin(2 * pi * u[1])},
                      turn2[2] = {cos(2 * pi * u[3]), sin(2 * pi * u[3])};
         const int first = choice % 3; /* 0: one from each end; 1: both from o, 2: both from i */
         if (first < 2) {
-            reflect(alpha, o, sqrt(u[0]), turn1, w1, &cosine, &h_z);
+            mcv_reflect_by_facet(alpha, o, sqrt(u[0]), turn1, w1, &cosine, h);
             for (int k = 0; k < 3; ++k) m1[k] = -w1[k];
         } else {
-            reflect(alpha, i, sqrt(u[0]), turn1, m2, &cosine, &h_z);
+            mcv_reflect_by_facet(alpha, i, sqrt(u[0]), turn1, m2, &cosine, h);
             for (int k = 0; k < 3; ++k) w2[k] = -m2[k];
         }
-        if (first == 0) reflect(alpha, i, sqrt(u[2]), turn2, m2, &cosine, &h_z);
-        if (first == 1) reflect(alpha, m1, sqrt(u[2]), turn2, w2, &cosine, &h_z);
-        if (first == 2) reflect(alpha, w2, sqrt(u[2]), turn2, m1, &cosine, &h_z);
+        if (first == 0) mcv_reflect_by_facet(alpha, i, sqrt(u[2]), turn2, m2, &cosine, h);
+        if (first == 1) mcv_reflect_by_facet(alpha, m1, sqrt(u[2]), turn2, w2, &cosine, h);
+        if (first == 2) mcv_reflect_by_facet(alpha, w2, sqrt(u[2]), turn2, m1, &cosine, h);
         for (int k = 0; k < 3; ++k) {
             if (first == 0) w2[k] = -m2[k];
             if (first == 1) m2[k] = -w2[k];
@@ -275,12 +215,13 @@ static double thrice(double alpha, const heading *from, const heading *to, doubl
         if (!(d1 > 0 && d2 > 0 && d3 > 0)) continue;
         const double z1 = fmax(fabs(w1[2]), 1e-12), z2 = fmax(fabs(w2[2]), 1e-12);
         const double value = d1 * d2 * d3 / (16 * z1 * z2) *
-                             heights(from->lambda, lambda(alpha, z1), w1[2] > 0, lambda(alpha, z2),
-                                     w2[2] > 0, to->lambda);
+                             heights(from->lambda, mcv_smith(alpha, z1), w1[2] > 0,
+                                     mcv_smith(alpha, z2), w2[2] > 0, to->lambda);
         const double p1 = d1 / (4 * from->cosine * (1 + from->lambda)),
                      p3 = d3 / (4 * to->cosine * (1 + to->lambda));
-        const double middle = d2 / 4, chances = p1 * p3 + p1 * middle / visible(alpha, m1) +
-                                                p3 * middle / visible(alpha, w2);
+        const double middle = d2 / 4, chances = p1 * p3 +
+                                                p1 * middle / mcv_visible_area(alpha, m1) +
+                                                p3 * middle / mcv_visible_area(alpha, w2);
         if (chances > 0) sum += value / chances;
     }
     return all * sum / CHOICES;
@@ -298,7 +239,7 @@ static void fill_ratios(const surface *work, const float *white,
             for (uint32_t turn = 0; turn < TURNS; ++turn) {
                 const uint32_t r = 3 * row + 1, c = 3 * column + 1;
                 const heading *a = &work->nodes[r], *b = &work->nodes[c];
-                const double half = half_at(turns[turn], a->cosine + b->cosine),
+                const double half = mcv_multiple_half(turns[turn], a->cosine + b->cosine),
                              once = once_at(work->alpha, a, b, half);
                 const double more = thrice(work->alpha, a, b, 2 * half * half - 1) / once;
                 ratios[row][column][turn] = ratios[column][row][turn] =
@@ -336,14 +277,15 @@ static void follow(double alpha, const heading *from, const float *white,
         const int around = f / RADII;
         const double left = (f % RADII + 0.5) / RADII, angle = pi * (around + 0.5) / ANGLES,
                      turn[2] = {cos(angle), sin(angle)};
-        double w[3], c, h_z;
-        reflect(alpha, o, left, turn, w, &c, &h_z);
+        double w[3], c, h[3];
+        mcv_reflect_by_facet(alpha, o, left, turn, w, &c, h);
         if (!(w[2] > 0)) continue;
-        const double z = fmin(w[2], 1),
-                     kept = 2 * left * (1 + from->lambda) / (1 + from->lambda + lambda(alpha, z));
+        const double z = fmin(w[2], 1), kept = 2 * left * (1 + from->lambda) /
+                                               (1 + from->lambda + mcv_smith(alpha, z));
         const double across = hypot(w[0], w[1]),
                      half = across > 0 ? sqrt(fmax(0.5 + 0.5 * w[0] / across, 0)) : 1;
-        const double place = place_of(z), entry = entry_of(half, from->cosine + z);
+        const double place = mcv_multiple_place(z, COSINES),
+                     entry = mcv_multiple_entry(half, from->cosine + z);
         const uint32_t column = (uint32_t)fmin(place, COSINES - 2),
                        first = (uint32_t)fmin(entry, AZIMUTHS - 2);
         for (uint32_t k = 0; k < 2; ++k) {
@@ -394,8 +336,8 @@ static void fill_twice(const surface *work, float *table, float *white) {
         for (uint32_t column = 0; column <= row; ++column)
             for (uint32_t entry = 0; entry < AZIMUTHS; ++entry) {
                 const heading *a = &work->nodes[row], *b = &work->nodes[column];
-                const double half = half_at(entry, a->cosine + b->cosine), c = 2 * half * half - 1,
-                             s = sqrt(fmax(1 - c * c, 0));
+                const double half = mcv_multiple_half(entry, a->cosine + b->cosine),
+                             c = 2 * half * half - 1, s = sqrt(fmax(1 - c * c, 0));
                 const double once = once_at(work->alpha, a, b, half);
                 double sums[WORDS + 1] = {0};
                 add_twice(work, a, b, c, s, sums);
@@ -425,7 +367,7 @@ bool mcv_multiple_reflection(double alpha, const double *n, const double *k, flo
                 work->reflectance[c][step] =
                     mcv_conductor_fresnel((float)n[c], (float)k[c], fminf((float)step / STEPS, 1));
         for (uint32_t row = 0; row < COSINES; ++row)
-            fill_node(alpha, cosine_at(row), &work->nodes[row]);
+            fill_node(alpha, mcv_multiple_cosine(row, COSINES), &work->nodes[row]);
         fill_twice(work, table, white);
         fill_ratios(work, white, ratios);
         const double left = find_rest(work, white, ratios, r);
@@ -444,256 +386,5 @@ bool mcv_multiple_reflection(double alpha, const double *n, const double *k, flo
     const bool made = work && white;
     free(work);
     free(white);
-    return made;
-}
-
-/* --- interfaces
- * ----------------------------------------------------------------------------------------------------
- */
-
-/* An interface that light meets from index n1; eta = n1/n2. */
-typedef struct interface {
-    double eta, scale, offset;
-} interface;
-
-static double interface_reflectance(const interface *at, double c) {
-    const double squared = 1 - at->eta * at->eta * (1 - c * c),
-                 c2 = squared > 0 ? sqrt(squared) : 0;
-    const double s = (at->eta * c - c2) / (at->eta * c + c2),
-                 p = (c - at->eta * c2) / (c + at->eta * c2);
-    return c2 > 0 ? fmax(at->scale * 0.5 * (s * s + p * p) + at->offset, 0) : 1;
-}
-
-/* splitmix64, as a number in (0, 1). */
-static double unit(uint64_t *state) {
-    uint64_t x = *state += 0x9e3779b97f4a7c15U;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9U;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebU;
-    return ((double)((x ^ x >> 31) >> 11) + 0.5) * 0x1p-53;
-}
-
-enum { EVEN = (COSINES + 1) / 2, GOALS = EVEN * AZIMUTHS };
-
-/*
- * Light that walks on microfacets of an interface from the direction of a node until it leaves
- * (Heitz and others 2016): adds what each meeting but the first sends to each goal on its own side,
- * as f cosθ. `below` is the share of the surface below the light. Where it has passed the interface
- * it walks on the surface turned about. Half the walks reflect first, half refract. Returns the
- * share that leaves on the other side after more than one meeting.
- */
-static double walk_interface(double alpha, const interface sides[2], const heading *from,
-                             double goals[GOALS][4], uint64_t *state, double sums[GOALS]) {
-    enum { WALKS = 12000, MEETINGS = 60 };
-    double passed = 0;
-    memset(sums, 0, GOALS * sizeof *sums);
-    for (int walk = 0; walk < WALKS; ++walk) {
-        double o[3] = {from->sine, 0, from->cosine}, below = 1, weight = 1;
-        int side = 0;
-        for (int meeting = 0; meeting < MEETINGS; ++meeting) {
-            const double l = lambda(alpha, fmax(fabs(o[2]), 1e-12));
-            const bool up = o[2] < 0; /* light goes against o */
-            double chance = unit(state);
-            if (meeting == 1 && up) { /* it stays: what leaves by now is counted elsewhere */
-                const double leaves = pow(below, l);
-                weight *= 1 - leaves;
-                chance = leaves + (1 - leaves) * chance;
-            }
-            const double left = up ? pow(chance, 1 / fmax(l, 1e-12)) : pow(chance, -1 / (1 + l));
-            if (up && below >= left && meeting != 1) {
-                if (side == 1) passed += weight / WALKS;
-                break;
-            }
-            below = fmin(below / left, 1);
-            const interface *at = &sides[side];
-            const double seen = visible(alpha, o);
-            for (int g = 0; meeting > 0 && g < GOALS; ++g) {
-                const double *to = goals[g], z = side ? -to[2] : to[2];
-                if (side == 0) {
-                    const double h[3] = {o[0] + to[0], o[1] + to[1], o[2] + z},
-                                 squared = h[0] * h[0] + h[1] * h[1] + h[2] * h[2];
-                    if (!(h[2] > 0 && squared > 1e-20)) continue;
-                    const double c = fmin(0.5 * sqrt(squared), 1);
-                    sums[g] += weight * interface_reflectance(at, c) *
-                               density(alpha, h[2] * h[2] / squared) / (4 * seen) *
-                               pow(below, to[3]);
-                    continue;
-                }
-                double h[3] = {at->eta * o[0] + to[0], at->eta * o[1] + to[1], at->eta * o[2] + z};
-                const double squared = h[0] * h[0] + h[1] * h[1] + h[2] * h[2],
-                             length = h[2] < 0 ? -sqrt(squared) : sqrt(squared);
-                const double c = (h[0] * o[0] + h[1] * o[1] + h[2] * o[2]) / length,
-                             behind = -(h[0] * to[0] + h[1] * to[1] + h[2] * z) / length;
-                if (!(c > 0 && behind > 0)) continue;
-                sums[g] += weight * (1 - interface_reflectance(at, fmin(c, 1))) * c * behind /
-                           squared * density(alpha, h[2] * h[2] / squared) / seen *
-                           pow(1 - below, to[3]);
-            }
-            double w[3], c, h_z;
-            const double angle = 2 * pi * unit(state), turn[2] = {cos(angle), sin(angle)};
-            reflect(alpha, o, sqrt(unit(state)), turn, w, &c, &h_z);
-            const double reflectance = interface_reflectance(at, c);
-            const bool reflects = unit(state) < (meeting == 0 ? walk & 1 : reflectance);
-            if (meeting == 0) weight *= 2 * (reflects ? reflectance : 1 - reflectance);
-            if (!(weight > 0)) break;
-            if (reflects) {
-                for (int k = 0; k < 3; ++k) o[k] = -w[k];
-                continue;
-            }
-            const double turned = at->eta * c - sqrt(fmax(1 - at->eta * at->eta * (1 - c * c), 0));
-            for (int k = 0; k < 3; ++k) {
-                const double h = c > 1e-9 ? (w[k] + o[k]) / (2 * c) : (k == 2);
-                o[k] = (at->eta * o[k] - turned * h) * (k == 2 ? -1 : 1);
-            }
-            below = 1 - below;
-            side = !side;
-        }
-    }
-    for (int g = 0; g < GOALS; ++g) sums[g] /= WALKS;
-    return passed;
-}
-
-/*
- * What the ratios of one side, one per entry, leave to pass after more than one meeting, where
- * `once` leaves after one. With `passed`, the ratios are scaled first by r(o) r(i) such that this
- * is what passes.
- */
-static void complete(const surface *work, const double once[COSINES], const double *passed,
-                     float *ratios, double rest[COSINES]) {
-    enum { ROUNDS = 40 };
-    double shares[COSINES][COSINES], r[COSINES];
-    for (uint32_t row = 0; row < COSINES; ++row) {
-        follow(work->alpha, &work->nodes[row], ratios, NULL, row, shares[row]);
-        r[row] = 1;
-    }
-    for (int round = 0; round <= ROUNDS; ++round)
-        for (uint32_t row = 0; row < COSINES; ++row) {
-            double sum = 0;
-            for (uint32_t b = 0; b < COSINES; ++b) sum += shares[row][b] * r[b];
-            rest[row] = fmax(1 - once[row] - r[row] * sum, 0);
-            if (passed && round < ROUNDS && sum > 0)
-                r[row] =
-                    fmin(fmax(sqrt(r[row] * fmax(1 - once[row] - passed[row], 0) / sum), 0.5), 2);
-        }
-    for (uint32_t entry = 0; entry < COSINES * COSINES * AZIMUTHS; ++entry)
-        ratios[entry] *= (float)(r[entry / AZIMUTHS / COSINES] * r[entry / AZIMUTHS % COSINES]);
-}
-
-double mcv_multiple_at(const float *table, const double o[3], const double i[3]) {
-    const double z[2] = {fmin(o[2], 1), fmin(i[2], 1)},
-                 across[2] = {hypot(o[0], o[1]), hypot(i[0], i[1])};
-    const double c = across[0] * across[1] > 0
-                         ? (o[0] * i[0] + o[1] * i[1]) / (across[0] * across[1])
-                         : -0.5; /* as on the device */
-    const double entry = entry_of(sqrt(fmax(0.5 + 0.5 * c, 0)), z[0] + z[1]),
-                 places[2] = {place_of(z[0]), place_of(z[1])};
-    const uint32_t row = (uint32_t)fmin(places[0], COSINES - 2),
-                   column = (uint32_t)fmin(places[1], COSINES - 2);
-    const uint32_t first = (uint32_t)fmin(entry, AZIMUTHS - 2);
-    const double f = places[0] - row, g = places[1] - column,
-                 ends[3] = {1 - fmax(f, g), fabs(f - g), fmin(f, g)};
-    const uint32_t corners[3] = {0, f > g ? COSINES : 1, COSINES + 1};
-    double sum = 0;
-    for (int k = 0; k < 3; ++k) {
-        const float *at =
-            table + (size_t)WORDS * ((row * COSINES + column + corners[k]) * AZIMUTHS + first);
-        sum += ends[k] * ((double)at[0] + (entry - first) * (double)(at[WORDS] - at[0]));
-    }
-    return sum;
-}
-
-/* The mean 2 ∫ μ dμ of a share that is given for nodes. */
-static double mean_of(const double shares[COSINES]) {
-    double sum = 0;
-    for (uint32_t k = 0; k + 1 < COSINES; ++k) {
-        const double low = k > 0 ? cosine_at(k) : 0, high = cosine_at(k + 1);
-        sum += 0.5 * (shares[k] + shares[k + 1]) * (high * high - low * low);
-    }
-    return sum;
-}
-
-/* The ratios of one side, by entry, and what leaves on the other side after more than one meeting,
- * by node; half of both by lines. */
-static void fill_interface(const surface *work, const interface sides[2], uint64_t *state,
-                           float ratios[EVEN][EVEN][AZIMUTHS], float *plain,
-                           double passed[COSINES]) {
-    for (uint32_t row = 0; row < EVEN; ++row) {
-        const heading *from = &work->nodes[2 * row];
-        double goals[GOALS][4], sums[GOALS];
-        for (uint32_t g = 0; g < GOALS; ++g) {
-            const heading *to = &work->nodes[2 * (g / AZIMUTHS)];
-            const double half = half_at(g % AZIMUTHS, from->cosine + to->cosine),
-                         c = 2 * half * half - 1;
-            const double goal[4] = {to->sine * c, to->sine * sqrt(fmax(1 - c * c, 0)), to->cosine,
-                                    to->lambda};
-            memcpy(goals[g], goal, sizeof goal);
-        }
-        passed[2 * row] = walk_interface(work->alpha, sides, from, goals, state, sums);
-        for (uint32_t g = 0; g < GOALS; ++g) {
-            const heading *to = &work->nodes[2 * (g / AZIMUTHS)];
-            const double once =
-                once_at(work->alpha, from, to, half_at(g % AZIMUTHS, from->cosine + to->cosine));
-            ratios[row][g / AZIMUTHS][g % AZIMUTHS] =
-                (float)(sums[g] * 4 * from->cosine * (1 + from->lambda + to->lambda) / once);
-        }
-    }
-    for (uint32_t column = 0; column < EVEN; ++column) { /* upright light sees no azimuth */
-        float mean = 0;
-        for (uint32_t entry = 0; entry < AZIMUTHS; ++entry)
-            mean += ratios[EVEN - 1][column][entry] / AZIMUTHS;
-        for (uint32_t entry = 0; entry < AZIMUTHS; ++entry) ratios[EVEN - 1][column][entry] = mean;
-    }
-    for (uint32_t row = 1; row < COSINES; row += 2)
-        passed[row] = 0.5 * (passed[row - 1] + passed[row + 1]);
-    for (uint32_t entry = 0; entry < COSINES * COSINES * AZIMUTHS;
-         ++entry) { /* the same both ways */
-        const uint32_t row = entry / AZIMUTHS / COSINES, column = entry / AZIMUTHS % COSINES,
-                       turn = entry % AZIMUTHS;
-        const uint32_t low[2] = {row / 2, column / 2}, high[2] = {(row + 1) / 2, (column + 1) / 2};
-        plain[entry] = 0.25F * (ratios[low[0]][low[1]][turn] + ratios[low[1]][low[0]][turn] +
-                                ratios[high[0]][high[1]][turn] + ratios[high[1]][high[0]][turn]);
-    }
-}
-
-bool mcv_multiple_interface(double alpha, double n_outside, double n_inside, double coating,
-                            float *table) {
-    enum { ENTRIES = COSINES * COSINES * AZIMUTHS };
-    surface *work = malloc(sizeof *work);
-    float(*ratios)[EVEN][AZIMUTHS] = malloc(EVEN * sizeof *ratios);
-    float *plain[2] = {malloc(ENTRIES * sizeof(float)), malloc(ENTRIES * sizeof(float))};
-    const bool made = work && ratios && plain[0] && plain[1];
-    const double both[2] = {alpha, alpha}, eta[2] = {n_outside / n_inside, n_inside / n_outside};
-    double passed[2][COSINES], once[2][COSINES];
-    uint64_t state = 0;
-    if (made) {
-        interface sides[3];
-        work->alpha = alpha;
-        for (int k = 0; k < 3; ++k) {
-            sides[k].eta = eta[k % 2];
-            mcv_coat(coating, sides[k].eta, 1, &sides[k].scale, &sides[k].offset);
-        }
-        for (uint32_t row = 0; row < COSINES; ++row) {
-            fill_node(alpha, cosine_at(row), &work->nodes[row]);
-            const double o[3] = {work->nodes[row].sine, 0, work->nodes[row].cosine};
-            for (int side = 0; side < 2; ++side)
-                once[side][row] = mcv_albedo_left(both, o, eta[side], coating, NULL);
-        }
-        for (int side = 0; side < 2; ++side)
-            fill_interface(work, sides + side, &state, ratios, plain[side], passed[side]);
-        /* Walks in the thinner medium tell best what passes. n² times its mean is the same both
-         * ways. */
-        const int thin = n_outside > n_inside;
-        double rest[COSINES];
-        complete(work, once[thin], NULL, plain[thin], rest);
-        const double scale =
-            eta[thin] * eta[thin] * mean_of(rest) / fmax(mean_of(passed[!thin]), 1e-12);
-        for (uint32_t row = 0; row < COSINES; ++row) passed[!thin][row] *= scale;
-        complete(work, once[!thin], passed[!thin], plain[!thin], rest);
-        for (uint32_t word = 0; word < WORDS * ENTRIES; ++word)
-            table[word] = word % WORDS < 2 ? plain[word % WORDS][word / WORDS] : 0;
-    }
-    free(work);
-    free(ratios);
-    free(plain[0]);
-    free(plain[1]);
     return made;
 }

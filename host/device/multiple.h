@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What microfacets of a metal send on to each other before it leaves: the table of multiple
- * scattering behind kernels/bsdf/microfacet.h, in double. Smith's masking describes a surface on
- * which light walks from microfacet to microfacet (Heitz, Hanika, d'Eon and Dachsbacher 2016).
+ * What microfacets send on to each other before it leaves: the tables of multiple scattering behind
+ * kernels/bsdf/microfacet.h, in double. Smith's masking describes a surface on which light walks
+ * from microfacet to microfacet (Heitz, Hanika, d'Eon and Dachsbacher 2016).
  */
 #ifndef MCVISI_HOST_RENDER_MULTIPLE_H
 #define MCVISI_HOST_RENDER_MULTIPLE_H
@@ -22,16 +22,19 @@ uint32_t mcv_multiple_words(void);
  */
 bool mcv_multiple_reflection(double alpha, const double *n, const double *k, float *table);
 
+/* Floats of an interface's table. */
+uint32_t mcv_interface_words(void);
+
 /*
- * The same for an interface between two indices, of light that leaves on its own side: the first
- * word outside, the second inside. By walks. coating: its reflectance at normal incidence, 0: none.
- * False: no memory.
+ * The same for an interface between two indices, by walks: for pairs of cosines and the angle
+ * between their azimuths the BSDF of two and more meetings with microfacets, times the cosine it
+ * leaves at. The first two words, of light that comes and leaves outside, inside: over what white
+ * microfacets reflect there once. The others, of light that comes from outside, inside and leaves
+ * on the other side, which is spread wide: over 1/(o_z (1 + Λ(o)) (1 + Λ(i))) [1/sr]. coating: its
+ * reflectance at normal incidence, 0: none. False: no memory.
  */
 bool mcv_multiple_interface(double alpha, double n_outside, double n_inside, double coating,
                             float *table);
-
-/* The word of such a table for two directions above the surface, as the device interpolates. */
-double mcv_multiple_at(const float *table, const double o[3], const double i[3]);
 
 /*
  * The factor of three and more reflections of a mean reflectance, beyond that of two: Σ over 3, 4 …

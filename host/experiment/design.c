@@ -9,9 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- levels
- * -----------------------------------------------------------------------------------------------------
- */
+/* --- levels --- */
 
 static bool parse_value(const char *text, size_t length, double *value) {
     char copy[64], *end;
@@ -96,9 +94,7 @@ static double at_point(const mcv_levels *l, double x) {
     return l->list ? l->list[(size_t)(x * (double)l->count)] : between(l, x);
 }
 
-/* --- points
- * -----------------------------------------------------------------------------------------------------
- */
+/* --- points --- */
 
 /* S. Joe and F. Y. Kuo, Constructing Sobol sequences with better two-dimensional projections, 2008:
  * degree, polynomial and first numbers.
@@ -163,9 +159,7 @@ static void fill_lhs(size_t dimension, size_t points, uint32_t seed, double *x, 
             fmin((x[i * stride] + mcv_noise_uniform(&noise)) / (double)points, 1 - 0x1p-53);
 }
 
-/* --- sets
- * -------------------------------------------------------------------------------------------------------
- */
+/* --- sets --- */
 
 static mcv_result count_sets(int design, const mcv_levels *levels, size_t parameters, size_t points,
                              size_t *sets, mcv_error *error) {

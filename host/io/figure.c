@@ -6,9 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* --- the page
- * ---------------------------------------------------------------------------------------------------
- */
+/* --- the page --- */
 
 mcv_result mcv_page_new(cairo_t **page, uint32_t width, uint32_t height, double size,
                         mcv_error *error) {
@@ -68,8 +66,7 @@ void mcv_page_text(cairo_t *page, double x, double y, double align, const char *
     cairo_new_path(page);
 }
 
-/* --- images and bars
- * -------------------------------------------------------------------------------------------- */
+/* --- images and bars --- */
 
 /* Grey with darker diagonals: no colour of a scale. */
 static uint32_t hatch(uint32_t x, uint32_t y) { return (x + y) % 6 < 2 ? 0x909090 : 0xc8c8c8; }

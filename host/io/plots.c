@@ -14,9 +14,7 @@
 enum { WIDTH = 560, HEIGHT = 340, LEFT = 84, RIGHT = 16, TOP = 14, BOTTOM = 52, MOST_TICKS = 12 };
 enum { LEGEND = 8 }; /* values of the second parameter that are told one by one */
 
-/* --- axes
- * -------------------------------------------------------------------------------------------------------
- */
+/* --- axes --- */
 
 /* From values to CSS pixels. */
 typedef struct axis {
@@ -99,9 +97,7 @@ static void put_axes(FILE *out, const axis *x, const axis *y, const char *x_name
     fputs("</text>\n", out);
 }
 
-/* --- plots
- * ------------------------------------------------------------------------------------------------------
- */
+/* --- plots --- */
 
 typedef struct plot {
     const mcv_plots *page;

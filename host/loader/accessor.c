@@ -40,12 +40,12 @@ static uint64_t element_size(const char *type, uint32_t component_type, uint32_t
 /* `count` elements of `size` bytes, whose components have `component` bytes, in the bufferView that
  * `object` names. */
 static mcv_result check_span(const json_t *root, const json_t *object, uint64_t count,
-                             uint64_t size, uint64_t component, mcv_span *span,
+                             uint64_t size, uint64_t component, mcv_buffer_span *span,
                              const mcv_json_path *place, mcv_error *error) {
     const json_t *views = json_object_get(root, "bufferViews");
     uint64_t offset = 0, view_offset = 0, length = 0, stride = 0, buffer = 0;
     const mcv_json_path here = mcv_json_path_key(place, "byteOffset");
-    *span = (mcv_span){.view = MCV_NONE, .stride = size};
+    *span = (mcv_buffer_span){.view = MCV_NONE, .stride = size};
     MCV_TRY(mcv_json_index(object, "bufferView", json_array_size(views), "bufferViews", &span->view,
                            place, error));
     MCV_TRY(mcv_json_uint(object, "byteOffset", 0, 1ull << 53, &offset, place, error));
@@ -196,17 +196,17 @@ static double component(const uint8_t *p, uint32_t type) {
 static float scaled(double value, const mcv_accessor *accessor) {
     static const double largest[] = {127, 255, 32767, 65535};
     if (!accessor->normalized) return (float)value;
-    // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): validation lets only
-    // integers be normalized
+    /* Validation lets only integers be normalized. */
+    // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult)
     return (float)fmax(value / largest[accessor->component_type - MCV_GLTF_BYTE], -1);
 }
 
-static const uint8_t *element(const mcv_gltf *gltf, const mcv_span *span, uint64_t i) {
+static const uint8_t *element(const mcv_gltf *gltf, const mcv_buffer_span *span, uint64_t i) {
     return mcv_gltf_buffer(gltf, span->buffer).data + span->offset + i * span->stride;
 }
 
 /* A buffer may be declared without data. */
-static mcv_result check_data(const mcv_gltf *gltf, const mcv_span *span, const mcv_json_path *place,
+static mcv_result check_data(const mcv_gltf *gltf, const mcv_buffer_span *span, const mcv_json_path *place,
                              mcv_error *error) {
     if (span->view == MCV_NONE || span->end <= mcv_gltf_buffer(gltf, span->buffer).size)
         return MCV_OK;

@@ -16,21 +16,21 @@ enum {
 };
 
 /* Elements in a buffer. */
-typedef struct mcv_span {
+typedef struct mcv_buffer_span {
     uint32_t view, buffer;        /* view: MCV_NONE where there is none, then all elements are 0 */
     uint64_t offset, stride, end; /* bytes from the buffer's begin; end: behind the last element */
     bool has_stride;              /* byteStride is written out */
-} mcv_span;
+} mcv_buffer_span;
 
 typedef struct mcv_accessor {
     uint32_t component_type;
     uint32_t components; /* 0: a type that glTF does not know */
     bool normalized;
     uint64_t count;
-    mcv_span elements;
+    mcv_buffer_span elements;
     uint64_t sparse_count;
     uint32_t sparse_type; /* of the indices */
-    mcv_span sparse_indices, sparse_values;
+    mcv_buffer_span sparse_indices, sparse_values;
 } mcv_accessor;
 
 /* Reads the member `key` of `object` as the index of an accessor. *given is false where it is

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Assets as they were parsed, for the next load of the same scene. */
-#include "loader/load.h"
+#include "loader/loader.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <sys/stat.h>
 
 struct mcv_asset_cache {
-    mcv_kept_asset *assets;
+    mcv_cached_asset *assets;
     size_t count, read;
 };
 
@@ -62,53 +62,53 @@ void mcv_stamps_free(mcv_stamp *stamps, size_t count) {
  * -----------------------------------------------------------------------------------------------------
  */
 
-mcv_asset_cache *mcv_kept_assets_new(void) { return calloc(1, sizeof(mcv_asset_cache)); }
+mcv_asset_cache *mcv_asset_cache_new(void) { return calloc(1, sizeof(mcv_asset_cache)); }
 
-static void forget(mcv_kept_asset *a) {
+static void forget(mcv_cached_asset *a) {
     mcv_stamps_free(a->stamps, a->stamp_count);
     json_decref(a->root);
     mcv_gltf_close(a->gltf);
     mcv_scene_free(a->solid);
 }
 
-void mcv_kept_assets_free(mcv_asset_cache *kept) {
-    if (!kept) return;
-    for (size_t i = 0; i < kept->count; ++i) forget(kept->assets + i);
-    free(kept->assets);
-    free(kept);
+void mcv_asset_cache_free(mcv_asset_cache *cache) {
+    if (!cache) return;
+    for (size_t i = 0; i < cache->count; ++i) forget(cache->assets + i);
+    free(cache->assets);
+    free(cache);
 }
 
-size_t mcv_kept_assets_read(const mcv_asset_cache *kept) { return kept->read; }
+size_t mcv_asset_cache_reads(const mcv_asset_cache *cache) { return cache->read; }
 
-void mcv_kept_forget_changed(mcv_asset_cache *kept) {
+void mcv_asset_cache_drop_changed(mcv_asset_cache *cache) {
     size_t left = 0;
-    for (size_t i = 0; i < kept->count; ++i) {
-        const mcv_kept_asset *a = kept->assets + i;
+    for (size_t i = 0; i < cache->count; ++i) {
+        const mcv_cached_asset *a = cache->assets + i;
         bool unchanged = true;
         for (size_t k = 0; k < a->stamp_count; ++k)
             unchanged = unchanged && is_unchanged(a->stamps + k);
         if (unchanged)
-            kept->assets[left++] = *a;
+            cache->assets[left++] = *a;
         else
-            forget(kept->assets + i);
+            forget(cache->assets + i);
     }
-    kept->count = left;
+    cache->count = left;
 }
 
-const mcv_kept_asset *mcv_kept_find(const mcv_asset_cache *kept, const char *path) {
-    for (size_t i = 0; kept && i < kept->count; ++i)
-        if (strcmp(kept->assets[i].stamps[0].path, path) == 0) return kept->assets + i;
+const mcv_cached_asset *mcv_asset_cache_find(const mcv_asset_cache *cache, const char *path) {
+    for (size_t i = 0; cache && i < cache->count; ++i)
+        if (strcmp(cache->assets[i].stamps[0].path, path) == 0) return cache->assets + i;
     return NULL;
 }
 
-mcv_result mcv_kept_add(mcv_loader *asset, const double size[3], const mcv_json_path *place,
+mcv_result mcv_asset_cache_add(mcv_loader *asset, const double size[3], const mcv_json_path *place,
                         mcv_error *error) {
-    mcv_asset_cache *kept = asset->kept;
-    if (!kept) return MCV_OK;
-    mcv_kept_asset *assets = realloc(kept->assets, (kept->count + 1) * sizeof *assets);
+    mcv_asset_cache *cache = asset->cache;
+    if (!cache) return MCV_OK;
+    mcv_cached_asset *assets = realloc(cache->assets, (cache->count + 1) * sizeof *assets);
     if (!assets) return mcv_fail_memory(place, error);
-    kept->assets = assets;
-    mcv_kept_asset a = {.fingerprint = asset->fingerprint};
+    cache->assets = assets;
+    mcv_cached_asset a = {.fingerprint = asset->fingerprint};
     if (size) {
         a.solid = mcv_scene_new(asset->file.key);
         if (!a.solid) return mcv_fail_memory(place, error);
@@ -120,13 +120,13 @@ mcv_result mcv_kept_add(mcv_loader *asset, const double size[3], const mcv_json_
     } else {
         a.root = json_incref(asset->root);
         a.gltf = asset->gltf;
-        asset->has_kept_data = true;
+        asset->is_cached = true;
     }
     a.stamps = asset->stamps;
     a.stamp_count = asset->stamp_count;
     asset->stamps = NULL;
     asset->stamp_count = 0;
-    kept->assets[kept->count++] = a;
-    ++kept->read;
+    cache->assets[cache->count++] = a;
+    ++cache->read;
     return MCV_OK;
 }

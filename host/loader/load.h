@@ -1,217 +1,35 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the parts of the loader share while one document is turned into a scene. */
-#ifndef MCVISI_HOST_SCENE_LOAD_H
-#define MCVISI_HOST_SCENE_LOAD_H
+/* Scenes from files. */
+#ifndef MCVISI_HOST_LOADER_LOAD_H
+#define MCVISI_HOST_LOADER_LOAD_H
 
-#include "loader/accessor.h"
-#include "scene/presets.h"
 #include "scene/scene.h"
-#include "mcvisi/asset.h"
-#include "mcvisi/pose.h"
 
-/* A glTF mesh: its primitives are the scene's meshes first … first + count - 1 with these
- * materials. */
-typedef struct mcv_loaded_mesh {
-    bool loaded;
-    uint32_t first, count;
-    uint32_t *materials; /* of the scene */
-} mcv_loaded_mesh;
+/* "PATH=VALUE" as given to --set: a path into the scene (design: `sensors/cam/focalLength`) and a
+ * JSON value or a string with a unit. */
+typedef struct mcv_overrides {
+    const char *const *items;
+    size_t count;
+} mcv_overrides;
 
-/* Light that a glTF material emits; texture MCV_NONE, radiance 0 for most. */
-typedef struct mcv_emission {
-    double radiance[3];
-    uint32_t texture;
-} mcv_emission;
-
-/* A definition of MCVISI_surfaces: its solids in the body's frame, and what they are made of. */
-typedef struct mcv_body {
-    const char *name;
-    uint32_t count;
-    mcv_solid *solids;
-    uint32_t *materials; /* 2 per solid: of the scene, of the caps and of the side; MCV_NONE: the
-                            node's */
-} mcv_body;
-
-/* A file as it was before it was read. */
-typedef struct mcv_stamp {
-    char *path;
-    uint64_t device, inode, size;
-    struct timespec modified, changed;
-} mcv_stamp;
-
-/* An asset that was parsed before. */
-typedef struct mcv_kept_asset {
-    mcv_stamp *stamps; /* of all files that were read for it, its own first */
-    size_t stamp_count;
-    uint64_t fingerprint;
-    json_t *root; /* of a glTF file, without its .glb's binary chunk */
-    mcv_gltf *gltf;
-    mcv_scene *solid; /* an STL file's mesh, or NULL */
-    double size[3];   /* and its box */
-} mcv_kept_asset;
-
-typedef struct mcv_loader {
-    mcv_scene *scene;
-    mcv_json_path file;
-    bool is_asset; /* placed by another document: its cameras, sensors and emitters but for emissive
-                      materials do not count */
-    double unit;   /* of an asset's lengths [m] */
-    uint32_t solid; /* the scene's mesh of an asset that is an STL file; MCV_NONE for glTF */
-    uint32_t asset_material; /* the scene's number of the one that its entry puts on all of an
-                                asset, or MCV_NONE */
-    const struct mcv_loader *placer;  /* of an asset: the document that places it, */
-    const json_t *entry;              /* its entry there and */
-    const mcv_json_path *entry_place; /* where that stands; valid until it is open */
-    json_t *root;
-    mcv_bytes bytes, binary; /* the file; the binary chunk inside of it */
-    mcv_gltf *gltf;
-    mcv_asset_cache *kept; /* or NULL */
-    bool has_kept_data;    /* root and gltf are those of a kept asset */
-    mcv_stamp *stamps;     /* of the files read, for an asset that is to be kept */
-    size_t stamp_count;
-    uint64_t fingerprint; /* of this document's files and its assets */
-    uint32_t *images;     /* number in gltf of images[i], or MCV_NONE where no material needs it */
-    uint32_t *textures; /* the scene's number of textures[i], or MCV_NONE as long as no material has
-                           asked for it */
-    uint32_t *data_textures;  /* the same where it holds no colour */
-    uint32_t *materials;      /* the scene's number of materials[i], or of what takes its place */
-    uint32_t *node_materials; /* of an asset: the scene's number of what is put on all of nodes[i]
-                                 and below, or MCV_NONE */
-    mcv_emission *emission;   /* of materials[i] */
-    mcv_loaded_mesh *meshes;
-    uint32_t plain, absorber; /* the scene's number of the material where none is given, of
-                                 rectangles; or MCV_NONE */
-    mcv_sensor *sensors;      /* the definitions in MCVISI_sensors and MCVISI_emitters */
-    mcv_emitter *emitters;
-    mcv_preset *presets;                  /* of the emitters */
-    uint32_t *sensor_uses, *emitter_uses; /* nodes that refer to them */
-    size_t sensor_count, emitter_count;
-    mcv_emitter *lights; /* of KHR_lights_punctual */
-    size_t light_count;
-    mcv_body *bodies; /* the definitions in MCVISI_surfaces */
-    size_t body_count;
-    struct mcv_loader *assets; /* MCVISI_assets */
-    char **asset_paths;
-    size_t asset_count;
-} mcv_loader;
-
-/* load_materials.c: which images textures need; then materials with their textures. */
-mcv_result mcv_load_needed_images(mcv_loader *loader, uint32_t *count, mcv_error *error);
-mcv_result mcv_load_materials(mcv_loader *loader, mcv_error *error);
-
-/* The scene's number of a shared material, made when first asked for. */
-mcv_result mcv_load_plain(mcv_loader *loader, uint32_t *material, mcv_error *error);
-mcv_result mcv_load_absorber(mcv_loader *loader, uint32_t *material, mcv_error *error);
-
-/* The tinygltf slot of images[source], which is read from now on; *count slots are taken. */
-mcv_result mcv_load_need_image(mcv_loader *loader, uint32_t source, uint32_t *count,
-                               mcv_error *error);
-
-/* load_images.c: marks the images that emitters project as needed; then makes textures of them and
- * sets `image` in loader->emitters. */
-mcv_result mcv_load_needed_emitter_images(mcv_loader *loader, uint32_t *count, mcv_error *error);
-mcv_result mcv_load_emitter_images(mcv_loader *loader, mcv_error *error);
-
-/* load_lights.c: the lights of KHR_lights_punctual, and the one that a node places. */
-mcv_result mcv_load_lights(mcv_loader *loader, mcv_error *error);
-mcv_result mcv_load_light(mcv_loader *loader, const json_t *node, const mcv_transform *to_world,
-                          const mcv_json_path *place, mcv_error *error);
-
-/* load_meshes.c: the primitives of meshes[index], read when first asked for. */
-mcv_result mcv_load_mesh(mcv_loader *loader, uint32_t index, mcv_error *error);
-
-/* load_elements.c: definitions, and what a node places. Instances first … last - 1 are those of the
- * node's mesh. */
-mcv_result mcv_load_definitions(mcv_loader *loader, mcv_error *error);
-mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_transform *to_world,
-                            uint32_t first, uint32_t last, const mcv_json_path *place,
-                            mcv_error *error);
-mcv_result mcv_load_sensors(mcv_loader *loader, const json_t *node, const mcv_transform *to_world,
-                            const mcv_json_path *place, mcv_error *error);
-
-/* The scene's number of a rectangle in the node's xy plane whose front faces -z, as a new instance;
- * an image's left is its right if mirrored. */
-mcv_result mcv_load_rectangle(mcv_loader *loader, const char *name, const double size[2],
-                              bool mirror, const mcv_transform *to_world,
-                              const mcv_json_path *place, mcv_error *error);
-
-/* load_presets.c: the preset's instances; the first emits. */
-mcv_result mcv_load_preset(mcv_loader *loader, const mcv_preset *preset, const char *name,
-                           const mcv_transform *to_world, const mcv_json_path *place,
-                           mcv_error *error);
-
-/* load_surfaces.c: definitions of MCVISI_surfaces, and the body that a node places. */
-mcv_result mcv_load_bodies(mcv_loader *loader, mcv_error *error);
-mcv_result mcv_load_body(mcv_loader *loader, const json_t *node, const mcv_transform *to_world,
-                         const mcv_json_path *place, mcv_error *error);
-void mcv_load_free_bodies(mcv_loader *loader);
-
-/* load_replaced.c: which of an asset's materials and nodes get materials of the scene, by its entry
- * (mcvisi/asset.h). */
-mcv_result mcv_load_replaced(mcv_loader *asset, mcv_error *error);
-
-/* load_replaced.c: the scene's number of the material object[key] (index or name in the document);
- * MCV_NONE where absent. */
-mcv_result mcv_load_find_material(const mcv_loader *loader, const json_t *object, const char *key,
-                                  uint32_t *material, const mcv_json_path *place, mcv_error *error);
-
-/*
- * load_pose.c: a node's transform below its parent; by its MCVISI_pose, if it has one, in the
- * document's frame; or, by way of all parents, in the document's frame. depth counts targets and
- * parents followed so far.
- */
-mcv_result mcv_load_local(const json_t *node, mcv_transform *transform, const mcv_json_path *place,
+/* Reads a .gltf or .glb. On failure *scene is NULL and the error names file, JSON path and what
+ * would be right. */
+mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene **scene,
                           mcv_error *error);
-mcv_result mcv_load_pose(const mcv_loader *loader, const json_t *node, int depth, bool *posed,
-                         mcv_transform *transform, const mcv_json_path *place, mcv_error *error);
-mcv_result mcv_load_transform(const mcv_loader *loader, uint32_t index, int depth,
-                              mcv_transform *transform, mcv_error *error);
 
 /*
- * load_assets.c: opens the documents of MCVISI_assets; the one that a node places (its extension
- * object's "asset"), or NULL. mcv_load_file (load.c) reads a file and counts it in the fingerprint
- * by mcv_load_count; mcv_load_open parses loader->bytes (or goes on with a root and buffers that
- * are there already) up to the materials; mcv_load_finish frees what a loader holds.
+ * For scenes that are loaded many times. The cache holds the files of MCVISI_assets as they were
+ * parsed. A file is read again only if it has changed since (by inode, size and times). A scene
+ * does not depend on the cache. mcv_asset_cache_reads: how many assets had to be read so far.
  */
-mcv_result mcv_load_assets(mcv_loader *loader, mcv_error *error);
-mcv_result mcv_load_asset_of(const mcv_loader *loader, const json_t *node,
-                             struct mcv_loader **asset, const mcv_json_path *place,
-                             mcv_error *error);
-void mcv_load_count(mcv_loader *loader, const void *data, size_t size);
-mcv_result mcv_load_file(mcv_loader *loader, const char *path, mcv_bytes *bytes,
-                         const mcv_json_path *place, mcv_error *error);
-/* load.c: how a file of another format becomes one that is read, for sentences. */
+typedef struct mcv_asset_cache mcv_asset_cache;
+mcv_asset_cache *mcv_asset_cache_new(void); /* NULL without memory */
+void mcv_asset_cache_free(mcv_asset_cache *cache);
+size_t mcv_asset_cache_reads(const mcv_asset_cache *cache);
+mcv_result mcv_scene_load_cached(const char *path, mcv_overrides overrides, mcv_asset_cache *cache,
+                                 mcv_scene **scene, mcv_error *error);
+
+/* How a file of another format becomes one that is read, for sentences. */
 const char *mcv_conversion(const char *path);
-
-mcv_result mcv_load_open(mcv_loader *loader, mcv_overrides overrides, mcv_error *error);
-void mcv_load_finish(mcv_loader *loader);
-
-/*
- * kept.c: the asset at a path, if it was kept; keeps what an asset's loader has parsed. Forgetting
- * what has changed on disk is for the begin of a load: until its end, its loaders share what is
- * kept.
- */
-mcv_result mcv_stamp_add(mcv_loader *loader, const char *path, const mcv_json_path *place,
-                         mcv_error *error);
-const mcv_kept_asset *mcv_kept_find(const mcv_asset_cache *kept, const char *path);
-mcv_result mcv_kept_add(mcv_loader *asset, const double size[3], const mcv_json_path *place,
-                        mcv_error *error);
-void mcv_kept_forget_changed(mcv_asset_cache *kept);
-void mcv_stamps_free(mcv_stamp *stamps, size_t count);
-
-/*
- * load_stl.c: adds the triangles of an STL file, binary or ASCII, to the scene; size is that of its
- * box, in its own unit. `place` is the file, for messages.
- */
-mcv_result mcv_load_stl(mcv_scene *scene, mcv_bytes bytes, const char *name, uint32_t *mesh,
-                        double size[3], const mcv_json_path *place, mcv_error *error);
-
-/* load_elements.c: the array extensions/EXTENSION/KEY of the document, and a node's index {"KEY":
- * i} into it. */
-mcv_result mcv_load_array(const mcv_loader *loader, const char *extension, const char *key,
-                          json_t **array, mcv_error *error);
-mcv_result mcv_load_reference(const json_t *node, const char *extension, const char *key,
-                              size_t count, const char *of, uint32_t *index,
-                              const mcv_json_path *place, mcv_error *error);
 
 #endif

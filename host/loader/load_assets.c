@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* MCVISI_assets: other files that nodes place (mcvisi/asset.h). An STL file without a material of
  * the scene's is plain. */
-#include "loader/load.h"
+#include "loader/loader.h"
+#include "loader/load_stl.h"
 
 #include "core/basics.h"
 #include "scene/mesh.h"
@@ -33,16 +34,16 @@ static mcv_result read_unit(const json_t *object, double *unit, const mcv_json_p
 static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *object,
                            const char *uri, double crease_angle, const mcv_json_path *place,
                            mcv_error *error) {
-    const mcv_kept_asset *kept = mcv_kept_find(loader->kept, asset->file.key);
+    const mcv_cached_asset *cached = mcv_asset_cache_find(loader->cache, asset->file.key);
     double size[3] = {0};
     const mcv_json_path here = mcv_json_path_key(place, "unit"),
                         there = mcv_json_path_key(place, "uri");
     const char *slash = strrchr(uri, '/');
-    if (kept) {
-        memcpy(size, kept->size, sizeof size);
-        asset->fingerprint = kept->fingerprint;
+    if (cached) {
+        memcpy(size, cached->size, sizeof size);
+        asset->fingerprint = cached->fingerprint;
         asset->solid = asset->scene->mesh_count;
-        MCV_TRY(mcv_scene_add_mesh(asset->scene, kept->solid->meshes, error));
+        MCV_TRY(mcv_scene_add_mesh(asset->scene, cached->solid->meshes, error));
     } else {
         MCV_TRY(mcv_load_file(asset, asset->file.key, &asset->bytes, &there, error));
         const mcv_result result = mcv_load_stl(asset->scene, asset->bytes, slash ? slash + 1 : uri,
@@ -50,7 +51,7 @@ static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *
         free(asset->bytes.data);
         asset->bytes = (mcv_bytes){NULL, 0};
         MCV_TRY(result);
-        MCV_TRY(mcv_kept_add(asset, size, place, error));
+        MCV_TRY(mcv_asset_cache_add(asset, size, place, error));
     }
     if (!json_object_get(object, "unit"))
         return mcv_fail_at(&here, error,
@@ -67,17 +68,17 @@ static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *
 }
 
 static mcv_result open_gltf(mcv_loader *asset, const mcv_json_path *place, mcv_error *error) {
-    const mcv_kept_asset *kept = mcv_kept_find(asset->kept, asset->file.key);
-    if (kept) {
-        asset->has_kept_data = true;
-        asset->root = json_incref(kept->root);
-        asset->gltf = kept->gltf;
-        asset->fingerprint = kept->fingerprint;
+    const mcv_cached_asset *cached = mcv_asset_cache_find(asset->cache, asset->file.key);
+    if (cached) {
+        asset->is_cached = true;
+        asset->root = json_incref(cached->root);
+        asset->gltf = cached->gltf;
+        asset->fingerprint = cached->fingerprint;
         return mcv_load_open(asset, (mcv_overrides){NULL, 0}, error);
     }
     MCV_TRY(mcv_load_file(asset, asset->file.key, &asset->bytes, place, error));
     MCV_TRY(mcv_load_open(asset, (mcv_overrides){NULL, 0}, error));
-    return mcv_kept_add(asset, NULL, place, error);
+    return mcv_asset_cache_add(asset, NULL, place, error);
 }
 
 static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t index,
@@ -119,7 +120,7 @@ static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t in
     *asset = (mcv_loader){.scene = loader->scene,
                           .file = mcv_place_file(loader->asset_paths[index]),
                           .is_asset = true,
-                          .kept = loader->kept,
+                          .cache = loader->cache,
                           .solid = MCV_NONE,
                           .asset_material = MCV_NONE,
                           .placer = loader,

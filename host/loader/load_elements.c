@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Sensors and emitters: their definitions in MCVISI_sensors and MCVISI_emitters, glTF cameras, and
  * what nodes place. */
-#include "loader/load.h"
+#include "loader/loader.h"
 
 #include "scene/emitters.h"
 #include "scene/mesh.h"
@@ -13,34 +13,7 @@
 
 static const char *const element_keys[] = {"name", "type", "extras", "extensions", NULL};
 
-/* --- definitions
- * ------------------------------------------------------------------------------------------------
- */
-
-/* extensions/EXTENSION/KEY of the document, an array of objects; NULL where absent. */
-mcv_result mcv_load_array(const mcv_loader *loader, const char *extension, const char *key,
-                          json_t **array, mcv_error *error) {
-    const char *const others[] = {key, "extras", "extensions", NULL};
-    const mcv_json_path extensions = mcv_json_path_key(&loader->file, "extensions"),
-                        place = mcv_json_path_key(&extensions, extension);
-    const json_t *all = json_object_get(loader->root, "extensions");
-    json_t *object;
-    *array = NULL;
-    MCV_TRY(mcv_json_object(all, extension, &object, &extensions, error));
-    if (!object) return MCV_OK;
-    MCV_TRY(mcv_params_parse((mcv_param_table){0}, object, others, NULL, &place, error));
-    MCV_TRY(mcv_json_array(object, key, array, &place, error));
-    if (!*array) return mcv_fail_at(&place, error, "must have the array \"%s\"", key);
-    const mcv_json_path here = mcv_json_path_key(&loader->file, key);
-    for (size_t i = 0; i < json_array_size(*array); ++i) {
-        const mcv_json_path element = mcv_place_index(&here, i);
-        const char *name;
-        if (!json_is_object(json_array_get(*array, i)))
-            return mcv_fail_at(&element, error, "must be an object");
-        MCV_TRY(mcv_json_string(json_array_get(*array, i), "name", &name, &element, error));
-    }
-    return MCV_OK;
-}
+/* --- definitions --- */
 
 static mcv_result define_sensor(const json_t *object, mcv_sensor *sensor,
                                 const mcv_json_path *place, mcv_error *error) {
@@ -126,54 +99,7 @@ mcv_result mcv_load_definitions(mcv_loader *loader, mcv_error *error) {
     return MCV_OK;
 }
 
-/* The node's extensions/EXTENSION {"KEY": index}; MCV_NONE where absent. */
-mcv_result mcv_load_reference(const json_t *node, const char *extension, const char *key,
-                              size_t count, const char *of, uint32_t *index,
-                              const mcv_json_path *place, mcv_error *error) {
-    const char *const others[] = {key, "extras", "extensions", NULL};
-    const mcv_json_path extensions = mcv_json_path_key(place, "extensions"),
-                        here = mcv_json_path_key(&extensions, extension);
-    json_t *all, *object;
-    *index = MCV_NONE;
-    MCV_TRY(mcv_json_object(node, "extensions", &all, place, error));
-    MCV_TRY(mcv_json_object(all, extension, &object, &extensions, error));
-    if (!object) return MCV_OK;
-    MCV_TRY(mcv_params_parse((mcv_param_table){0}, object, others, NULL, &here, error));
-    MCV_TRY(mcv_json_index(object, key, count, of, index, &here, error));
-    return *index == MCV_NONE ? mcv_fail_at(&here, error, "must have the index \"%s\"", key)
-                              : MCV_OK;
-}
-
-/* --- emitters
- * ---------------------------------------------------------------------------------------------------
- */
-
-/*
- * Two triangles in the node's xy plane that face -z, where the emitter looks; as large as `size`
- * says, whatever the node's scale. An image's upper left corner lies at -x, +y, or mirrored at +x,
- * +y.
- */
-mcv_result mcv_load_rectangle(mcv_loader *loader, const char *name, const double size[2],
-                              bool mirror, const mcv_transform *to_world,
-                              const mcv_json_path *place, mcv_error *error) {
-    const float x = (float)(size[0] / 2), y = (float)(size[1] / 2);
-    float positions[] = {-x, -y, 0, x, -y, 0, x, y, 0, -x, y, 0};
-    const float left = mirror ? 1 : 0;
-    float texcoords[] = {left, 1, 1 - left, 1, 1 - left, 0, left, 0};
-    uint32_t indices[] = {0, 2, 1, 0, 3, 2};
-    const mcv_mesh mesh = {.name = (char *)name,
-                           .vertex_count = 4,
-                           .triangle_count = 2,
-                           .positions = positions,
-                           .texcoords = texcoords,
-                           .indices = indices};
-    mcv_instance instance = {.name = (char *)name, .mesh = loader->scene->mesh_count};
-    if (!mcv_transform_rigid(to_world, &instance.to_world))
-        return mcv_fail_at(place, error, "its scale must not be 0");
-    MCV_TRY(mcv_load_absorber(loader, &instance.material, error));
-    MCV_TRY(mcv_scene_add_mesh(loader->scene, &mesh, error));
-    return mcv_scene_add_instance(loader->scene, &instance, error);
-}
+/* --- emitters --- */
 
 /* The same radiance from each of a node's meshes: a power is shared by area. */
 static mcv_result add_emitters(mcv_loader *loader, const mcv_emitter *emitter, uint32_t first,
@@ -271,9 +197,7 @@ mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_tr
     return add_emitters(loader, &emitter, first, last, error);
 }
 
-/* --- sensors
- * ----------------------------------------------------------------------------------------------------
- */
+/* --- sensors --- */
 
 /* A glTF camera has no pixels: this many in x, square ones of 10 µm. */
 enum { CAMERA_WIDTH = 1024 };

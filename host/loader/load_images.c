@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The images that emitters project: glTF images (PNG, JPEG) and OpenEXR files. */
-#include "loader/load.h"
+#include "loader/loader.h"
 
 #include "io/exr.h"
 #include "scene/emitters.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* KHR_lights_punctual: its lights become the emitter types point, spot and directional, from
  * candela and lux to watts. */
-#include "loader/load.h"
+#include "loader/loader.h"
 
 #include "scene/emitters.h"
 #include "scene/transform.h"

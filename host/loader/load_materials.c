@@ -1,60 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* glTF materials to the scene's: MCVISI_materials where it is given, else what the core material
  * and KHR extensions say. */
-#include "loader/load.h"
+#include "loader/loader.h"
 
-#include "scene/mesh.h"
 #include "scene/params.h"
-#include "loader/validate.h"
 
 #include <float.h>
 #include <stdlib.h>
-
-/* --- textures
- * ---------------------------------------------------------------------------------------------------
- */
-
-/* The member `key` of a material (or its part) as a texture: MCV_NONE where absent or without an
- * image. */
-static mcv_result texture_source(const mcv_loader *loader, const json_t *part, const char *key,
-                                 uint32_t *texture, uint32_t *source, const mcv_json_path *place,
-                                 mcv_error *error) {
-    const json_t *textures = json_object_get(loader->root, "textures");
-    json_t *info;
-    *texture = *source = MCV_NONE;
-    MCV_TRY(mcv_json_object(part, key, &info, place, error));
-    if (!info) return MCV_OK;
-    const mcv_json_path here = mcv_json_path_key(place, key);
-    MCV_TRY(mcv_json_index(info, "index", json_array_size(textures), "textures", texture, &here,
-                           error));
-    if (*texture == MCV_NONE) return mcv_fail_at(&here, error, "must have an index");
-    return mcv_json_index(json_array_get(textures, *texture), "source", SIZE_MAX, "images", source,
-                          &here, error);
-}
-
-/* tinygltf decodes an image from its bufferView unchecked, so the buffer must have data. */
-static mcv_result check_image_data(const mcv_loader *loader, uint32_t source, mcv_error *error) {
-    const json_t *image = json_array_get(json_object_get(loader->root, "images"), source);
-    const json_t *view_index = json_object_get(image, "bufferView");
-    if (!view_index) return MCV_OK;
-    const json_t *view = json_array_get(json_object_get(loader->root, "bufferViews"),
-                                        (size_t)json_number_value(view_index));
-    const size_t index = (size_t)json_number_value(json_object_get(view, "buffer"));
-    const json_t *buffer = json_array_get(json_object_get(loader->root, "buffers"), index);
-    if (json_object_get(buffer, "uri") || mcv_buffer_is_chunk(loader->root, buffer, loader->binary))
-        return MCV_OK;
-    const mcv_json_path images = mcv_json_path_key(&loader->file, "images"),
-                        here = mcv_place_index(&images, source);
-    return mcv_fail_at(&here, error, "buffer %zu has no data: give it a uri", index);
-}
-
-mcv_result mcv_load_need_image(mcv_loader *loader, uint32_t source, uint32_t *count,
-                               mcv_error *error) {
-    if (loader->images[source] != MCV_NONE) return MCV_OK;
-    MCV_TRY(check_image_data(loader, source, error));
-    loader->images[source] = (*count)++;
-    return MCV_OK;
-}
+#include <string.h>
 
 mcv_result mcv_load_needed_images(mcv_loader *loader, uint32_t *count, mcv_error *error) {
     const json_t *materials = json_object_get(loader->root, "materials");
@@ -80,123 +33,14 @@ mcv_result mcv_load_needed_images(mcv_loader *loader, uint32_t *count, mcv_error
                         {material, "occlusionTexture", &here, false}};
         for (size_t k = 0; k < sizeof textures / sizeof textures[0]; ++k) {
             uint32_t texture, source;
-            MCV_TRY(texture_source(loader, textures[k].part, textures[k].key, &texture, &source,
-                                   textures[k].place, error));
+            MCV_TRY(mcv_load_texture_source(loader, textures[k].part, textures[k].key, &texture,
+                                            &source, textures[k].place, error));
             if (textures[k].needed && source != MCV_NONE)
                 MCV_TRY(mcv_load_need_image(loader, source, count, error));
         }
     }
-    return mcv_load_needed_emitter_images(loader, count, error);
-}
-
-/* Bytes that encode no colour, as shares of 255. */
-static mcv_result decode_data(mcv_texture *texture, const mcv_json_path *place, mcv_error *error) {
-    const size_t pixels = (size_t)texture->width * texture->height;
-    texture->linear = malloc(3 * sizeof(float) * pixels);
-    if (!texture->linear) return mcv_fail_memory(place, error);
-    for (size_t i = 0; i < pixels; ++i)
-        for (size_t c = 0; c < 3; ++c)
-            texture->linear[3 * i + c] = (float)(texture->rgba[4 * i + c] / 255.0);
-    texture->rgba = NULL;
-    texture->is_data = true;
     return MCV_OK;
 }
-
-/* KHR_texture_transform: the image's coordinates are offset + R(rotation) (scale u); to positive
- * angles, v turns towards u. */
-static mcv_result read_transform(const json_t *info, mcv_texture *texture,
-                                 const mcv_json_path *place, mcv_error *error) {
-    enum { LARGEST = 65536 }; /* the largest coordinate of kernels/geometry/texture.h */
-    double offset[2] = {0, 0}, rotation = 0, scale[2] = {1, 1};
-    uint64_t set = 0;
-    json_t *extensions, *object;
-    const mcv_json_path all = mcv_json_path_key(place, "extensions"),
-                        here = mcv_json_path_key(&all, "KHR_texture_transform");
-    texture->texcoord_set = (uint32_t)mcv_texcoord_set(info);
-    MCV_TRY(mcv_json_uint(info, "texCoord", 0, UINT32_MAX, &set, place, error));
-    MCV_TRY(mcv_json_object(info, "extensions", &extensions, place, error));
-    MCV_TRY(mcv_json_object(extensions, "KHR_texture_transform", &object, &all, error));
-    if (!object) return MCV_OK;
-    MCV_TRY(mcv_json_numbers(object, "offset", 2, -LARGEST, LARGEST, offset, &here, error));
-    MCV_TRY(mcv_json_number(object, "rotation", -LARGEST, LARGEST, &rotation, &here, error));
-    MCV_TRY(mcv_json_numbers(object, "scale", 2, -LARGEST, LARGEST, scale, &here, error));
-    MCV_TRY(mcv_json_uint(object, "texCoord", 0, UINT32_MAX, &set, &here, error));
-    const double c = cos(rotation), s = sin(rotation);
-    const double transform[6] = {c * scale[0],  s * scale[1], offset[0],
-                                 -s * scale[0], c * scale[1], offset[1]};
-    memcpy(texture->transform, transform, sizeof transform);
-    texture->is_transformed = true;
-    return MCV_OK;
-}
-
-/* The scene's number of a texture with the pixels of texture `like`, but placed as `placed` is. */
-static mcv_result place_texture(mcv_scene *scene, uint32_t like, const mcv_texture *placed,
-                                uint32_t *number, const mcv_json_path *place, mcv_error *error) {
-    mcv_texture own = scene->textures[like];
-    for (uint32_t i = like; i < scene->texture_count; ++i) {
-        const mcv_texture *t = &scene->textures[i];
-        *number = i;
-        if (t->rgba == own.rgba && t->linear == own.linear &&
-            t->texcoord_set == placed->texcoord_set &&
-            t->is_transformed == placed->is_transformed &&
-            memcmp(t->transform, placed->transform, sizeof t->transform) == 0)
-            return MCV_OK;
-    }
-    own.shares_pixels = true;
-    own.texcoord_set = placed->texcoord_set;
-    own.is_transformed = placed->is_transformed;
-    memcpy(own.transform, placed->transform, sizeof own.transform);
-    own.name = strdup(own.name);
-    if (!own.name) return mcv_fail_memory(place, error);
-    *number = scene->texture_count;
-    return mcv_scene_take_texture(scene, &own, error);
-}
-
-/* The scene's number of a texture; reads it when first asked for, as colours or as data. */
-static mcv_result load_texture(mcv_loader *loader, const json_t *part, const char *key,
-                               bool is_data, uint32_t *scene_texture, const mcv_json_path *place,
-                               mcv_error *error) {
-    uint32_t *const loaded = is_data ? loader->data_textures : loader->textures;
-    uint32_t index, source, sampler_index;
-    *scene_texture = MCV_NONE;
-    MCV_TRY(texture_source(loader, part, key, &index, &source, place, error));
-    if (source == MCV_NONE) return MCV_OK;
-    const json_t *info = json_object_get(part, key);
-    const mcv_json_path here = mcv_json_path_key(place, key);
-    mcv_texture placed = {0};
-    MCV_TRY(read_transform(info, &placed, &here, error));
-    if (placed.texcoord_set > 1)
-        return mcv_scene_warn(loader->scene, error,
-                              "a use of texture %u is left out: it asks for another set than "
-                              "TEXCOORD_0 and TEXCOORD_1",
-                              index);
-    if (loaded[index] == MCV_NONE) {
-        const json_t *texture = json_array_get(json_object_get(loader->root, "textures"), index);
-        const json_t *samplers = json_object_get(loader->root, "samplers");
-        MCV_TRY(mcv_json_index(texture, "sampler", json_array_size(samplers), "samplers",
-                               &sampler_index, place, error));
-        const json_t *sampler =
-            sampler_index == MCV_NONE ? NULL : json_array_get(samplers, sampler_index);
-        uint64_t wrap_s = 10497, wrap_t = 10497, filter = 9729;
-        MCV_TRY(mcv_json_uint(sampler, "wrapS", 0, UINT32_MAX, &wrap_s, place, error));
-        MCV_TRY(mcv_json_uint(sampler, "wrapT", 0, UINT32_MAX, &wrap_t, place, error));
-        MCV_TRY(mcv_json_uint(sampler, "magFilter", 0, UINT32_MAX, &filter, place, error));
-        mcv_texture own = {
-            .wrap_s = (uint32_t)wrap_s, .wrap_t = (uint32_t)wrap_t, .nearest = filter == 9728};
-        own.rgba = (uint8_t *)mcv_gltf_image(loader->gltf, loader->images[source], &own.width,
-                                             &own.height);
-        own.name = (char *)mcv_json_name(texture);
-        if (is_data) MCV_TRY(decode_data(&own, place, error));
-        const mcv_result result = mcv_scene_add_texture(loader->scene, &own, error);
-        free(own.linear);
-        MCV_TRY(result);
-        loaded[index] = loader->scene->texture_count - 1;
-    }
-    return place_texture(loader->scene, loaded[index], &placed, scene_texture, place, error);
-}
-
-/* --- core materials
- * --------------------------------------------------------------------------------------------- */
 
 typedef struct core_material {
     double base[4], metallic, roughness, transmission, thickness, ior, dispersion;
@@ -414,16 +258,16 @@ static mcv_result load_material(mcv_loader *loader, const json_t *object, size_t
     if (strcmp(alpha, "OPAQUE") != 0) note(cut_out, name, index);
     if (material.type == MCV_MATERIAL_DIFFUSE || material.type == MCV_MATERIAL_SHEET ||
         material.type == MCV_MATERIAL_MIRROR || material.type == MCV_MATERIAL_METALLIC_ROUGHNESS)
-        MCV_TRY(
-            load_texture(loader, part, "baseColorTexture", false, &material.texture, place, error));
+        MCV_TRY(mcv_load_texture(loader, part, "baseColorTexture", false, &material.texture, place,
+                                 error));
     if (material.type == MCV_MATERIAL_METALLIC_ROUGHNESS)
-        MCV_TRY(load_texture(loader, part, "metallicRoughnessTexture", true,
-                             &material.surface_texture, place, error));
+        MCV_TRY(mcv_load_texture(loader, part, "metallicRoughnessTexture", true,
+                                 &material.surface_texture, place, error));
     emission->texture = MCV_NONE;
     for (int i = 0; i < 3; ++i) emission->radiance[i] = core.emissive[i] * core.emissive_strength;
     if (emission->radiance[0] + emission->radiance[1] + emission->radiance[2] > 0)
-        MCV_TRY(load_texture(loader, object, "emissiveTexture", false, &emission->texture, place,
-                             error));
+        MCV_TRY(mcv_load_texture(loader, object, "emissiveTexture", false, &emission->texture,
+                                 place, error));
     return mcv_scene_add_material(loader->scene, &material, error);
 }
 

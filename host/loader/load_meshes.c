@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* glTF primitives to triangle meshes. */
-#include "loader/load.h"
+#include "loader/loader.h"
 
 #include "scene/mesh.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Where nodes stand: translation, rotation, scale or matrix below their parents, or MCVISI_pose. */
-#include "loader/load.h"
+#include "loader/loader.h"
 
 #include "scene/params.h"
 #include "scene/transform.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Presets: which element shines, and on what geometry. */
-#include "loader/load.h"
+#include "loader/loader.h"
 
 #include "scene/emitters.h"
 #include "scene/params.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Materials of the scene in place of an asset's own, by name and by node (mcvisi/asset.h); and how
  * materials are found by name. */
-#include "loader/load.h"
+#include "loader/loader.h"
 
 #include <stdlib.h>
 

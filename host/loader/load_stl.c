@@ -4,7 +4,8 @@
  * triangles, 50 bytes for each; ASCII: facet, outer loop, three vertex lines. The normals in the
  * file are passed over: the winding says the front.
  */
-#include "loader/load.h"
+#include "loader/loader.h"
+#include "loader/load_stl.h"
 
 #include "scene/mesh.h"
 

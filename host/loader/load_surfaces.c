@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* MCVISI_surfaces: lenses and simple bodies with exact surfaces, and the nodes that place them. */
-#include "loader/load.h"
+#include "loader/loader.h"
 
 #include "scene/params.h"
 #include "scene/solid.h"

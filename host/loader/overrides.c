@@ -2,6 +2,7 @@
 #include "loader/overrides.h"
 
 #include "scene/params.h"
+#include "loader/load.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -5,6 +5,7 @@
 
 #include "core/json.h"
 #include "scene/scene.h"
+#include "loader/load.h"
 
 /*
  * PATH begins with an array of the document (sensors, emitters, materials, nodes, cameras …), then

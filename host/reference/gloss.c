@@ -67,21 +67,19 @@ static double unpolarised(double from, double to, double cosine) {
     return (s + p) / 2;
 }
 
-/* The words of the entry for two directions, `roughness` counts the tables; in between by lines,
- * and by triangles among the two cosines. */
-static void orders_at(const float *orders, double roughness, ref_vec o, ref_vec i,
+/*
+ * The words of the entry for two directions, of n cosines; `roughness` counts the tables. In
+ * between by lines, and by triangles among the two cosines.
+ */
+static void orders_at(const float *orders, int n, double roughness, ref_vec o, ref_vec i,
                       double words[MCV_MULTIPLE_WORDS]) {
-    enum {
-        N = MCV_MULTIPLE_COSINES,
-        M = MCV_MULTIPLE_AZIMUTHS,
-        LAST = MCV_MULTIPLE_ROUGHNESSES - 1
-    };
-    const double z[2] = {fmin(o.z, 1), fmin(i.z, 1)}, sum = z[0] + z[1] + MCV_MULTIPLE_LEAST;
+    enum { M = MCV_MULTIPLE_AZIMUTHS, LAST = MCV_MULTIPLE_ROUGHNESSES - 1 };
+    const double z[2] = {fmin(o.z, 1), fmin(fabs(i.z), 1)}, sum = z[0] + z[1] + MCV_MULTIPLE_LEAST;
     const double turn = atan2(o.y, o.x) - atan2(i.y, i.x), c = fabs(cos(turn / 2));
     const double entry = (M - 1) * c * (1 + sum) / (c + sum);
     double place[2], share[2];
-    for (int k = 0; k < 2; ++k) place[k] = (N - 1) * sqrt(z[k]) / (sqrt(z[k]) + sqrt(1 - z[k]));
-    const int low[2] = {(int)fmin(place[0], N - 2), (int)fmin(place[1], N - 2)},
+    for (int k = 0; k < 2; ++k) place[k] = (n - 1) * sqrt(z[k]) / (sqrt(z[k]) + sqrt(1 - z[k]));
+    const int low[2] = {(int)fmin(place[0], n - 2), (int)fmin(place[1], n - 2)},
               first = (int)fmin(entry, M - 2);
     for (int k = 0; k < 2; ++k) share[k] = place[k] - low[k];
     const bool below = share[0] > share[1];
@@ -98,17 +96,11 @@ static void orders_at(const float *orders, double roughness, ref_vec o, ref_vec 
         const float *at =
             orders + (size_t)(layer + above) * mcv_multiple_words() +
             MCV_MULTIPLE_WORDS *
-                (((low[0] + corners[corner][0]) * N + low[1] + corners[corner][1]) * M + first +
+                (((low[0] + corners[corner][0]) * n + low[1] + corners[corner][1]) * M + first +
                  next);
         for (int word = 0; word < MCV_MULTIPLE_WORDS; ++word)
             words[word] += weight * (double)at[word];
     }
-}
-
-static double ratio_at(const float *orders, bool inside, ref_vec o, ref_vec i) {
-    double words[MCV_MULTIPLE_WORDS];
-    orders_at(orders, 0, o, i, words);
-    return words[inside];
 }
 
 /* --- albedos
@@ -122,7 +114,7 @@ static double ratio_at(const float *orders, bool inside, ref_vec o, ref_vec i) {
  * Interface (from > 0): what is reflected and refracted together.
  */
 static void integrate(const double alpha[2], ref_vec o, double from, double to, double coating,
-                      const float *orders, double sums[2]) {
+                      double sums[2]) {
     const double own = lambda(alpha, o);
     sums[0] = sums[1] = 0;
     for (int a = 0; a < NORMALS; ++a) {
@@ -145,9 +137,7 @@ static void integrate(const double alpha[2], ref_vec o, double from, double to, 
             const double fresnel = ref_coated(unpolarised(from, to, c), coating, from, to);
             ref_vec t;
             const bool passes = refracted(o, h, from / to, &t) && t.z < 0;
-            const double again =
-                orders && r.z > 0 ? fresnel + ratio_at(orders, from > to, o, r) : fresnel;
-            sums[0] += again * kept +
+            sums[0] += fresnel * kept +
                        (passes ? (1 - fresnel) * seen * seen_from(own, lambda(alpha, t), true) : 0);
         }
     }
@@ -185,8 +175,7 @@ static void mean_at(const ref_albedos *albedos, double roughness, double pair[2]
                   (place - low) * albedos->means[2 * second + k];
 }
 
-static bool albedos_new(ref_albedos *albedos, const mcv_material *material, double outside,
-                        const float *orders) {
+static bool albedos_new(ref_albedos *albedos, const mcv_material *material, double outside) {
     const mcv_roughness roughness = mcv_material_roughness(material);
     albedos->azimuths = roughness.anisotropy > 0 ? AZIMUTHS : 1;
     albedos->roughnesses = mcv_material_surface_texture(material) != MCV_NONE ? ROUGHNESSES : 1;
@@ -208,13 +197,13 @@ static bool albedos_new(ref_albedos *albedos, const mcv_material *material, doub
                     double both[2];
                     const double coating = mcv_material_coating(material, outside);
                     integrate(alpha, o, outside, material->as.dielectric.ior[MCV_ALBEDO_CHANNEL],
-                              coating, orders, both);
+                              coating, both);
                     pair[0] = fmin(both[0], 1);
                     integrate(alpha, o, material->as.dielectric.ior[MCV_ALBEDO_CHANNEL], outside,
-                              coating, orders, both);
+                              coating, both);
                     pair[1] = fmin(both[0], 1);
                 } else {
-                    integrate(alpha, o, 0, 0, 0, NULL, pair);
+                    integrate(alpha, o, 0, 0, 0, pair);
                 }
             }
     }
@@ -237,8 +226,8 @@ static bool albedos_new(ref_albedos *albedos, const mcv_material *material, doub
     return true;
 }
 
-/* Tables of multiple scattering at each roughness, where the material is a metal that has no
- * direction. */
+/* Tables of multiple scattering at each roughness, where the material is a metal or glass that has
+ * no direction. */
 static bool orders_new(const mcv_material *material, double outside, float **orders) {
     const mcv_roughness roughness = mcv_material_roughness(material);
     const bool conductor = material->type == MCV_MATERIAL_CONDUCTOR,
@@ -252,7 +241,8 @@ static bool orders_new(const mcv_material *material, double outside, float **ord
     if (roughness.anisotropy > 0 ||
         !(outside > 0 || conductor || (layered && material->as.metallic_roughness.metallic > 0)))
         return true;
-    *orders = malloc(sizeof(float) * mcv_multiple_words() * count);
+    *orders = malloc(sizeof(float) * (outside > 0 ? mcv_interface_words() : mcv_multiple_words()) *
+                     count);
     for (uint32_t i = 0; *orders && i < count; ++i) {
         double alpha[2];
         alphas(&roughness, count > 1 ? i / (count - 1.0) : 1, alpha);
@@ -278,8 +268,7 @@ static bool add_table(ref_gloss_tables *tables, const mcv_scene *scene, uint32_t
     tables->items = items;
     ref_gloss_table *table = &items[tables->count++];
     *table = (ref_gloss_table){.material = material, .outside = outside};
-    if (!orders_new(from, outside, &table->orders) ||
-        !albedos_new(&table->albedos, from, outside, table->orders))
+    if (!orders_new(from, outside, &table->orders) || !albedos_new(&table->albedos, from, outside))
         return false;
     for (int channel = 0; from->type == MCV_MATERIAL_CONDUCTOR && channel < 3; ++channel) {
         enum { STEPS = 2000 };
@@ -397,19 +386,15 @@ static lobes lobes_at(const ref_gloss *g, ref_vec o) {
     weigh(g, pair, own);
     weigh(g, mean, average);
     if (g->material->type == MCV_MATERIAL_DIELECTRIC) {
-        const double near = g->from * g->from * average[0], far = g->to * g->to * average[1];
-        const double all = g->table->orders ? fmax(near, far) : near + far;
-        if (!(near > 0)) {
-            l.chance[0] = 1;
-            return l;
-        }
-        l.chance[1] = own[0] * (g->table->orders ? (1 - own[0]) * fmin(pow(g->from / g->to, 2), 1)
-                                                 : near / all);
-        l.chance[2] = g->table->orders ? own[0] : own[0] - l.chance[1];
+        const bool apart = g->table->orders; /* cosines but choose directions */
+        const double near = g->from * g->from * (apart ? 1 : average[0]),
+                     far = g->to * g->to * (apart ? 1 : average[1]);
+        l.chance[1] = near > 0 ? own[0] * near / (near + far) : 0;
+        l.chance[2] = near > 0 ? own[0] * far / (near + far) : 0;
         l.chance[0] = 1 - l.chance[1] - l.chance[2];
-        for (int c = 0; c < 3; ++c) {
-            l.near[0][c] = own[0] * (1 - far / all) / average[0];
-            l.far[1][c] = own[0] * g->to * g->to / all;
+        for (int c = 0; c < 3 && !apart && near > 0; ++c) {
+            l.near[0][c] = own[0] * g->from * g->from / (near + far);
+            l.far[1][c] = own[0] * g->to * g->to / (near + far);
         }
         return l;
     }
@@ -474,7 +459,8 @@ static double split(const ref_gloss *g, const lobes *l, double cosine, double re
 
 double ref_gloss_evaluate(const ref_gloss *g, ref_vec o, ref_vec i, double value[3]) {
     const lobes l = lobes_at(g, o);
-    const bool far = i.z < 0, bends = far && g->material->type == MCV_MATERIAL_DIELECTRIC;
+    const bool glass = g->material->type == MCV_MATERIAL_DIELECTRIC, far = i.z < 0,
+               bends = far && glass;
     double density = 0;
     value[0] = value[1] = value[2] = 0;
     if (i.z == 0) return 0;
@@ -495,14 +481,14 @@ double ref_gloss_evaluate(const ref_gloss *g, ref_vec o, ref_vec i, double value
                      own = lambda(l.alpha, o);
         double words[MCV_MULTIPLE_WORDS] = {0};
         if (g->table->orders && !far)
-            orders_at(g->table->orders,
+            orders_at(g->table->orders, glass ? MCV_INTERFACE_COSINES : MCV_MULTIPLE_COSINES,
                       g->table->albedos.roughnesses > 1
                           ? g->roughness * (MCV_MULTIPLE_ROUGHNESSES - 1)
                           : 0,
                       o, i, words);
         for (int channel = 0; g->table->orders && !far && channel < 3; ++channel) {
             const double b = g->base[channel];
-            reflects[channel] += g->material->type == MCV_MATERIAL_DIELECTRIC ? words[g->inside]
+            reflects[channel] += glass ? words[g->inside]
                                  : g->material->type == MCV_MATERIAL_CONDUCTOR
                                      ? words[channel]
                                      : g->metallic * (b * b * words[0] + b * words[1] + words[2] +
@@ -514,6 +500,13 @@ double ref_gloss_evaluate(const ref_gloss *g, ref_vec o, ref_vec i, double value
         density = l.chance[0] * (far ? 1 - chance : chance) * facets / (1 + own);
     }
 
+    if (bends && g->table->orders) { /* what goes on from facet to facet and leaves here */
+        double words[MCV_MULTIPLE_WORDS];
+        orders_at(g->table->orders, MCV_INTERFACE_COSINES, 0, o, i, words);
+        const double wide =
+            words[2 + g->inside] / (o.z * (1 + lambda(l.alpha, o)) * (1 + lambda(l.alpha, i)));
+        for (int channel = 0; channel < 3; ++channel) value[channel] += wide;
+    }
     double pair[2], weights[2];
     look_up(&g->table->albedos, i, g->roughness, pair);
     weigh(g, pair, weights);

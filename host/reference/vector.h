@@ -22,6 +22,9 @@ static inline double ref_dot(ref_vec a, ref_vec b) { return a.x * b.x + a.y * b.
 static inline ref_vec ref_cross(ref_vec a, ref_vec b) {
     return (ref_vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+static inline double ref_component(ref_vec v, int axis) {
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
 static inline double ref_length(ref_vec a) { return sqrt(ref_dot(a, a)); }
 static inline ref_vec ref_unit(ref_vec a) { return ref_scale(1 / ref_length(a), a); }
 static inline ref_vec ref_from(const double a[3]) { return (ref_vec){a[0], a[1], a[2]}; }

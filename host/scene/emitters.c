@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "scene/emitters.h"
+/* Emitters on the host: their parameters, images and radiometry. */
+#include "scene/emitter_shape.h"
 
 #include "scene/params.h"
 #include "scene/sensors.h"
@@ -125,15 +126,10 @@ static double direction_share(const mcv_light_field_emitter_params *p, uint32_t 
 
 static double clamped(double x) { return fmin(fmax(x, -1), 1); }
 
-/* Radius of the disk that a beam leaves, or infinite. */
-static double beam_radius(const mcv_collimated_beam_params *p) {
-    return p->aperture == MCV_APERTURE_CIRCLE ? fmin(p->size[0], p->size[1]) / 2 : INFINITY;
-}
-
 /* A pixel's share of the disk that a beam leaves; 1 for the whole rectangle. */
 static double aperture_share(const mcv_collimated_beam_params *p, const mcv_texture *texture,
                              uint32_t column, uint32_t row) {
-    const double radius = beam_radius(p), w = p->size[0] / (2 * radius),
+    const double radius = mcv_beam_radius(p), w = p->size[0] / (2 * radius),
                  h = p->size[1] / (2 * radius);
     if (isinf(radius)) return 1;
     const double x0 = clamped(w * (2.0 * column / texture->width - 1)),
@@ -150,9 +146,8 @@ void mcv_projector_resolution(const mcv_projector_params *p, const mcv_texture *
     pixels[1] = pattern ? p->pattern.resolution[1] : texture->height;
 }
 
-/* Tangents of the half-angles that a projector's image fills, seen from the middle of the lens. */
-static void image_tangents(const mcv_projector_params *p, const mcv_texture *texture,
-                           double tangents[2]) {
+void mcv_image_tangents(const mcv_projector_params *p, const mcv_texture *texture,
+                        double tangents[2]) {
     uint32_t pixels[2];
     mcv_projector_resolution(p, texture, pixels);
     for (int i = 0; i < 2; ++i) tangents[i] = pixels[i] * p->pixelSize[i] / (2 * p->imageDistance);
@@ -201,7 +196,7 @@ static double pixel_share(const mcv_emitter *emitter, const mcv_texture *texture
         return sin((2.0 * row + 1) * M_PI / (2.0 * texture->height));
     case MCV_EMITTER_PROJECTOR: {
         double edge[2];
-        image_tangents(&emitter->as.projector, texture, edge);
+        mcv_image_tangents(&emitter->as.projector, texture, edge);
         const double width = 2 * edge[0] / texture->width, height = 2 * edge[1] / texture->height;
         return image_share(&emitter->as.projector, column * width - edge[0],
                            (column + 1) * width - edge[0], row * height - edge[1],
@@ -257,19 +252,13 @@ double mcv_emitter_projected_solid_angle(const mcv_emitter *emitter) {
     return isnan(beta) ? M_PI : M_PI * sin(beta) * sin(beta);
 }
 
-/* sin²(θ/2) */
-static double half_sine_squared(double angle) {
-    const double s = sin(angle / 2);
-    return s * s;
-}
-
 /* A projector whose image is not known yet has one of a pixel. */
 static double projector_unit_power(const mcv_scene *scene, const mcv_emitter *emitter) {
     const mcv_texture pixel = {.width = 1, .height = 1};
     double edge[2];
-    image_tangents(&emitter->as.projector,
-                   emitter->texture == MCV_NONE ? &pixel : scene->textures + emitter->texture,
-                   edge);
+    mcv_image_tangents(&emitter->as.projector,
+                       emitter->texture == MCV_NONE ? &pixel : scene->textures + emitter->texture,
+                       edge);
     return image_share(&emitter->as.projector, -edge[0], edge[0], -edge[1], edge[1]);
 }
 
@@ -284,13 +273,14 @@ double mcv_emitter_unit_power(const mcv_scene *scene, const mcv_emitter *emitter
         return 4 * M_PI;
     case MCV_EMITTER_SPOT: /* 1 - cosθ = 2 sin²(θ/2) */
         return 4 * M_PI / 3 *
-               (2 * half_sine_squared(spot->innerConeAngle) +
-                half_sine_squared(spot->outerConeAngle));
+               (2 * mcv_half_sine_squared(spot->innerConeAngle) +
+                mcv_half_sine_squared(spot->outerConeAngle));
     case MCV_EMITTER_PROJECTOR:
         return projector_unit_power(scene, emitter);
     case MCV_EMITTER_COLLIMATED_BEAM:
-        return beam->aperture == MCV_APERTURE_CIRCLE ? M_PI * beam_radius(beam) * beam_radius(beam)
-                                                     : emitter->area;
+        return beam->aperture == MCV_APERTURE_CIRCLE
+                   ? M_PI * mcv_beam_radius(beam) * mcv_beam_radius(beam)
+                   : emitter->area;
     default:
         return mcv_emitter_projected_solid_angle(emitter) * emitter->area;
     }
@@ -326,123 +316,4 @@ mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter,
     return mcv_fail_at(place, error,
                        "an area of %g m² with this cone is too small for a power of %g W",
                        emitter->area, power[0]);
-}
-
-/*
- * Do all vertices of all triangles have the same normal, and does the cone about it leave all
- * triangles on their front? Nothing emits from the back, whatever the normals say.
- */
-static bool common_cone(const mcv_scene *scene, uint32_t instance, double beta, double normal[3]) {
-    const uint32_t count = scene->meshes[scene->instances[instance].mesh].triangle_count;
-    for (uint32_t t = 0; t < count; ++t) {
-        double normals[3][3], face[3];
-        mcv_scene_vertex_normals(scene, instance, t, normals);
-        mcv_scene_face_normal(scene, instance, t, face);
-        const double length = hypot(hypot(face[0], face[1]), face[2]);
-        if (length > 0 &&
-            !(face[0] * normals[0][0] + face[1] * normals[0][1] + face[2] * normals[0][2] >
-              sin(beta) * length))
-            return false;
-        if (t == 0) memcpy(normal, normals[0], sizeof normals[0]);
-        for (int corner = 0; corner < 3;
-             ++corner) /* The device holds the axis in float32: what rounds to it is it. */
-            for (int i = 0; i < 3; ++i)
-                if ((float)normals[corner][i] != (float)normal[i]) return false;
-    }
-    return count > 0;
-}
-
-void mcv_parallel_prepare(const mcv_scene *scene, uint32_t index, mcv_parallel *device) {
-    const mcv_emitter *emitter = scene->emitters + index;
-    const double beta = mcv_emitter_half_angle(emitter);
-    double axis[3] = {0, 0, 0};
-    const bool common = common_cone(scene, emitter->instance, beta, axis);
-    *device = (mcv_parallel){
-        .tangent_squared = (float)(tan(beta) * tan(beta)),
-        .sin_half = (float)sin(beta / 2),
-        .solid_angle = (float)mcv_emitter_solid_angle(emitter),
-        .from_receiver = common && beta <= M_PI / 6,
-        .axis = {(float)axis[0], (float)axis[1], (float)axis[2]},
-    };
-}
-
-void mcv_light_field_emitter_prepare(const mcv_scene *scene, uint32_t index,
-                                     mcv_light_field_emitter *device) {
-    const mcv_light_field_emitter_params *p = &scene->emitters[index].as.light_field_emitter;
-    const double *m = scene->instances[scene->emitters[index].instance].to_world.m;
-    *device = (mcv_light_field_emitter){.macro_width = p->spatialResolution[0],
-                                        .macro_height = p->spatialResolution[1],
-                                        .angular_width = p->angularResolution[0],
-                                        .angular_height = p->angularResolution[1]};
-    for (int i = 0; i < 3; ++i) {
-        device->x[i] = (float)(m[3 * i] / p->angularRange);
-        device->y[i] = (float)(m[3 * i + 1] / p->angularRange);
-    }
-}
-
-/* The direction of the node's -z in the world. */
-static void forward(const mcv_transform *rigid, float axis[3]) {
-    for (int i = 0; i < 3; ++i) axis[i] = (float)-rigid->m[3 * i + 2];
-}
-
-void mcv_environment_prepare(const mcv_scene *scene, uint32_t index, mcv_environment *device) {
-    const mcv_texture *image = scene->textures + scene->emitters[index].texture;
-    const double *m = scene->emitters[index].to_world.m;
-    *device = (mcv_environment){.width = image->width, .height = image->height};
-    for (int i = 0; i < 3; ++i) {
-        device->x[i] = (float)m[3 * i];
-        device->y[i] = (float)m[3 * i + 1];
-        device->z[i] = (float)m[3 * i + 2];
-    }
-}
-
-void mcv_projector_prepare(const mcv_scene *scene, uint32_t index, mcv_projector *device) {
-    const mcv_projector_params *p = &scene->emitters[index].as.projector;
-    const mcv_transform *to_world = &scene->instances[scene->emitters[index].instance].to_world;
-    const double kappa = mcv_kappa(p->focalLength, p->imageDistance);
-    double edge[2];
-    image_tangents(p, scene->textures + scene->emitters[index].texture, edge);
-    *device = (mcv_projector){.blur = {(float)(kappa * p->lensDiameter / (2 * edge[0])),
-                                       (float)(kappa * p->lensDiameter / (2 * edge[1]))}};
-    for (int i = 0; i < 3; ++i) {
-        device->x[i] = (float)(to_world->m[3 * i] / (p->mirror ? -2 * edge[0] : 2 * edge[0]));
-        device->y[i] = (float)(to_world->m[3 * i + 1] / (-2 * edge[1]));
-    }
-    forward(to_world, device->axis);
-}
-
-void mcv_collimated_beam_prepare(const mcv_scene *scene, uint32_t index,
-                                 mcv_collimated_beam *device) {
-    const mcv_collimated_beam_params *p = &scene->emitters[index].as.collimated_beam;
-    const mcv_transform *to_world = &scene->instances[scene->emitters[index].instance].to_world;
-    *device = (mcv_collimated_beam){.half_width = (float)(p->size[0] / 2),
-                                    .half_height = (float)(p->size[1] / 2),
-                                    .radius_squared = (float)(beam_radius(p) * beam_radius(p))};
-    for (int i = 0; i < 3; ++i) {
-        device->x[i] = (float)to_world->m[3 * i];
-        device->y[i] = (float)to_world->m[3 * i + 1];
-    }
-    forward(to_world, device->axis);
-}
-
-void mcv_spot_prepare(const mcv_scene *scene, uint32_t index, const double centre[3],
-                      mcv_spot *device) {
-    const mcv_emitter *emitter = scene->emitters + index;
-    const mcv_spot_params *p = &emitter->as.spot;
-    const bool point = emitter->type == MCV_EMITTER_POINT;
-    const double range = point ? emitter->as.point.range : p->range;
-    const double outer = half_sine_squared(p->outerConeAngle),
-                 inner = half_sine_squared(p->innerConeAngle);
-    *device = (mcv_spot){.edge = point ? 2 : (float)outer,
-                         .slope = point ? 1
-                                        : (float)fmin(1 / (outer - inner),
-                                                      FLT_MAX), /* finite for a sharp edge, too */
-                         .inverse_range_4 = isnan(range) ? 0 : (float)pow(range, -4)};
-    for (int i = 0; i < 3; ++i)
-        device->position[i] = (float)(emitter->to_world.m[9 + i] - centre[i]);
-    forward(&emitter->to_world, device->axis);
-}
-
-void mcv_directional_prepare(const mcv_scene *scene, uint32_t index, mcv_directional *device) {
-    forward(&scene->emitters[index].to_world, device->axis);
 }

@@ -214,30 +214,6 @@ typedef struct mcv_scene {
     uint32_t warning_count;
 } mcv_scene;
 
-/* "PATH=VALUE" as given to --set: a path into the scene (design: `sensors/cam/focalLength`) and a
- * JSON value or a string with a unit. */
-typedef struct mcv_overrides {
-    const char *const *items;
-    size_t count;
-} mcv_overrides;
-
-/* Reads a .gltf or .glb. On failure *scene is NULL and the error names file, JSON path and what
- * would be right. */
-mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene **scene,
-                          mcv_error *error);
-
-/*
- * For scenes that are loaded again and again: the files of MCVISI_assets are kept as they were
- * parsed, and read again only where they have changed since (by inode, size and times). Scenes do
- * not depend on what is kept. mcv_kept_assets_read: how many had to be read so far.
- */
-typedef struct mcv_asset_cache mcv_asset_cache;
-mcv_asset_cache *mcv_kept_assets_new(void); /* NULL without memory */
-void mcv_kept_assets_free(mcv_asset_cache *kept);
-size_t mcv_kept_assets_read(const mcv_asset_cache *kept);
-mcv_result mcv_scene_load_again(const char *path, mcv_overrides overrides, mcv_asset_cache *kept,
-                                mcv_scene **scene, mcv_error *error);
-
 void mcv_scene_free(mcv_scene *scene);
 
 /* An empty scene to add to. NULL without memory. */

@@ -19,11 +19,12 @@
 /*
  * A loop is only vectorised without calls. In the tile schedule these functions are not static: of
  * static ones clang takes parameters off that a scene does not need, and loses with the call the
- * promise that the turns of a loop are independent.
+ * promise that the turns of a loop are independent. __inline__ says that no caller lies elsewhere,
+ * so that no function of its own is compiled; PoCL defines `inline` away.
  */
 #if defined(MCV_TILE) && defined(__clang__)
 #pragma clang diagnostic ignored "-Wstatic-in-inline"
-#define MCV_LOOP_FUNCTION inline __attribute__((always_inline))
+#define MCV_LOOP_FUNCTION __inline__ __attribute__((always_inline))
 #else
 #define MCV_LOOP_FUNCTION static inline __attribute__((always_inline))
 #endif

@@ -54,7 +54,7 @@ mcv_result mcv_fail(mcv_error *error, mcv_result code, const char *format, ...)
         if (mcv_try_result != MCV_OK) return mcv_try_result; \
     } while (0)
 
-/* The version in CMakeLists.txt's project(), such as "0.1.0". */
+/* The version in CMakeLists.txt's project(), such as "0.2.0". */
 const char *mcv_version(void);
 
 #ifdef __cplusplus

@@ -62,7 +62,9 @@ MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction_of(
         m.near_media = crossing.before;
         m.far_media = crossing.after;
         m.gloss.between = crossing.between;
-        m.gloss.table = crossing.albedos;
+        /* A body has none of its own, MCV_NONE. With a choice between two places in memory the loop
+         * over paths would not be vectorised. */
+        m.gloss.table &= crossing.albedos;
     } else {
         m.gloss.between.eta =
             mcv_sqrt(world.media[mcv_filling_medium(media)].inverse_index_squared);

@@ -77,23 +77,28 @@ MCV_LOOP_FUNCTION mcv_albedo mcv_albedo_at(const mcv_device_gloss *m, const mcv_
 }
 
 /* The row of a table of multiple scattering for a cosine, with how far it is to the next. */
-MCV_LOOP_FUNCTION float mcv_multiple_row(float z) {
+MCV_LOOP_FUNCTION float mcv_multiple_row(float z, uint cosines) {
     const float c = mcv_abs(z) < 1.0f ? mcv_abs(z) : 1.0f;
     const float root = mcv_sqrt(c);
-    return root / (root + mcv_sqrt(1.0f - c)) * (float)(MCV_MULTIPLE_COSINES - 1);
+    return root / (root + mcv_sqrt(1.0f - c)) * (float)(cosines - 1);
 }
 
+/* Where a table of multiple scattering is read: entries of azimuths, and what each of three corners
+ * counts. */
+typedef struct mcv_multiple_place {
+    uint first, edge,
+        across; /* the near corner, words from it to the one beyond an edge and to the far one */
+    float near, middle, far;
+    float turn; /* to the next azimuth */
+} mcv_multiple_place;
+
 /*
- * What leaves towards i after two and more meetings with microfacets, over what white ones send
- * there by one; both directions lie above. The table of an interface lies behind its albedos.
+ * In rows and columns by the triangles that the diagonal divides a cell into: light that comes and
+ * leaves at like angles is special. Both directions are given as if they lay above.
  */
-MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const mcv_gloss *gloss,
-                                               __global const float *tables, mcv_color more,
-                                               mcv_vec3 o, mcv_vec3 i) {
-    const uint size =
-        MCV_MULTIPLE_WORDS * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_AZIMUTHS;
-    const float x = mcv_multiple_row(o.z);
-    const float y = mcv_multiple_row(i.z);
+MCV_LOOP_FUNCTION mcv_multiple_place mcv_find_multiple(uint cosines, mcv_vec3 o, mcv_vec3 i) {
+    const float x = mcv_multiple_row(o.z, cosines);
+    const float y = mcv_multiple_row(i.z, cosines);
     const float o_sine = mcv_sqrt(mcv_fma(o.x, o.x, o.y * o.y));
     const float i_sine = mcv_sqrt(mcv_fma(i.x, i.x, i.y * i.y));
     const float o_scale = o_sine > 0.0f ? 0.5f / o_sine : 0.0f;
@@ -105,60 +110,86 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
     const float sum = o.z + i.z + MCV_MULTIPLE_LEAST;
     const float z =
         half_turn * (1.0f + sum) / (half_turn + sum) * (float)(MCV_MULTIPLE_AZIMUTHS - 1);
-    const uint row = min((uint)x, (uint)(MCV_MULTIPLE_COSINES - 2));
-    const uint column = min((uint)y, (uint)(MCV_MULTIPLE_COSINES - 2));
+    const uint row = min((uint)x, cosines - 2);
+    const uint column = min((uint)y, cosines - 2);
     const uint entry = min((uint)z, (uint)(MCV_MULTIPLE_AZIMUTHS - 2));
     const float f = x - (float)row;
     const float g = y - (float)column;
-    const float h = z - (float)entry;
-    const float layer = gloss->layer * ((float)(MCV_MULTIPLE_ROUGHNESSES - 1) /
-                                        (float)(MCV_ALBEDO_ROUGHNESSES - 1));
-    const uint low =
-        m->roughnesses > 1 ? min((uint)layer, (uint)(MCV_MULTIPLE_ROUGHNESSES - 2)) : 0;
-    const float part = m->roughnesses > 1 ? layer - (float)low : 0.0f;
-    /* In rows and columns by the triangles that the diagonal divides a cell into: light that comes
-     * and leaves at like angles is special. */
     const float both = f < g ? f : g;
     const float either = f < g ? g : f;
-    const int dielectric = gloss->type == MCV_MATERIAL_DIELECTRIC;
-    const uint others = gloss->type == MCV_MATERIAL_CONDUCTOR ? MCV_CHANNELS : MCV_MULTIPLE_WORDS;
-    const uint count = dielectric ? 1 : others;
-    const uint table =
-        dielectric ? gloss->table + 2 + 2 * MCV_ALBEDO_COSINES + gloss->inside : m->multiple;
-    float words[MCV_MULTIPLE_WORDS] = {0.0f, 0.0f, 0.0f, 0.0f};
-    const float ends[3] = {1.0f - either, either - both, both};
-    const uint edge =
-        f > g ? MCV_MULTIPLE_COSINES
-              : 1u; /* from the near corner to the one beyond an edge, in entries of azimuths */
-    const uint corners[3] = {0u, edge, MCV_MULTIPLE_COSINES + 1u};
-    for (uint level = 0; level < (m->roughnesses > 1 ? 2u : 1u); ++level) {
-        const float share = level ? part : 1.0f - part;
-        __global const float *from =
-            tables + table + (low + level) * size +
-            MCV_MULTIPLE_WORDS *
-                ((row * MCV_MULTIPLE_COSINES + column) * MCV_MULTIPLE_AZIMUTHS + entry);
-#pragma unroll
-        for (uint corner = 0; corner < 3; ++corner) {
-            __global const float *near =
-                from + MCV_MULTIPLE_WORDS * MCV_MULTIPLE_AZIMUTHS * corners[corner];
-#pragma unroll
-            for (uint word = 0; word < MCV_MULTIPLE_WORDS; ++word)
-                if (word < count)
-                    words[word] = mcv_fma(
-                        share * ends[corner],
-                        mcv_fma(h, near[word + MCV_MULTIPLE_WORDS] - near[word], near[word]),
-                        words[word]);
-        }
-    }
+    const uint step = MCV_MULTIPLE_WORDS * MCV_MULTIPLE_AZIMUTHS;
+    mcv_multiple_place place;
+    place.first = MCV_MULTIPLE_WORDS * ((row * cosines + column) * MCV_MULTIPLE_AZIMUTHS + entry);
+    place.edge = step * (f > g ? cosines : 1u);
+    place.across = step * (cosines + 1u);
+    place.near = 1.0f - either;
+    place.middle = either - both;
+    place.far = both;
+    place.turn = z - (float)entry;
+    return place;
+}
+
+/* A word there. */
+MCV_LOOP_FUNCTION float mcv_multiple_word(__global const float *table, mcv_multiple_place place) {
+    __global const float *at = table + place.first;
+    const float near = mcv_fma(place.turn, at[MCV_MULTIPLE_WORDS] - at[0], at[0]);
+    at += place.edge;
+    const float middle = mcv_fma(place.turn, at[MCV_MULTIPLE_WORDS] - at[0], at[0]);
+    at += place.across - place.edge;
+    const float far = mcv_fma(place.turn, at[MCV_MULTIPLE_WORDS] - at[0], at[0]);
+    return mcv_fma(place.far, far, mcv_fma(place.middle, middle, place.near * near));
+}
+
+/* A word of a metal at its roughness. */
+MCV_LOOP_FUNCTION float mcv_metal_word(const mcv_device_gloss *m, float layer,
+                                       __global const float *table, mcv_multiple_place place) {
+    if (m->roughnesses == 1) return mcv_multiple_word(table, place);
+    const uint size =
+        MCV_MULTIPLE_WORDS * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_AZIMUTHS;
+    const float at =
+        layer * ((float)(MCV_MULTIPLE_ROUGHNESSES - 1) / (float)(MCV_ALBEDO_ROUGHNESSES - 1));
+    const uint low = min((uint)at, (uint)(MCV_MULTIPLE_ROUGHNESSES - 2));
+    const float below = mcv_multiple_word(table + low * size, place);
+    const float above = mcv_multiple_word(table + (low + 1) * size, place);
+    return mcv_fma(at - (float)low, above - below, below);
+}
+
+/*
+ * What leaves towards i after two and more meetings with microfacets: on o's side over what white
+ * ones send there by one, on the other (far) over 1/(o_z (1 + Λ(o)) (1 + Λ(i))). Both directions
+ * are given as if they lay above. The table of an interface lies behind its albedos.
+ */
+MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const mcv_gloss *gloss,
+                                               __global const float *tables, mcv_color more,
+                                               mcv_vec3 o, mcv_vec3 i, int far) {
     mcv_color multiple;
+    (void)far;
+#if MCV_WITH_DIELECTRIC
+    if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
+        const uint words = gloss->inside + (far ? 2u : 0u) + 2u + 2u * MCV_ALBEDO_COSINES;
+        const uint known =
+            gloss->table != MCV_NONE; /* else it is smooth, and what is read does not count */
+        mcv_multiple_place place = mcv_find_multiple(MCV_INTERFACE_COSINES, o, i);
+        place.first = known * (gloss->table + words + place.first);
+        place.edge *= known;
+        place.across *= known;
+        return mcv_grey(mcv_multiple_word(tables, place));
+    }
+#endif
+    const mcv_multiple_place place = mcv_find_multiple(MCV_MULTIPLE_COSINES, o, i);
+    __global const float *table = tables + m->multiple;
+    if (gloss->type == MCV_MATERIAL_CONDUCTOR) {
+        MCV_EACH_CHANNEL(c) multiple.c[c] = mcv_metal_word(m, gloss->layer, table + c, place);
+        return multiple;
+    }
+    const float square = mcv_metal_word(m, gloss->layer, table, place);
+    const float linear = mcv_metal_word(m, gloss->layer, table + 1, place);
+    const float least = mcv_metal_word(m, gloss->layer, table + 2, place);
+    const float rest = mcv_metal_word(m, gloss->layer, table + 3, place);
     MCV_EACH_CHANNEL(c) {
         const float b = gloss->base.c[c];
-        const float schlick =
-            gloss->metallic *
-            mcv_fma(more.c[c], words[3], mcv_fma(b, mcv_fma(b, words[0], words[1]), words[2]));
-        multiple.c[c] = dielectric                              ? words[0]
-                        : gloss->type == MCV_MATERIAL_CONDUCTOR ? words[c]
-                                                                : schlick;
+        multiple.c[c] = gloss->metallic *
+                        mcv_fma(more.c[c], rest, mcv_fma(b, mcv_fma(b, square, linear), least));
     }
     return multiple;
 }
@@ -197,44 +228,42 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
                                             __global const float *albedos, mcv_vec3 o) {
     mcv_lobes lobes;
     const mcv_albedo at = mcv_albedo_at(m, gloss, albedos, o, 0);
-    const mcv_albedo mean = mcv_albedo_at(m, gloss, albedos, o, 1);
     lobes.lambda = mcv_ggx_lambda(gloss->alpha, o);
     lobes.passing = lobes.more = mcv_grey(0.0f);
     lobes.near_a = lobes.near_b = lobes.far_a = lobes.far_b = mcv_grey(0.0f);
     lobes.far_chance = 0.0f;
 #if MCV_WITH_DIELECTRIC
     if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
-        /*
-         * a: what is missing outside the body, b: inside. Light in the medium s leaves into t with
-         * the share n_t² M_t/X, by X = Σ n² M. Where the table above has what comes back, X is the
-         * larger of both: they are equal but for rounding and the walks' noise.
-         */
+        /* a: what is missing outside the body, b: inside. */
         const float missing = gloss->inside ? at.b : at.a;
+        const float square = gloss->between.eta * gloss->between.eta;
+        if (mcv_has_multiple(
+                m, gloss)) { /* the table has it; cosines choose directions, by n² of either side */
+            lobes.far_chance = missing / (1.0f + square);
+            lobes.near_chance = missing - lobes.far_chance;
+            lobes.specular = 1.0f - missing;
+            return lobes;
+        }
+        /* Light in the medium s leaves into t with the share n_t² M_t/X, by X = Σ n² M. */
+        const mcv_albedo mean = mcv_albedo_at(m, gloss, albedos, o, 1);
         const float near_mean = gloss->inside ? mean.b : mean.a;
         const float far_mean = gloss->inside ? mean.a : mean.b;
-        const float near = gloss->between.eta * gloss->between.eta * near_mean;
-        const int apart = mcv_has_multiple(m, gloss);
-        const float larger = near > far_mean ? near : far_mean;
-        const float sum = apart ? larger : near + far_mean;
+        const float near = square * near_mean;
+        const float sum = near + far_mean;
         const float share = near > 0.0f ? missing / sum : 0.0f;
-        const float back = near > 0.0f ? (sum - far_mean) / near_mean : 0.0f;
-        /* What the table sends back is chosen by the near lobe, too: more of it in the denser
-         * medium. */
-        const float square = gloss->between.eta * gloss->between.eta;
-        const float returns =
-            apart ? (1.0f - missing) * (square < 1.0f ? square : 1.0f) : (sum - far_mean) / sum;
-        lobes.near_chance = near > 0.0f ? missing * returns : 0.0f;
-        lobes.far_chance = near > 0.0f ? (apart ? missing : missing - lobes.near_chance) : 0.0f;
+        lobes.near_chance = near > 0.0f ? missing * near / sum : 0.0f;
+        lobes.far_chance = near > 0.0f ? missing - lobes.near_chance : 0.0f;
         lobes.specular = 1.0f - lobes.near_chance - lobes.far_chance;
         MCV_EACH_CHANNEL(k) {
-            lobes.near_a.c[k] = gloss->inside ? 0.0f : share * back;
-            lobes.near_b.c[k] = gloss->inside ? share * back : 0.0f;
+            lobes.near_a.c[k] = gloss->inside ? 0.0f : share * square;
+            lobes.near_b.c[k] = gloss->inside ? share * square : 0.0f;
             lobes.far_a.c[k] = gloss->inside ? share : 0.0f;
             lobes.far_b.c[k] = gloss->inside ? 0.0f : share;
         }
         return lobes;
     }
 #endif
+    const mcv_albedo mean = mcv_albedo_at(m, gloss, albedos, o, 1);
     const float missing = mean.a > 0.0f ? at.a / mean.a : 0.0f;
     if (gloss->type == MCV_MATERIAL_CONDUCTOR) {
         if (!mcv_has_multiple(m, gloss)) lobes.near_b = mcv_dim(gloss->base, missing);
@@ -337,10 +366,10 @@ MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, cons
     mcv_color reflected = mcv_gloss_fresnel(m, gloss, cosine);
     const float chance = mcv_gloss_reflects(m, gloss, lobes, cosine, reflected, &passed);
     const int multiplied = mcv_has_multiple(m, gloss);
-    if (multiplied && !far) {
-        const mcv_color multiple = mcv_gloss_multiple(m, gloss, albedos, lobes->more, o, mirrored);
-        MCV_EACH_CHANNEL(k) reflected.c[k] += multiple.c[k];
-    }
+    mcv_color multiple = mcv_grey(0.0f);
+    if (multiplied && (!far || refracts || gloss->type == MCV_MATERIAL_CONDUCTOR))
+        multiple = mcv_gloss_multiple(m, gloss, albedos, lobes->more, o, mirrored, far);
+    MCV_EACH_CHANNEL(k) reflected.c[k] += multiple.c[k];
     const float facets = mcv_ggx_density(gloss->alpha, h) * cosine * jacobian / o.z;
     const float lambda = mcv_ggx_lambda(gloss->alpha, i);
     float seen = facets / (1.0f + lobes->lambda + lambda);
@@ -349,13 +378,19 @@ MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, cons
 #endif
     MCV_EACH_CHANNEL(k)
     response.value.c[k] = meets ? (far ? passed.c[k] : reflected.c[k]) * seen : 0.0f;
+#if MCV_WITH_DIELECTRIC
+    if (refracts) {
+        const float wide = 1.0f / (o.z * (1.0f + lobes->lambda) * (1.0f + lambda));
+        MCV_EACH_CHANNEL(k) response.value.c[k] = mcv_fma(multiple.c[k], wide, response.value.c[k]);
+    }
+#endif
     response.density =
         meets ? lobes->specular * (far ? 1.0f - chance : chance) * facets / (1.0f + lobes->lambda)
               : 0.0f;
 
     mcv_albedo weights = {0.0f, 0.0f};
-    if (gloss->type != MCV_MATERIAL_CONDUCTOR ||
-        !multiplied) /* such a metal has no cosine lobe, but in its choices */
+    if (gloss->type == MCV_MATERIAL_METALLIC_ROUGHNESS ||
+        !multiplied) /* others have cosine lobes in their choices alone */
         weights = mcv_gloss_weights(m, gloss, mcv_albedo_at(m, gloss, albedos, i, 0));
     const float diffuse = mirrored.z * (1.0f / MCV_PI);
     MCV_EACH_CHANNEL(k) {

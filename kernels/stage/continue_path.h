@@ -43,19 +43,28 @@ MCV_LOOP_FUNCTION void mcv_continue_path(mcv_world world, mcv_slot slot,
 #endif
     const mcv_vec3 direction = mcv_choose(skipped, interaction->direction, on.direction);
     MCV_STORE_3(slot, direction, direction);
+    /* Values are chosen among, not places in memory: with these a loop over paths would not be
+     * vectorised. */
 #if MCV_WITH_SURFACES
     const uint origin_surface =
         shading.exact ? mcv_origin_surface_of(world, *interaction, on.direction) : MCV_NONE;
-    MCV_WORD(slot, origin_surface, 0) =
-        skipped ? MCV_WORD(slot, origin_surface, 0) : origin_surface;
+    const uint surface_before = MCV_WORD(slot, origin_surface, 0);
+    MCV_WORD(slot, origin_surface, 0) = skipped ? surface_before : origin_surface;
 #endif
-    MCV_EACH_CHANNEL(i)
-    MCV_STORE(slot, throughput, i, skipped ? MCV_LOAD(slot, throughput, i) : throughput.c[i]);
+    MCV_EACH_CHANNEL(i) {
+        const float before = MCV_LOAD(slot, throughput, i);
+        const float carried = throughput.c[i];
+        MCV_STORE(slot, throughput, i, skipped ? before : carried);
+    }
 #if MCV_WITH_DIELECTRIC
-    MCV_WORD(slot, media, 0) = skipped ? MCV_WORD(slot, media, 0) : on.media;
+    const uint media_before = MCV_WORD(slot, media, 0);
+    const uint media = on.media;
+    MCV_WORD(slot, media, 0) = skipped ? media_before : media;
 #endif
 #if MCV_WITH_NEXT_EVENT
-    MCV_STORE(slot, density, 0, skipped ? MCV_LOAD(slot, density, 0) : on.density);
+    const float density_before = MCV_LOAD(slot, density, 0);
+    const float density = on.density;
+    MCV_STORE(slot, density, 0, skipped ? density_before : density);
 #endif
 #if MCV_WITH_LIGHT_TRACING
     const uint path_class = MCV_WORD(slot, path_class, 0);

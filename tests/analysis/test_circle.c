@@ -2,11 +2,7 @@
 /* ctest: label truth */
 /* Circles, arcs, lines and widths whose places are known: exact pixels of discs and half-planes
  * behind known spreads. Seeds are fixed. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <math.h>
 #include <stdio.h>

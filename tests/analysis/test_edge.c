@@ -2,11 +2,7 @@
 /* ctest: label truth */
 /* Edges whose place and sharpness are known: exact pixels of slanted half-planes, blurred by known
  * spreads. Seeds are fixed. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <math.h>
 #include <stdlib.h>

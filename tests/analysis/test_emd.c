@@ -2,11 +2,7 @@
 /* ctest: label truth */
 /* The Earth Mover's Distance against what is known of it in closed form, all assignments of few
  * masses, and its own certificate. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <float.h>
 #include <math.h>

@@ -2,11 +2,7 @@
 /* Regions: which pixels belong to one, figures against their definitions, and stated uncertainties
  * against many pictures. Seeds are fixed.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <math.h>
 #include <stdbool.h>

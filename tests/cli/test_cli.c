@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The program as its users meet it: what it writes, what it says of bad input, and that it leaves
  * nothing half-written. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -28,6 +24,12 @@
 #include "io/exr.h"
 #include "io/figure.h"
 #include "scene/camera_model.h"
+
+/* Which of the tests run: no file of them shall take long. */
+enum { PART_MAKE, PART_MEASURE, PART_LIGHT_FIELD };
+#ifndef PART
+#define PART PART_MAKE
+#endif
 
 #define PROGRAM MCV_BINARY_DIR "/mcvisi"
 
@@ -1509,7 +1511,7 @@ static void test_second_signal_ends_at_once(void **state) {
 
 int main(void) {
 #define TEST(name) cmocka_unit_test_setup(name, fresh_folder)
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest made[] = {
         TEST(test_wrong_usage),
         TEST(test_help),
         TEST(test_bad_files),
@@ -1525,6 +1527,10 @@ int main(void) {
         TEST(test_sample_ranges),
         TEST(test_check),
         TEST(test_trace),
+        TEST(test_first_signal_saves),
+        TEST(test_second_signal_ends_at_once),
+    };
+    const struct CMUnitTest measured[] = {
         TEST(test_camera),
         TEST(test_camera_bad_input),
         TEST(test_measure_a_render),
@@ -1537,13 +1543,20 @@ int main(void) {
         TEST(test_compare),
         TEST(test_compare_scenes),
         TEST(test_compare_bad_input),
+    };
+    const struct CMUnitTest light_fields[] = {
         TEST(test_light_field_views),
         TEST(test_lens_of_the_camera),
         TEST(test_light_field_gradient),
         TEST(test_light_field_bad_input),
-        TEST(test_first_signal_saves),
-        TEST(test_second_signal_ends_at_once),
     };
 #undef TEST
-    return cmocka_run_group_tests(tests, NULL, remove_folder);
+    switch (PART) {
+    case PART_MAKE:
+        return cmocka_run_group_tests(made, NULL, remove_folder);
+    case PART_MEASURE:
+        return cmocka_run_group_tests(measured, NULL, remove_folder);
+    default:
+        return cmocka_run_group_tests(light_fields, NULL, remove_folder);
+    }
 }

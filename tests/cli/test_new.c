@@ -4,6 +4,12 @@
 
 #include <math.h>
 
+/* Which of the tests run: no file of them shall take long. */
+enum { PART_PARTS, PART_LIGHTS };
+#ifndef PART
+#define PART PART_PARTS
+#endif
+
 /* Boxes that lie each way, their middle anywhere; [mm]. */
 static const struct {
     double lower[3], upper[3];
@@ -430,13 +436,22 @@ static void test_blender(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest parts[] = {
         cmocka_unit_test(test_every_box_fits), cmocka_unit_test(test_silhouette_has_the_size),
         cmocka_unit_test(test_each_renders),   cmocka_unit_test(test_is_readable),
         cmocka_unit_test(test_bad_input),      cmocka_unit_test(test_edited_rig_stays),
-        cmocka_unit_test(test_every_light),    cmocka_unit_test(test_mirror_under_lights),
-        cmocka_unit_test(test_wishes),         cmocka_unit_test(test_views),
-        cmocka_unit_test(test_materials),      cmocka_unit_test(test_blender),
+        cmocka_unit_test(test_views),          cmocka_unit_test(test_materials),
+        cmocka_unit_test(test_blender),
     };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
+    const struct CMUnitTest lights[] = {
+        cmocka_unit_test(test_every_light),
+        cmocka_unit_test(test_mirror_under_lights),
+        cmocka_unit_test(test_wishes),
+    };
+    switch (PART) {
+    case PART_PARTS:
+        return cmocka_run_group_tests(parts, enter_folder, leave_folder);
+    default:
+        return cmocka_run_group_tests(lights, enter_folder, leave_folder);
+    }
 }

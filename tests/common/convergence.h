@@ -6,6 +6,7 @@
 
 #include "reference/reference.h"
 #include "render/render.h"
+#include "loader/load.h"
 
 #include <math.h>
 #include <stdio.h>

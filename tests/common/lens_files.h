@@ -6,6 +6,7 @@
 #include "scene_builder.h"
 
 #include "lens/lens_file.h"
+#include "loader/load.h"
 
 typedef struct lens_read {
     json_t *document;

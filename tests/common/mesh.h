@@ -150,7 +150,8 @@ static inline mesh mesh_bipyramid(uint32_t n) {
 static inline mesh mesh_duplicates(uint32_t n, uint64_t seed) {
     mesh m = mesh_new(3 * n, n);
     for (uint32_t i = 0; i < n; ++i) {
-        const float z = (float)(i / 8) * 8.0f / (float)n - 0.5f;
+        const uint32_t plane = i / 8;
+        const float z = (float)plane * 8.0f / (float)n - 0.5f;
         for (int corner = 0; corner < 3; ++corner) {
             const double angle =
                 2.0943951023931953 * corner + (i % 8 < 4 ? 0.0 : 6.0 * random_unit(&seed));

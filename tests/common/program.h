@@ -3,11 +3,7 @@
 #ifndef MCVISI_TESTS_PROGRAM_H
 #define MCVISI_TESTS_PROGRAM_H
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -74,7 +70,7 @@ static inline double number_at(const json_t *object, const char *path) {
     char copy[256], *rest = NULL;
     snprintf(copy, sizeof copy, "%s", path);
     for (char *key = strtok_r(copy, "/", &rest); key; key = strtok_r(NULL, "/", &rest)) {
-        object = json_is_array(object) ? json_array_get(object, (size_t)atoi(key))
+        object = json_is_array(object) ? json_array_get(object, strtoul(key, NULL, 10))
                                        : json_object_get(object, key);
         if (!object) fail_msg("%s: there is no %s", path, key);
     }

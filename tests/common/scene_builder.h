@@ -5,12 +5,9 @@
 #define MCVISI_TESTS_SCENE_BUILDER_H
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
+#include "test.h"
+
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

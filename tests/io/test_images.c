@@ -10,6 +10,7 @@
 #include "analysis/compare.h"
 #include "reference/reference.h"
 #include "render/render.h"
+#include "loader/load.h"
 
 /* test_images_slow.c sets it: all cases, of which the quick test has those that no others stand
  * for. */

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The bound on the levels holds where the surface area heuristic would go deeper: the builder,
  * compiled with a low bound. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #define MCV_BVH_LEVELS 5
 #include "accel/bvh.c"

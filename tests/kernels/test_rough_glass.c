@@ -152,12 +152,14 @@ static double sent_once(double alpha, double n1, double n2, ref_vec o, ref_vec i
 
 /*
  * Glass of n = 1.5 from outside and from inside, for α from 0.05 to 0.6. Of the light between the
- * pairs of angles the share that goes elsewhere than walks send it, beyond their own error: at
- * most 1.2 % of what is reflected (1.8 to 31 % when what one meeting loses came back by a cosine),
- * as the device's table is of 12000 walks for each angle; at most 6.5 % of what is transmitted (up
- * to 14 % then), of which further meetings still send a cosine. From α = 0.35 walks know enough
- * pairs of reflection to 1 %: their errors are 2 % at most, as the root of the mean square. Once:
- * the closed form is the walks', within five standard errors, where α >= 0.2.
+ * pairs of angles the share that goes elsewhere than walks send it, beyond their own error: at most
+ * 1 % of what is reflected (1.8 to 31 % when what one meeting loses came back by a cosine), the
+ * goal; at most 0.5 % of what is transmitted (up to 14 % then, 6.2 % while further meetings sent a
+ * cosine), half the goal, as a seventh of it at most meets more than one microfacet and the table
+ * knows that to 3 %. Walks know enough pairs to 1 % from α = 0.35 reflected, of which up to a half
+ * meets more than one microfacet: errors of 2 % at most, as the root of the mean square; from α =
+ * 0.2 transmitted: 1 % at most. Once: the closed form is the walks', within five standard errors,
+ * where α >= 0.2.
  */
 static void test_directions(void **state) {
     static const double angles[ANGLES + 2] = {10, 30, 50, 65, 75, 85, 0, 45},
@@ -233,12 +235,12 @@ static void test_directions(void **state) {
                               sqrt(rings[view][far][2]) / rings[view][far][1], view ? "\n" : ",");
             note_truth(far ? "T15 rough glass: transmitted elsewhere than walks"
                            : "T15 rough glass: reflected elsewhere than walks",
-                       "reference", elsewhere, far ? 0.065 : 0.012);
-            if (!(elsewhere <= (far ? 0.065 : 0.012)))
+                       "reference", elsewhere, far ? 0.005 : 0.01);
+            if (!(elsewhere <= (far ? 0.005 : 0.01)))
                 fail_msg("α %g from n = %g: %.4f of what is %s goes elsewhere", alpha, n1,
                          elsewhere, way);
-            if (!far && alpha > 0.3 && !(known[far] >= 30 && rms <= 0.02))
-                fail_msg("α %g from n = %g, reflected: %g pairs off by %.4f rms", alpha, n1,
+            if (alpha > (far ? 0.15 : 0.3) && !(known[far] >= 20 && rms <= (far ? 0.01 : 0.02)))
+                fail_msg("α %g from n = %g, %s: %g pairs off by %.4f rms", alpha, n1, way,
                          known[far], rms);
         }
         ref_gloss_tables_free(&tables);

@@ -5,11 +5,7 @@
  * meshes without a crack and without a double hit; rays from offset origins. test_traversal_slow.c
  * runs the same tests with many more rays.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 #include <string.h>
 
 #include "mcvisi/offset.h"

@@ -2,11 +2,7 @@
 /* ctest: label slow */
 /* The Earth Mover's Distance against POT, a library of others, where `./run deps peers` has put it.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <math.h>
 #include <stdio.h>

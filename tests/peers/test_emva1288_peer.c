@@ -2,11 +2,7 @@
 /* ctest: label slow */
 /* The camera as its own standard's reference implementation evaluates it, where `./run deps peers`
  * has put that. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The OpenCL layer: choosing devices, building programs, saying what failed. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 #include <stdio.h>
 #include <string.h>
 
 #include "cl/cl.h"
+#include "cl/program_cache.h"
 
 static void count_device(void *user, unsigned index, const mcv_cl *device) {
     unsigned *count = user;
@@ -83,12 +80,51 @@ static void test_too_large_a_buffer_names_its_purpose(void **state) {
     mcv_cl_close(&cl);
 }
 
+static cl_program new_program(const mcv_cl *cl, const char *source) {
+    cl_int code;
+    cl_program program = clCreateProgramWithSource(cl->context, 1, &source, NULL, &code);
+    assert_int_equal(code, CL_SUCCESS);
+    return program;
+}
+
+/* A program is found by its context, its text's place and its options, as long as it is one of the
+ * last four. */
+static void test_programs_are_kept(void **state) {
+    static const char source[] = "kernel void nothing() {}";
+    static const char *const others[] = {"-DA=2", "-DA=3", "-DA=4", "-DA=5"};
+    mcv_error error = {""};
+    mcv_cl first, second;
+    (void)state;
+    assert_int_equal(mcv_cl_open(NULL, &first, &error), MCV_OK);
+    assert_int_equal(mcv_cl_open(NULL, &second, &error), MCV_OK);
+    assert_ptr_equal(first.context, second.context);
+    mcv_cl_close(&second);
+    assert_null(mcv_cached_program(first.context, source, "-DA=1"));
+    cl_program program = new_program(&first, source);
+    mcv_keep_program(first.context, source, "-DA=1", program);
+    cl_program found = mcv_cached_program(first.context, source, "-DA=1");
+    assert_ptr_equal(found, program);
+    clReleaseProgram(found);
+    clReleaseProgram(program);
+    assert_null(mcv_cached_program(first.context, source, "-DA=2"));
+    assert_null(mcv_cached_program(first.context, source + 1, "-DA=1"));
+    assert_null(mcv_cached_program(NULL, source, "-DA=1"));
+    for (int i = 0; i < 4; ++i) {
+        program = new_program(&first, source);
+        mcv_keep_program(first.context, source, others[i], program);
+        clReleaseProgram(program);
+    }
+    assert_null(mcv_cached_program(first.context, source, "-DA=1"));
+    mcv_cl_close(&first);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_list_numbers_devices),
         cmocka_unit_test(test_open_by_number_and_by_name),
         cmocka_unit_test(test_unknown_device_is_named),
         cmocka_unit_test(test_build_failure_carries_the_log),
+        cmocka_unit_test(test_programs_are_kept),
         cmocka_unit_test(test_too_large_a_buffer_names_its_purpose),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

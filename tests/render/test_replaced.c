@@ -1,23 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Materials of the scene in place of an asset's own, by name and by node; and texts as CAD
  * exporters write them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include "scene_files.h"
 
 static mcv_error error;
 
 #define TRIANGLE(material) "{\"attributes\":{\"POSITION\":0}" material "}"
+#define MESH(primitives) "{\"primitives\":[" primitives "]}"
 
 /*
  * A vial as a CAD program exports it: an assembly with parts below it, one of them twice; Blender's
  * glass without a thickness, a lamp, a material without a name, a mesh without a material; texts
  * that go on behind U+0000.
  */
+/* clang-format off */
 static const char vial[] =
     "{\"asset\":{\"version\":\"2.0\",\"generator\":\"CAD \\u0000 "
     "3\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
@@ -32,44 +30,18 @@ static const char vial[] =
     "\"metallicFactor\":0},\"extensions\":{"
     "\"KHR_materials_transmission\":{\"transmissionFactor\":1}}},{\"name\":\"Rubber\"},{},{"
     "\"name\":\"Glow\",\"emissiveFactor\":[1,1,1]}],"
-    "\"meshes\":[{\"primitives\":[" TRIANGLE(",\"material\":0") "]},{\"primitives\":[" TRIANGLE(
-        ","
-        "\""
-        "ma"
-        "te"
-        "ri"
-        "al"
-        "\""
-        ":"
-        "1") "," TRIANGLE("") "]},{\"primitives\":[" TRIANGLE(",\"material\":2") "]},{"
-                                                                                 "\"primitives\":"
-                                                                                 "[" TRIANGLE(",\"m"
-                                                                                              "ater"
-                                                                                              "ial"
-                                                                                              "\":"
-                                                                                              "3") "]}],"
-                                                                                                   "\"accessors\":[{"
-                                                                                                   "\"bufferView\":0,"
-                                                                                                   "\"componentType\":"
-                                                                                                   "5126,"
-                                                                                                   "\"count\":3,"
-                                                                                                   "\"type\":"
-                                                                                                   "\"VEC3\",\"min\":[0,"
-                                                                                                   "0,0]"
-                                                                                                   ",\"max\":[1,1,0]}],"
-                                                                                                   "\"bufferViews\":[{"
-                                                                                                   "\"buffer\":0,"
-                                                                                                   "\"byteLength\":36}],"
-                                                                                                   "\"buffers\":[{"
-                                                                                                   "\"byteLength\":36,"
-                                                                                                   "\"uri\":\"data:"
-                                                                                                   "application/"
-                                                                                                   "octet-stream;base64,"
-                                                                                                   "AAAAAAAAAAAAAAAAAACA"
-                                                                                                   "PwAA"
-                                                                                                   "AAAAAAAAAAAAAAAAgD8A"
-                                                                                                   "AAAA"
-                                                                                                   "\"}]}";
+    "\"meshes\":["
+    MESH(TRIANGLE(",\"material\":0")) ","
+    MESH(TRIANGLE(",\"material\":1") "," TRIANGLE("")) ","
+    MESH(TRIANGLE(",\"material\":2")) ","
+    MESH(TRIANGLE(",\"material\":3"))
+    "],"
+    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","
+    "\"min\":[0,0,0],\"max\":[1,1,0]}],"
+    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+    "\"buffers\":[{\"byteLength\":36,\"uri\":\"data:application/octet-stream;base64,"
+    "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}]}";
+/* clang-format on */
 
 /* The rig with the rest of the entry. */
 static mcv_result load_rig(const char *rest, const char *set, mcv_scene **scene) {

@@ -4,11 +4,7 @@
  * element's header replaced by an empty file they are the same text. To see that the comparison
  * sees, a used header is emptied too: the text changes.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <ctype.h>
 #include <dirent.h>
@@ -21,6 +17,7 @@
 #include "device/features.h"
 #include "device/pack.h"
 #include "render/render.h"
+#include "loader/load.h"
 
 #define BIT(NAME) (1u << MCV_FEATURE_##NAME)
 

@@ -7,6 +7,7 @@
 #include "convergence.h"
 #include "estimates.h"
 #include "peer_scenes.h"
+#include "loader/load.h"
 
 /* test_split_slow.c sets it: all cases, of which the quick test has those that no others stand for.
  */

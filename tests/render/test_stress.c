@@ -9,6 +9,12 @@
 
 #include "reference/random.h"
 
+/* Which of the tests run: no file of them shall take long. */
+enum { PART_BODIES, PART_SCALES, PART_LIGHT };
+#ifndef PART
+#define PART PART_BODIES
+#endif
+
 static mcv_film render_by(bool reference, const mcv_scene *scene, uint32_t samples, uint32_t depth,
                           mcv_render_stats *stats) {
     mcv_render_options options = mcv_render_defaults();
@@ -154,11 +160,10 @@ static void test_other_scales_and_places(void **state) {
 
 /* Bodies without loss vanish in an even surrounding; what the depth cuts is counted. The share of
  * paths that may lose a medium: `lost`. */
-static void expect_furnace(const char *what, mcv_scene *scene, double width, double distance,
-                           double lost) {
-    (void)lost;
+static void expect_furnace(const char *what, mcv_scene *scene, uint32_t pixels, double width,
+                           double distance, double lost) {
     add_environment(scene, 1);
-    add_pinhole(scene, 24, width, looking_down_z(0, 0, distance));
+    add_pinhole(scene, pixels, width, looking_down_z(0, 0, distance));
     for (int reference = 0; reference < 2; ++reference) {
         mcv_render_stats stats;
         mcv_film film = render_by(reference, scene, 16, 200, &stats);
@@ -179,32 +184,49 @@ static void expect_furnace(const char *what, mcv_scene *scene, double width, dou
     mcv_scene_free(scene);
 }
 
-/* 10^5 triangles meet at each tip of a bipyramid of glass. */
-static void test_fan(void **state) {
-    enum { N = 100000 };
+/* A small ball off the field: boxes and balls have one program. */
+static void add_smooth_beside(mcv_scene *scene) {
+    add_sphere(scene, 0.05, 8, add_glass(scene, 1.5, 0, 0), looking_down_z(2, 0, 0));
+}
+
+/* `n` triangles meet at each tip of a bipyramid of glass, which fills the field. */
+static void expect_fan(uint32_t n, uint32_t pixels) {
     mcv_scene *scene = mcv_scene_new("fan");
-    float *positions = malloc((N + 2) * 12);
-    uint32_t *indices = malloc(2 * N * 12);
-    (void)state;
+    float *positions = malloc((n + 2) * 12);
+    uint32_t *indices = malloc(2 * n * 12);
+    char what[64];
     assert_true(positions && indices);
-    for (uint32_t i = 0; i < N; ++i) {
-        const double angle = 2 * M_PI * i / N;
+    for (uint32_t i = 0; i < n; ++i) {
+        const double angle = 2 * M_PI * i / n;
         memcpy(positions + 3 * i,
                (float[3]){(float)(0.5 * cos(angle)), (float)(0.5 * sin(angle)),
                           (float)(0.05 * sin(3 * angle))},
                12);
-        memcpy(indices + 6 * i, (uint32_t[6]){i, (i + 1) % N, N, (i + 1) % N, i, N + 1}, 24);
+        memcpy(indices + 6 * i, (uint32_t[6]){i, (i + 1) % n, n, (i + 1) % n, i, n + 1}, 24);
     }
-    memcpy(positions + 3 * N, (float[6]){0.01F, 0.02F, 0.4F, -0.02F, 0.01F, -0.4F}, 24);
+    memcpy(positions + 3 * n, (float[6]){0.01F, 0.02F, 0.4F, -0.02F, 0.01F, -0.4F}, 24);
     add_instance(scene,
-                 &(mcv_mesh){.vertex_count = N + 2,
-                             .triangle_count = 2 * N,
+                 &(mcv_mesh){.vertex_count = n + 2,
+                             .triangle_count = 2 * n,
                              .positions = positions,
                              .indices = indices},
                  add_glass(scene, 1.5, 0, 0), unmoved);
     free(positions);
     free(indices);
-    expect_furnace("fans of 10^5 triangles", scene, 0.5, 3, 0);
+    add_smooth_beside(scene);
+    snprintf(what, sizeof what, "fans of %u triangles", n);
+    expect_furnace(what, scene, pixels, 0.2, 3, 0); /* 0.6 m wide at the rim of 1 m */
+}
+
+/*
+ * The boxes of slivers overlap, so that each path meets a fixed share of all triangles: what many
+ * triangles at one place break shows in a few paths, what few paths in a thousand lose shows with
+ * fewer triangles.
+ */
+static void test_fan(void **state) {
+    (void)state;
+    expect_fan(100000, 2);
+    expect_fan(4000, 14);
 }
 
 static void test_bodies(void **state) {
@@ -212,32 +234,33 @@ static void test_bodies(void **state) {
     mcv_scene *scene = mcv_scene_new("bubble");
     add_sphere(scene, 0.5, 48, add_glass(scene, 1.5, 0, 0), unmoved);
     add_sphere(scene, 0.25, 48, add_glass(scene, 1, 0, 1), looking_down_z(0, 0, 0.25));
-    expect_furnace("a bubble that touches the surface from inside", scene, 0.5, 3, 0);
+    expect_furnace("a bubble that touches the surface from inside", scene, 24, 0.5, 3, 0);
     scene = mcv_scene_new("inclusion");
     add_sphere(scene, 0.05, 48, add_glass(scene, 1.5, 0, 0), unmoved);
     add_sphere(scene, 0.5e-6, 16, add_glass(scene, 1.7, 0, 1), looking_down_z(0, 0, 0.02));
     /* Points 20 mm off the middle round by 2 nm, and origins are moved as far: at its outline a
      * path may miss one of two faces, which is told. */
-    expect_furnace("an inclusion of 1 um in 100 mm", scene, 2e-6 / 0.08, 0.1, 1e-3);
+    expect_furnace("an inclusion of 1 um in 100 mm", scene, 24, 2e-6 / 0.08, 0.1, 1e-3);
     scene = mcv_scene_new("step");
     add_sphere(scene, 0.5, 48, add_glass(scene, 1.5, 0, 0), unmoved);
     add_sphere(scene, 0.3, 48, add_glass(scene, 1.5 + 1e-7, 0, 1), unmoved);
     add_sphere(scene, 0.2, 48, add_glass(scene, 3.5, 0, 2), unmoved);
-    expect_furnace("steps of the index of 1e-7 and 2", scene, 0.5, 3, 0);
+    expect_furnace("steps of the index of 1e-7 and 2", scene, 24, 0.5, 3, 0);
     scene = mcv_scene_new("nested");
     for (uint32_t i = 0; i < 16; ++i)
         add_sphere(scene, 0.5 - 0.03 * i, 24, add_glass(scene, 1.2 + 0.05 * i, 0, i), unmoved);
-    expect_furnace("16 bodies inside each other", scene, 0.5, 3, 0);
+    expect_furnace("16 bodies inside each other", scene, 24, 0.5, 3, 0);
     scene = mcv_scene_new("twice");
     add_sphere(scene, 0.5, 32, add_glass(scene, 1.5, 0, 0), unmoved);
     add_sphere(scene, 0.5, 32, add_glass(scene, 1.7, 0, 1), unmoved);
-    expect_furnace("two bodies in one place", scene, 0.5, 3, 0);
+    expect_furnace("two bodies in one place", scene, 24, 0.5, 3, 0);
     scene = mcv_scene_new("needles");
     for (int i = 0; i < 8; ++i) {
         const double half[3] = {0.5, 0.5 * pow(10, -i), 0.01};
         add_box(scene, half, add_glass(scene, 1.5, 0, 0), looking_down_z(0, 0, 0.03 * i));
     }
-    expect_furnace("boxes of aspects up to 10^7", scene, 0.5, 3, 0);
+    add_smooth_beside(scene);
+    expect_furnace("boxes of aspects up to 10^7", scene, 24, 0.5, 3, 0);
 }
 
 /* --- meshes
@@ -268,6 +291,7 @@ static void test_degenerate_and_double_faces(void **state) {
                     add_rectangle(scene, 1, 1, add_absorber(scene), looking_up_z(0, 0, 0)), 1, 0);
         add_emitter(scene, MCV_EMITTER_AREA,
                     add_rectangle(scene, 1, 1, add_absorber(scene), looking_up_z(0, 0, 0)), 2, 0);
+        add_environment(scene, 0.5); /* behind the lamps: one program with the tests of the film */
         add_pinhole(scene, 24, 0.3, looking_down_z(0, 0, 2));
         options.last = 16;
         options.schedule = i == 2 ? MCV_SCHEDULE_STREAM : MCV_SCHEDULE_TILE;
@@ -352,6 +376,13 @@ static void test_grazing(void **state) {
     mcv_scene_free(scene);
 }
 
+/* Off the rays' way: meshes and exact surfaces are traced by one program. */
+static void add_exact_beside(mcv_scene *scene, uint32_t material) {
+    mcv_solid ball = sphere(0.01);
+    ball.to_world = looking_down_z(0.9, 0.9, 0.5);
+    add_solid(scene, &ball, material, material);
+}
+
 /* 1000 total reflections between the faces of a plate, a mesh or exact: the direction drifts by
  * less than 1e-5, in double 1e-12. */
 static void test_many_reflections(void **state) {
@@ -368,6 +399,7 @@ static void test_many_reflections(void **state) {
             add_solid(scene, &plate, glass, glass);
         else
             add_box(scene, (const double[3]){100, 100, 0.05}, glass, unmoved);
+        if (!exact) add_exact_beside(scene, glass);
         for (int reference = 0; reference < 2; ++reference) {
             mcv_render_options options = mcv_render_defaults();
             mcv_vertex *v = NULL;
@@ -396,7 +428,9 @@ static void test_no_step(void **state) {
     mcv_scene *scene = mcv_scene_new("no step");
     ref_random random = {3};
     (void)state;
-    add_sphere(scene, 0.5, 24, add_glass(scene, 1, 0, 0), unmoved);
+    const uint32_t air = add_glass(scene, 1, 0, 0);
+    add_sphere(scene, 0.5, 24, air, unmoved);
+    add_exact_beside(scene, air);
     mcv_trace_ray rays[100];
     for (int i = 0; i < 100; ++i)
         rays[i] = (mcv_trace_ray){
@@ -426,6 +460,9 @@ static void test_many_equal_samples(void **state) {
     mcv_scene *scene = mcv_scene_new("many");
     (void)state;
     add_environment(scene, 0.1);
+    add_emitter(scene, MCV_EMITTER_AREA,
+                add_rectangle(scene, 1, 1, add_absorber(scene), looking_up_z(0, 0, 1)), 1,
+                0); /* not seen */
     add_pinhole(scene, 1, 1, looking_down_z(0, 0, 0));
     mcv_render_stats stats;
     mcv_film film = render_by(false, scene, 1 << 20, 4, &stats);
@@ -498,6 +535,7 @@ static void test_not_finite(void **state) {
         mcv_params_set_defaults(mcv_emitter_table(emitter.type), &emitter.as);
         for (int k = 0; k < 3; ++k) emitter.as.area.power[k] = 1e30;
         BUILD(mcv_scene_add_emitter(scene, &emitter, &builder_error));
+        add_environment(scene, 1);
         add_pinhole(scene, 8, 1e-5, looking_down_z(0, 0, 1));
         options.last = 4;
         const mcv_result result = (reference ? mcv_reference_render : mcv_render)(
@@ -522,12 +560,13 @@ static void test_not_finite(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest bodies[] = {cmocka_unit_test(test_fan), cmocka_unit_test(test_bodies)};
+    const struct CMUnitTest scales[] = {
         cmocka_unit_test(test_powers_of_two_change_no_bit),
         cmocka_unit_test(test_translations_change_no_bit),
         cmocka_unit_test(test_other_scales_and_places),
-        cmocka_unit_test(test_fan),
-        cmocka_unit_test(test_bodies),
+    };
+    const struct CMUnitTest light[] = {
         cmocka_unit_test(test_degenerate_and_double_faces),
         cmocka_unit_test(test_cones),
         cmocka_unit_test(test_grazing),
@@ -537,5 +576,12 @@ int main(void) {
         cmocka_unit_test(test_firefly),
         cmocka_unit_test(test_not_finite),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    switch (PART) {
+    case PART_BODIES:
+        return cmocka_run_group_tests(bodies, NULL, NULL);
+    case PART_SCALES:
+        return cmocka_run_group_tests(scales, NULL, NULL);
+    default:
+        return cmocka_run_group_tests(light, NULL, NULL);
+    }
 }

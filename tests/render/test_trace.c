@@ -8,6 +8,7 @@
 #include "reference/random.h"
 #include "reference/reference.h"
 #include "reference/vector.h"
+#include "loader/load.h"
 
 enum { RAYS = 1 << 20 };
 static const double u = 0x1p-24;

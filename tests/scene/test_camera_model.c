@@ -11,6 +11,7 @@
 #include "scene/camera_model.h"
 #include "scene/params.h"
 #include "scene/sensors.h"
+#include "loader/load.h"
 
 #include <unistd.h>
 

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Vertex normals of STL files by crease angle: smooth where the body is, sharp at its edges, and a
  * tessellated ball that focuses. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <float.h>
 #include <math.h>

@@ -4,6 +4,7 @@
 #include "program.h"
 
 #include "scene/scene.h"
+#include "loader/load.h"
 
 static const char rig[] = "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,"
                           "1,2]}],\"extensionsUsed\":[\"MCVISI_assets\"],"
@@ -49,7 +50,7 @@ static void write_box(double width) {
 static mcv_scene *load(mcv_asset_cache *kept) {
     mcv_scene *scene;
     mcv_error error;
-    if (mcv_scene_load_again("rig.gltf", (mcv_overrides){NULL, 0}, kept, &scene, &error) != MCV_OK)
+    if (mcv_scene_load_cached("rig.gltf", (mcv_overrides){NULL, 0}, kept, &scene, &error) != MCV_OK)
         fail_msg("%s", error.text);
     return scene;
 }
@@ -83,11 +84,11 @@ static void test_same_scene(void **state) {
     write_file("rig.gltf", rig);
     write_box(1);
     write_part("grey", 1);
-    mcv_asset_cache *kept = mcv_kept_assets_new();
+    mcv_asset_cache *kept = mcv_asset_cache_new();
     mcv_scene *plain = load(NULL), *first = load(kept), *second = load(kept);
-    assert_int_equal(mcv_kept_assets_read(kept),
+    assert_int_equal(mcv_asset_cache_reads(kept),
                      2); /* box.stl, which is placed twice, and part.gltf */
-    mcv_kept_assets_free(kept);
+    mcv_asset_cache_free(kept);
     assert_int_equal(plain->mesh_count, 3);
     assert_int_equal(plain->texture_count, 1);
     expect_same(plain, first);
@@ -103,7 +104,7 @@ static void test_changes_are_seen(void **state) {
     write_file("rig.gltf", rig);
     write_box(1);
     write_part("grey", 1);
-    mcv_asset_cache *kept = mcv_kept_assets_new();
+    mcv_asset_cache *kept = mcv_asset_cache_new();
     mcv_scene_free(load(kept));
     for (int change = 0; change < 4; ++change) {
         if (change == 0) write_box(5);
@@ -114,7 +115,7 @@ static void test_changes_are_seen(void **state) {
         mcv_scene *scene, *plain;
         if (change == 3) {
             assert_int_equal(
-                mcv_scene_load_again("rig.gltf", (mcv_overrides){NULL, 0}, kept, &scene, &error),
+                mcv_scene_load_cached("rig.gltf", (mcv_overrides){NULL, 0}, kept, &scene, &error),
                 MCV_BAD_INPUT);
             assert_int_equal(mcv_scene_load("rig.gltf", (mcv_overrides){NULL, 0}, &plain, &without),
                              MCV_BAD_INPUT);
@@ -124,11 +125,11 @@ static void test_changes_are_seen(void **state) {
         plain = load(NULL);
         scene = load(kept);
         expect_same(plain, scene);
-        assert_int_equal(mcv_kept_assets_read(kept), 3 + change);
+        assert_int_equal(mcv_asset_cache_reads(kept), 3 + change);
         mcv_scene_free(plain);
         mcv_scene_free(scene);
     }
-    mcv_kept_assets_free(kept);
+    mcv_asset_cache_free(kept);
 }
 
 /* A sweep reads its part once. */

@@ -2,11 +2,7 @@
 /* ctest: label slow */
 /* Loading two million triangles takes at most four times the file and 300 bytes per triangle, from
  * a GLB and from a data: URI. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include "scene_files.h"
 

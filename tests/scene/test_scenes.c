@@ -4,16 +4,13 @@
  * normals, the panel and the camera where the report's experiment has them, the CAD part in the
  * frame of its camera.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "scene/scene.h"
+#include "loader/load.h"
 
 #define PI 3.14159265358979323846
 

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Parts from STL files: binary and ASCII give the same triangles, in the stated unit; whatever is
  * wrong is one sentence. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <locale.h>
 #include <math.h>

@@ -2,11 +2,7 @@
 /* Transforms against what they do to points: quaternions, composition, normals of mirrored and
  * sheared bodies. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include "scene/transform.h"
 

@@ -6,6 +6,7 @@
 #include "analysis/compare.h"
 #include "mcvisi/surfaces/solid.h"
 #include "render/render.h"
+#include "loader/load.h"
 
 #include <time.h>
 

@@ -3,6 +3,7 @@
  * against a grey render at its wavelength.
  */
 #include "exact_builder.h"
+#include "loader/load.h"
 
 /* test_glass_slow.c sets it: all cases, of which the quick test has those that no others stand for.
  */

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Views, plain image and Earth Mover's gradient of light field images whose every value is known,
  * and the contrast-to-noise ratio. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "test.h"
 
 #include <float.h>
 #include <math.h>

@@ -9,7 +9,7 @@
 #include "render/render.h"
 
 /* Which of the tests run: no file of them shall take long. */
-enum { PART_SMOOTH, PART_ROUGH, PART_IMAGES };
+enum { PART_SMOOTH, PART_ROUGH, PART_IMAGES, PART_TEXTURES, PART_SHEETS };
 #ifndef PART
 #define PART PART_SMOOTH
 #endif
@@ -660,14 +660,22 @@ int main(void) {
     };
     const struct CMUnitTest rough[] = {
         cmocka_unit_test(test_rough_furnace),
-        cmocka_unit_test(test_translucent),
         cmocka_unit_test(test_endless_medium),
-        cmocka_unit_test(test_retroreflector),
     };
-    const struct CMUnitTest images[] = {cmocka_unit_test(test_rough_images),
-                                        cmocka_unit_test(test_textured_roughness)};
-    if (PART == PART_IMAGES) return cmocka_run_group_tests(images, NULL, NULL);
-    // NOLINTNEXTLINE(misc-redundant-expression): each program is one of the parts
-    return PART == PART_SMOOTH ? cmocka_run_group_tests(smooth, NULL, NULL)
-                               : cmocka_run_group_tests(rough, NULL, NULL);
+    const struct CMUnitTest sheets[] = {cmocka_unit_test(test_translucent),
+                                        cmocka_unit_test(test_retroreflector)};
+    const struct CMUnitTest images[] = {cmocka_unit_test(test_rough_images)};
+    const struct CMUnitTest textures[] = {cmocka_unit_test(test_textured_roughness)};
+    switch (PART) {
+    case PART_SMOOTH:
+        return cmocka_run_group_tests(smooth, NULL, NULL);
+    case PART_ROUGH:
+        return cmocka_run_group_tests(rough, NULL, NULL);
+    case PART_IMAGES:
+        return cmocka_run_group_tests(images, NULL, NULL);
+    case PART_TEXTURES:
+        return cmocka_run_group_tests(textures, NULL, NULL);
+    default:
+        return cmocka_run_group_tests(sheets, NULL, NULL);
+    }
 }

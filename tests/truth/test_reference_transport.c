@@ -114,6 +114,9 @@ static void test_slab(void **state) {
                     0);
         add_spot_camera(scene, (const double[3]){sin(angle), 0, cos(angle)},
                         (const double[3]){0, 0, 0}, 1e-6);
+        /* Neither is seen: slab and furnace have one program. */
+        add_sphere(scene, 0.1, 8, add_absorber(scene), looking_down_z(0, 10, 5));
+        add_environment(scene, 0);
         const ref_surface surface = {.geometric = {0, 0, 1}, .normal = {0, 0, 1}};
         const ref_interaction meeting =
             ref_make_interaction(&surface, (ref_vec){-sin(angle), 0, -cos(angle)});
@@ -158,6 +161,9 @@ static void test_glass_furnace(void **state) {
     for (int inside = 0; inside < 2; ++inside) {
         mcv_scene *scene = mcv_scene_new("glass furnace");
         add_environment(scene, 2);
+        /* As bright as what is around it. */
+        add_emitter(scene, MCV_EMITTER_AREA,
+                    add_rectangle(scene, 1, 1, add_absorber(scene), looking_up_z(0, 0, -10)), 2, 0);
         add_sphere(scene, 1, 24, add_glass(scene, 1.5, 0, 0), mcv_transform_identity());
         add_pinhole(scene, 12, 1, looking_down_z(0, 0, inside ? 0 : 3));
         const double truth = inside ? 2 * 1.5 * 1.5 : 2;

@@ -5,6 +5,7 @@
  * reference renderer; what goes in comes out; a lens shows what a fine mesh of it shows.
  */
 #include "agreement.h"
+#include "loader/load.h"
 
 /* T1: a plate shifts a ray by t sin θ (1 - cos θ/√(n² - sin² θ)). float32: 2e-6 t. */
 static void plate(void **state) {
@@ -274,18 +275,27 @@ static void cemented_once(void **state) {
         second.cemented = true;
         add_solid(scene, &first, add_glass(scene, 1.8, 0, 0), add_absorber(scene));
         add_solid(scene, &second, add_glass(scene, 1.5, 0, 0), add_absorber(scene));
-        for (int reference = 0; reference < 2; ++reference)
-            for (int i = 0; i < 40; ++i) {
-                mcv_vertex v[DEPTH + 1];
-                mcv_trace_ray ray = along_z(i / 20 * 1e-3, i % 20 * 0.3e-3, -20e-3);
-                if (i >= 20) ray.origin[2] = 20e-3, ray.direction[2] = -1;
-                const size_t count = trace_one(scene, reference, ray, v);
+        mcv_trace_ray rays[40];
+        for (int i = 0; i < 40; ++i) {
+            rays[i] = along_z(i / 20 * 1e-3, i % 20 * 0.3e-3, -20e-3);
+            if (i >= 20) rays[i].origin[2] = 20e-3, rays[i].direction[2] = -1;
+        }
+        for (int reference = 0; reference < 2; ++reference) {
+            const traced t = follow(scene, reference, rays, 40);
+            size_t next = 0;
+            for (uint32_t i = 0; i < 40; ++i) {
+                const mcv_vertex *v = t.vertices + next;
+                size_t count = 0;
+                for (; next < t.count && t.vertices[next].ray == i; ++next)
+                    count += t.vertices[next].event != MCV_EVENT_MISS;
                 if (count != 4 || v[2].event != MCV_EVENT_REFRACT ||
                     v[3].event != MCV_EVENT_REFRACT)
-                    fail_msg("kind %zu, %s, ray %d: %zu vertices, not 4", kind,
+                    fail_msg("kind %zu, %s, ray %u: %zu vertices, not 4", kind,
                              reference ? "reference" : "device", i, count);
                 assert_true(fabs(v[2].ior - (i < 20 ? 1.5 : 1.8)) < 1e-6);
             }
+            free(t.vertices);
+        }
         mcv_scene_free(scene);
     }
 }

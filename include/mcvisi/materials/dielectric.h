@@ -10,9 +10,9 @@
  * With a roughness the surface is made of microfacets that reflect and refract
  * (mcvisi/materials/microfacet.h); roughness between 0 and 0.032 is 0.032. What is reflected once
  * has the height-correlated masking of one side, what is refracted once that of opposite sides
- * (mcv_opposite_masking). What microfacets reflect several times is tabulated
- * (host/device/multiple.c); the rest of what they lose by meeting each other leaves by a cosine on
- * the other side, as reciprocity asks for.
+ * (mcv_opposite_masking). What meets several microfacets is tabulated on both sides from walks
+ * (host/device/multiple_interface.c), but for brushed glass: there it leaves by a cosine on either
+ * side, as reciprocity asks for.
  *
  * Dispersion. In place of ior, `glass` names one of the catalogue in host/scene/glasses.c, whose
  * index is taken at the wavelength of each channel (MCVISI_spectrum). An abbeNumber V_d, or

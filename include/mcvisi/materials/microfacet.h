@@ -31,6 +31,7 @@
  * and k the sum of the cosines and of this; words of an entry; roughnesses.
  */
 #define MCV_MULTIPLE_COSINES 23
+#define MCV_INTERFACE_COSINES 16 /* of rough glass */
 #define MCV_MULTIPLE_AZIMUTHS 8
 #define MCV_MULTIPLE_LEAST 0.02f
 #define MCV_MULTIPLE_WORDS 4

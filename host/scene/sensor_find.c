@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "cli/sensor.h"
+#include "scene/sensor_find.h"
 
 #include "scene/sensors.h"
 

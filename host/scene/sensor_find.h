@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A sensor of a scene, as the command line speaks of it. */
-#ifndef MCVISI_HOST_CLI_SENSOR_H
-#define MCVISI_HOST_CLI_SENSOR_H
+#ifndef MCVISI_HOST_SCENE_SENSOR_FIND_H
+#define MCVISI_HOST_SCENE_SENSOR_FIND_H
 
 #include "scene/scene.h"
 

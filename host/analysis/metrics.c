@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "cli/metrics.h"
+#include "analysis/metrics.h"
 
 #include "core/json.h"
 
@@ -8,28 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-mcv_result mcv_choose_channel(uint64_t chosen, const char *path, const mcv_image *image,
-                              bool deviations, mcv_image *out, mcv_error *error) {
-    if (chosen > image->channels && chosen > 1)
-        return mcv_fail(error, MCV_USAGE, "%s has %u channel%s: leave out --channel", path,
-                        image->channels, image->channels > 1 ? "s" : "");
-    MCV_TRY(mcv_image_new(out, image->width, image->height, 1, error));
-    const size_t plane = (size_t)image->width * image->height;
-    for (size_t i = 0; i < plane; ++i) {
-        double sum = 0;
-        for (uint32_t c = 0; c < image->channels; ++c) {
-            const double value = image->pixels[c * plane + i];
-            if (chosen == 0 || chosen - 1 == c) sum += deviations ? value * value : value;
-        }
-        const double count = chosen == 0 ? image->channels : 1;
-        out->pixels[i] = (float)((deviations ? sqrt(sum) : sum) / count);
-    }
-    return MCV_OK;
-}
-
-/* --- names
- * ------------------------------------------------------------------------------------------------------
- */
+/* --- names --- */
 
 static const char *const region_figures[] = {
 #define MCV_X(member, name) name,
@@ -62,19 +41,13 @@ typedef struct form_entry {
     const char *option, *what;
     const char *const *figures;
     size_t figure_count;
-    size_t offset; /* of its list in mcv_command */
 } form_entry;
 
 static const form_entry forms[MCV_FORM_COUNT] = {
-#define MCV_X(form, FORM, kind, what) \
-    {#form, what, kind##_figures, COUNT_OF(kind##_figures), offsetof(mcv_command, form)},
+#define MCV_X(form, FORM, kind, what) {#form, what, kind##_figures, COUNT_OF(kind##_figures)},
     MCV_FORMS(MCV_X)
 #undef MCV_X
 };
-
-const mcv_list *mcv_form_boxes(const mcv_command *command, unsigned form) {
-    return (const mcv_list *)((const char *)command + forms[form].offset);
-}
 
 static bool is_in(const char *word, const char *const *list, size_t count) {
     for (size_t i = 0; i < count; ++i)
@@ -90,12 +63,12 @@ typedef struct choice {
 } choice;
 
 /* The place in the list of the text that begins with NAME=, or without a name has that number. */
-static bool find_named(const mcv_list *list, const char *name, size_t length, size_t *index) {
-    for (size_t i = 0; i < list->count; ++i) {
+static bool find_named(mcv_texts list, const char *name, size_t length, size_t *index) {
+    for (size_t i = 0; i < list.count; ++i) {
         char own[64];
         const char *rest;
         double numbers[4];
-        mcv_roi_numbers(list->items[i], i + 1, own, &rest, numbers, 4);
+        mcv_roi_numbers(list.items[i], i + 1, own, &rest, numbers, 4);
         if (strlen(own) != length || strncmp(own, name, length) != 0) continue;
         *index = i;
         return true;
@@ -133,38 +106,38 @@ static bool is_from_line(const char *figure) {
 
 /* The first of these two forms that was given: where distances to others of them begin.
  * MCV_FORM_COUNT without one. */
-static unsigned first_of(const mcv_command *c, unsigned a, unsigned b) {
-    return mcv_form_boxes(c, a)->count ? a : mcv_form_boxes(c, b)->count ? b : MCV_FORM_COUNT;
+static unsigned first_of(const mcv_places *places, unsigned a, unsigned b) {
+    return places->boxes[a].count ? a : places->boxes[b].count ? b : MCV_FORM_COUNT;
 }
 
-static unsigned first_straight(const mcv_command *c) {
-    return first_of(c, MCV_FORM_EDGE, MCV_FORM_LINE);
+static unsigned first_straight(const mcv_places *places) {
+    return first_of(places, MCV_FORM_EDGE, MCV_FORM_LINE);
 }
 
 /* The form that a distance to this one begins with. */
-static unsigned first_like(const mcv_command *c, unsigned index) {
+static unsigned first_like(const mcv_places *places, unsigned index) {
     return index == MCV_FORM_CIRCLE || index == MCV_FORM_ARC
-               ? first_of(c, MCV_FORM_CIRCLE, MCV_FORM_ARC)
-               : first_straight(c);
+               ? first_of(places, MCV_FORM_CIRCLE, MCV_FORM_ARC)
+               : first_straight(places);
 }
 
 /* The box that has the figure: by its name, or else the first; of distances the first that is not
  * where they begin. */
-static bool find_box(const mcv_command *c, const char *name, const char *dot, choice *out) {
+static bool find_box(const mcv_places *places, const char *name, const char *dot, choice *out) {
     const bool distance = is_distance(out->figure);
     for (out->form = 0; out->form < MCV_FORM_COUNT; ++out->form) {
-        const mcv_list *boxes = mcv_form_boxes(c, out->form);
+        const mcv_texts boxes = places->boxes[out->form];
         if (!is_in(out->figure, forms[out->form].figures, forms[out->form].figure_count)) continue;
-        out->index = !dot && distance && first_like(c, out->form) == out->form;
+        out->index = !dot && distance && first_like(places, out->form) == out->form;
         if (dot ? find_named(boxes, name, (size_t)(dot - name), &out->index)
-                : out->index < boxes->count)
+                : out->index < boxes.count)
             return true;
     }
     return false;
 }
 
 /* Whose figure it is and what was not given: the options as "--edge or --line". */
-static mcv_result fail_box(const mcv_command *c, const char *name, const char *dot,
+static mcv_result fail_box(const mcv_places *places, const char *name, const char *dot,
                            const char *figure, mcv_error *error) {
     char options[128] = "";
     const char *what = NULL;
@@ -173,7 +146,7 @@ static mcv_result fail_box(const mcv_command *c, const char *name, const char *d
         if (!is_in(figure, forms[f].figures, forms[f].figure_count)) continue;
         snprintf(options + strlen(options), sizeof options - strlen(options), "%s--%s",
                  what ? " or " : "", forms[f].option);
-        given += mcv_form_boxes(c, f)->count;
+        given += places->boxes[f].count;
         if (!what) what = forms[f].what;
     }
     if (given == 0)
@@ -185,7 +158,8 @@ static mcv_result fail_box(const mcv_command *c, const char *name, const char *d
                     name, options);
 }
 
-static mcv_result choose(const mcv_command *c, const char *name, choice *out, mcv_error *error) {
+static mcv_result choose(const mcv_places *places, const char *name, choice *out,
+                         mcv_error *error) {
     const char *dot = strrchr(name, '.');
     *out = (choice){.form = MCV_FORM_COUNT};
     snprintf(out->figure, sizeof out->figure, "%s", dot ? dot + 1 : name);
@@ -195,22 +169,22 @@ static mcv_result choose(const mcv_command *c, const char *name, choice *out, mc
         boxed = boxed || is_in(out->figure, forms[f].figures, forms[f].figure_count);
     if (!contrast && !boxed && !is_in(out->figure, region_figures, COUNT_OF(region_figures)))
         return fail_figure(name, out->figure, error);
-    if (contrast && !c->background)
+    if (contrast && !places->background)
         return mcv_fail(error, MCV_USAGE,
                         "metric %s: give --background, the region that it stands out of", name);
     if (!boxed) {
-        if (dot && !find_named(&c->region, name, (size_t)(dot - name), &out->index))
+        if (dot && !find_named(places->regions, name, (size_t)(dot - name), &out->index))
             return mcv_fail(error, MCV_USAGE,
                             "metric %s: there is no --region of the name \"%.*s\"", name,
                             (int)(dot - name), name);
         return MCV_OK;
     }
-    if (!find_box(c, name, dot, out)) return fail_box(c, name, dot, out->figure, error);
-    if (is_distance(out->figure) && out->form == first_like(c, out->form) && out->index == 0)
+    if (!find_box(places, name, dot, out)) return fail_box(places, name, dot, out->figure, error);
+    if (is_distance(out->figure) && out->form == first_like(places, out->form) && out->index == 0)
         return mcv_fail(error, MCV_USAGE,
                         "metric %s: is from the first --%s to another: name the other", name,
                         forms[out->form].option);
-    if (is_from_line(out->figure) && first_straight(c) == MCV_FORM_COUNT)
+    if (is_from_line(out->figure) && first_straight(places) == MCV_FORM_COUNT)
         return mcv_fail(error, MCV_USAGE, "metric %s: give --edge or --line, from which it counts",
                         name);
     return MCV_OK;
@@ -223,16 +197,7 @@ mcv_result mcv_metric_known(void *user, const char *name, mcv_quantity *quantity
     return choose(user, name, &chosen, error);
 }
 
-/* --- figures
- * ----------------------------------------------------------------------------------------------------
- */
-
-/* Rounding to whole numbers makes that much. */
-static double least_noise(bool whole) { return whole ? sqrt(1.0 / 12) : 0; }
-
-void mcv_know_noise(mcv_readings *readings, bool known, bool whole, mcv_roi *region) {
-    if (!known) mcv_roi_estimate_noise(readings, region, least_noise(whole));
-}
+/* --- figures --- */
 
 static void know_noise(mcv_metrics *m, mcv_roi *region) {
     mcv_know_noise(&m->readings, m->known, m->whole, region);
@@ -247,15 +212,15 @@ void mcv_samples_words(double samples, char words[160]) {
 
 static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quantity *quantity,
                                  mcv_error *error) {
-    const mcv_command *c = m->command;
+    const mcv_places *places = m->places;
     const mcv_image *image = &m->readings.values;
     mcv_roi region, background = {0};
     char all[64];
     snprintf(all, sizeof all, "image=0,0,%u,%u", image->width, image->height);
-    const char *text = c->region.count ? c->region.items[chosen->index] : all;
+    const char *text = places->regions.count ? places->regions.items[chosen->index] : all;
     MCV_TRY(mcv_roi_parse(text, chosen->index + 1, image, &region, error));
-    if (c->background) {
-        const mcv_result result = mcv_roi_parse(c->background, 0, image, &background, error);
+    if (places->background) {
+        const mcv_result result = mcv_roi_parse(places->background, 0, image, &background, error);
         if (result != MCV_OK) mcv_roi_free(&region);
         MCV_TRY(result);
         know_noise(m, &background);
@@ -267,7 +232,7 @@ static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quant
     if (strcmp(chosen->figure, name) == 0) *quantity = figures.member;
     MCV_REGION_METRICS(MCV_X)
 #undef MCV_X
-    if (c->background) {
+    if (places->background) {
         const mcv_contrast_figures contrast = mcv_roi_contrast(&m->readings, &region, &background);
         if (strcmp(chosen->figure, "contrast_to_noise") == 0) samples = contrast.samples;
 #define MCV_X(member, name) \
@@ -283,81 +248,10 @@ static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quant
     return mcv_fail(error, MCV_FAILED, "metric %s: %s", chosen->figure, words);
 }
 
-mcv_result mcv_locate(mcv_readings *readings, bool known, bool whole, unsigned form,
-                      const char *text, size_t number, mcv_found *found, mcv_error *error) {
-    const double least = known ? NAN : least_noise(whole);
-    const mcv_image *image = &readings->values;
-    *found = (mcv_found){.form = form};
-    switch (form) {
-    case MCV_FORM_EDGE:
-        MCV_TRY(mcv_edge_parse(text, number, image, &found->as.edge, error));
-        MCV_TRY(mcv_edge_locate(readings, least, &found->as.edge, error));
-        return mcv_edge_is_straight(&found->as.edge, error);
-    case MCV_FORM_LINE:
-        MCV_TRY(mcv_line_parse(text, number, image, &found->as.line, error));
-        return mcv_line_locate(readings, least, &found->as.line, error);
-    case MCV_FORM_CALIPER:
-        MCV_TRY(mcv_caliper_parse(text, number, image, &found->as.caliper, error));
-        return mcv_caliper_locate(readings, least, &found->as.caliper, error);
-    default:
-        MCV_TRY(mcv_circle_parse(text, number, image, form == MCV_FORM_CIRCLE, &found->as.circle,
-                                 error));
-        return mcv_circle_locate(readings, least, &found->as.circle, error);
-    }
-}
-
-const mcv_edge *mcv_found_straight(const mcv_found *found) {
-    return found->form == MCV_FORM_EDGE   ? &found->as.edge
-           : found->form == MCV_FORM_LINE ? &found->as.line.edge
-                                          : NULL;
-}
-
-bool mcv_found_is_round(const mcv_found *found) {
-    return found->form == MCV_FORM_CIRCLE || found->form == MCV_FORM_ARC;
-}
-
-const char *mcv_found_name(const mcv_found *found) {
-    const mcv_edge *straight = mcv_found_straight(found);
-    return straight                          ? straight->name
-           : found->form == MCV_FORM_CALIPER ? found->as.caliper.name
-                                             : found->as.circle.name;
-}
-
-/* Within 10°: between others no distance is meant, and what stands between two boxes would depend
- * on where they lie. */
-static bool are_parallel(const mcv_edge *a, const mcv_edge *b) {
-    return fabs(a->normal[0] * b->normal[0] + a->normal[1] * b->normal[1]) >= cos(10 * M_PI / 180);
-}
-
-mcv_quantity mcv_found_distance(const mcv_found *a, const mcv_found *b, double direction[2]) {
-    const mcv_edge *line = mcv_found_straight(a), *other = mcv_found_straight(b);
-    mcv_quantity d;
-    if (line) {
-        d = !other                      ? mcv_edge_to_circle(line, &b->as.circle)
-            : are_parallel(line, other) ? mcv_edge_distance(line, other)
-                                        : (mcv_quantity){NAN, NAN};
-        memcpy(direction, line->normal, sizeof line->normal);
-    } else {
-        d = mcv_circle_distance(&a->as.circle, &b->as.circle);
-        const double x = b->as.circle.column.value - a->as.circle.column.value,
-                     y = b->as.circle.row.value - a->as.circle.row.value;
-        direction[0] = x == 0 && y == 0 ? 1 : x / hypot(x, y);
-        direction[1] = x == 0 && y == 0 ? 0 : y / hypot(x, y);
-    }
-    d.value = fabs(d.value);
-    return d;
-}
-
-double mcv_scale_along(const double pixel[2], const double direction[2]) {
-    if (!(pixel[0] > 0)) return NAN;
-    if (direction) return hypot(direction[0] * pixel[0], direction[1] * pixel[1]);
-    return fabs(pixel[1] - pixel[0]) <= 1e-9 * pixel[0] ? pixel[0] : NAN;
-}
-
 static mcv_result find_box_of(mcv_metrics *m, unsigned index, size_t number, mcv_found *found,
                               mcv_error *error) {
     return mcv_locate(&m->readings, m->known, m->whole, index,
-                      mcv_form_boxes(m->command, index)->items[number], number + 1, found, error);
+                      m->places->boxes[index].items[number], number + 1, found, error);
 }
 
 /* Whether the figure is of this name, or is the length (at this scale) of one that is. */
@@ -387,7 +281,7 @@ static void take_figure(const mcv_found *found, const double pixel[2], const cha
 #define MCV_X(member, name) \
     if (is_figure(figure, name, of->member, scale, quantity)) return;
     if (found->form == MCV_FORM_EDGE) {
-        const mcv_edge *of = straight;
+        const mcv_edge *of = &found->as.edge;
         const double scale = across;
         MCV_EDGE_METRICS(MCV_X)
     } else if (found->form == MCV_FORM_LINE) {
@@ -419,9 +313,9 @@ static mcv_result measure_box(mcv_metrics *m, const choice *chosen, mcv_quantity
         take_figure(&found, m->pixel, figure, quantity);
         return MCV_OK;
     }
-    MCV_TRY(find_box_of(
-        m, from_line ? first_straight(m->command) : first_like(m->command, chosen->form), 0, &first,
-        error));
+    MCV_TRY(find_box_of(m,
+                        from_line ? first_straight(m->places) : first_like(m->places, chosen->form),
+                        0, &first, error));
     *quantity = mcv_found_distance(&first, &found, direction);
     if (isnan(quantity->value))
         return mcv_fail(error, MCV_FAILED, "%s to %s: %s", mcv_found_name(&first),
@@ -437,7 +331,7 @@ mcv_result mcv_metric_look_up(void *user, const char *name, mcv_quantity *quanti
     mcv_metrics *m = user;
     choice chosen;
     *quantity = (mcv_quantity){NAN, NAN};
-    MCV_TRY(choose(m->command, name, &chosen, error));
+    MCV_TRY(choose(m->places, name, &chosen, error));
     MCV_TRY(chosen.form < MCV_FORM_COUNT ? measure_box(m, &chosen, quantity, error)
                                          : measure_region(m, &chosen, quantity, error));
     if (isnan(quantity->value))

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The figures of `mcvisi measure` by name, for expressions: "dent.contrast_to_noise", "left.mtf50".
+ */
+#ifndef MCVISI_HOST_ANALYSIS_METRICS_H
+#define MCVISI_HOST_ANALYSIS_METRICS_H
+
+#include "analysis/found.h"
+
+/* X(member of mcv_roi_figures, "name") and of mcv_contrast_figures, mcv_edge, mcv_line,
+ * mcv_caliper, mcv_circle; those that are quantities.
+ */
+#define MCV_REGION_METRICS(X) \
+    X(mean, "mean") \
+    X(deviation, "deviation") \
+    X(snr, "snr") \
+    X(rms_contrast, "rms_contrast") \
+    X(uniformity, "uniformity")
+#define MCV_CONTRAST_METRICS(X) \
+    X(difference, "difference") \
+    X(weber, "weber_contrast") \
+    X(michelson, "michelson_contrast") \
+    X(contrast_to_noise, "contrast_to_noise")
+#define MCV_EDGE_METRICS(X) \
+    X(position, "position") \
+    X(tilt, "tilt") \
+    X(dark, "dark") \
+    X(bright, "bright") \
+    X(width_10_90, "width_10_90") \
+    X(sagitta, "sagitta")
+#define MCV_LINE_METRICS(X) \
+    X(edge.position, "position") \
+    X(edge.tilt, "tilt") \
+    X(straightness, "straightness")
+#define MCV_CALIPER_METRICS(X) \
+    X(width, "width") \
+    X(angle, "angle")
+#define MCV_CIRCLE_METRICS(X) \
+    X(column, "column") \
+    X(row, "row") \
+    X(radius, "radius") \
+    X(diameter, "diameter") \
+    X(roundness, "roundness")
+
+/* One image, and where to measure in it. */
+typedef struct mcv_metrics {
+    const mcv_places *places; /* as pixels */
+    mcv_readings readings;    /* owned */
+    bool known;               /* the readings' deviations, from elsewhere than the values */
+    bool whole;               /* values are whole numbers */
+    double pixel[2];          /* width and height in the object plane [m], 0: not known */
+} mcv_metrics;
+
+/*
+ * A figure by its name: NAME.FIGURE of a region or of what is found in a box, or FIGURE alone of
+ * the first that has it; without a region the whole image. Besides those above: mtf50 and
+ * mtf_at_nyquist of edges; figures in pixels that have a length have it as …_length; distance and
+ * length from the first edge or line to another, or from the first circle or arc to another;
+ * line_distance and line_length from the first edge or line to a circle or arc. An mcv_lookup whose
+ * user is the mcv_metrics. MCV_USAGE for an unknown name, which lists what there is; MCV_FAILED
+ * where nothing is found.
+ */
+mcv_result mcv_metric_look_up(void *user, const char *name, mcv_quantity *quantity,
+                              mcv_error *error);
+
+/* Whether there is such a figure, without an image: a place of that name, and the figure. An
+ * mcv_lookup whose user is the mcv_places. */
+mcv_result mcv_metric_known(void *user, const char *name, mcv_quantity *quantity, mcv_error *error);
+
+/* Why there is no signal-to-noise or contrast-to-noise ratio: `samples` of mcv_roi_figures or
+ * mcv_contrast_figures. */
+void mcv_samples_words(double samples, char words[160]);
+
+#endif

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "experiment/experiment.h"
+
+#include "core/output_file.h"
+#include "experiment/page.h"
+#include "experiment/run_set.h"
+#include "experiment/sidecar.h"
+#include "scene/sensor_find.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* The scene as it stands: what is wrong with it would be wrong in every set. */
+static mcv_result check_rig(mcv_sweep *s, mcv_error *error) {
+    const mcv_experiment *e = s->experiment;
+    mcv_scene *scene;
+    uint32_t sensor;
+    MCV_TRY(mcv_scene_load_cached(e->rig, e->set, s->assets, &scene, error));
+    snprintf(s->fingerprint, sizeof s->fingerprint, "%016" PRIx64, scene->fingerprint);
+    for (uint32_t i = 0; i < scene->warning_count && e->calls.warning; ++i)
+        e->calls.warning(e->calls.user, scene->warnings[i]);
+    mcv_result result = scene->sensor_count
+                            ? MCV_OK
+                            : mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor", e->rig);
+    if (result == MCV_OK && e->sensor) result = mcv_sensor_find(scene, e->sensor, &sensor, error);
+    if (result == MCV_OK && !e->sensor && scene->sensor_count > 1)
+        result = mcv_fail(error, MCV_USAGE, "%s has %u sensors: choose one by --sensor", e->rig,
+                          scene->sensor_count);
+    mcv_scene_free(scene);
+    return result;
+}
+
+/* A path that leads nowhere does so in every set; a value out of range may be one set's own. */
+static mcv_result check_paths(const mcv_sweep *s, mcv_error *error) {
+    double numbers[MCV_DESIGN_PARAMETERS];
+    bool wanted;
+    mcv_set_texts texts;
+    mcv_scene *scene = NULL;
+    MCV_TRY(mcv_plan_set(&s->plan, 0, numbers, &wanted, error));
+    const mcv_result result = mcv_load_set(s, numbers, texts, &scene, error);
+    mcv_scene_free(scene);
+    if (result != MCV_OK && strstr(error->text, ": --set ")) return result;
+    error->text[0] = '\0';
+    return MCV_OK;
+}
+
+static mcv_result plan_files(mcv_sweep *s, mcv_error *error) {
+    const mcv_experiment *e = s->experiment;
+    struct stat status;
+    MCV_TRY(mcv_table_plan(&s->table, e->table, &s->plan, &s->measurement, error));
+    if (e->file && mcv_same_file(s->table.sidecar, e->file))
+        return mcv_fail(error, MCV_USAGE, "%s is the experiment: give the table another name by -o",
+                        s->table.sidecar);
+    if (e->images && mkdir(e->images, 0777) != 0 &&
+        (errno != EEXIST || stat(e->images, &status) != 0 || !S_ISDIR(status.st_mode)))
+        return mcv_fail(error, MCV_BAD_INPUT, "--images %s: is no folder that can be made",
+                        e->images);
+    return MCV_OK;
+}
+
+mcv_result mcv_experiment_plan(const mcv_experiment *e, mcv_sweep *s, mcv_error *error) {
+    *s = (mcv_sweep){.experiment = e, .table = {.descriptor = -1}};
+    if (mcv_camera_wanted(&e->measuring.camera))
+        MCV_TRY(mcv_camera_check_settings(&e->measuring.camera, error));
+    if (e->measuring.until.count && e->render.replicates < 2)
+        return mcv_fail(error, MCV_USAGE,
+                        "--until needs uncertainties: give --replicates 2 or more");
+    MCV_TRY(mcv_plan_parameters(&e->variation, &s->plan, error));
+    MCV_TRY(mcv_measurement_read(&e->measuring, &s->measurement, error));
+    MCV_TRY(mcv_plan_sets(&e->variation, &s->plan, error));
+    s->done = calloc(s->plan.set_count, sizeof *s->done);
+    s->renderer = mcv_renderer_new();
+    s->assets = mcv_asset_cache_new();
+    if (!s->done || !s->renderer || !s->assets)
+        return mcv_fail(error, MCV_FAILED, "no memory for %zu sets", s->plan.set_count);
+    MCV_TRY(plan_files(s, error));
+    MCV_TRY(check_rig(s, error));
+    return check_paths(s, error);
+}
+
+mcv_result mcv_experiment_open_table(mcv_sweep *s, mcv_error *error) {
+    const mcv_sidecar sidecar = {.path = s->table.sidecar,
+                                 .table = s->table.path,
+                                 .rig = s->experiment->rig,
+                                 .fingerprint = s->fingerprint,
+                                 .settings = s->experiment->settings};
+    struct stat status;
+    const bool exists = stat(s->table.path, &status) == 0;
+    if (exists && !s->experiment->resume)
+        return mcv_fail(
+            error, MCV_BAD_INPUT,
+            "%s is there already: go on with it by --resume, or give another name by -o",
+            s->table.path);
+    if (exists) {
+        MCV_TRY(mcv_sidecar_check(&sidecar, error));
+        MCV_TRY(mcv_table_resume(&s->table, s->done, error));
+    } else {
+        MCV_TRY(mcv_output_check(s->table.page, error));
+        MCV_TRY(mcv_sidecar_write(&sidecar, error));
+    }
+    return mcv_table_open(&s->table, error);
+}
+
+static mcv_result run_sets(mcv_sweep *s, mcv_error *error) {
+    double row[MCV_ROW_MOST];
+    bool wanted = false;
+    for (size_t set = 0; set < s->plan.set_count; ++set) {
+        MCV_TRY(mcv_plan_set(&s->plan, set, row, &wanted, error));
+        if (wanted && !s->done[set]) MCV_TRY(mcv_run_set(s, set, row, error));
+    }
+    return MCV_OK;
+}
+
+mcv_result mcv_experiment_run(mcv_sweep *s, mcv_error *error) {
+    mcv_error later = {""};
+    const mcv_result result = run_sets(s, error);
+    if (s->table.row_count == 0) return result;
+    const mcv_result paged =
+        mcv_experiment_page(s->experiment->rig, &s->table, result == MCV_OK ? error : &later);
+    return result == MCV_OK ? paged : result;
+}
+
+void mcv_experiment_free(mcv_sweep *s) {
+    mcv_table_free(&s->table);
+    mcv_plan_free(&s->plan);
+    mcv_renderer_free(s->renderer);
+    mcv_asset_cache_free(s->assets);
+    free(s->done);
+    *s = (mcv_sweep){.table = {.descriptor = -1}};
+}

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "experiment/measure.h"
+
+#include "analysis/channel.h"
+#include "analysis/lightfield.h"
+#include "analysis/metrics.h"
+#include "experiment/expression.h"
+#include "experiment/set_image.h"
+#include "scene/sensors.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static mcv_result read_metric(const char *item, mcv_measurement *m, mcv_error *error) {
+    mcv_metric *metric = m->metrics + m->count;
+    const char *assigned = strstr(item, ":=");
+    mcv_quantity ignored;
+    *metric = (mcv_metric){.expression = assigned ? assigned + 2 : item};
+    snprintf(metric->name, sizeof metric->name, "%.*s",
+             (int)(assigned ? assigned - item : (long)strlen(item)), item);
+    for (size_t i = 0; i < m->count; ++i)
+        if (strcmp(m->metrics[i].name, metric->name) == 0)
+            return mcv_fail(error, MCV_USAGE, "--metric %s: is there twice", metric->name);
+    MCV_TRY(mcv_expression_evaluate(metric->expression, mcv_metric_known, (void *)&m->asked->places,
+                                    &ignored, error));
+    ++m->count;
+    return MCV_OK;
+}
+
+static mcv_result read_until(const char *item, mcv_measurement *m, mcv_error *error) {
+    const char *equals = strrchr(item, '=');
+    mcv_metric *found = NULL;
+    char *end = NULL;
+    for (size_t k = 0; k < m->count && equals; ++k)
+        if (strlen(m->metrics[k].name) == (size_t)(equals - item) &&
+            strncmp(m->metrics[k].name, item, (size_t)(equals - item)) == 0)
+            found = m->metrics + k;
+    if (equals && !found)
+        return mcv_fail(error, MCV_USAGE, "--until %s: there is no --metric of this name", item);
+    const double until = equals ? strtod(equals + 1, &end) : 0;
+    if (!equals || end == equals + 1 || *end || !(until > 0))
+        return mcv_fail(error, MCV_USAGE,
+                        "--until %s: must be NAME=U, a standard uncertainty above 0", item);
+    found->until = until;
+    return MCV_OK;
+}
+
+mcv_result mcv_measurement_read(const mcv_measuring *asked, mcv_measurement *m, mcv_error *error) {
+    *m = (mcv_measurement){.asked = asked};
+    if (asked->metrics.count == 0)
+        return mcv_fail(error, MCV_USAGE,
+                        "--metric is missing: what to measure, as in --metric mean or --metric "
+                        "dent.contrast_to_noise");
+    if (asked->metrics.count > MCV_METRICS)
+        return mcv_fail(error, MCV_USAGE, "%zu metrics: at most %d", asked->metrics.count,
+                        MCV_METRICS);
+    for (size_t i = 0; i < asked->metrics.count; ++i)
+        MCV_TRY(read_metric(asked->metrics.items[i], m, error));
+    for (size_t i = 0; i < asked->until.count; ++i)
+        MCV_TRY(read_until(asked->until.items[i], m, error));
+    return MCV_OK;
+}
+
+/* Values of the gradient, whose deviations nobody knows. */
+static mcv_result read_gradient(const mcv_measuring *asked, const mcv_scene *scene, uint32_t sensor,
+                                const mcv_image *image, mcv_metrics *m, mcv_error *error) {
+    const mcv_readout readout = mcv_sensor_readout(scene->sensors + sensor);
+    mcv_image gradient;
+    if (readout.angular[0] * readout.angular[1] < 2)
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "sensor %s is no light field camera: leave out --in emd-gradient",
+                        scene->sensors[sensor].name);
+    MCV_TRY(mcv_light_field_gradient(image, readout.angular, asked->form, asked->threads, &gradient,
+                                     error));
+    const mcv_result result =
+        mcv_choose_channel(0, scene->path, &gradient, false, &m->readings.values, error);
+    mcv_image_free(&gradient);
+    MCV_TRY(result);
+    m->known = m->whole = false;
+    return mcv_image_new(&m->readings.deviation, m->readings.values.width,
+                         m->readings.values.height, 1, error);
+}
+
+/* Values and deviations of one channel. */
+static mcv_result read_channel(const mcv_measuring *asked, const char *path, const mcv_image *image,
+                               const mcv_image *deviation, const mcv_image *render, mcv_metrics *m,
+                               mcv_error *error) {
+    mcv_readings *r = &m->readings;
+    MCV_TRY(mcv_choose_channel(asked->channel, path, image, false, &r->values, error));
+    if (render->pixels)
+        MCV_TRY(mcv_choose_channel(asked->channel, path, render, true, &r->render, error));
+    if (m->known)
+        return mcv_choose_channel(asked->channel, path, deviation, true, &r->deviation, error);
+    return mcv_image_new(&r->deviation, image->width, image->height, 1, error);
+}
+
+static mcv_result take_readings(const mcv_measuring *asked, const mcv_scene *scene, uint32_t sensor,
+                                const mcv_film *film, mcv_metrics *m, mcv_error *error) {
+    mcv_set_image light;
+    mcv_read_out out = {.level = NAN};
+    *m = (mcv_metrics){.known = film->replicates > 1};
+    m->readings.render_freedom = film->replicates - 1.0;
+    mcv_result result = mcv_set_image_develop(scene, sensor, film, &light, error);
+    const mcv_image *image = &light.parts[0].image, *deviation = &light.parts[1].image,
+                    *light_error = deviation;
+    if (result == MCV_OK && mcv_camera_wanted(&asked->camera)) {
+        result = mcv_camera_read_out(&asked->camera, scene->path, &light.exr, &out, error);
+        m->readings.correlation = out.correlation;
+        image = &out.exposure.grey;
+        deviation = &out.exposure.uncertainty;
+        light_error = &out.exposure.render;
+        m->known = m->whole = true;
+    }
+    if (result == MCV_OK)
+        result = asked->in_gradient
+                     ? read_gradient(asked, scene, sensor, image, m, error)
+                     : read_channel(asked, scene->path, image, deviation, light_error, m, error);
+    mcv_exposure_free(&out.exposure);
+    mcv_set_image_free(&light);
+    return result;
+}
+
+/* The scale of the image, and the places to measure in as its pixels. */
+static mcv_result find_places(const mcv_measuring *asked, const mcv_scene *scene, uint32_t sensor,
+                              mcv_metrics *m, mcv_places *resolved, mcv_error *error) {
+    mcv_camera_model model;
+    MCV_TRY(mcv_camera_model_of(scene, scene->sensors + sensor, &model, error));
+    const bool fits =
+        mcv_camera_model_fit(&model, m->readings.values.width, m->readings.values.height);
+    for (int i = 0; i < 2 && fits && model.macro[0] * model.macro[1] == 1; ++i)
+        m->pixel[i] = model.object_pixel[i];
+    const mcv_result result =
+        mcv_places_resolve(&asked->places, fits ? &model : NULL, resolved, error);
+    mcv_camera_model_free(&model);
+    m->places = resolved;
+    return result;
+}
+
+mcv_result mcv_measurement_take(const mcv_measurement *measurement, const mcv_scene *scene,
+                                uint32_t sensor, const mcv_film *film, double *numbers,
+                                mcv_error *error) {
+    const mcv_measuring *asked = measurement->asked;
+    mcv_metrics m;
+    mcv_places resolved = {.background = NULL};
+    mcv_result result = take_readings(asked, scene, sensor, film, &m, error);
+    if (result == MCV_OK) result = find_places(asked, scene, sensor, &m, &resolved, error);
+    const bool taken = result == MCV_OK;
+    for (size_t i = 0; i < measurement->count; ++i) {
+        mcv_quantity value = {NAN, NAN};
+        mcv_error why = {""};
+        const mcv_result one = taken ? mcv_expression_evaluate(measurement->metrics[i].expression,
+                                                               mcv_metric_look_up, &m, &value, &why)
+                                     : MCV_FAILED;
+        numbers[2 * i] = one == MCV_OK ? value.value : NAN;
+        numbers[2 * i + 1] = one == MCV_OK ? value.uncertainty : NAN;
+        if (one != MCV_OK && result == MCV_OK) result = mcv_fail(error, one, "%s", why.text);
+    }
+    mcv_places_free(&resolved);
+    mcv_image_free(&m.readings.values);
+    mcv_image_free(&m.readings.deviation);
+    mcv_image_free(&m.readings.render);
+    return result;
+}
+
+bool mcv_measurement_suffices(const mcv_measurement *measurement, const mcv_scene *scene,
+                              uint32_t sensor, const mcv_film *film) {
+    double numbers[2 * MCV_METRICS];
+    mcv_error ignored;
+    if (mcv_measurement_take(measurement, scene, sensor, film, numbers, &ignored) != MCV_OK)
+        return false;
+    for (size_t i = 0; i < measurement->count; ++i)
+        if (measurement->metrics[i].until > 0 &&
+            !(numbers[2 * i + 1] <= measurement->metrics[i].until))
+            return false;
+    return true;
+}

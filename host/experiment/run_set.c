@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "experiment/run_set.h"
+
+#include "core/basics.h"
+#include "experiment/set_image.h"
+#include "scene/sensor_find.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+mcv_result mcv_load_set(const mcv_sweep *s, const double *numbers, mcv_set_texts texts,
+                        mcv_scene **scene, mcv_error *error) {
+    const mcv_overrides given = s->experiment->set;
+    const mcv_plan *plan = &s->plan;
+    const char **items = malloc((given.count + plan->count + 1) * sizeof *items);
+    if (!items) {
+        mcv_fail(error, MCV_FAILED, "no memory for a set of parameters");
+        return MCV_FAILED;
+    }
+    if (given.count) memcpy(items, given.items, given.count * sizeof *items);
+    for (size_t i = 0; i < plan->count; ++i) {
+        const mcv_parameter *p = plan->parameters + i;
+        snprintf(texts[i], sizeof texts[i], "%.*s=%.17g", p->path_length, p->item, numbers[i]);
+        items[given.count + i] = texts[i];
+    }
+    const mcv_result result =
+        mcv_scene_load_cached(s->experiment->rig, (mcv_overrides){items, given.count + plan->count},
+                             s->assets, scene, error);
+    free(items);
+    return result;
+}
+
+static mcv_result interrupted(const mcv_sweep *s) {
+    const mcv_sweep_calls *calls = &s->experiment->calls;
+    return calls->interrupted ? calls->interrupted(calls->user) : MCV_OK;
+}
+
+/* The set at work, for what a render asks. */
+typedef struct set_at_work {
+    const mcv_sweep *sweep;
+    const mcv_scene *scene;
+    uint32_t sensor;
+} set_at_work;
+
+static bool go_on(void *user, double fraction, double seconds, double error) {
+    (void)fraction;
+    (void)seconds;
+    (void)error;
+    return interrupted(((const set_at_work *)user)->sweep) == MCV_OK;
+}
+
+static bool is_enough(void *user, const mcv_film *film) {
+    const set_at_work *w = user;
+    return mcv_measurement_suffices(&w->sweep->measurement, w->scene, w->sensor, film);
+}
+
+/* The sensor that the experiment is about, with its pixels. */
+static mcv_result find_sensor(const mcv_experiment *e, mcv_scene *scene, uint32_t *sensor,
+                              mcv_error *error) {
+    *sensor = 0;
+    if (scene->sensor_count == 0)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor", e->rig);
+    if (e->sensor) MCV_TRY(mcv_sensor_find(scene, e->sensor, sensor, error));
+    if (!e->resolution[0]) return MCV_OK;
+    return mcv_sensor_resize(scene->sensors + *sensor, e->resolution[0], e->resolution[1], scene,
+                             error);
+}
+
+static mcv_result render(mcv_sweep *s, set_at_work *w, mcv_film *film, mcv_error *error) {
+    const mcv_experiment *e = s->experiment;
+    mcv_render_options options = e->render;
+    mcv_render_stats stats = {.stage_count = 0};
+    options.progress = go_on;
+    options.enough = e->measuring.until.count ? is_enough : NULL;
+    options.user = w;
+    const mcv_result result =
+        e->render_with
+            ? e->render_with(w->scene, w->sensor, &options, film, &stats, error)
+            : mcv_renderer_render(s->renderer, w->scene, w->sensor, &options, film, &stats, error);
+    for (uint32_t i = 0; i < stats.stage_count; ++i) s->stage_seconds += stats.stages[i].seconds;
+    s->built += !e->render_with && result == MCV_OK && !stats.kept_structure;
+    s->compiled += !e->render_with && result == MCV_OK && !stats.kept_program;
+    return result;
+}
+
+static mcv_result keep_image(const mcv_sweep *s, const set_at_work *w, size_t set,
+                             const mcv_film *film, const mcv_set_texts texts, mcv_error *error) {
+    const mcv_experiment *e = s->experiment;
+    char path[PATH_MAX], joined[sizeof(mcv_set_texts)] = "", *end = joined;
+    if (!e->images) return MCV_OK;
+    if (snprintf(path, sizeof path, "%s/set-%05zu.exr", e->images, set) >= PATH_MAX)
+        return mcv_fail(error, MCV_USAGE, "--images %s: the path is too long", e->images);
+    for (size_t i = 0; i < s->plan.count; ++i) {
+        if (i) *end++ = '\n';
+        end = stpcpy(end, texts[i]);
+    }
+    return mcv_set_image_keep(path, w->scene, w->sensor, film, e->render.seed, joined, error);
+}
+
+static mcv_result measure(const mcv_sweep *s, const set_at_work *w, size_t set,
+                          const mcv_film *film, const mcv_set_texts texts, double *row,
+                          mcv_error *error) {
+    const mcv_table *table = &s->table;
+    const mcv_result stopped = interrupted(s);
+    if (stopped != MCV_OK) return mcv_fail(error, stopped, "interrupted");
+    row[mcv_row_fixed(table, MCV_ROW_SAMPLES)] = (double)(film->samples * film->replicates);
+    row[mcv_row_fixed(table, MCV_ROW_ERROR)] = mcv_film_relative_error(film);
+    MCV_TRY(keep_image(s, w, set, film, texts, error));
+    return mcv_measurement_take(&s->measurement, w->scene, w->sensor, film,
+                                row + mcv_row_metric(table, 0), error);
+}
+
+static mcv_result try_set(mcv_sweep *s, size_t set, double *row, mcv_error *error) {
+    mcv_set_texts texts;
+    mcv_film film = {0};
+    mcv_scene *scene = NULL;
+    set_at_work w = {.sweep = s};
+    MCV_TRY(mcv_load_set(s, row, texts, &scene, error));
+    w.scene = scene;
+    mcv_result result = find_sensor(s->experiment, scene, &w.sensor, error);
+    if (result == MCV_OK) result = render(s, &w, &film, error);
+    if (result == MCV_OK) result = measure(s, &w, set, &film, texts, row, error);
+    mcv_film_free(&film);
+    mcv_scene_free(scene);
+    return result;
+}
+
+mcv_result mcv_run_set(mcv_sweep *s, size_t set, double *row, mcv_error *error) {
+    const mcv_sweep_calls *calls = &s->experiment->calls;
+    mcv_table *table = &s->table;
+    mcv_error why = {""};
+    const double begun = mcv_seconds();
+    for (size_t i = s->plan.count; i < table->columns; ++i) row[i] = NAN;
+    row[mcv_row_fixed(table, MCV_ROW_SET)] = (double)set;
+    const mcv_result result = try_set(s, set, row, &why), stopped = interrupted(s);
+    if (stopped != MCV_OK)
+        return mcv_fail(error, stopped, "interrupted: go on by --resume; %zu rows are in %s",
+                        table->row_count, table->path);
+    row[mcv_row_fixed(table, MCV_ROW_SECONDS)] = mcv_seconds() - begun;
+    const char *message = result == MCV_OK ? NULL : why.text;
+    for (char *c = why.text; *c; ++c)
+        if (*c == '\n' || *c == '\r') *c = ' ';
+    MCV_TRY(mcv_table_append(table, row, message, error));
+    if (calls->row) calls->row(calls->user, s, row, message);
+    return MCV_OK;
+}

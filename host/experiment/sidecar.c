@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "experiment/sidecar.h"
+
+#include "core/output_file.h"
+
+#include <libgen.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static json_t *describe(const mcv_sidecar *s) {
+    char file[PATH_MAX], folder[PATH_MAX], copy[PATH_MAX];
+    json_t *document = json_object();
+    const char *rig = realpath(s->rig, file) ? file : s->rig;
+    snprintf(copy, sizeof copy, "%s", s->table);
+    /* Beside or below the table its name is enough. */
+    if (rig == file && realpath(dirname(copy), folder)) {
+        const size_t length = strlen(folder);
+        if (strncmp(file, folder, length) == 0 && file[length] == '/') rig = file + length + 1;
+    }
+    json_object_set_new(document, "rig", json_string(rig));
+    json_object_set_new(document, "fingerprint", json_string(s->fingerprint));
+    json_object_update(document, s->settings);
+    return document;
+}
+
+mcv_result mcv_sidecar_write(const mcv_sidecar *s, mcv_error *error) {
+    json_t *document = describe(s);
+    char *text = json_dumps(document, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+    json_decref(document);
+    if (!text) return mcv_fail(error, MCV_FAILED, "%s: the experiment is no UTF-8 text", s->path);
+    const mcv_result result = mcv_output_whole(s->path, text, strlen(text), error);
+    free(text);
+    return result;
+}
+
+/* before is what stands in the file, NULL where it cannot be read. */
+static mcv_result compare(const mcv_sidecar *s, const json_t *before, const json_t *now,
+                          const char *wrong, mcv_error *error) {
+    const char *key, *hash = json_string_value(json_object_get(before, "fingerprint"));
+    const json_t *value;
+    if (!before)
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: cannot be read (%s): without it %s cannot be resumed", s->path, wrong,
+                        s->table);
+    if (!hash || strcmp(hash, s->fingerprint) != 0)
+        return mcv_fail(
+            error, MCV_BAD_INPUT,
+            "%s or a file that it names has changed since %s was begun: begin another table by -o",
+            s->rig, s->table);
+    json_object_foreach((json_t *)now, key, value) {
+        if (strcmp(key, "rig") != 0 && !json_equal(value, json_object_get(before, key)))
+            return mcv_fail(error, MCV_BAD_INPUT,
+                            "--%s is not what %s was begun with (%s): begin another table by -o",
+                            key, s->table, s->path);
+    }
+    json_object_foreach((json_t *)before, key, value) {
+        if (!json_object_get(now, key))
+            return mcv_fail(
+                error, MCV_BAD_INPUT,
+                "--%s is missing, with which %s was begun (%s): begin another table by -o", key,
+                s->table, s->path);
+    }
+    return MCV_OK;
+}
+
+mcv_result mcv_sidecar_check(const mcv_sidecar *s, mcv_error *error) {
+    json_error_t wrong;
+    json_t *before = json_load_file(s->path, JSON_REJECT_DUPLICATES, &wrong), *now = describe(s);
+    const mcv_result result = compare(s, before, now, wrong.text, error);
+    json_decref(before);
+    json_decref(now);
+    return result;
+}

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "experiment/table.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { MAX_ROW = 8192 }; /* bytes in the file */
+
+mcv_result mcv_table_plan(mcv_table *table, const char *path, const mcv_plan *plan,
+                          const mcv_measurement *measurement, mcv_error *error) {
+    *table = (mcv_table){.plan = plan, .measurement = measurement, .descriptor = -1};
+    table->columns = plan->count + 2 * measurement->count + MCV_ROW_FIXED;
+    table->rows = malloc(plan->set_count * table->columns * sizeof *table->rows);
+    table->messages = calloc(plan->set_count, sizeof *table->messages);
+    if (!table->rows || !table->messages)
+        return mcv_fail(error, MCV_FAILED, "no memory for a table of %zu rows", plan->set_count);
+    const char *dot = strrchr(path, '.');
+    if (strlen(path) + 16 >= PATH_MAX)
+        return mcv_fail(error, MCV_USAGE, "the path of the table is too long");
+    if (!dot || strcmp(dot, ".csv") != 0)
+        return mcv_fail(error, MCV_USAGE, "--output %s: must end in .csv", path);
+    const int stem = (int)(dot - path);
+    snprintf(table->path, sizeof table->path, "%.*s.csv", stem, path);
+    snprintf(table->sidecar, sizeof table->sidecar, "%.*s.json", stem, path);
+    snprintf(table->page, sizeof table->page, "%.*s.html", stem, path);
+    return MCV_OK;
+}
+
+size_t mcv_row_metric(const mcv_table *table, size_t metric) {
+    return table->plan->count + 2 * metric;
+}
+
+size_t mcv_row_fixed(const mcv_table *table, int which) {
+    return mcv_row_metric(table, table->measurement->count) + (size_t)which;
+}
+
+static void put_quoted(FILE *out, const char *text) {
+    fputc('"', out);
+    for (; *text; ++text) {
+        if (*text == '"') fputc('"', out);
+        fputc(*text == '\n' || *text == '\r' ? ' ' : *text, out);
+    }
+    fputc('"', out);
+}
+
+static void put_name(FILE *out, const char *name, const char *ending) {
+    char whole[256];
+    snprintf(whole, sizeof whole, "%s%s", name, ending);
+    if (whole[strcspn(whole, ",\" \n")])
+        put_quoted(out, whole);
+    else
+        fputs(whole, out);
+    fputc(',', out);
+}
+
+static void put_header(const mcv_table *table, FILE *out) {
+    const mcv_measurement *m = table->measurement;
+    fputs("set,", out);
+    for (size_t i = 0; i < table->plan->count; ++i)
+        put_name(out, table->plan->parameters[i].name, "");
+    for (size_t i = 0; i < m->count; ++i) {
+        put_name(out, m->metrics[i].name, "");
+        put_name(out, m->metrics[i].name, "_u");
+    }
+    fputs("samples,render_error,seconds,message\n", out);
+}
+
+/* The set comes first in the file, and last in memory. */
+static void put_row(const mcv_table *table, FILE *out, const double *row, const char *message) {
+    fprintf(out, "%.0f", row[mcv_row_fixed(table, MCV_ROW_SET)]);
+    for (size_t i = 0; i + 1 < table->columns; ++i)
+        if (isnan(row[i]))
+            fputc(',', out);
+        else
+            fprintf(out, ",%.10g", row[i]);
+    fputc(',', out);
+    if (message) put_quoted(out, message);
+    fputc('\n', out);
+}
+
+/* In one piece: another program, or a crash, sees whole rows only. */
+static mcv_result append(const mcv_table *table, const char *text, size_t size, mcv_error *error) {
+    const int file = table->descriptor;
+    const ssize_t written = write(file, text, size);
+    if (written == (ssize_t)size) return MCV_OK;
+    if (written > 0 && ftruncate(file, lseek(file, 0, SEEK_END) - written) != 0)
+        return mcv_fail(error, MCV_FAILED, "%s: a row was written in part: %s", table->path,
+                        strerror(errno));
+    return mcv_fail(error, MCV_FAILED, "%s: %s", table->path,
+                    written < 0 ? strerror(errno) : "the disk is full");
+}
+
+/* Without a row, the header. */
+static mcv_result append_line(const mcv_table *table, const double *row, const char *message,
+                              mcv_error *error) {
+    char text[MAX_ROW];
+    FILE *stream = fmemopen(text, sizeof text, "w");
+    if (!stream) return mcv_fail(error, MCV_FAILED, "%s: no memory for a row", table->path);
+    if (row)
+        put_row(table, stream, row, message);
+    else
+        put_header(table, stream);
+    const long size = ftell(stream);
+    const bool fits = !ferror(stream) && size < MAX_ROW - 1;
+    fclose(stream);
+    return fits ? append(table, text, (size_t)size, error)
+                : mcv_fail(error, MCV_FAILED, "%s: a row is too long", table->path);
+}
+
+static void keep(mcv_table *table, const double *row, const char *message) {
+    memcpy(table->rows + table->row_count * table->columns, row, table->columns * sizeof *row);
+    table->messages[table->row_count++] = message ? strdup(message) : NULL;
+}
+
+mcv_result mcv_table_append(mcv_table *table, const double *row, const char *message,
+                            mcv_error *error) {
+    MCV_TRY(append_line(table, row, message, error));
+    keep(table, row, message);
+    return MCV_OK;
+}
+
+mcv_result mcv_table_open(mcv_table *table, mcv_error *error) {
+    table->descriptor = open(table->path, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    if (table->descriptor < 0)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", table->path, strerror(errno));
+    return lseek(table->descriptor, 0, SEEK_END) > 0 ? MCV_OK
+                                                     : append_line(table, NULL, NULL, error);
+}
+
+/* Takes the quotes off that put_quoted has put around a text and in it. */
+static const char *unquote(char *text) {
+    char *to = text;
+    for (const char *from = text + 1; *from && !(from[0] == '"' && from[1] == '\0'); ++from) {
+        *to++ = *from;
+        if (from[0] == '"' && from[1] == '"') ++from;
+    }
+    *to = '\0';
+    return text;
+}
+
+static void read_line(mcv_table *table, char *line, bool *done) {
+    double row[MCV_ROW_MOST];
+    char *at = line;
+    const double number = strtod(at, &at);
+    row[mcv_row_fixed(table, MCV_ROW_SET)] = number;
+    for (size_t i = 0; i + 1 < table->columns && *at == ','; ++i) {
+        char *end;
+        row[i] = strtod(++at, &end);
+        if (end == at) row[i] = NAN;
+        at = end;
+    }
+    if (*at != ',' || !(number >= 0 && number < (double)table->plan->set_count)) return;
+    const size_t set = (size_t)number;
+    if (done[set]) return;
+    done[set] = true;
+    keep(table, row, at[1] ? unquote(at + 1) : NULL);
+}
+
+mcv_result mcv_table_resume(mcv_table *table, bool *done, mcv_error *error) {
+    char *line = NULL;
+    size_t room = 0;
+    off_t whole = 0;
+    FILE *file = fopen(table->path, "r");
+    if (!file) return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", table->path, strerror(errno));
+    for (ssize_t length; (length = getline(&line, &room, file)) > 0 && line[length - 1] == '\n';
+         whole += length) {
+        if (whole == 0) continue; /* the header */
+        line[length - 1] = '\0';
+        read_line(table, line, done);
+    }
+    free(line);
+    fclose(file);
+    return truncate(table->path, whole) == 0
+               ? MCV_OK
+               : mcv_fail(error, MCV_FAILED, "%s: %s", table->path, strerror(errno));
+}
+
+size_t mcv_table_failed(const mcv_table *table) {
+    size_t failed = 0;
+    for (size_t row = 0; row < table->row_count; ++row) failed += table->messages[row] != NULL;
+    return failed;
+}
+
+void mcv_table_extremes(const mcv_table *table, size_t metric, const double *extremes[2]) {
+    const size_t at = mcv_row_metric(table, metric);
+    extremes[0] = extremes[1] = NULL;
+    for (size_t i = 0; i < table->row_count; ++i) {
+        const double *row = table->rows + i * table->columns;
+        if (isnan(row[at])) continue;
+        if (!extremes[0] || row[at] < extremes[0][at]) extremes[0] = row;
+        if (!extremes[1] || row[at] > extremes[1][at]) extremes[1] = row;
+    }
+}
+
+void mcv_table_free(mcv_table *table) {
+    if (table->descriptor >= 0) close(table->descriptor);
+    for (size_t i = 0; i < table->row_count; ++i) free(table->messages[i]);
+    free(table->messages);
+    free(table->rows);
+    *table = (mcv_table){.descriptor = -1};
+}

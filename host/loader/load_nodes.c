@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Nodes: each is placed, with its meshes, emitters, sensors and assets, then its children. */
+#include "loader/loader.h"
+
+#include "scene/transform.h"
+
+/* The document of an asset below the node that places it. */
+static mcv_result place_asset(mcv_loader *asset, const char *name, const mcv_transform *to_world,
+                              mcv_error *error) {
+    mcv_transform scaled = *to_world;
+    for (int i = 0; i < 9; ++i) scaled.m[i] *= asset->unit;
+    if (asset->solid != MCV_NONE) {
+        const mcv_instance instance = {.name = (char *)name,
+                                       .mesh = asset->solid,
+                                       .material = asset->asset_material,
+                                       .emitter = MCV_NONE,
+                                       .to_world = scaled};
+        return mcv_scene_add_instance(asset->scene, &instance, error);
+    }
+    return mcv_load_nodes(asset, &scaled, error);
+}
+
+/* `document`: the frame of the document's root in the world; `material`: what is put on the node,
+ * or MCV_NONE for its own. */
+static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transform *document,
+                            const mcv_transform *parent, uint32_t material, mcv_error *error) {
+    const json_t *nodes = json_object_get(loader->root, "nodes"),
+                 *node = json_array_get(nodes, index);
+    const mcv_json_path place = mcv_json_path_key(&loader->file, "nodes"),
+                        here = mcv_json_path_element(&place, mcv_json_name(node), index);
+    mcv_transform local;
+    bool posed;
+    MCV_TRY(mcv_load_pose(loader, node, 0, &posed, &local, &here, error));
+    if (!posed) MCV_TRY(mcv_load_local(node, &local, &here, error));
+    const mcv_transform to_world = mcv_transform_compose(posed ? document : parent, &local);
+    MCV_TRY(mcv_scene_add_frame(loader->scene, mcv_json_name(node), loader->is_asset, &to_world,
+                                error));
+    const uint32_t first = loader->scene->instance_count;
+    uint32_t mesh;
+    if (loader->node_materials && loader->node_materials[index] != MCV_NONE)
+        material = loader->node_materials[index];
+    MCV_TRY(mcv_json_index(node, "mesh", json_array_size(json_object_get(loader->root, "meshes")),
+                           "meshes", &mesh, &here, error));
+    if (mesh != MCV_NONE) {
+        MCV_TRY(mcv_load_mesh(loader, mesh, error));
+        const mcv_loaded_mesh *loaded = loader->meshes + mesh;
+        for (uint32_t i = 0; i < loaded->count; ++i) {
+            const mcv_instance instance = {.name = (char *)mcv_json_name(node),
+                                           .mesh = loaded->first + i,
+                                           .material = material == MCV_NONE ? loaded->materials[i]
+                                                                            : material,
+                                           .to_world = to_world};
+            MCV_TRY(mcv_scene_add_instance(loader->scene, &instance, error));
+        }
+    }
+    MCV_TRY(mcv_load_emitter(loader, node, &to_world, first, loader->scene->instance_count, &here,
+                             error));
+    MCV_TRY(mcv_load_body(loader, node, &to_world, &here, error));
+    MCV_TRY(mcv_load_light(loader, node, &to_world, &here, error));
+    MCV_TRY(mcv_load_sensors(loader, node, &to_world, &here, error));
+    mcv_loader *asset;
+    MCV_TRY(mcv_load_asset_of(loader, node, &asset, &here, error));
+    if (asset) MCV_TRY(place_asset(asset, mcv_json_name(node), &to_world, error));
+    const json_t *children = json_object_get(node, "children");
+    for (size_t i = 0; i < json_array_size(children); ++i)
+        MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(children, i)),
+                          document, &to_world, material, error));
+    return MCV_OK;
+}
+
+mcv_result mcv_load_nodes(mcv_loader *loader, const mcv_transform *document, mcv_error *error) {
+    const json_t *scenes = json_object_get(loader->root, "scenes"),
+                 *scene = json_object_get(loader->root, "scene");
+    const json_t *nodes =
+        json_object_get(json_array_get(scenes, (size_t)json_number_value(scene)), "nodes");
+    for (size_t i = 0; i < json_array_size(nodes); ++i)
+        MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(nodes, i)), document,
+                          document, MCV_NONE, error));
+    return MCV_OK;
+}

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What each material does with a path. Each function continues the path or ends it (false). */
+#include "reference/path_steps.h"
+
+#include "reference/retroreflector.h"
+#include "reference/texture.h"
+
+/* Where a medium on either side refracts channels differently only one of them goes on. */
+static void keep_channel(ref_path *p, const mcv_dielectric_params *near,
+                         const mcv_dielectric_params *far, ref_random *random) {
+    const bool parts = (near && !mcv_is_grey(near->ior)) || (far && !mcv_is_grey(far->ior));
+    const double all = p->throughput[0] + p->throughput[1] + p->throughput[2];
+    if (!parts || ref_largest(p->throughput) == all) return;
+    double at = ref_random_unit(random) * all;
+    int kept = 0;
+    while (kept < 2 && at >= p->throughput[kept]) at -= p->throughput[kept++];
+    for (int channel = 0; channel < 3; ++channel)
+        p->throughput[channel] = channel == kept ? all : 0;
+}
+
+static bool meet_dielectric(const ref_world *world, ref_path *p, const ref_surface *surface,
+                            const ref_hits *hits, bool last, ref_random *random, ref_tally *tally,
+                            double radiance[3]) {
+    const ref_interaction interaction = ref_make_interaction(surface, p->direction);
+    ref_media beyond;
+    if (!ref_media_cross_all(&p->media, &beyond, hits->count, hits->instances, hits->fronts))
+        ++tally->unmatched;
+    const mcv_dielectric_params *near = ref_media_filling(&p->media, world->scene),
+                                *far = ref_media_filling(&beyond, world->scene);
+    keep_channel(p, near, far, random);
+    const double from = ref_media_ior(near, ref_kept_channel(p)),
+                 to = ref_media_ior(far, ref_kept_channel(p));
+    const uint32_t number = world->scene->instances[surface->instance].material;
+    const double outside = ref_media_ior(interaction.front ? near : far, MCV_ALBEDO_CHANNEL);
+    const ref_gloss_table *table = ref_gloss_find(&world->gloss, world->scene, number, outside);
+    if (table && from != to) {
+        ref_scatterer s = {.material = &world->scene->materials[number],
+                           .interaction = interaction,
+                           .near = &p->media,
+                           .far = beyond};
+        s.gloss = (ref_gloss){.material = s.material,
+                              .table = table,
+                              .roughness = 1,
+                              .from = from,
+                              .to = to,
+                              .inside = !interaction.front};
+        ref_find_frame(surface, &s);
+        return ref_scatter(world, p, surface, &s, last, random, tally, radiance);
+    }
+    const double coating = from == to ? 0
+                                      : mcv_material_coating(&world->scene->materials[number],
+                                                             interaction.front ? from : to);
+    if (ref_random_unit(random) <
+        ref_coated(ref_reflectance(&interaction, from, to), coating, from, to)) {
+        p->direction = ref_reflect(&interaction);
+    } else {
+        p->direction = ref_refract(&interaction, from, to);
+        p->media = beyond;
+    }
+    return true;
+}
+
+static void meet_mirror(ref_path *p, const ref_surface *surface, const double reflectance[3]) {
+    const ref_interaction interaction = ref_make_interaction(surface, p->direction);
+    p->direction = ref_reflect(&interaction);
+    ref_multiply(p->throughput, reflectance);
+}
+
+static void meet_sheet(const ref_world *world, ref_path *p, const ref_surface *surface, double ior,
+                       const double transmittance[3], ref_random *random) {
+    const ref_interaction interaction = ref_make_interaction(surface, p->direction);
+    const double outside =
+        ref_media_ior(ref_media_filling(&p->media, world->scene), ref_kept_channel(p));
+    if (ref_random_unit(random) <
+        ref_sheet_reflectance(ref_reflectance(&interaction, outside, ior)))
+        p->direction = ref_reflect(&interaction);
+    else
+        ref_multiply(p->throughput, transmittance);
+}
+
+/* One of its two ways by their largest shares. */
+static void meet_beam_splitter(ref_path *p, const ref_surface *surface,
+                               const mcv_beam_splitter_params *splitter, ref_random *random) {
+    const ref_interaction interaction = ref_make_interaction(surface, p->direction);
+    const double reflected = ref_largest(splitter->reflectance),
+                 all = reflected + ref_largest(splitter->transmittance);
+    const bool reflects = ref_random_unit(random) * all < reflected;
+    const double chance = (reflects ? reflected : all - reflected) / all;
+    ref_multiply(p->throughput, reflects ? splitter->reflectance : splitter->transmittance);
+    for (int channel = 0; channel < 3; ++channel)
+        p->throughput[channel] = all > 0 ? p->throughput[channel] / chance : 0;
+    if (reflects) p->direction = ref_reflect(&interaction);
+}
+
+/* `parameter` times the material's texture. */
+static void modulate(const ref_world *world, const ref_surface *surface, const double parameter[3],
+                     double product[3]) {
+    const mcv_material *material =
+        &world->scene->materials[world->scene->instances[surface->instance].material];
+    ref_texture_lookup(world->scene, material->texture, surface->texcoord, product);
+    ref_multiply(product, parameter);
+}
+
+static void meet_conductor(const ref_world *world, ref_path *p, const ref_surface *surface,
+                           const mcv_conductor_params *metal) {
+    const ref_interaction interaction = ref_make_interaction(surface, p->direction);
+    const mcv_dielectric_params *filling = ref_media_filling(&p->media, world->scene);
+    const double cosine = fmin(-ref_dot(interaction.direction, interaction.normal), 1);
+    for (int channel = 0; channel < 3; ++channel) {
+        const double outside = ref_media_ior(filling, channel);
+        p->throughput[channel] *= ref_conductor_reflectance(metal->n[channel] / outside,
+                                                            metal->k[channel] / outside, cosine);
+    }
+    p->direction = ref_reflect(&interaction);
+}
+
+/* An opaque or thin surface of microfacets. */
+static bool meet_gloss(const ref_world *world, ref_path *p, const ref_surface *surface, bool last,
+                       ref_random *random, ref_tally *tally, double radiance[3]) {
+    const uint32_t number = world->scene->instances[surface->instance].material;
+    const mcv_material *material = &world->scene->materials[number];
+    const uint32_t texture = mcv_material_surface_texture(material);
+    ref_scatterer s = {.material = material,
+                       .interaction = ref_make_interaction(surface, p->direction),
+                       .near = &p->media,
+                       .far = p->media};
+    s.gloss = (ref_gloss){
+        .material = material,
+        .table = ref_gloss_find(&world->gloss, world->scene, number, 0),
+        .roughness = 1,
+        .from = ref_media_ior(ref_media_filling(&p->media, world->scene), ref_kept_channel(p))};
+    if (material->type == MCV_MATERIAL_METALLIC_ROUGHNESS) {
+        double scales[3];
+        ref_texture_lookup(world->scene, texture, surface->texcoord, scales);
+        modulate(world, surface, material->as.metallic_roughness.baseColor, s.gloss.base);
+        s.gloss.roughness = scales[1];
+        s.gloss.metallic = material->as.metallic_roughness.metallic * scales[2];
+    }
+    ref_find_frame(surface, &s);
+    return ref_scatter(world, p, surface, &s, last, random, tally, radiance);
+}
+
+/* Where light returns exactly, what is scattered diffusely is a surface of its own. */
+static bool meet_retroreflector(const ref_world *world, ref_path *p, const ref_surface *surface,
+                                bool last, ref_random *random, ref_tally *tally,
+                                double radiance[3]) {
+    const mcv_material *material =
+        &world->scene->materials[world->scene->instances[surface->instance].material];
+    const mcv_retroreflector_params *r = &material->as.retroreflector;
+    ref_scatterer s = {.material = material,
+                       .interaction = ref_make_interaction(surface, p->direction),
+                       .near = &p->media,
+                       .far = p->media};
+    ref_find_frame(surface, &s);
+    if (r->divergence > 0) {
+        s.returns = r;
+        return ref_scatter(world, p, surface, &s, last, random, tally, radiance);
+    }
+    const double chance = ref_retroreflector_chance(r, s.o);
+    if (ref_random_unit(random) < chance) {
+        for (int channel = 0; channel < 3; ++channel)
+            p->throughput[channel] *=
+                r->reflectance[channel] * ref_retroreflector_efficiency(r, s.o) / chance;
+        p->direction = ref_scale(-1, p->direction);
+        return true;
+    }
+    for (int channel = 0; channel < 3; ++channel) p->throughput[channel] /= 1 - chance;
+    memcpy(s.share, r->diffuseReflectance, sizeof s.share);
+    return ref_largest(s.share) > 0 &&
+           ref_scatter(world, p, surface, &s, last, random, tally, radiance);
+}
+
+bool ref_meet_surface(const ref_world *world, ref_path *p, const ref_surface *surface,
+                      const ref_hits *hits, bool last, ref_random *random, ref_tally *tally,
+                      double radiance[3]) {
+    const mcv_material *material =
+        &world->scene->materials[world->scene->instances[surface->instance].material];
+    double share[3];
+    p->density = 0; /* emitters behind smooth surfaces, passed straight or not, are not sampled */
+    switch (material->type) {
+    case MCV_MATERIAL_DIFFUSE: {
+        ref_scatterer s = {.material = material,
+                           .interaction = ref_make_interaction(surface, p->direction),
+                           .near = &p->media,
+                           .far = p->media};
+        ref_find_frame(surface, &s);
+        modulate(world, surface, material->as.diffuse.reflectance, s.share);
+        modulate(world, surface, material->as.diffuse.transmittance, s.passed);
+        return ref_scatter(world, p, surface, &s, last, random, tally, radiance);
+    }
+    case MCV_MATERIAL_DIELECTRIC:
+        return meet_dielectric(world, p, surface, hits, last, random, tally, radiance);
+    case MCV_MATERIAL_CONDUCTOR:
+        if (mcv_material_is_rough(material))
+            return meet_gloss(world, p, surface, last, random, tally, radiance);
+        meet_conductor(world, p, surface, &material->as.conductor);
+        return true;
+    case MCV_MATERIAL_METALLIC_ROUGHNESS:
+        return meet_gloss(world, p, surface, last, random, tally, radiance);
+    case MCV_MATERIAL_RETROREFLECTOR:
+        return meet_retroreflector(world, p, surface, last, random, tally, radiance);
+    case MCV_MATERIAL_SHEET:
+        modulate(world, surface, material->as.sheet.transmittance, share);
+        meet_sheet(world, p, surface, material->as.sheet.ior, share, random);
+        return true;
+    case MCV_MATERIAL_MIRROR:
+        modulate(world, surface, material->as.mirror.reflectance, share);
+        meet_mirror(p, surface, share);
+        return true;
+    case MCV_MATERIAL_BEAM_SPLITTER:
+        meet_beam_splitter(p, surface, &material->as.beam_splitter, random);
+        return true;
+    default:
+        return false;
+    }
+}

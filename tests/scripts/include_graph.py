@@ -1,0 +1,232 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Do includes between folders go one way, and are the files of a size to read?
+
+    include_graph.py SOURCES    prints the graph of folders, lowest first, and what is wrong
+    include_graph.py --planted  plants each fault in a small tree, and sees that it is found
+
+The standard library alone. What is wrong:
+
+- a circle of includes between the folders of host/, include/ and kernels/, told with its files;
+- an include of host/cli outside of host/cli: the library does not know the command line;
+- an include that leads to no file;
+- a file of host/ or include/ above 400 lines, of kernels/ above 250, test programs not counted;
+- a line above 100 columns.
+
+EXCEPTIONS lists the files that are let off, each with its reason. One that is no longer needed is
+wrong as well, so that the lists only shrink.
+"""
+
+import pathlib
+import re
+import sys
+import tempfile
+
+MOST_LINES = {"host": 400, "include": 400, "kernels": 250}
+MOST_COLUMNS = 100
+SUFFIXES = (".c", ".h", ".cl", ".cpp")
+INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.M)
+
+TO_SPLIT = "to be split"
+LONG_FILES = {
+    # host
+    "host/cl/cl.c": TO_SPLIT,
+    "host/cli/check.c": TO_SPLIT,
+    "host/device/multiple.c": TO_SPLIT,
+    "host/reference/gloss.c": TO_SPLIT,
+    # kernels
+    "kernels/bsdf/bsdf.h": TO_SPLIT,
+    "kernels/bsdf/microfacet.h": TO_SPLIT,
+    "kernels/geometry/precise.h": TO_SPLIT,
+    "kernels/geometry/solids.h": TO_SPLIT,
+    "kernels/geometry/surface.h": TO_SPLIT,
+    "kernels/schedule/light_paths.h": TO_SPLIT,
+    "kernels/schedule/sample_emitter_rows.h": TO_SPLIT,
+    "kernels/stage/sample_emitters.h": TO_SPLIT,
+    "kernels/stage/shade_hit.h": TO_SPLIT,
+    "kernels/stage/trace_light_path.h": TO_SPLIT,
+}
+RULERS = "comments that divide it, to be joined to one line each when it is split"
+WIDE_FILES = {
+    "host/lens/glass_codes.c": "a table: one glass in each line",
+    "host/cli/check.c": RULERS,
+    "host/device/multiple.c": RULERS,
+    "host/lens/lens.h": RULERS,
+    "host/loader/accessor.c": RULERS,
+    "host/loader/asset_cache.c": RULERS,
+    "host/loader/load_stl.c": RULERS,
+    "host/loader/load_surfaces.c": RULERS,
+    "host/reference/gloss.c": RULERS,
+    "host/reference/solids.c": RULERS,
+    "host/rig/write.c": RULERS,
+    "host/scene/sensors.c": RULERS,
+    "kernels/geometry/precise.h": RULERS,
+    "kernels/geometry/solids.h": RULERS,
+    "kernels/traverse/bvh8.h": RULERS,
+    "kernels/traverse/flat.h": RULERS,
+    "kernels/traverse/interleave.h": RULERS,
+    "kernels/traverse/trace_packet.h": RULERS,
+    "kernels/traverse/triangle.h": RULERS,
+}
+
+
+class Tree:
+    """The sources below a folder, and what is wrong with them."""
+
+    def __init__(self, root, long_files, wide_files):
+        self.root = pathlib.Path(root)
+        self.failures = []
+        self.edges = {}  # folder: {folder: (file, include)}
+        self.files = sorted(
+            path for top in MOST_LINES for path in (self.root / top).rglob("*")
+            if path.suffix in SUFFIXES)
+        if not self.files:
+            self.fail("%s: there are no sources" % root)
+        for path in self.files:
+            self.read(path, long_files, wide_files)
+        for name, known in ((name, known) for known in (long_files, wide_files) for name in known):
+            if not (self.root / name).is_file():
+                self.fail("%s: is let off and is no file: take it off the list" % name)
+
+    def fail(self, what):
+        self.failures.append(what)
+
+    def folder(self, path):
+        """host/NAME, include or kernels: the node of a file."""
+        parts = path.relative_to(self.root).parts
+        return "/".join(parts[:2]) if parts[0] == "host" and len(parts) > 2 else parts[0]
+
+    def read(self, path, long_files, wide_files):
+        name = path.relative_to(self.root).as_posix()
+        text = path.read_text(encoding="utf-8")
+        lines = text.splitlines()
+        if not name.startswith("kernels/test/"):
+            self.measure(name, "lines", len(lines), MOST_LINES[name.split("/")[0]], long_files)
+        widest = max(map(len, lines), default=0)
+        where = name if name in wide_files or widest <= MOST_COLUMNS else "%s:%d" % (
+            name, 1 + next(i for i, line in enumerate(lines) if len(line) > MOST_COLUMNS))
+        self.measure(where, "columns", widest, MOST_COLUMNS, wide_files)
+        for include in INCLUDE.findall(text):
+            self.add(path, name, include)
+
+    def measure(self, name, what, size, most, known):
+        if size > most and name not in known:
+            self.fail("%s: has %d %s: must have at most %d" % (name, size, what, most))
+        if size <= most and name in known:
+            self.fail("%s: is let off and has only %d %s: take it off the list" %
+                      (name, size, what))
+
+    def add(self, path, name, include):
+        places = (path.parent, self.root / "include", self.root / "host", self.root / "kernels",
+                  self.root)
+        found = next((p / include for p in places if (p / include).is_file()), None)
+        if found is None:
+            self.fail('%s: includes "%s", which is no file' % (name, include))
+            return
+        source, target = self.folder(path), self.folder(found.resolve())
+        if source == target:
+            return
+        self.edges.setdefault(source, {}).setdefault(target, (name, include))
+        if target == "host/cli":
+            self.fail('%s: includes "%s": nothing but host/cli knows the command line' %
+                      (name, include))
+
+    def levels(self):
+        """Folders with the number of folders that stand in a row below them; a circle is told."""
+        level, way = {}, []
+
+        def visit(node):
+            if node in way:
+                self.tell_circle(way[way.index(node):] + [node])
+                return -1
+            if node not in level:
+                way.append(node)
+                level[node] = 1 + max(map(visit, sorted(self.edges.get(node, {}))), default=-1)
+                way.pop()
+            return level[node]
+
+        for node in sorted({self.folder(path) for path in self.files}):
+            visit(node)
+        return level
+
+    def tell_circle(self, circle):
+        steps = ['%s (%s includes "%s")' % ((a,) + self.edges[a][b])
+                 for a, b in zip(circle, circle[1:])]
+        self.fail("a circle: %s -> %s" % (" -> ".join(steps), circle[-1]))
+
+    def report(self):
+        level = self.levels()
+        for node in sorted(level, key=lambda node: (level[node], node)):
+            print("%2d  %-16s %s" % (level[node], node, " ".join(sorted(self.edges.get(node, {})))))
+        for failure in self.failures:
+            print(failure, file=sys.stderr)
+        print("%d files in %d folders, %d findings" %
+              (len(self.files), len(level), len(self.failures)))
+
+
+# Each fault, by the files that make it, and what must be said of it.
+PLANTED = (
+    ({"host/a/a.c": '#include "b/b.h"\n', "host/b/b.h": '#include "a/a.h"\n', "host/a/a.h": ""},
+     ("a circle: host/a (host/a/a.c includes \"b/b.h\") -> "
+      "host/b (host/b/b.h includes \"a/a.h\") -> host/a",)),
+    ({"host/a/a.h": '#include "b/b.h"\n', "host/b/b.h": '#include "c/c.h"\n',
+      "host/c/c.h": '#include "mcvisi/d.h"\n', "include/mcvisi/d.h": '#include "a/a.h"\n'},
+     ("a circle: host/a", "host/b (", "host/c (", "include (")),
+    ({"host/cli/options.h": "", "host/a/a.c": '#include "cli/options.h"\n'},
+     ('host/a/a.c: includes "cli/options.h": nothing but host/cli',)),
+    ({"host/a/a.c": '#include "none.h"\n'}, ('includes "none.h", which is no file',)),
+    ({"host/a/a.c": "\n" * 401}, ("host/a/a.c: has 401 lines",)),
+    ({"include/mcvisi/a.h": "\n" * 401}, ("include/mcvisi/a.h: has 401 lines",)),
+    ({"kernels/a.cl": "\n" * 251}, ("kernels/a.cl: has 251 lines",)),
+    ({"host/a/a.c": "int a;\n/* " + "µ" * 98 + "\n"}, ("host/a/a.c:2: has 101 columns",)),
+    ({"host/long.c": "\n", "host/wide.c": "\n"},
+     ("host/long.c: is let off and has only 1 lines",
+      "host/wide.c: is let off and has only 0 columns")),
+    ({"host/a/a.c": "\n"}, ("host/long.c: is let off and is no file",)),
+)
+SOUND = {"host/a/a.c": '#include "a.h"\n#include "b/b.h"\n', "host/a/a.h": "\n" * 400,
+         "host/b/b.h": '#include "mcvisi/c.h"\n', "include/mcvisi/c.h": "/*" + "µ" * 98 + "\n",
+         "host/cli/d.c": '#include "a/a.h"\n', "kernels/e.cl": '#include "mcvisi/c.h"\n' * 250,
+         "kernels/test/f.cl": "\n" * 251, "host/long.c": "\n" * 401, "host/wide.c": "-" * 101}
+
+
+def findings(files):
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in files.items():
+            path = pathlib.Path(folder) / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+        tree = Tree(pathlib.Path(folder).resolve(), {"host/long.c": ""}, {"host/wide.c": ""})
+        tree.levels()
+        return "\n".join(tree.failures)
+
+
+def planted():
+    wrong = 0
+    if findings(SOUND):
+        wrong += 1
+        print("a sound tree is refused: %s" % findings(SOUND))
+    for files, wanted in PLANTED:
+        # Whatever else is missing is let off twice; the fault must be told beside.
+        said = findings(files)
+        for text in wanted:
+            if text not in said:
+                wrong += 1
+                print("%s is not told of %s, but: %s" % (text, sorted(files), said))
+    print("%d planted faults, %d not found" % (len(PLANTED), wrong))
+    return 1 if wrong else 0
+
+
+def main():
+    if sys.argv[1:] == ["--planted"]:
+        return planted()
+    if len(sys.argv) != 2:
+        print(__doc__, file=sys.stderr)
+        return 2
+    tree = Tree(pathlib.Path(sys.argv[1]).resolve(), LONG_FILES, WIDE_FILES)
+    tree.report()
+    return 1 if tree.failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
