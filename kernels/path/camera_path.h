@@ -69,8 +69,8 @@
     X(bounce, 4 * MCV_TILE) /* the direction in which the surface reflects if it is diffuse, and \
                                its density */ \
     X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path looks for, or MCV_NONE */ \
-    X(place, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT * \
-                 MCV_WITH_TEXTURE)                   /* and where there (triangle, u, v) */ \
+    X(place, 4 * MCV_TILE * MCV_WITH_NEXT_EVENT * \
+                 MCV_WITH_TEXTURE) /* a point on it: triangle, u, v, density of its choice */ \
     X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT) /* as in mcv_shadow */ \
     X(selection_here, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* at this surface */ \
     X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)                   /* ray to the emitter */ \

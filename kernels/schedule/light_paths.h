@@ -147,15 +147,16 @@ static __attribute__((noinline)) uint mcv_begin_light_paths(mcv_world world, uin
     mcv_slot slot;
     slot.base = paths;
     for (slot.index = 0; slot.index < count; ++slot.index) {
-        float xi;
         const mcv_pair which = mcv_draw(slot, 0, MCV_PAIR_CHOICE),
                        place = mcv_draw(slot, 0, MCV_PAIR_EMITTER);
         __global const uint *cdf = world.emitter_cdf;
-        const uint emitter = mcv_search_cdf(cdf + world.frame->light_cdf,
-                                            world.frame->emitter_count, which.x, which.y, &xi);
+        const uint emitter =
+            mcv_search_cdf(cdf + world.frame->light_cdf, world.frame->emitter_count,
+                           mcv_cdf_bits(which.x, which.y));
         __global const mcv_device_emitter *e = world.emitters + emitter;
-        const uint triangle =
-            mcv_search_cdf(cdf + e->cdf, e->triangle_count, place.x, place.y, &xi);
+        const uint triangle = mcv_choose_triangle(world, e, place);
+        const float xi =
+            mcv_cdf_remainder(cdf + e->cdf, triangle, mcv_cdf_bits(place.x, place.y));
         MCV_WORD(slot, value, 0) = emitter;
         MCV_WORD(slot, hit, 3) = world.instances[e->instance].first_triangle + triangle;
         MCV_STORE(slot, hit, 1, xi);

@@ -5,6 +5,9 @@
  * that the carry is known without reading the other. Values are rounded at random, up with the
  * probability of what is cut off: on the average nothing is lost, however small they are.
  */
+#ifndef MCVISI_KERNELS_SPLAT_FILM_H
+#define MCVISI_KERNELS_SPLAT_FILM_H
+
 #include "path/sensor_ray.h"
 
 /* cell: of replicate, channel and pixel. 0 if the sum no longer fits. */
@@ -38,3 +41,5 @@ static void mcv_splat(mcv_world world, __global uint *splats, uint replicate, mc
             ++counts[MCV_COUNTER_saturated];
     }
 }
+
+#endif

@@ -16,7 +16,10 @@
  *
  * reads nothing -> writes splats
  */
-#include "light/discrete.h"
+#ifndef MCVISI_KERNELS_TRACE_LIGHT_PATH_H
+#define MCVISI_KERNELS_TRACE_LIGHT_PATH_H
+
+#include "light/emitter_point.h"
 #include "traverse/closest.h"
 #include "light/light_path.h"
 #include "stage/roulette.h"
@@ -84,14 +87,10 @@ MCV_FUNCTION mcv_vec3 mcv_aim(mcv_world world, mcv_vec3 from, mcv_cone *own, mcv
 static void mcv_leave_surface(mcv_world world, uint emitter, mcv_pair place, mcv_pair turn,
                               mcv_light_path *path) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
-    float xi;
+    const mcv_emitter_point point =
+        mcv_point_on_mesh(world, e, mcv_choose_triangle(world, e, place), place);
+    const mcv_surface surface = mcv_surface_on(point.facet, point.u, point.v);
     (void)turn;
-    const uint triangle =
-        world.instances[e->instance].first_triangle +
-        mcv_search_cdf(world.emitter_cdf + e->cdf, e->triangle_count, place.x, place.y, &xi);
-    const float root = mcv_sqrt(xi);
-    const mcv_surface surface =
-        mcv_surface_at(world, triangle, root * (1.0f - place.y), root * place.y);
 #if MCV_WITH_BEAM
     if (e->type == MCV_EMITTER_COLLIMATED_BEAM) {
         const mcv_vec3 from_middle =
@@ -364,9 +363,9 @@ MCV_FUNCTION uint mcv_lost_light(mcv_color throughput) {
 static mcv_light_path mcv_begin_light_path(mcv_world world, mcv_pair which, mcv_pair place,
                                            mcv_pair turn) {
     /* The emitter takes the place of surface 0. */
-    float unused;
     __global const uint *cdf = world.emitter_cdf + world.frame->light_cdf;
-    const uint emitter = mcv_search_cdf(cdf, world.frame->emitter_count, which.x, which.y, &unused);
+    const uint emitter =
+        mcv_search_cdf(cdf, world.frame->emitter_count, mcv_cdf_bits(which.x, which.y));
     mcv_light_path path = mcv_leave_emitter(world, emitter, place, turn);
     if (path.etendue > 0.0f) path.path_class |= MCV_LIGHT_FOUND;
     return path;
@@ -517,3 +516,5 @@ MCV_FUNCTION void mcv_trace_light_path(mcv_world world, uint index, __global uin
     ++counts[MCV_COUNTER_depth_cut];
     counts[MCV_COUNTER_lost] += mcv_lost_light(path.throughput);
 }
+
+#endif
