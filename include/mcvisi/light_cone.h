@@ -15,6 +15,10 @@
 #include "mcvisi/tables.h"
 #include "mcvisi/vector.h"
 
+MCV_LOOP_FUNCTION mcv_vec3 mcv_ball_centre(mcv_ball ball) {
+    return mcv_vec(ball.centre[0], ball.centre[1], ball.centre[2]);
+}
+
 typedef struct mcv_cone {
     mcv_vec3 axis;
     float squared; /* sin²(β/2); 0: nothing */
@@ -31,7 +35,7 @@ MCV_LOOP_FUNCTION int mcv_is_in_cone(mcv_cone cone, mcv_vec3 direction) {
  */
 MCV_LOOP_FUNCTION mcv_cone mcv_cone_to(mcv_ball ball, mcv_vec3 from, mcv_cone own) {
     mcv_cone cone;
-    const mcv_vec3 way = mcv_sub(mcv_vec(ball.centre[0], ball.centre[1], ball.centre[2]), from);
+    const mcv_vec3 way = mcv_sub(mcv_ball_centre(ball), from);
     const float distance = mcv_sqrt(mcv_dot(way, way));
     const float sine = ball.radius / distance + 9.5367432e-7f; /* 2^-20 */
     own.own = 1;
@@ -68,35 +72,53 @@ MCV_FUNCTION mcv_aiming mcv_aim_at(MCV_CONSTANT const mcv_ball *balls, uint coun
     return aimed;
 }
 
+/* The cone that a number has chosen of those asked so far: by its share of their sum. */
+typedef struct mcv_aim {
+    mcv_cone cone;
+    float ahead;     /* what the number is above the sum of the cones asked, of the squared sines */
+    float remainder; /* of the number within the cone: as good as a new one */
+} mcv_aim;
+
+MCV_LOOP_FUNCTION mcv_aim mcv_begin_aim(mcv_cone own, float ahead) {
+    mcv_aim aim;
+    aim.cone = own;
+    aim.cone.squared = 0.0f;
+    aim.ahead = ahead;
+    aim.remainder = 0.0f;
+    return aim;
+}
+
+MCV_LOOP_FUNCTION mcv_aim mcv_ask_cone(mcv_aim aim, mcv_cone cone) {
+    const int takes = (aim.ahead >= 0.0f) & (cone.squared > 0.0f);
+    const float remainder = aim.ahead / cone.squared;
+    aim.cone.axis = mcv_choose(takes, cone.axis, aim.cone.axis);
+    aim.cone.squared = takes ? cone.squared : aim.cone.squared;
+    aim.cone.own = takes ? cone.own : aim.cone.own;
+    aim.remainder = takes ? remainder : aim.remainder;
+    aim.ahead -= takes ? cone.squared : 0.0f;
+    return aim;
+}
+
+/* A direction in the cone that was chosen. */
+MCV_LOOP_FUNCTION mcv_vec3 mcv_aim_direction(mcv_aim aim, float eta) {
+    const float xi = aim.remainder < 0.99999994f ? aim.remainder : 0.99999994f;
+    return mcv_from_frame(mcv_sample_cone(mcv_sqrt(aim.cone.squared), xi, eta), aim.cone.axis);
+}
+
 /*
  * A direction to one of the balls, and what is known of it (mcv_aim_at); *own becomes the cone that
- * was chosen. `cones`: room for one of each ball; xi, eta: in [0, 1).
+ * was chosen. xi, eta: in [0, 1).
  */
 MCV_FUNCTION mcv_vec3 mcv_aim_anywhere(MCV_CONSTANT const mcv_ball *balls, uint count,
                                        mcv_vec3 from, mcv_cone *own, float xi, float eta,
-                                       mcv_cone *cones, mcv_aiming *aimed) {
-    mcv_cone chosen = *own;
-    float sum = 0.0f, rest = 0.0f;
-    for (uint i = 0; i < count; ++i) {
-        cones[i] = mcv_cone_to(balls[i], from, *own);
-        sum += cones[i].squared;
-    }
-    aimed->angle = 4.0f * MCV_PI * sum;
-    sum *= xi;
-    chosen.squared = 0.0f;
-    for (uint i = 0; i < count && sum >= 0.0f; ++i) {
-        if (!(cones[i].squared > 0.0f)) continue;
-        chosen = cones[i];
-        rest = sum / cones[i].squared;
-        sum -= cones[i].squared;
-    }
-    /* What is left of the number is as good as a new one. */
-    const mcv_vec3 direction = mcv_from_frame(
-        mcv_sample_cone(mcv_sqrt(chosen.squared), rest < 0.99999994f ? rest : 0.99999994f, eta),
-        chosen.axis);
-    aimed->within = 0;
-    for (uint i = 0; i < count; ++i) aimed->within += (uint)mcv_is_in_cone(cones[i], direction);
-    *own = chosen;
+                                       mcv_aiming *aimed) {
+    float sum = 0.0f;
+    for (uint i = 0; i < count; ++i) sum += mcv_cone_to(balls[i], from, *own).squared;
+    mcv_aim aim = mcv_begin_aim(*own, xi * sum);
+    for (uint i = 0; i < count; ++i) aim = mcv_ask_cone(aim, mcv_cone_to(balls[i], from, *own));
+    const mcv_vec3 direction = mcv_aim_direction(aim, eta);
+    *aimed = mcv_aim_at(balls, count, from, *own, direction);
+    *own = aim.cone;
     return direction;
 }
 
