@@ -72,39 +72,6 @@ MCV_FUNCTION mcv_aiming mcv_aim_at(MCV_CONSTANT const mcv_ball *balls, uint coun
     return aimed;
 }
 
-/* The cone that a number has chosen of those asked so far: by its share of their sum. */
-typedef struct mcv_aim {
-    mcv_cone cone;
-    float ahead;     /* what the number is above the sum of the cones asked, of the squared sines */
-    float remainder; /* of the number within the cone: as good as a new one */
-} mcv_aim;
-
-MCV_LOOP_FUNCTION mcv_aim mcv_begin_aim(mcv_cone own, float ahead) {
-    mcv_aim aim;
-    aim.cone = own;
-    aim.cone.squared = 0.0f;
-    aim.ahead = ahead;
-    aim.remainder = 0.0f;
-    return aim;
-}
-
-MCV_LOOP_FUNCTION mcv_aim mcv_ask_cone(mcv_aim aim, mcv_cone cone) {
-    const int takes = (aim.ahead >= 0.0f) & (cone.squared > 0.0f);
-    const float remainder = aim.ahead / cone.squared;
-    aim.cone.axis = mcv_choose(takes, cone.axis, aim.cone.axis);
-    aim.cone.squared = takes ? cone.squared : aim.cone.squared;
-    aim.cone.own = takes ? cone.own : aim.cone.own;
-    aim.remainder = takes ? remainder : aim.remainder;
-    aim.ahead -= takes ? cone.squared : 0.0f;
-    return aim;
-}
-
-/* A direction in the cone that was chosen. */
-MCV_LOOP_FUNCTION mcv_vec3 mcv_aim_direction(mcv_aim aim, float eta) {
-    const float xi = aim.remainder < 0.99999994f ? aim.remainder : 0.99999994f;
-    return mcv_from_frame(mcv_sample_cone(mcv_sqrt(aim.cone.squared), xi, eta), aim.cone.axis);
-}
-
 /*
  * A direction to one of the balls, and what is known of it (mcv_aim_at); *own becomes the cone that
  * was chosen. xi, eta: in [0, 1).
@@ -112,13 +79,29 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_aim_direction(mcv_aim aim, float eta) {
 MCV_FUNCTION mcv_vec3 mcv_aim_anywhere(MCV_CONSTANT const mcv_ball *balls, uint count,
                                        mcv_vec3 from, mcv_cone *own, float xi, float eta,
                                        mcv_aiming *aimed) {
-    float sum = 0.0f;
-    for (uint i = 0; i < count; ++i) sum += mcv_cone_to(balls[i], from, *own).squared;
-    mcv_aim aim = mcv_begin_aim(*own, xi * sum);
-    for (uint i = 0; i < count; ++i) aim = mcv_ask_cone(aim, mcv_cone_to(balls[i], from, *own));
-    const mcv_vec3 direction = mcv_aim_direction(aim, eta);
-    *aimed = mcv_aim_at(balls, count, from, *own, direction);
-    *own = aim.cone;
+    mcv_cone cones[MCV_MAX_BALLS], chosen = *own;
+    float sum = 0.0f, remainder = 0.0f;
+    for (uint i = 0; i < count; ++i) {
+        cones[i] = mcv_cone_to(balls[i], from, *own);
+        sum += cones[i].squared;
+    }
+    float ahead = xi * sum;
+    chosen.squared = 0.0f;
+    for (uint i = 0; i < count && ahead >= 0.0f; ++i) {
+        if (!(cones[i].squared > 0.0f)) continue;
+        chosen = cones[i];
+        remainder = ahead / cones[i].squared;
+        ahead -= cones[i].squared;
+    }
+    /* What is left of the number is as good as a new one. */
+    const mcv_vec3 direction =
+        mcv_from_frame(mcv_sample_cone(mcv_sqrt(chosen.squared),
+                                       remainder < 0.99999994f ? remainder : 0.99999994f, eta),
+                       chosen.axis);
+    aimed->angle = 4.0f * MCV_PI * sum;
+    aimed->within = 0;
+    for (uint i = 0; i < count; ++i) aimed->within += (uint)mcv_is_in_cone(cones[i], direction);
+    *own = chosen;
     return direction;
 }
 

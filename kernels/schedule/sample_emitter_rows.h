@@ -16,11 +16,9 @@
 
 /* mcv_search_cdf for the chosen paths, by the numbers drawn for a pair. */
 static inline __attribute__((noinline)) void mcv_search_cdf_rows(__global const uint *cdf,
-                                                                 uint count, uint *paths, uint pair,
-                                                                 const uint *chosen,
+                                                                 uint count, mcv_slot slot,
+                                                                 uint pair, const uint *chosen,
                                                                  uint chosen_count, uint *found) {
-    mcv_slot slot;
-    slot.base = paths;
     for (uint i = 0; i < chosen_count; ++i) found[i] = 0;
     for (uint digit = mcv_cdf_digit(count); digit > 0; digit /= 2) {
         MCV_VECTORIZE
@@ -36,13 +34,11 @@ static inline __attribute__((noinline)) void mcv_search_cdf_rows(__global const 
 #if MCV_WITH_REACH
 /* mcv_select_emitter for the paths in the slots first … last - 1; both sides of the surfaces of
  * those from two_sided to two_sided_end spread light. */
-static __attribute__((noinline)) void mcv_select_emitter_rows(mcv_world world, uint *paths,
+static __attribute__((noinline)) void mcv_select_emitter_rows(mcv_world world, mcv_slot slot,
                                                               uint first, uint last, uint two_sided,
                                                               uint two_sided_end) {
     const uint count = min(world.frame->emitter_count, (uint)MCV_MOST_REACHING);
     float importances[MCV_MOST_REACHING][MCV_SLOTS], sums[MCV_SLOTS], numbers[MCV_SLOTS];
-    mcv_slot slot;
-    slot.base = paths;
     for (uint i = first; i < last; ++i) sums[i] = numbers[i] = 0.0f;
     for (uint k = 0; k < count; ++k) {
         __global const mcv_device_emitter *e = world.emitters + k;
@@ -84,13 +80,13 @@ static __attribute__((noinline)) void mcv_select_emitter_rows(mcv_world world, u
 }
 #endif
 
-/* mcv_choose_emitter for the paths on plain surfaces, but that whoever leaves its light to light
- * paths (mcv_cast_plain_shadows) chooses. */
-static __attribute__((noinline)) void mcv_select_plain_emitters(mcv_world world, uint *paths,
+/* mcv_pick_emitter for the paths on plain surfaces. What these leave to light paths is left out
+ * where they make shadow rays (mcv_respond_as). */
+static __attribute__((noinline)) void mcv_select_plain_emitters(mcv_world world, mcv_slot slot,
                                                                 const uint *class_end, uint gloss) {
     const uint first = class_end[MCV_CLASS_SMOOTH_EXACT],
                last = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
-    uint *emitters = paths + MCV_PATH_emitter * MCV_ROW;
+    uint *emitters = slot.base + MCV_PATH_emitter * MCV_ROW;
     (void)gloss;
     if (world.frame->emitter_count == 1u) {
         for (uint i = first; i < last; ++i) emitters[i] = 0u;
@@ -98,19 +94,22 @@ static __attribute__((noinline)) void mcv_select_plain_emitters(mcv_world world,
     }
 #if MCV_WITH_REACH
     const int two_sided = gloss != MCV_NONE && world.materials[gloss].scattering_sides == 2u;
-    mcv_select_emitter_rows(world, paths, first, last, class_end[MCV_CLASS_DIFFUSE_EXACT],
+    mcv_select_emitter_rows(world, slot, first, last, class_end[MCV_CLASS_DIFFUSE_EXACT],
                             two_sided ? class_end[MCV_CLASS_GLOSS_TRIANGLE]
                                       : class_end[MCV_CLASS_DIFFUSE_EXACT]);
 #else
     uint chosen[MCV_SLOTS];
     for (uint i = first; i < last; ++i) chosen[i] = i;
-    mcv_search_cdf_rows(world.emitter_cdf, world.frame->emitter_count, paths, MCV_PAIR_CHOICE,
+    mcv_search_cdf_rows(world.emitter_cdf, world.frame->emitter_count, slot, MCV_PAIR_CHOICE,
                         chosen + first, last - first, emitters + first);
 #endif
 }
 #endif
 
-MCV_LOOP_FUNCTION void mcv_put_shadow(mcv_slot slot, mcv_shadow shadow) {
+/* What comes to a path from the emitter that it has chosen. */
+MCV_LOOP_FUNCTION void mcv_put_shadow(mcv_world world, mcv_slot slot, mcv_receiver at, uint emitter,
+                                      mcv_shadow shadow) {
+    shadow = mcv_apply_selection(world, slot, at.point, emitter, shadow);
     MCV_STORE_3(slot, shadow_origin, shadow.origin);
     MCV_STORE_3(slot, shadow_direction, shadow.direction);
     MCV_WORD(slot, shadow_target, 0) = shadow.target;
@@ -128,21 +127,11 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_shadow_in(mcv_slot slot) {
     return shadow;
 }
 
-/* What comes to a path from its emitter. */
-MCV_LOOP_FUNCTION void mcv_put_selected(mcv_world world, mcv_slot slot, mcv_receiver at,
-                                        uint emitter, mcv_shadow shadow) {
-    mcv_put_shadow(slot, mcv_apply_selection(world, slot, at.point, emitter, shadow));
-}
-
-static __attribute__((noinline)) void mcv_sample_emitter_alone(mcv_world world, uint *paths,
-                                                               uint index) {
-    mcv_slot slot;
-    slot.base = paths;
-    slot.index = index;
+static __attribute__((noinline)) void mcv_sample_emitter_alone(mcv_world world, mcv_slot slot) {
     const mcv_receiver at = mcv_receiver_of(mcv_make_interaction(world, slot));
     const uint emitter = MCV_WORD(slot, emitter, 0);
-    mcv_put_selected(world, slot, at, emitter,
-                     mcv_sample_towards(world, at, emitter, mcv_draw(slot, 0, MCV_PAIR_EMITTER)));
+    mcv_put_shadow(world, slot, at, emitter,
+                   mcv_sample_towards(world, at, emitter, mcv_draw(slot, 0, MCV_PAIR_EMITTER)));
 }
 
 /* Whether chosen paths, in ascending order, lie side by side: these are then read as rows. */
@@ -151,48 +140,45 @@ MCV_FUNCTION int mcv_is_row(const uint *chosen, uint count) {
 }
 
 /* The type of the emitter is known to the compiler, and whether the paths are a row. */
-MCV_LOOP_FUNCTION void mcv_sample_direction_row(mcv_world world, uint *paths, uint emitter,
+MCV_LOOP_FUNCTION void mcv_sample_direction_row(mcv_world world, mcv_slot slot, uint emitter,
                                                 uint type, const uint *chosen, uint count,
                                                 int row) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     const uint first = chosen[0];
-    mcv_slot slot;
-    slot.base = paths;
     MCV_VECTORIZE
     for (uint i = 0; i < count; ++i) {
         slot.index = row ? first + i : chosen[i];
         const mcv_receiver at = mcv_receiver_of(mcv_make_interaction(world, slot));
-        mcv_put_selected(
+        mcv_put_shadow(
             world, slot, at, emitter,
             mcv_sample_direction(world, at, e, type, mcv_draw(slot, 0, MCV_PAIR_EMITTER)));
     }
 }
 
 /* The chosen paths look for an emitter in a direction. */
-static __attribute__((noinline)) void
-mcv_sample_directions(mcv_world world, uint *paths, uint emitter, const uint *chosen, uint count) {
+static __attribute__((noinline)) void mcv_sample_directions(mcv_world world, mcv_slot slot,
+                                                            uint emitter, const uint *chosen,
+                                                            uint count) {
     const uint type = world.emitters[emitter].type;
     const int row = mcv_is_row(chosen, count);
 #define MCV_X(TYPE, sample) \
     if (type == TYPE && row) \
-        mcv_sample_direction_row(world, paths, emitter, TYPE, chosen, count, 1); \
+        mcv_sample_direction_row(world, slot, emitter, TYPE, chosen, count, 1); \
     else if (type == TYPE) \
-        mcv_sample_direction_row(world, paths, emitter, TYPE, chosen, count, 0);
+        mcv_sample_direction_row(world, slot, emitter, TYPE, chosen, count, 0);
     MCV_DIRECTION_SAMPLERS(MCV_X)
 #undef MCV_X
-    (void)paths, (void)type, (void)row;
+    (void)slot, (void)type, (void)row;
 }
 
 #if MCV_WITH_EMISSION
 /* `found` holds the triangles that the paths have chosen unless the emitter is a rectangle. Whether
  * it is, and whether the paths are a row, is known to the compiler. */
-MCV_LOOP_FUNCTION void mcv_sample_point_row(mcv_world world, uint *paths, uint emitter,
+MCV_LOOP_FUNCTION void mcv_sample_point_row(mcv_world world, mcv_slot slot, uint emitter,
                                             int rectangle, const uint *found, const uint *chosen,
                                             uint count, int row) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     const uint first = chosen[0];
-    mcv_slot slot;
-    slot.base = paths;
     (void)rectangle, (void)found;
 #if MCV_WITH_RECTANGLE
     mcv_facets two;
@@ -212,7 +198,7 @@ MCV_LOOP_FUNCTION void mcv_sample_point_row(mcv_world world, uint *paths, uint e
 #endif
             point = mcv_point_on_mesh(world, e, found[i], pair);
         const mcv_shadow shadow = mcv_sample_point(at, e, point, &there);
-        mcv_put_selected(world, slot, at, emitter, shadow);
+        mcv_put_shadow(world, slot, at, emitter, shadow);
 #if MCV_WITH_TEXTURE
         /* For mcv_light_points. */
         MCV_WORD(slot, place, 0) = there.triangle;
@@ -225,10 +211,8 @@ MCV_LOOP_FUNCTION void mcv_sample_point_row(mcv_world world, uint *paths, uint e
 
 #if MCV_WITH_TEXTURE
 /* The light of the points of an emitter with an image. */
-static __attribute__((noinline)) void mcv_light_points(mcv_world world, uint *paths, uint emitter,
+static __attribute__((noinline)) void mcv_light_points(mcv_world world, mcv_slot slot, uint emitter,
                                                        const uint *chosen, uint count) {
-    mcv_slot slot;
-    slot.base = paths;
     for (uint i = 0; i < count; ++i) {
         slot.index = chosen[i];
         const mcv_receiver at = mcv_receiver_of(mcv_make_interaction(world, slot));
@@ -237,87 +221,73 @@ static __attribute__((noinline)) void mcv_light_points(mcv_world world, uint *pa
         mcv_shadow shadow = mcv_shadow_in(slot);
         shadow.density = MCV_LOAD(slot, place, 3);
         shadow.light = mcv_light_by_image(world, at.point, there, emitter, shadow.density);
-        mcv_put_selected(world, slot, at, emitter, shadow);
+        mcv_put_shadow(world, slot, at, emitter, shadow);
     }
 }
 #endif
 
 /* The chosen paths look for an emitter at points of its surface. */
-static __attribute__((noinline)) void mcv_sample_points(mcv_world world, uint *paths, uint emitter,
-                                                        const uint *chosen, uint count) {
+static __attribute__((noinline)) void
+mcv_sample_points(mcv_world world, mcv_slot slot, uint emitter, const uint *chosen, uint count) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     uint found[MCV_SLOTS];
     if (mcv_is_rectangle(e) && mcv_is_row(chosen, count)) {
-        mcv_sample_point_row(world, paths, emitter, 1, found, chosen, count, 1);
+        mcv_sample_point_row(world, slot, emitter, 1, found, chosen, count, 1);
     } else if (mcv_is_rectangle(e)) {
-        mcv_sample_point_row(world, paths, emitter, 1, found, chosen, count, 0);
+        mcv_sample_point_row(world, slot, emitter, 1, found, chosen, count, 0);
     } else {
-        mcv_search_cdf_rows(world.emitter_cdf + e->cdf, e->triangle_count, paths, MCV_PAIR_EMITTER,
+        mcv_search_cdf_rows(world.emitter_cdf + e->cdf, e->triangle_count, slot, MCV_PAIR_EMITTER,
                             chosen, count, found);
-        mcv_sample_point_row(world, paths, emitter, 0, found, chosen, count, 0);
+        mcv_sample_point_row(world, slot, emitter, 0, found, chosen, count, 0);
     }
 #if MCV_WITH_TEXTURE
-    if (mcv_has_image(e)) mcv_light_points(world, paths, emitter, chosen, count);
+    if (mcv_has_image(e)) mcv_light_points(world, slot, emitter, chosen, count);
 #endif
 }
 #endif
 
 #if MCV_WITH_PARALLEL
-/* Lists those of the chosen paths that look for a parallel emitter in a direction; returns how
- * many, and leaves the others as chosen ones. */
-static __attribute__((noinline)) uint mcv_list_directions(mcv_world world, uint *paths,
-                                                          uint emitter, uint *chosen, uint *count,
-                                                          uint *listed) {
+/* The chosen paths look for a parallel emitter in a direction, or at points of its surface. */
+static __attribute__((noinline)) void mcv_sample_parallel_rows(mcv_world world, mcv_slot slot,
+                                                               uint emitter, const uint *chosen,
+                                                               uint count) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
-    uint by_direction[MCV_ROW], by_point[MCV_ROW];
-    mcv_slot slot;
-    slot.base = paths;
+    uint by_direction[MCV_ROW], by_point[MCV_ROW], listed[MCV_ROW];
     MCV_VECTORIZE
-    for (uint i = 0; i < *count; ++i) {
+    for (uint i = 0; i < count; ++i) {
         slot.index = chosen[i];
-        const int direction = mcv_samples_cone(e, MCV_LOAD_3(slot, point));
+        const int direction = mcv_samples_direction(e, MCV_LOAD_3(slot, point));
         by_direction[i] = (uint)direction;
         by_point[i] = (uint)!direction;
     }
-    const uint listed_count = mcv_compact_row(by_direction, chosen, *count, listed);
-    *count = mcv_compact_row(by_point, chosen, *count, chosen);
-    return listed_count;
+    const uint directions = mcv_compact_row(by_direction, chosen, count, listed);
+    if (directions > 0) mcv_sample_directions(world, slot, emitter, listed, directions);
+    const uint points = mcv_compact_row(by_point, chosen, count, listed);
+    if (points > 0) mcv_sample_points(world, slot, emitter, listed, points);
 }
 #endif
 
-/* The chosen paths look for one emitter; *chosen is of no account afterwards. */
-static __attribute__((noinline)) void
-mcv_sample_emitter_row(mcv_world world, uint *paths, uint emitter, uint *chosen, uint count) {
+/* The chosen paths look for one emitter. */
+static __attribute__((noinline)) void mcv_sample_emitter_row(mcv_world world, mcv_slot slot,
+                                                             uint emitter, const uint *chosen,
+                                                             uint count) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
 #if MCV_WITH_PARALLEL
-    if (e->type == MCV_EMITTER_PARALLEL && e->parallel.from_receiver) {
-        uint cones[MCV_ROW];
-        const uint listed = mcv_list_directions(world, paths, emitter, chosen, &count, cones);
-        if (listed > 0) mcv_sample_directions(world, paths, emitter, cones, listed);
-    } else
-#endif
-        if (mcv_samples_direction(e, mcv_vec(0.0f, 0.0f, 0.0f))) {
-        mcv_sample_directions(world, paths, emitter, chosen, count);
+    if (e->type == MCV_EMITTER_PARALLEL) {
+        mcv_sample_parallel_rows(world, slot, emitter, chosen, count);
         return;
     }
+#endif
+    if (mcv_samples_direction(e, mcv_vec(0.0f, 0.0f, 0.0f)))
+        mcv_sample_directions(world, slot, emitter, chosen, count);
 #if MCV_WITH_EMISSION
-    if (count > 0) mcv_sample_points(world, paths, emitter, chosen, count);
+    else
+        mcv_sample_points(world, slot, emitter, chosen, count);
 #endif
 }
 
-/* Lists the paths in the slots first … last - 1 that look for an emitter; returns how many. */
-static __attribute__((noinline)) uint mcv_list_sampling(const uint *emitters, uint first, uint last,
-                                                        uint emitter, uint *listed) {
-    uint looks[MCV_ROW];
-    MCV_VECTORIZE
-    for (uint i = first; i < last; ++i) looks[i - first] = emitters[i] == emitter;
-    const uint count = mcv_compact_indices(looks, last - first, listed);
-    MCV_VECTORIZE
-    for (uint i = 0; i < count; ++i) listed[i] += first;
-    return count;
-}
-
-/* The same of many emitters: those that look for emitter k begin at begins[k] in `sorted`. */
+/* Sorts the paths in the slots first … last - 1 by the emitter that they look for, in ascending
+ * order: those of emitter k begin at begins[k]. */
 static __attribute__((noinline)) void mcv_sort_by_emitter(const uint *emitters, uint first,
                                                           uint last, uint count, uint *begins,
                                                           uint *sorted) {
@@ -336,33 +306,27 @@ static __attribute__((noinline)) void mcv_sort_by_emitter(const uint *emitters, 
 /* What comes to the paths in the slots first … last - 1 from the emitters that they look for:
  * together, unless these are so many that few paths look for the same one, or surfaces in the same
  * place move where shadow rays begin. */
-static __attribute__((noinline)) void mcv_sample_emitter_rows(mcv_world world, uint *paths,
+static __attribute__((noinline)) void mcv_sample_emitter_rows(mcv_world world, mcv_slot slot,
                                                               uint first, uint last) {
-    const uint *emitters = paths + MCV_PATH_emitter * MCV_ROW;
+    const uint *emitters = slot.base + MCV_PATH_emitter * MCV_ROW;
     const uint count = world.frame->emitter_count;
-    uint begins[MCV_MOST_SORTED + 1], sorted[MCV_SLOTS], chosen[MCV_ROW];
+    uint begins[MCV_MOST_SORTED + 1], sorted[MCV_ROW];
     if (MCV_WITH_CONTACT || count > MCV_MOST_SORTED) {
-        for (uint i = first; i < last; ++i)
-            if (emitters[i] != MCV_NONE) mcv_sample_emitter_alone(world, paths, i);
+        for (slot.index = first; slot.index < last; ++slot.index)
+            if (emitters[slot.index] != MCV_NONE) mcv_sample_emitter_alone(world, slot);
         return;
     }
-    const int sorts = count > MCV_MOST_REACHING;
-    if (sorts) mcv_sort_by_emitter(emitters, first, last, count, begins, sorted);
-    for (uint emitter = 0; first < last && emitter < count; ++emitter) {
-        const uint listed = sorts ? begins[emitter + 1u] - begins[emitter]
-                                  : mcv_list_sampling(emitters, first, last, emitter, chosen);
-        for (uint i = 0; sorts && i < listed; ++i) chosen[i] = sorted[begins[emitter] + i];
-        if (listed > 0) mcv_sample_emitter_row(world, paths, emitter, chosen, listed);
-    }
+    mcv_sort_by_emitter(emitters, first, last, count, begins, sorted);
+    for (uint k = 0; k < count; ++k)
+        if (begins[k + 1u] > begins[k])
+            mcv_sample_emitter_row(world, slot, k, sorted + begins[k], begins[k + 1u] - begins[k]);
 }
 
 #if MCV_WITH_PLAIN
 /* Whether the paths in the slots first … last - 1, whose surfaces are of one kind, have a shadow
  * ray to follow. */
-MCV_LOOP_FUNCTION void mcv_make_shadow_range(mcv_world world, uint *paths, uint first, uint last,
+MCV_LOOP_FUNCTION void mcv_make_shadow_range(mcv_world world, mcv_slot slot, uint first, uint last,
                                              mcv_shading shading, uint *casts) {
-    mcv_slot slot;
-    slot.base = paths;
     MCV_VECTORIZE_MASKED
     for (uint i = first; i < last; ++i) {
         slot.index = i;
@@ -373,15 +337,14 @@ MCV_LOOP_FUNCTION void mcv_make_shadow_range(mcv_world world, uint *paths, uint 
 }
 
 /* Lists those of the paths on plain surfaces that have a shadow ray to follow; returns how many. */
-static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, uint *paths,
+static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, mcv_slot slot,
                                                              const uint *class_end, uint gloss,
                                                              uint *shadows) {
     uint casts[MCV_ROW];
     const uint begin = class_end[MCV_CLASS_SMOOTH_EXACT],
                end = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
     (void)gloss;
-#define MCV_X(first, last, shading) \
-    mcv_make_shadow_range(world, paths, first, last, shading, casts);
+#define MCV_X(first, last, shading) mcv_make_shadow_range(world, slot, first, last, shading, casts);
     MCV_PLAIN_RANGES(MCV_X, world, class_end, gloss)
 #undef MCV_X
     const uint listed = mcv_compact_indices(casts + begin, end - begin, shadows);

@@ -551,14 +551,14 @@ static __attribute__((noinline)) uint mcv_sample_emitters(mcv_world world, mcv_s
     uint shadow_count = 0, first = class_end[MCV_CLASS_SMOOTH_EXACT];
     (void)gloss;
 #if MCV_WITH_PLAIN
-    mcv_select_plain_emitters(world, slot.base, class_end, gloss);
-    mcv_sample_emitter_rows(world, slot.base, first, class_end[MCV_CLASS_DIFFUSE_TRIANGLE]);
-    shadow_count = mcv_list_plain_shadows(world, slot.base, class_end, gloss, shadows);
+    mcv_select_plain_emitters(world, slot, class_end, gloss);
+    mcv_sample_emitter_rows(world, slot, first, class_end[MCV_CLASS_DIFFUSE_TRIANGLE]);
+    shadow_count = mcv_list_plain_shadows(world, slot, class_end, gloss, shadows);
     first = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
 #endif
     for (slot.index = first; slot.index < alive; ++slot.index)
         MCV_WORD(slot, emitter, 0) = mcv_choose_emitter(world, slot, depth);
-    mcv_sample_emitter_rows(world, slot.base, first, alive);
+    mcv_sample_emitter_rows(world, slot, first, alive);
     for (slot.index = first; slot.index < alive; ++slot.index) {
         if (MCV_WORD(slot, emitter, 0) == MCV_NONE) continue;
         const mcv_interaction interaction = mcv_make_interaction(world, slot);
