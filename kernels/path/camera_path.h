@@ -27,10 +27,10 @@
 #define MCV_BRANCHES (MCV_WITH_SPLIT ? 4 : 1)
 
 /*
- * X(field, words): what a scene does not need has no words. A path of either kind has a ray, and
- * what belongs to the surface that the ray has met. Camera paths and light paths have words of
- * their own after each of these, in the same rows: a slice holds paths of one kind. All words
- * before the hit go on with the path to its next surface.
+ * X(field, words): what a scene does not need has no words. Paths of either kind have a ray, and
+ * the surface that it has met. In between lie words of their own, which camera paths and light
+ * paths use as they need: a slice holds paths of one kind. What lies before the hit goes on with
+ * the path to its next surface.
  */
 #define MCV_RAY_FIELDS(X) \
     X(origin_surface, MCV_WITH_SURFACES) /* the exact surface that the ray starts on \
@@ -59,9 +59,12 @@
     X(footprint, MCV_WITH_LIGHT_TRACING) /* of the pixel at the first diffuse surface [m²] */
 
 #define MCV_HIT_FIELDS(X) \
-    X(hit, 4)              /* t, u, v, triangle */ \
-    X(drawn, 6 * MCV_TILE) /* the surface's pairs of random numbers */ \
-    X(point, 3 * MCV_TILE) /* of the surface, as in mcv_surface */ \
+    X(hit, 4)                              /* t, u, v, triangle */ \
+    X(drawn, 6 * MCV_TILE)                 /* the surface's pairs of random numbers */ \
+    X(reflectance, MCV_CHANNELS *MCV_TILE) /* of a plain diffuse surface */ \
+    X(bounce, 4 * MCV_TILE) /* the direction in which the surface reflects if it is diffuse, and \
+                               its density */ \
+    X(point, 3 * MCV_TILE)  /* of the surface, as in mcv_surface */ \
     X(error, 3 * MCV_TILE) \
     X(area, MCV_TILE) \
     X(instance, MCV_TILE) \
@@ -70,14 +73,7 @@
     X(inside, MCV_TILE)                /* and how the ray sees it, as in mcv_interaction */ \
     X(face, 3 * MCV_TILE) \
     X(normal, 3 * MCV_TILE) \
-    X(gloss_known, MCV_TILE *MCV_WITH_GLOSS) \
-    X(reflectance, MCV_CHANNELS *MCV_TILE) /* of a plain diffuse surface */ \
-    X(bounce, 4 * MCV_TILE) /* the direction in which the surface reflects if it is diffuse, and \
-                               its density */ \
-    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT) /* ray to the emitter, or to the lens */ \
-    X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
-    X(shadow_origin_surface, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
-    X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */
+    X(gloss_known, MCV_TILE *MCV_WITH_GLOSS)
 
 #define MCV_CAMERA_HIT_FIELDS(X) \
     X(branch_state, (5 + MCV_CHANNELS) * MCV_TILE * \
@@ -86,9 +82,13 @@
     X(place, 4 * MCV_TILE * MCV_WITH_NEXT_EVENT * \
                  MCV_WITH_TEXTURE) /* a point on it: triangle, u, v, density of its choice */ \
     X(selection_here, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* at this surface */ \
-    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)            /* as in mcv_shadow */ \
+    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)                   /* ray to the emitter */ \
+    X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
+    X(shadow_origin_surface, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
+    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT) /* as in mcv_shadow */ \
     X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS \
-                        *MCV_WITH_DIELECTRIC) /* that it leaves the surface in */ \
+                        *MCV_WITH_DIELECTRIC)          /* that it leaves the surface in */ \
+    X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */ \
     X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing \
                                              before t = 1; MCV_SKY: nothing at all */
 
@@ -104,12 +104,6 @@
     X(light_replicate, MCV_LIGHT_ROWS)          /* that it counts for */ \
     X(light_class, MCV_LIGHT_ROWS)              /* MCV_LIGHT_… */ \
     X(light_length, MCV_LIGHT_ROWS)             /* so far [m] */
-
-/* Its connection to the lens, beside the shadow ray. */
-#define MCV_LIGHT_HIT_FIELDS(X) \
-    X(light_place, 2 * MCV_LIGHT_ROWS)                /* where it comes to on the film */ \
-    X(light_end, 3 * MCV_LIGHT_ROWS * MCV_WITH_SHEET) /* and on the lens [m] */ \
-    X(light_media, MCV_LIGHT_ROWS *MCV_WITH_SHEET)    /* that it leaves the surface in */
 
 /* Whether light paths lie in rows. Where beams come to the lens by themselves, colours part or
  * surfaces touch, they are traced one by one. */
@@ -147,12 +141,7 @@ enum {
     MCV_PATH_AFTER_camera = MCV_PATH_OWN - 1,
     MCV_LIGHT_FIELDS(MCV_PATH_OFFSET) MCV_PATH_LIGHT_END,
     MCV_PATH_AFTER_own = MCV_LARGER(MCV_PATH_CAMERA_END, MCV_PATH_LIGHT_END) - 1,
-    MCV_HIT_FIELDS(MCV_PATH_OFFSET) MCV_PATH_OWN_HIT,
-    MCV_PATH_AFTER_hits = MCV_PATH_OWN_HIT - 1,
-    MCV_CAMERA_HIT_FIELDS(MCV_PATH_OFFSET) MCV_PATH_CAMERA_HIT_END,
-    MCV_PATH_AFTER_camera_hit = MCV_PATH_OWN_HIT - 1,
-    MCV_LIGHT_HIT_FIELDS(MCV_PATH_OFFSET) MCV_PATH_LIGHT_HIT_END,
-    MCV_PATH_WORDS = MCV_LARGER(MCV_PATH_CAMERA_HIT_END, MCV_PATH_LIGHT_HIT_END)
+    MCV_HIT_FIELDS(MCV_PATH_OFFSET) MCV_CAMERA_HIT_FIELDS(MCV_PATH_OFFSET) MCV_PATH_WORDS
 };
 
 #if MCV_TILE

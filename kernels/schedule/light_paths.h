@@ -38,93 +38,16 @@ mcv_classify_light_hits(mcv_world world, mcv_slot slot, uint count, uint *class_
 #endif
 }
 
-/* Lists the paths that have a connection to the lens, and their shadow rays; returns how many. */
-static __attribute__((noinline)) uint mcv_list_connections(mcv_world world, mcv_slot slot,
-                                                           uint first, uint last, uint depth,
-                                                           uint *connected) {
-    uint count = 0;
-    for (slot.index = first; slot.index < last; ++slot.index) {
-        mcv_connection connection;
-        if (!mcv_connect_light_path(world, mcv_make_interaction(world, slot),
-                                    mcv_load_light_path(slot),
-                                    mcv_draw(slot, depth, MCV_PAIR_EMITTER), &connection))
-            continue;
-        MCV_STORE_3(slot, shadow_origin, connection.origin);
-        MCV_STORE_3(slot, shadow_direction, mcv_sub(connection.end, connection.origin));
-#if MCV_WITH_SHEET
-        MCV_STORE_3(slot, light_end, connection.end);
-        MCV_WORD(slot, light_media, 0) = connection.media;
-#endif
-#if MCV_WITH_SURFACES
-        MCV_WORD(slot, shadow_origin_surface, 0) = connection.origin_surface;
-#endif
-        MCV_STORE_COLOR(slot, shadow_light, connection.value);
-        MCV_STORE(slot, light_place, 0, connection.place.column);
-        MCV_STORE(slot, light_place, 1, connection.place.row);
-        connected[count++] = slot.index;
-    }
-    return count;
-}
-
-#if MCV_WITH_SHEET
-/* Follows a connection through plates; what is left of its light. */
-MCV_FUNCTION mcv_color mcv_follow_connection(mcv_world world, mcv_slot slot, uint depth,
-                                             uint counts[MCV_COUNTER_COUNT]) {
-    mcv_connection connection;
-    connection.origin = MCV_LOAD_3(slot, shadow_origin);
-    connection.end = MCV_LOAD_3(slot, light_end);
-    connection.media = MCV_WORD(slot, light_media, 0);
-    connection.origin_surface = MCV_NONE;
-#if MCV_WITH_SURFACES
-    connection.origin_surface = MCV_WORD(slot, shadow_origin_surface, 0);
-#endif
-    return mcv_connection_transmittance(world, connection, world.frame->depth - 1u - depth, counts);
-}
-#else
-/* What blocks the connections. */
-static __attribute__((noinline)) void mcv_intersect_connections(mcv_world world, mcv_slot slot,
-                                                                const uint *connected, uint count,
-                                                                mcv_hits hits) {
-    const mcv_rows origins = MCV_ROWS(slot, shadow_origin),
-                   directions = MCV_ROWS(slot, shadow_direction);
-    const uint first = count > 0u ? connected[0] : 0u,
-               last = count > 0u ? connected[count - 1u] + 1u : 0u;
-    mcv_begin_shadows(hits, first, last);
-    for (uint i = 0; i < count; ++i) hits.t[connected[i]] = as_uint(1.0f);
-    MCV_TRACE_ANY(world.nodes, world.leaves, origins, directions, connected, count, hits);
-#if MCV_WITH_SURFACES
-    mcv_shadows_past_solids(world, slot.base, first, last, 1, hits);
-#endif
-}
-#endif
-
-/* Adds what comes to the lens by connections that nothing blocks. */
-static __attribute__((noinline)) void mcv_trace_connections(mcv_world world, mcv_slot slot,
-                                                            const uint *connected, uint count,
-                                                            uint depth, __global uint *splats,
+/* Adds to the film what the paths send to the lens from surfaces that spread light. */
+static __attribute__((noinline)) void mcv_splat_light_paths(mcv_world world, mcv_slot slot,
+                                                            uint first, uint last, uint depth,
+                                                            __global uint *splats,
                                                             uint counts[MCV_COUNTER_COUNT]) {
-#if !MCV_WITH_SHEET
-    uint rows[4 * MCV_ROW];
-    const mcv_hits hits = mcv_hits_in(rows, MCV_ROW);
-    mcv_intersect_connections(world, slot, connected, count, hits);
-    counts[MCV_COUNTER_shadow_rays] += count;
-#endif
-    for (uint i = 0; i < count; ++i) {
-        slot.index = connected[i];
-        const mcv_film_point place = {MCV_LOAD(slot, light_place, 0),
-                                      MCV_LOAD(slot, light_place, 1)};
-        mcv_color value;
-        MCV_LOAD_COLOR(slot, shadow_light, value);
-#if MCV_WITH_SHEET
-        const mcv_color transmittance = mcv_follow_connection(world, slot, depth, counts);
-        if (!(mcv_brightest(transmittance) > 0.0f)) continue;
-        value = mcv_tint(value, transmittance);
-#else
-        if (hits.triangle[slot.index] != MCV_NONE) continue;
-#endif
-        mcv_splat(world, splats, MCV_WORD(slot, light_replicate, 0), place, value,
-                  mcv_draw(slot, depth, MCV_PAIR_CHOICE).x, counts);
-    }
+    for (slot.index = first; slot.index < last; ++slot.index)
+        mcv_splat_light_path(world, mcv_make_interaction(world, slot), mcv_load_light_path(slot),
+                             MCV_WORD(slot, light_replicate, 0), depth,
+                             mcv_draw(slot, depth, MCV_PAIR_EMITTER),
+                             mcv_draw(slot, depth, MCV_PAIR_CHOICE).x, splats, counts);
 }
 
 #if MCV_WITH_PLAIN || MCV_WITH_SMOOTH
@@ -204,7 +127,7 @@ static __attribute__((noinline)) void mcv_trace_light_slices(mcv_world world, ui
                                                              __global uint *splats,
                                                              uint counts[MCV_COUNTER_COUNT]) {
     uint paths[MCV_PATH_WORDS * MCV_ROW];
-    uint class_end[MCV_CLASS_COUNT], connected[MCV_SLOTS], gloss;
+    uint class_end[MCV_CLASS_COUNT], gloss;
     mcv_slot slot;
     slot.base = paths;
 #if MCV_WITH_GLOSS
@@ -221,9 +144,8 @@ static __attribute__((noinline)) void mcv_trace_light_slices(mcv_world world, ui
             mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_CHOICE);
             mcv_draw_pairs(paths, class_end[MCV_CLASS_SMOOTH_EXACT], alive, depth,
                            MCV_PAIR_EMITTER);
-            const uint count = mcv_list_connections(world, slot, class_end[MCV_CLASS_SMOOTH_EXACT],
-                                                    alive, depth, connected);
-            mcv_trace_connections(world, slot, connected, count, depth, splats, counts);
+            mcv_splat_light_paths(world, slot, class_end[MCV_CLASS_SMOOTH_EXACT], alive, depth,
+                                  splats, counts);
             mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_SCATTER);
 #if MCV_WITH_DIFFUSE
             mcv_sample_diffuse_directions(paths, class_end[MCV_CLASS_SMOOTH_EXACT], alive);

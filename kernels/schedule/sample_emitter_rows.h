@@ -7,126 +7,15 @@
 #define MCVISI_KERNELS_SAMPLE_EMITTER_ROWS_H
 
 #include "schedule/compact.h"
-#include "schedule/ranges.h"
+#include "schedule/select_emitter_rows.h"
+#include "schedule/shadow_rows.h"
 #include "stage/sample_emitters.h"
 
 /* Of so many emitters each has some four paths of a slice that look for it; of more, too few to be
  * worked out together. */
 #define MCV_MOST_SORTED (MCV_SLICE / 4u)
 
-/* mcv_search_cdf for the chosen paths, by the numbers drawn for a pair. */
-static inline __attribute__((noinline)) void mcv_search_cdf_rows(__global const uint *cdf,
-                                                                 uint count, mcv_slot slot,
-                                                                 uint pair, const uint *chosen,
-                                                                 uint chosen_count, uint *found) {
-    for (uint i = 0; i < chosen_count; ++i) found[i] = 0;
-    for (uint digit = mcv_cdf_digit(count); digit > 0; digit /= 2) {
-        MCV_VECTORIZE
-        for (uint i = 0; i < chosen_count; ++i) {
-            slot.index = chosen[i];
-            const mcv_pair drawn = mcv_draw(slot, 0, pair);
-            found[i] = mcv_cdf_step(cdf, count, found[i], digit, mcv_cdf_bits(drawn.x, drawn.y));
-        }
-    }
-}
-
-#if MCV_WITH_PLAIN
-#if MCV_WITH_REACH
-/* mcv_select_emitter for the paths in the slots first … last - 1; both sides of the surfaces of
- * those from two_sided to two_sided_end spread light. */
-static __attribute__((noinline)) void mcv_select_emitter_rows(mcv_world world, mcv_slot slot,
-                                                              uint first, uint last, uint two_sided,
-                                                              uint two_sided_end) {
-    const uint count = min(world.frame->emitter_count, (uint)MCV_MOST_REACHING);
-    float importances[MCV_MOST_REACHING][MCV_SLOTS], sums[MCV_SLOTS], numbers[MCV_SLOTS];
-    for (uint i = first; i < last; ++i) sums[i] = numbers[i] = 0.0f;
-    for (uint k = 0; k < count; ++k) {
-        __global const mcv_device_emitter *e = world.emitters + k;
-        float *of_emitter = importances[k];
-        MCV_VECTORIZE
-        for (uint i = first; i < last; ++i) {
-            slot.index = i;
-            mcv_reaching all = {sums[i], numbers[i]};
-            const int is_two_sided = (i >= two_sided) & (i < two_sided_end);
-            of_emitter[i] =
-                mcv_add_reaching(e, MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, face),
-                                 MCV_LOAD_3(slot, normal), is_two_sided ? 2u : 1u, &all);
-            sums[i] = all.sum;
-            numbers[i] = all.count;
-        }
-    }
-    MCV_VECTORIZE
-    for (uint i = first; i < last; ++i) {
-        slot.index = i;
-        const mcv_reaching all = {sums[i], numbers[i]};
-        mcv_put_selection(slot, mcv_make_light_selection(all));
-        MCV_WORD(slot, emitter, 0) = MCV_NONE;
-        MCV_STORE_COLOR(slot, shadow_light, mcv_grey(0.0f));
-        sums[i] = 0.0f; /* of the chances of those asked */
-    }
-    for (uint k = 0; k < count; ++k) {
-        const float *of_emitter = importances[k];
-        MCV_VECTORIZE
-        for (uint i = first; i < last; ++i) {
-            slot.index = i;
-            const mcv_emitter_choice so_far = {MCV_WORD(slot, emitter, 0), sums[i]};
-            const mcv_emitter_choice choice =
-                mcv_ask_emitter(so_far, k, of_emitter[i], mcv_selection_in(slot),
-                                MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE));
-            MCV_WORD(slot, emitter, 0) = choice.emitter;
-            sums[i] = choice.chances;
-        }
-    }
-}
-#endif
-
-/* mcv_pick_emitter for the paths on plain surfaces. What these leave to light paths is left out
- * where they make shadow rays (mcv_respond_as). */
-static __attribute__((noinline)) void mcv_select_plain_emitters(mcv_world world, mcv_slot slot,
-                                                                const uint *class_end, uint gloss) {
-    const uint first = class_end[MCV_CLASS_SMOOTH_EXACT],
-               last = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
-    uint *emitters = slot.base + MCV_PATH_emitter * MCV_ROW;
-    (void)gloss;
-    if (world.frame->emitter_count == 1u) {
-        for (uint i = first; i < last; ++i) emitters[i] = 0u;
-        return;
-    }
-#if MCV_WITH_REACH
-    const int two_sided = gloss != MCV_NONE && world.materials[gloss].scattering_sides == 2u;
-    mcv_select_emitter_rows(world, slot, first, last, class_end[MCV_CLASS_DIFFUSE_EXACT],
-                            two_sided ? class_end[MCV_CLASS_GLOSS_TRIANGLE]
-                                      : class_end[MCV_CLASS_DIFFUSE_EXACT]);
-#else
-    uint chosen[MCV_SLOTS];
-    for (uint i = first; i < last; ++i) chosen[i] = i;
-    mcv_search_cdf_rows(world.emitter_cdf, world.frame->emitter_count, slot, MCV_PAIR_CHOICE,
-                        chosen + first, last - first, emitters + first);
-#endif
-}
-#endif
-
-/* What comes to a path from the emitter that it has chosen. */
-MCV_LOOP_FUNCTION void mcv_put_shadow(mcv_world world, mcv_slot slot, mcv_receiver at, uint emitter,
-                                      mcv_shadow shadow) {
-    shadow = mcv_apply_selection(world, slot, at.point, emitter, shadow);
-    MCV_STORE_3(slot, shadow_origin, shadow.origin);
-    MCV_STORE_3(slot, shadow_direction, shadow.direction);
-    MCV_WORD(slot, shadow_target, 0) = shadow.target;
-    MCV_STORE_COLOR(slot, shadow_light, shadow.light);
-    MCV_STORE(slot, shadow_density, 0, shadow.density);
-}
-
-MCV_LOOP_FUNCTION mcv_shadow mcv_shadow_in(mcv_slot slot) {
-    mcv_shadow shadow;
-    shadow.origin = MCV_LOAD_3(slot, shadow_origin);
-    shadow.direction = MCV_LOAD_3(slot, shadow_direction);
-    shadow.target = MCV_WORD(slot, shadow_target, 0);
-    MCV_LOAD_COLOR(slot, shadow_light, shadow.light);
-    shadow.density = MCV_LOAD(slot, shadow_density, 0);
-    return shadow;
-}
-
+/* One path. */
 static __attribute__((noinline)) void mcv_sample_emitter_alone(mcv_world world, mcv_slot slot) {
     const mcv_receiver at = mcv_receiver_of(mcv_make_interaction(world, slot));
     const uint emitter = MCV_WORD(slot, emitter, 0);
@@ -273,7 +162,7 @@ static __attribute__((noinline)) void mcv_sample_emitter_row(mcv_world world, mc
                                                              uint count) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
 #if MCV_WITH_PARALLEL
-    if (e->type == MCV_EMITTER_PARALLEL) {
+    if (e->type == MCV_EMITTER_PARALLEL && e->parallel.from_receiver) {
         mcv_sample_parallel_rows(world, slot, emitter, chosen, count);
         return;
     }
@@ -286,8 +175,20 @@ static __attribute__((noinline)) void mcv_sample_emitter_row(mcv_world world, mc
 #endif
 }
 
-/* Sorts the paths in the slots first … last - 1 by the emitter that they look for, in ascending
- * order: those of emitter k begin at begins[k]. */
+/* Lists the paths in the slots first … last - 1 that look for an emitter; returns how many. */
+static __attribute__((noinline)) uint mcv_list_sampling(const uint *emitters, uint first, uint last,
+                                                        uint emitter, uint *listed) {
+    uint looks[MCV_ROW];
+    MCV_VECTORIZE
+    for (uint i = first; i < last; ++i) looks[i - first] = emitters[i] == emitter;
+    const uint count = mcv_compact_indices(looks, last - first, listed);
+    MCV_VECTORIZE
+    for (uint i = 0; i < count; ++i) listed[i] += first;
+    return count;
+}
+
+/* The same for many emitters at once: sorts the paths in the slots first … last - 1 by the emitter
+ * that they look for, in ascending order: those of emitter k begin at begins[k]. */
 static __attribute__((noinline)) void mcv_sort_by_emitter(const uint *emitters, uint first,
                                                           uint last, uint count, uint *begins,
                                                           uint *sorted) {
@@ -316,41 +217,14 @@ static __attribute__((noinline)) void mcv_sample_emitter_rows(mcv_world world, m
             if (emitters[slot.index] != MCV_NONE) mcv_sample_emitter_alone(world, slot);
         return;
     }
-    mcv_sort_by_emitter(emitters, first, last, count, begins, sorted);
-    for (uint k = 0; k < count; ++k)
-        if (begins[k + 1u] > begins[k])
-            mcv_sample_emitter_row(world, slot, k, sorted + begins[k], begins[k + 1u] - begins[k]);
-}
-
-#if MCV_WITH_PLAIN
-/* Whether the paths in the slots first … last - 1, whose surfaces are of one kind, have a shadow
- * ray to follow. */
-MCV_LOOP_FUNCTION void mcv_make_shadow_range(mcv_world world, mcv_slot slot, uint first, uint last,
-                                             mcv_shading shading, uint *casts) {
-    MCV_VECTORIZE_MASKED
-    for (uint i = first; i < last; ++i) {
-        slot.index = i;
-        const mcv_interaction interaction = mcv_make_interaction(world, slot);
-        casts[i] =
-            (uint)mcv_make_shadow_ray(world, slot, &interaction, shading, mcv_shadow_in(slot));
+    const int few = count <= MCV_MOST_REACHING;
+    if (!few) mcv_sort_by_emitter(emitters, first, last, count, begins, sorted);
+    for (uint k = 0; first < last && k < count; ++k) {
+        const uint begin = few ? 0u : begins[k],
+                   listed = few ? mcv_list_sampling(emitters, first, last, k, sorted)
+                                : begins[k + 1u] - begin;
+        if (listed > 0) mcv_sample_emitter_row(world, slot, k, sorted + begin, listed);
     }
 }
-
-/* Lists those of the paths on plain surfaces that have a shadow ray to follow; returns how many. */
-static __attribute__((noinline)) uint mcv_list_plain_shadows(mcv_world world, mcv_slot slot,
-                                                             const uint *class_end, uint gloss,
-                                                             uint *shadows) {
-    uint casts[MCV_ROW];
-    const uint begin = class_end[MCV_CLASS_SMOOTH_EXACT],
-               end = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
-    (void)gloss;
-#define MCV_X(first, last, shading) mcv_make_shadow_range(world, slot, first, last, shading, casts);
-    MCV_PLAIN_RANGES(MCV_X, world, class_end, gloss)
-#undef MCV_X
-    const uint listed = mcv_compact_indices(casts + begin, end - begin, shadows);
-    for (uint i = 0; i < listed; ++i) shadows[i] += begin;
-    return listed;
-}
-#endif
 
 #endif

@@ -147,6 +147,21 @@ MCV_FUNCTION mcv_color mcv_connection_transmittance(mcv_world world, mcv_connect
     return blocked ? mcv_grey(0.0f) : transmittance;
 #endif
 }
+
+/* Adds to the film what a light path sends to the lens from the surface that it has met, the
+ * depth-th one. */
+MCV_FUNCTION void mcv_splat_light_path(mcv_world world, mcv_interaction interaction,
+                                       mcv_light_path path, uint replicate, uint depth,
+                                       mcv_pair pupil, float xi, __global uint *splats,
+                                       uint counts[MCV_COUNTER_COUNT]) {
+    mcv_connection connection;
+    if (!mcv_connect_light_path(world, interaction, path, pupil, &connection)) return;
+    const mcv_color transmittance =
+        mcv_connection_transmittance(world, connection, world.frame->depth - 1u - depth, counts);
+    if (mcv_brightest(transmittance) > 0.0f)
+        mcv_splat(world, splats, replicate, connection.place,
+                  mcv_tint(connection.value, transmittance), xi, counts);
+}
 #endif
 
 #endif

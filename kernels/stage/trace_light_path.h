@@ -157,15 +157,8 @@ MCV_FUNCTION void mcv_trace_light_path(mcv_world world, uint index, __global uin
         const mcv_world seen = world;
 #endif
 #if MCV_WITH_NEXT_EVENT
-        mcv_connection connection;
-        const mcv_pair pupil = mcv_light_pair(id, depth, MCV_PAIR_EMITTER);
-        if (mcv_connect_light_path(seen, interaction, path, pupil, &connection)) {
-            const mcv_color transmittance = mcv_connection_transmittance(
-                seen, connection, world.frame->depth - 1u - depth, counts);
-            if (mcv_brightest(transmittance) > 0.0f)
-                mcv_splat(world, splats, id.replicate, connection.place,
-                          mcv_tint(connection.value, transmittance), choice.x, counts);
-        }
+        mcv_splat_light_path(seen, interaction, path, id.replicate, depth,
+                             mcv_light_pair(id, depth, MCV_PAIR_EMITTER), choice.x, splats, counts);
 #endif
         const mcv_pair pair = mcv_light_pair(id, depth, MCV_PAIR_SCATTER);
         if (!mcv_shade_any_light_hit(seen, interaction, pair, choice, depth,
