@@ -40,8 +40,8 @@ typedef struct mcv_findings {
  * X(name), in the order in which they are looked for; each is a function mcv_find_NAME
  * (check/find.h).
  *
- * - unlit: emitters, flat ones and spots, whose light meets no mesh and no sensor's lens. Others
- * are not judged
+ * - unlit: emitters, flat ones and spots, whose light meets no mesh and no lens of a sensor;
+ *   others are not judged
  * - hidden: flat emitters behind a sensor, whose body would block their light; those whose back a
  *   sensor's axis meets
  * - bare_angle: cones of 0.1 rad or more, given as a number of one or two digits without a unit:
@@ -50,8 +50,8 @@ typedef struct mcv_findings {
  * - outside: sensors with no part in their field though the scene has parts
  * - defocus: sensors for which all parts in their field are blurred over more than 3 pixels
  * - large_pixel: pixels above 0.1 mm whose field is more than 10 times as wide as the widest part
- * - unit: parts more than 100 times as wide as a field in focus, fields wider than 10 m, or all
- * parts together smaller than what a pixel sees of it
+ * - unit: parts more than 100 times as wide as a field in focus; fields wider than 10 m; all parts
+ *   together smaller than what a pixel sees of it
  * - open_body: nodes of a dielectric whose triangles have edges without a partner
  * - flat_glass: curved bodies of a dielectric with flat facets
  * - thin_body: closed meshes of a material that stands for a thin pane
