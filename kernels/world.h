@@ -19,6 +19,11 @@
 #define MCV_JOIN_3(a, b, c) a##b##c
 #define MCV_JOIN(a, b, c) MCV_JOIN_3(a, b, c)
 
+/* An item of a list where the scene has a feature, MCV_WITH_…; else nothing. */
+#define MCV_WHERE_0(item)
+#define MCV_WHERE_1(item) item
+#define MCV_WHERE(feature, item) MCV_JOIN(MCV_WHERE_, feature, )(item)
+
 #if MCV_WITH_GLOSS
 #include "mcvisi/materials/microfacet.h"
 #endif

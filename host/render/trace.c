@@ -27,8 +27,9 @@ static mcv_result open_tracer(tracer *t, const mcv_scene *scene, size_t ray_coun
     MCV_TRY(mcv_cl_open(options->device, &t->cl, error));
     MCV_TRY(mcv_device_scene_begin(&t->cl, scene, options->threads, NULL, &t->scene, error));
     if (options->precision == MCV_PRECISION_MIXED) {
+        const mcv_feature_options mixed = {.mixed = true};
+        t->scene.packed.features = mcv_decide_features(scene, &t->scene.packed, NULL, mixed, NULL);
         MCV_TRY(mcv_device_scene_refine(&t->cl, scene, &t->scene, error));
-        t->scene.packed.features |= 1u << MCV_FEATURE_MIXED;
     }
     MCV_TRY(mcv_device_scene_finish(&t->cl, NULL, &t->scene, error));
     const mcv_packed *packed = &t->scene.packed;

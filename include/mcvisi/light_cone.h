@@ -15,6 +15,10 @@
 #include "mcvisi/tables.h"
 #include "mcvisi/vector.h"
 
+MCV_LOOP_FUNCTION mcv_vec3 mcv_ball_centre(mcv_ball ball) {
+    return mcv_vec(ball.centre[0], ball.centre[1], ball.centre[2]);
+}
+
 typedef struct mcv_cone {
     mcv_vec3 axis;
     float squared; /* sin²(β/2); 0: nothing */
@@ -31,7 +35,7 @@ MCV_LOOP_FUNCTION int mcv_is_in_cone(mcv_cone cone, mcv_vec3 direction) {
  */
 MCV_LOOP_FUNCTION mcv_cone mcv_cone_to(mcv_ball ball, mcv_vec3 from, mcv_cone own) {
     mcv_cone cone;
-    const mcv_vec3 way = mcv_sub(mcv_vec(ball.centre[0], ball.centre[1], ball.centre[2]), from);
+    const mcv_vec3 way = mcv_sub(mcv_ball_centre(ball), from);
     const float distance = mcv_sqrt(mcv_dot(way, way));
     const float sine = ball.radius / distance + 9.5367432e-7f; /* 2^-20 */
     own.own = 1;
@@ -70,30 +74,31 @@ MCV_FUNCTION mcv_aiming mcv_aim_at(MCV_CONSTANT const mcv_ball *balls, uint coun
 
 /*
  * A direction to one of the balls, and what is known of it (mcv_aim_at); *own becomes the cone that
- * was chosen. `cones`: room for one of each ball; xi, eta: in [0, 1).
+ * was chosen. xi, eta: in [0, 1).
  */
 MCV_FUNCTION mcv_vec3 mcv_aim_anywhere(MCV_CONSTANT const mcv_ball *balls, uint count,
                                        mcv_vec3 from, mcv_cone *own, float xi, float eta,
-                                       mcv_cone *cones, mcv_aiming *aimed) {
-    mcv_cone chosen = *own;
-    float sum = 0.0f, rest = 0.0f;
+                                       mcv_aiming *aimed) {
+    mcv_cone cones[MCV_MAX_BALLS], chosen = *own;
+    float sum = 0.0f, remainder = 0.0f;
     for (uint i = 0; i < count; ++i) {
         cones[i] = mcv_cone_to(balls[i], from, *own);
         sum += cones[i].squared;
     }
-    aimed->angle = 4.0f * MCV_PI * sum;
-    sum *= xi;
+    float ahead = xi * sum;
     chosen.squared = 0.0f;
-    for (uint i = 0; i < count && sum >= 0.0f; ++i) {
+    for (uint i = 0; i < count && ahead >= 0.0f; ++i) {
         if (!(cones[i].squared > 0.0f)) continue;
         chosen = cones[i];
-        rest = sum / cones[i].squared;
-        sum -= cones[i].squared;
+        remainder = ahead / cones[i].squared;
+        ahead -= cones[i].squared;
     }
     /* What is left of the number is as good as a new one. */
-    const mcv_vec3 direction = mcv_from_frame(
-        mcv_sample_cone(mcv_sqrt(chosen.squared), rest < 0.99999994f ? rest : 0.99999994f, eta),
-        chosen.axis);
+    const mcv_vec3 direction =
+        mcv_from_frame(mcv_sample_cone(mcv_sqrt(chosen.squared),
+                                       remainder < 0.99999994f ? remainder : 0.99999994f, eta),
+                       chosen.axis);
+    aimed->angle = 4.0f * MCV_PI * sum;
     aimed->within = 0;
     for (uint i = 0; i < count; ++i) aimed->within += (uint)mcv_is_in_cone(cones[i], direction);
     *own = chosen;

@@ -6,7 +6,9 @@
 #include "bsdf/dielectric.h"
 #include "bsdf/scattering.h"
 #include "path/sampler.h"
+#if MCV_WITH_GLOSS
 #include "bsdf/microfacet.h"
+#endif
 
 #if MCV_WITH_GLOSS
 /* A glossy surface as a ray meets it. */

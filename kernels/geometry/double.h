@@ -6,6 +6,7 @@
 
 #include "mcvisi/vector.h"
 
+#if MCV_WITH_MIXED
 typedef struct mcv_dvec {
     double x, y, z;
 } mcv_dvec;
@@ -66,5 +67,6 @@ MCV_LOOP_FUNCTION mcv_dvec mcv_whole(mcv_vec3 v, mcv_vec3 low) {
 MCV_LOOP_FUNCTION mcv_vec3 mcv_rest(mcv_dvec whole, mcv_vec3 v) {
     return mcv_narrow(mcv_sub_d(whole, mcv_widen(v)));
 }
+#endif
 
 #endif

@@ -13,27 +13,41 @@ MCV_FUNCTION uint mcv_cdf_bits(float xi, float other) {
     return (uint)(xi * 2147483648.0f) | ((uint)(other * 16777216.0f) & 127u);
 }
 
-/* Where between two shares bits lies that is so far above the lower one, in [0, 1). */
-MCV_FUNCTION float mcv_cdf_remainder(uint above, float width) {
-    const float share = (float)above / width;
+/*
+ * The i with cdf[i] <= bits < cdf[i + 1] is found from its highest binary digit down: from 0, by
+ * one step for each digit from mcv_cdf_digit on.
+ */
+MCV_LOOP_FUNCTION uint mcv_cdf_digit(uint count) {
+    uint digit = 1;
+    while (2 * digit < count) digit *= 2;
+    return digit;
+}
+
+MCV_LOOP_FUNCTION uint mcv_cdf_step(MCV_GLOBAL const uint *cdf, uint count, uint found, uint digit,
+                                    uint bits) {
+    const uint next = found + digit;
+    const int exists = next < count;
+    const int takes = exists & (cdf[exists ? next : 0u] <= bits);
+    return takes ? next : found;
+}
+
+/* Where bits lies between cdf[found] and cdf[found + 1], in [0, 1). */
+MCV_LOOP_FUNCTION float mcv_cdf_remainder(MCV_GLOBAL const uint *cdf, uint found, uint bits) {
+    const uint low = cdf[found];
+    const float share = (float)(bits - low) / (float)(cdf[found + 1u] - low);
     return share < 0.99999994f ? share : 0.99999994f;
 }
 
-/* The i with cdf[i] <= bits < cdf[i + 1], and where between them bits lies. */
-MCV_FUNCTION uint mcv_search_cdf(MCV_GLOBAL const uint *cdf, uint count, float xi, float other,
-                                 float *remainder) {
-    const uint bits = mcv_cdf_bits(xi, other);
-    uint low = 0;
-    uint high = count;
-    while (high - low > 1) {
-        const uint middle = (low + high) / 2;
-        if (cdf[middle] <= bits)
-            low = middle;
-        else
-            high = middle;
-    }
-    *remainder = mcv_cdf_remainder(bits - cdf[low], (float)(cdf[low + 1] - cdf[low]));
-    return low;
+MCV_FUNCTION uint mcv_search_cdf(MCV_GLOBAL const uint *cdf, uint count, uint bits) {
+    uint found = 0;
+    for (uint digit = mcv_cdf_digit(count); digit > 0; digit /= 2)
+        found = mcv_cdf_step(cdf, count, found, digit, bits);
+    return found;
+}
+
+/* The share of entry i. */
+MCV_LOOP_FUNCTION float mcv_cdf_share(MCV_GLOBAL const uint *cdf, uint i) {
+    return (float)(cdf[i + 1] - cdf[i]) * 4.656612873077393e-10f; /* 2^-31 */
 }
 
 /*

@@ -30,11 +30,6 @@ MCV_FUNCTION mcv_color mcv_environment_radiance(mcv_world world,
     return radiance;
 }
 
-/* The share of an entry in a table of cumulative shares. */
-MCV_FUNCTION float mcv_cdf_share(__global const uint *cdf, uint i) {
-    return (float)(cdf[i + 1] - cdf[i]) * 4.656612873077393e-10f; /* 2^-31 */
-}
-
 /* The cumulative shares of a row's pixels; those of the rows come first. */
 MCV_FUNCTION __global const uint *
 mcv_environment_row(mcv_world world, __global const mcv_device_emitter *e, uint row) {

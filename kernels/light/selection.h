@@ -60,43 +60,69 @@ MCV_LOOP_FUNCTION float mcv_emitter_importance(__global const mcv_device_emitter
     return e->power / mcv_fma(e->widening, mcv_dot(way, way), e->narrowest);
 }
 
-/* The chances at one receiver: scale * promise + least of each emitter that reaches it. */
+/* What reaches a receiver: the sum of the importances of so many emitters. */
+typedef struct mcv_reaching {
+    float sum, count;
+} mcv_reaching;
+
+/* An emitter's importance to a receiver, -1 where it does not reach it. `sides` as in
+ * mcv_emitter_reaches. */
+MCV_LOOP_FUNCTION float mcv_add_reaching(__global const mcv_device_emitter *e, mcv_vec3 receiver,
+                                         mcv_vec3 face, mcv_vec3 normal, uint sides,
+                                         mcv_reaching *all) {
+    const int reaches = mcv_emitter_reaches(e, receiver, face, normal, sides);
+    const float importance = mcv_emitter_importance(e, receiver);
+    all->sum += reaches ? importance : 0.0f;
+    all->count += reaches ? 1.0f : 0.0f;
+    return reaches ? importance : -1.0f;
+}
+
+/* The chances at one receiver: scale * importance + least of each emitter that reaches it. */
 typedef struct mcv_light_selection {
     float scale, least;
 } mcv_light_selection;
 
-/* From the sum of the promises of so many emitters that reach it. A sixteenth of all choices goes
- * to them in equal parts: what promises most may be hidden. */
-MCV_LOOP_FUNCTION mcv_light_selection mcv_make_light_selection(float sum, float reaching) {
+/* A sixteenth of all choices goes to the emitters in equal parts: what promises most may be hidden.
+ */
+MCV_LOOP_FUNCTION mcv_light_selection mcv_make_light_selection(mcv_reaching all) {
     mcv_light_selection selection;
-    selection.scale = sum > 0.0f ? 0.9375f / sum : 0.0f;
-    selection.least = (sum > 0.0f ? 0.0625f : 1.0f) / reaching;
+    selection.scale = all.sum > 0.0f ? 0.9375f / all.sum : 0.0f;
+    selection.least = (all.sum > 0.0f ? 0.0625f : 1.0f) / all.count;
     return selection;
 }
 
+/* The emitter that a number has chosen of those asked so far, and the chances of these: the first
+ * one whose chances, with those before it, exceed the number; for want of it the last one. */
+typedef struct mcv_emitter_choice {
+    uint emitter; /* MCV_NONE: none of them reaches the receiver */
+    float chances;
+} mcv_emitter_choice;
+
+MCV_LOOP_FUNCTION mcv_emitter_choice mcv_ask_emitter(mcv_emitter_choice so_far, uint emitter,
+                                                     float importance,
+                                                     mcv_light_selection selection, float xi) {
+    const int open = (so_far.emitter == MCV_NONE) | (so_far.chances <= xi),
+              takes = open & (importance >= 0.0f);
+    const float chance = mcv_fma(importance, selection.scale, selection.least);
+    so_far.emitter = takes ? emitter : so_far.emitter;
+    so_far.chances += takes ? chance : 0.0f;
+    return so_far;
+}
+
 /* The emitter at xi of all that reach the receiver, MCV_NONE where nothing does. */
-static uint mcv_select_emitter(mcv_world world, mcv_vec3 receiver, mcv_vec3 face, mcv_vec3 normal,
-                               uint sides, float xi, mcv_light_selection *selection) {
-    float promises[MCV_MOST_REACHING];
-    float sum = 0.0f, reaching = 0.0f;
-    for (uint i = 0; i < world.frame->emitter_count; ++i) {
-        __global const mcv_device_emitter *e = world.emitters + i;
-        promises[i] = mcv_emitter_reaches(e, receiver, face, normal, sides)
-                          ? mcv_emitter_importance(e, receiver)
-                          : -1.0f;
-        if (promises[i] < 0.0f) continue;
-        sum += promises[i];
-        reaching += 1.0f;
-    }
-    *selection = mcv_make_light_selection(sum, reaching);
-    uint chosen = MCV_NONE;
-    float before = 0.0f;
-    for (uint i = 0; i < world.frame->emitter_count && (chosen == MCV_NONE || before <= xi); ++i) {
-        if (promises[i] < 0.0f) continue;
-        before += mcv_fma(promises[i], selection->scale, selection->least);
-        chosen = i;
-    }
-    return chosen;
+MCV_FUNCTION uint mcv_select_emitter(mcv_world world, mcv_vec3 receiver, mcv_vec3 face,
+                                     mcv_vec3 normal, uint sides, float xi,
+                                     mcv_light_selection *selection) {
+    float importances[MCV_MOST_REACHING];
+    mcv_reaching all = {0.0f, 0.0f};
+    mcv_emitter_choice choice = {MCV_NONE, 0.0f};
+    const uint count = world.frame->emitter_count;
+    for (uint i = 0; i < count; ++i)
+        importances[i] = mcv_add_reaching(world.emitters + i, receiver, face, normal, sides, &all);
+    *selection = mcv_make_light_selection(all);
+    for (uint i = 0; i < count; ++i)
+        choice = mcv_ask_emitter(choice, i, importances[i], *selection, xi);
+    return choice.emitter;
 }
 
 /* How much more often than at large, where its chance is e->probability, such a receiver chooses an

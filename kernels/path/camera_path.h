@@ -27,34 +27,45 @@
 #define MCV_SPLIT_BRANCHES 4
 #define MCV_BRANCHES (MCV_WITH_SPLIT ? MCV_SPLIT_BRANCHES : 1)
 
-/* X(field, words): what a scene does not need has no words. Those before the hit go on with the
- * path to its next surface. */
-#define MCV_PATH_FIELDS(X) \
+/*
+ * X(field, words): what a scene does not need has no words. Paths of either kind have a ray, and
+ * the surface that it has met. In between lie words of their own, which camera paths and light
+ * paths use as they need: a slice holds paths of one kind. What lies before the hit goes on with
+ * the path to its next surface.
+ */
+#define MCV_RAY_FIELDS(X) \
     X(origin_surface, MCV_WITH_SURFACES) /* the exact surface that the ray starts on \
                                             (mcvisi/surfaces/solid.h), or MCV_NONE */ \
     X(stream, 1)                         /* of random numbers: pixel, replicate, seed */ \
     X(sample, 1) \
     X(origin_low, 3 * MCV_WITH_MIXED) /* what rounding leaves of the ray (geometry/precise.h) */ \
     X(direction_low, 3 * MCV_WITH_MIXED) \
-    X(origin, 3)              /* of the current ray [m] */ \
-    X(direction, 3)           /* unit */ \
+    X(origin, 3)                /* of the current ray [m] */ \
+    X(direction, 3)             /* unit */ \
+    X(throughput, MCV_CHANNELS) /* product of reflectances, transmittances … since the start */ \
+    X(media, MCV_WITH_DIELECTRIC) /* set of the media the ray is in */
+
+#define MCV_CAMERA_FIELDS(X) \
     X(weight, 1)              /* of the sensor's ray; 0: the path is not begun */ \
     X(radiance, MCV_CHANNELS) /* found so far, L/n² */ \
     X(branch, MCV_WITH_SPLIT) /* 0 … MCV_BRANCHES - 1: how often the path has split; a branch k: \
                                  MCV_BRANCHES + k, splits no more */ \
     X(value, MCV_TILE)        /* of the path in its slice */ \
-    X(throughput, MCV_CHANNELS) /* product of reflectances, transmittances … since the sensor */ \
-    X(media, MCV_WITH_DIELECTRIC)   /* set of the media the ray is in */ \
     X(density, MCV_WITH_NEXT_EVENT) /* with which the last surface chose the direction [1/sr]; 0: \
                                        it is smooth */ \
     X(selection, \
       2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* emitters' chances at the last surface that \
                                                    spread light (kernels/light/selection.h) */ \
-    X(path_class, MCV_WITH_LIGHT_TRACING)       /* MCV_TRAIL_… */ \
-    X(footprint, MCV_WITH_LIGHT_TRACING) /* of the pixel at the first diffuse surface [m²] */ \
-    X(hit, 4)                            /* t, u, v, triangle */ \
-    X(drawn, 6 * MCV_TILE)               /* the surface's pairs of random numbers */ \
-    X(point, 3 * MCV_TILE)               /* of the surface, as in mcv_surface */ \
+    X(path_class, MCV_WITH_LIGHT_TRACING)       /* MCV_PATH_CLASS_… */ \
+    X(footprint, MCV_WITH_LIGHT_TRACING) /* of the pixel at the first diffuse surface [m²] */
+
+#define MCV_HIT_FIELDS(X) \
+    X(hit, 4)                              /* t, u, v, triangle */ \
+    X(drawn, 6 * MCV_TILE)                 /* the surface's pairs of random numbers */ \
+    X(reflectance, MCV_CHANNELS *MCV_TILE) /* of a plain diffuse surface */ \
+    X(bounce, 4 * MCV_TILE) /* the direction in which the surface reflects if it is diffuse, and \
+                               its density */ \
+    X(point, 3 * MCV_TILE)  /* of the surface, as in mcv_surface */ \
     X(error, 3 * MCV_TILE) \
     X(area, MCV_TILE) \
     X(instance, MCV_TILE) \
@@ -63,28 +74,43 @@
     X(inside, MCV_TILE)                /* and how the ray sees it, as in mcv_interaction */ \
     X(face, 3 * MCV_TILE) \
     X(normal, 3 * MCV_TILE) \
-    X(gloss_known, MCV_TILE *MCV_WITH_GLOSS) \
+    X(gloss_known, MCV_TILE *MCV_WITH_GLOSS)
+
+#define MCV_CAMERA_HIT_FIELDS(X) \
     X(branch_state, (5 + MCV_CHANNELS) * MCV_TILE * \
                         MCV_WITH_SPLIT) /* direction, media, density and throughput of a branch */ \
-    X(reflectance, MCV_CHANNELS *MCV_TILE) /* of a plain diffuse surface */ \
-    X(bounce, 4 * MCV_TILE) /* the direction in which the surface reflects if it is diffuse, and \
-                               its density */ \
     X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path looks for, or MCV_NONE */ \
-    X(place, 3 * MCV_TILE * MCV_WITH_NEXT_EVENT * \
-                 MCV_WITH_TEXTURE)                   /* and where there (triangle, u, v) */ \
-    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT) /* as in mcv_shadow */ \
+    X(place, 4 * MCV_TILE * MCV_WITH_NEXT_EVENT * \
+                 MCV_WITH_TEXTURE) /* a point on it: triangle, u, v, density of its choice */ \
     X(selection_here, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* at this surface */ \
     X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)                   /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
-    X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS \
-                        *MCV_WITH_DIELECTRIC) /* that it leaves the surface in */ \
     X(shadow_origin_surface, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
-    X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing \
-                                             before t = 1; MCV_SKY: nothing at all */ \
+    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT) /* as in mcv_shadow */ \
+    X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS \
+                        *MCV_WITH_DIELECTRIC)          /* that it leaves the surface in */ \
     X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */ \
-    X(sensor_ray, \
-      (2 + 3 * MCV_WITH_SHEET) * MCV_TILE * \
-          MCV_WITH_LIGHT_TRACING) /* light paths: where on the film, and on the lens */
+    X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing \
+                                             before t = 1; MCV_SKY: nothing at all */
+
+#define MCV_PATH_FIELDS(X) \
+    MCV_RAY_FIELDS(X) MCV_CAMERA_FIELDS(X) MCV_HIT_FIELDS(X) MCV_CAMERA_HIT_FIELDS(X)
+
+/* Of a light path, whose fields have names that begin with light_. The stream schedule keeps these
+ * paths in registers. */
+#define MCV_LIGHT_FIELDS(X) \
+    X(light_flux, MCV_CHANNELS *MCV_LIGHT_ROWS) /* that has started [W] */ \
+    X(light_etendue, MCV_LIGHT_ROWS)            /* one over the density of its start [m² sr] */ \
+    X(light_emitter, MCV_LIGHT_ROWS)            /* where it has started */ \
+    X(light_replicate, MCV_LIGHT_ROWS)          /* that it counts for */ \
+    X(light_class, MCV_LIGHT_ROWS)              /* MCV_LIGHT_… */ \
+    X(light_length, MCV_LIGHT_ROWS)             /* so far [m] */
+
+/* Whether light paths lie in rows. Where beams come to the lens by themselves, colours part or
+ * surfaces touch, they are traced one by one. */
+#define MCV_LIGHT_ROWS \
+    (MCV_LEAVES_TOGETHER && MCV_WITH_LIGHT_TRACING && MCV_WITH_NEXT_EVENT && !MCV_WITH_BEAM && \
+     !MCV_WITH_DISPERSION)
 
 /*
  * What a camera path has met; diffuse is what is `wide`. Light paths bring the light of their
@@ -107,7 +133,17 @@ enum {
 
 #define MCV_PATH_OFFSET(field, words) \
     MCV_PATH_##field, MCV_PATH_AFTER_##field = MCV_PATH_##field + (words)-1,
-enum { MCV_PATH_FIELDS(MCV_PATH_OFFSET) MCV_PATH_WORDS };
+#define MCV_LARGER(a, b) ((a) > (b) ? (a) : (b))
+/* `AFTER` is the last word of a field, so that the next one follows. */
+enum {
+    MCV_RAY_FIELDS(MCV_PATH_OFFSET) MCV_PATH_OWN,
+    MCV_PATH_AFTER_ray = MCV_PATH_OWN - 1,
+    MCV_CAMERA_FIELDS(MCV_PATH_OFFSET) MCV_PATH_CAMERA_END,
+    MCV_PATH_AFTER_camera = MCV_PATH_OWN - 1,
+    MCV_LIGHT_FIELDS(MCV_PATH_OFFSET) MCV_PATH_LIGHT_END,
+    MCV_PATH_AFTER_own = MCV_LARGER(MCV_PATH_CAMERA_END, MCV_PATH_LIGHT_END) - 1,
+    MCV_HIT_FIELDS(MCV_PATH_OFFSET) MCV_CAMERA_HIT_FIELDS(MCV_PATH_OFFSET) MCV_PATH_WORDS
+};
 
 #if MCV_TILE
 #define MCV_PATH_SPACE __private

@@ -35,8 +35,8 @@ MCV_BATCH uint mcv_set_apart(const uint *paths, const uint *classes, uint kind, 
 #define MCV_LEAVES_BEGIN MCV_PATH_origin
 #define MCV_LEAVES_END (MCV_PATH_hit + 4)
 #else
-#define MCV_LEAVES_BEGIN MCV_PATH_weight
-#define MCV_LEAVES_END (MCV_WITH_ENVIRONMENT ? MCV_PATH_density : MCV_PATH_throughput)
+#define MCV_LEAVES_BEGIN (MCV_WITH_ENVIRONMENT ? MCV_PATH_throughput : MCV_PATH_weight)
+#define MCV_LEAVES_END MCV_PATH_density
 #endif
 
 /* Those of the paths end that have met nothing. */

@@ -15,8 +15,8 @@
  * MCV_BATCH is how a function is declared that holds such loops. It is not inlined: PoCL makes
  * three functions of a kernel, of which it calls one, and would compile each loop three times. For
  * AVX-512 it says, too, that registers of 16 lanes are wanted; tuned for Skylake to Ice Lake
- * clang 14 takes those of 8 otherwise. (Seen with clang 14 to 16; -mprefer-vector-width=512 would
- * do the same, but cannot be given to an OpenCL driver.)
+ * clang 14 takes those of 8 otherwise. (Seen with clang 14, and in PoCL with LLVM 15;
+ * -mprefer-vector-width=512 would do the same, but cannot be given to an OpenCL driver.)
  */
 #ifndef MCVISI_KERNELS_VECTORIZE_H
 #define MCVISI_KERNELS_VECTORIZE_H

@@ -13,363 +13,60 @@
 #ifndef MCVISI_KERNELS_SAMPLE_EMITTERS_H
 #define MCVISI_KERNELS_SAMPLE_EMITTERS_H
 
-#include "light/discrete.h"
-#include "light/emission.h"
-#include "light/environment.h"
-#include "path/identity.h"
-#include "geometry/interaction.h"
-#include "light/selection.h"
 #include "bsdf/shading.h"
+#include "geometry/interaction.h"
+#include "light/direction.h"
+#include "light/emission.h"
+#include "light/emitter_point.h"
+#include "light/selection.h"
+#include "path/identity.h"
 
 #if MCV_WITH_NEXT_EVENT
-/* Where an emitter is looked for from. */
-typedef struct mcv_receiver {
-    mcv_vec3 point, error, face;
-} mcv_receiver;
-
 MCV_LOOP_FUNCTION mcv_receiver mcv_receiver_of(mcv_interaction interaction) {
     const mcv_receiver at = {interaction.surface.point, interaction.surface.error,
                              interaction.face};
     return at;
 }
 
-typedef struct mcv_shadow {
-    mcv_vec3 origin, direction;
-    uint target;
-    mcv_color light; /* radiance over the density of the choice; 0: nothing comes */
-    float density; /* of the choice [1/sr]; 0: the only direction there is, and light is irradiance
-                      over the chance of the choice */
-} mcv_shadow;
-
-#if MCV_WITH_BEAM
-/* Back along the beam, where it goes through the receiver: the emitter must then be the closest
- * hit. */
-MCV_LOOP_FUNCTION mcv_shadow mcv_sample_beam_of(mcv_receiver at,
-                                                __global const mcv_device_emitter *e) {
-    mcv_shadow shadow;
-    const mcv_vec3 from_middle =
-        mcv_sub(at.point, mcv_vec(e->middle[0], e->middle[1], e->middle[2]));
-    shadow.direction = mcv_vec(-e->beam.axis[0], -e->beam.axis[1], -e->beam.axis[2]);
-    shadow.origin = mcv_offset_origin(at.point, at.error, at.face, shadow.direction);
-    shadow.target = e->instance;
-    shadow.density = 0.0f;
-    const int lit = mcv_collimated_beam_covers(&e->beam, from_middle);
-    MCV_EACH_CHANNEL(i) {
-        const float sent = e->radiance[i] / e->probability;
-        shadow.light.c[i] = lit ? sent : 0.0f;
-    }
-    return shadow;
-}
-#endif
-
-#if MCV_WITH_PUNCTUAL
-MCV_LOOP_FUNCTION mcv_shadow mcv_sample_spot_of(mcv_receiver at,
-                                                __global const mcv_device_emitter *e) {
-    mcv_shadow shadow;
-    const mcv_vec3 position =
-        mcv_vec(e->spot.position[0], e->spot.position[1], e->spot.position[2]);
-    const mcv_vec3 towards = mcv_sub(position, at.point);
-    const mcv_vec3 direction = mcv_normalize(towards);
-    shadow.origin = mcv_offset_origin(at.point, at.error, at.face, direction);
-    shadow.direction = mcv_sub(position, shadow.origin);
-    shadow.target = MCV_NONE;
-    shadow.density = 0.0f;
-    const float share = mcv_spot_evaluate(&e->spot, mcv_scale(direction, -1.0f)) *
-                        mcv_spot_attenuation(&e->spot, mcv_dot(towards, towards));
-    MCV_EACH_CHANNEL(i) shadow.light.c[i] = e->radiance[i] * share / e->probability;
-    return shadow;
-}
-
-MCV_LOOP_FUNCTION mcv_shadow mcv_sample_directional_of(mcv_receiver at,
-                                                       __global const mcv_device_emitter *e) {
-    mcv_shadow shadow;
-    const mcv_vec3 direction =
-        mcv_vec(-e->directional.axis[0], -e->directional.axis[1], -e->directional.axis[2]);
-    shadow.origin = mcv_offset_origin(at.point, at.error, at.face, direction);
-    shadow.direction = direction;
-    shadow.target = MCV_SKY;
-    shadow.density = 0.0f;
-    MCV_EACH_CHANNEL(i) shadow.light.c[i] = e->radiance[i] / e->probability;
-    return shadow;
-}
-#endif
-
-#if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
-/* What rounding puts into a neighbouring pixel counts as that one's. */
-static mcv_shadow mcv_sample_environment_of(mcv_world world, mcv_receiver at,
-                                            __global const mcv_device_emitter *e, mcv_pair pair) {
-    mcv_shadow shadow;
-    float xi, eta;
-    const uint row =
-        mcv_search_cdf(world.emitter_cdf + e->cdf, e->environment.height, pair.y, pair.x, &eta);
-    const uint column = mcv_search_cdf(mcv_environment_row(world, e, row), e->environment.width,
-                                       pair.x, pair.y, &xi);
-    shadow.direction = mcv_environment_sample(&e->environment, column, row, xi, eta);
-    shadow.origin = mcv_offset_origin(at.point, at.error, at.face, shadow.direction);
-    shadow.target = MCV_SKY;
-    const mcv_sky_pixel pixel = mcv_sky_pixel_at(e, shadow.direction);
-    shadow.density = mcv_environment_density(world, e, pixel);
-    shadow.light = mcv_grey(0.0f);
-    if (shadow.density > 0.0f)
-        shadow.light = mcv_dim(mcv_environment_radiance(world, e, pixel), 1.0f / shadow.density);
-    return shadow;
-}
-#endif
-
-#if MCV_WITH_PARALLEL
-/*
- * Whether a ray, of unit direction, may meet an emitter: it passes the middle at |way × direction|,
- * which rounds by γ(4) |way|, within its radius. The traversal rounds by γ(6) of the corners'
- * coordinates from the ray's origin (mcv_interaction_error).
- */
-MCV_LOOP_FUNCTION int mcv_may_hit(__global const mcv_device_emitter *e, mcv_vec3 origin,
-                                  mcv_vec3 direction) {
-    const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), origin);
-    const mcv_vec3 beside = mcv_cross(way, direction);
-    const float distance = mcv_abs(way.x) + mcv_abs(way.y) + mcv_abs(way.z);
-    const float within = mcv_fma(MCV_GAMMA(32), distance + e->radius, e->radius);
-    const int close = mcv_dot(beside, beside) <= within * within,
-              ahead = mcv_dot(way, direction) >= -within;
-    return close & ahead;
-}
-
-/* Most rays from beside a parallel beam pass the emitter by: they bring nothing. */
-MCV_LOOP_FUNCTION mcv_shadow mcv_sample_cone_of(mcv_receiver at,
-                                                __global const mcv_device_emitter *e,
-                                                mcv_pair pair) {
-    mcv_shadow shadow;
-    const mcv_vec3 axis = mcv_vec(e->parallel.axis[0], e->parallel.axis[1], e->parallel.axis[2]);
-    shadow.direction = mcv_scale(
-        mcv_from_frame(mcv_sample_cone(e->parallel.sin_half, pair.x, pair.y), axis), -1.0f);
-    shadow.origin = mcv_offset_origin(at.point, at.error, at.face, shadow.direction);
-    shadow.target = e->instance;
-    shadow.density = e->probability / e->parallel.solid_angle;
-    const int lit = mcv_may_hit(e, shadow.origin, shadow.direction);
-    MCV_EACH_CHANNEL(i) {
-        const float sent = e->radiance[i] / shadow.density;
-        shadow.light.c[i] = lit ? sent : 0.0f;
-    }
-    return shadow;
-}
-#endif
-
-#if MCV_WITH_EMISSION
-/*
- * Bound of the error with which a ray from the receiver meets the triangle of a place that has an
- * error itself, per coordinate. The traversal works on the corners relative to the ray's origin, of
- * which R is the largest coordinate: shearing them rounds by γ(6) R, the depth by 12 u R
- * (mcv_intersect_leaf), the ray's end and t itself by 4 u R. Close to the world's origin this is
- * more than the error of the point.
- */
-MCV_LOOP_FUNCTION mcv_vec3 mcv_interaction_error(mcv_vec3 receiver, mcv_facet facet,
-                                                 mcv_vec3 error) {
-    float largest = 0.0f;
-    const mcv_vec3 corners[3] = {facet.a, facet.b, facet.c};
-#pragma unroll
-    for (int i = 0; i < 3; ++i) {
-        const mcv_vec3 way = mcv_sub(corners[i], receiver);
-        const float flat = mcv_abs(way.x) > mcv_abs(way.y) ? mcv_abs(way.x) : mcv_abs(way.y);
-        const float far = mcv_abs(way.z) > flat ? mcv_abs(way.z) : flat;
-        largest = far > largest ? far : largest;
-    }
-    const float more = MCV_GAMMA(16) * largest;
-    return mcv_vec(error.x + more, error.y + more, error.z + more);
-}
-
-/* A place on an emitter. */
-typedef struct mcv_emitter_point {
-    mcv_facet facet;
-    float u, v;
-    float share;   /* of the choices by area, the facet's */
-    float density; /* with which it is chosen [1/sr]; 0: by area */
-} mcv_emitter_point;
-
-/* The place (xi, eta) of the unit square on a triangle, uniform by area. */
-MCV_LOOP_FUNCTION mcv_emitter_point mcv_emitter_point_on(mcv_facet facet, float share, float xi,
-                                                         float eta) {
-    mcv_emitter_point place;
-    const float root = mcv_sqrt(xi);
-    place.facet = facet;
-    place.u = root * (1.0f - eta);
-    place.v = root * eta;
-    place.share = share;
-    place.density = 0.0f;
-    return place;
-}
-
-/* Uniform by area. */
-MCV_FUNCTION mcv_emitter_point mcv_choose_emitter_point(mcv_world world,
-                                                        __global const mcv_device_emitter *e,
-                                                        mcv_pair pair) {
-    float xi;
-    const uint triangle =
-        world.instances[e->instance].first_triangle +
-        mcv_search_cdf(world.emitter_cdf + e->cdf, e->triangle_count, pair.x, pair.y, &xi);
-    return mcv_emitter_point_on(mcv_facet_of(world, triangle),
-                                mcv_triangle_share(world, e, triangle), xi, pair.y);
-}
-
-#if MCV_WITH_RECTANGLE
-/* The two triangles of a rectangle, and their shares. */
-typedef struct mcv_facets {
-    mcv_facet first, second;
-    float first_share, second_share;
-} mcv_facets;
-
-MCV_LOOP_FUNCTION mcv_facets mcv_facets_of(mcv_world world, __global const mcv_device_emitter *e) {
-    mcv_facets two;
-    const uint first = world.instances[e->instance].first_triangle;
-    two.first = mcv_facet_of(world, first);
-    two.second = mcv_facet_of(world, first + 1u);
-    two.first_share = mcv_triangle_share(world, e, first);
-    two.second_share = mcv_triangle_share(world, e, first + 1u);
-    return two;
-}
-
-MCV_LOOP_FUNCTION mcv_facet mcv_choose_facet(int first, const mcv_facets *of) {
-    mcv_facet facet;
-    facet.a = mcv_choose(first, of->first.a, of->second.a);
-    facet.b = mcv_choose(first, of->first.b, of->second.b);
-    facet.c = mcv_choose(first, of->first.c, of->second.c);
-    facet.face = mcv_choose(first, of->first.face, of->second.face);
-    facet.area = first ? of->first.area : of->second.area;
-#if MCV_WITH_NORMALS
-    facet.normal_a = mcv_choose(first, of->first.normal_a, of->second.normal_a);
-    facet.normal_b = mcv_choose(first, of->first.normal_b, of->second.normal_b);
-    facet.normal_c = mcv_choose(first, of->first.normal_c, of->second.normal_c);
-#endif
-    facet.triangle = first ? of->first.triangle : of->second.triangle;
-    facet.corners.x = first ? of->first.corners.x : of->second.corners.x;
-    facet.corners.y = first ? of->first.corners.y : of->second.corners.y;
-    facet.corners.z = first ? of->first.corners.z : of->second.corners.z;
-    facet.corners.w = of->first.corners.w;
-    return facet;
-}
-
-MCV_LOOP_FUNCTION float mcv_on_triangle(__global const float *map, float s, float t) {
-    return mcv_fma(map[1], s, mcv_fma(map[2], t, map[0]));
-}
-
-/* A place on a rectangle that the receiver sees: uniform in solid angle, from afar by area. */
-MCV_LOOP_FUNCTION mcv_emitter_point mcv_choose_on_rectangle(__global const mcv_device_emitter *e,
-                                                            const mcv_facets *of, mcv_vec3 receiver,
-                                                            mcv_pair pair) {
-    __global const mcv_rectangle *r = &e->rectangle;
-    mcv_emitter_point place;
-    const mcv_rectangle_view view = mcv_view_emitter(e, receiver);
-    const int close = mcv_samples_solid_angle(view);
-    float s, t;
-    mcv_sample_rectangle(r, view, pair.x, pair.y, &s, &t);
-    s = close ? s : pair.x;
-    t = close ? t : pair.y;
-    const float u = mcv_on_triangle(r->to_triangle[0], s, t),
-                v = mcv_on_triangle(r->to_triangle[0] + 3, s, t);
-    const float least = u < v ? u : v, other = 1.0f - u - v;
-    const int first = (least < other ? least : other) >= 0.0f;
-    const float second_u = mcv_on_triangle(r->to_triangle[1], s, t),
-                second_v = mcv_on_triangle(r->to_triangle[1] + 3, s, t);
-    place.facet = mcv_choose_facet(first, of);
-    place.u = first ? u : second_u;
-    place.v = first ? v : second_v;
-    place.share = first ? of->first_share : of->second_share;
-    place.density = close ? e->probability / view.solid_angle : 0.0f;
-    return place;
-}
-#endif
-
-/* What comes from there; of an emitter with an image as without. */
-MCV_LOOP_FUNCTION mcv_shadow mcv_sample_point_of(mcv_receiver at,
-                                                 __global const mcv_device_emitter *e,
-                                                 mcv_emitter_point place, mcv_surface *there,
-                                                 mcv_vec3 *direction) {
-    mcv_shadow shadow;
-    *there = mcv_surface_on(place.facet, place.u, place.v);
-    const mcv_vec3 way = mcv_sub(there->point, at.point);
-    const float distance = mcv_sqrt(mcv_dot(way, way));
-    const mcv_vec3 towards = mcv_normalize(way), back = mcv_scale(towards, -1.0f);
-    shadow.origin = mcv_offset_origin(at.point, at.error, at.face, towards);
-    const mcv_vec3 error = mcv_interaction_error(at.point, place.facet, there->error);
-    shadow.direction =
-        mcv_sub(mcv_offset_origin(there->point, error, there->face, back), shadow.origin);
-    shadow.target = MCV_NONE;
-    const float by_area = mcv_area_density(e, place.share, *there, towards, distance);
-    shadow.density = place.density > 0.0f ? place.density : by_area;
-    /* Only a face seen exactly edge-on has no finite density. */
-    const int lit = (shadow.density > 0.0f) & (shadow.density < INFINITY) &
-                    mcv_shines(e, there->face, there->normal, back);
-    const float scale = 1.0f / shadow.density;
-    MCV_EACH_CHANNEL(i) {
-        const float sent =
-            e->radiance[i] * scale; /* by itself: what is read on a condition is gathered */
-        shadow.light.c[i] = lit ? sent : 0.0f;
-    }
-    *direction = back;
-    return shadow;
-}
-
-#if MCV_WITH_TEXTURE
-/* Whether what an emitter sends varies over its surface, or in more ways than mcv_shines knows. */
-MCV_FUNCTION int mcv_has_image(__global const mcv_device_emitter *e) {
-    return e->texture != MCV_NONE;
-}
-
-/* The light of an emitter with an image. */
-MCV_FUNCTION void mcv_light_by_image(mcv_world world, mcv_surface there, uint emitter,
-                                     mcv_vec3 back, mcv_shadow *shadow) {
-    shadow->light = mcv_grey(0.0f);
-    if (shadow->density > 0.0f && shadow->density < INFINITY)
-        shadow->light = mcv_dim(mcv_emitted(world, there, emitter, back), 1.0f / shadow->density);
-}
-#endif
-
-MCV_FUNCTION mcv_shadow mcv_sample_area_of(mcv_world world, mcv_receiver at, uint emitter,
+/* What comes from an emitter to one receiver. */
+MCV_FUNCTION mcv_shadow mcv_sample_towards(mcv_world world, mcv_receiver at, uint emitter,
                                            mcv_pair pair) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
-    mcv_surface there;
-    mcv_vec3 back;
-    mcv_emitter_point place;
-#if MCV_WITH_RECTANGLE
-    if (mcv_is_rectangle(e)) {
-        const mcv_facets two = mcv_facets_of(world, e);
-        place = mcv_choose_on_rectangle(e, &two, at.point, pair);
-    } else
-#endif
-        place = mcv_choose_emitter_point(world, e, pair);
-    mcv_shadow shadow = mcv_sample_point_of(at, e, place, &there, &back);
-#if MCV_WITH_TEXTURE
-    if (mcv_has_image(e)) mcv_light_by_image(world, there, emitter, back, &shadow);
-#endif
-    return shadow;
-}
-#endif
-
-/* A direction from the receiver towards one emitter. */
-static mcv_shadow mcv_sample_towards(mcv_world world, mcv_receiver at, uint emitter,
-                                     mcv_pair pair) {
-    __global const mcv_device_emitter *e = world.emitters + emitter;
-    (void)e;
-#if MCV_WITH_BEAM
-    if (e->type == MCV_EMITTER_COLLIMATED_BEAM) return mcv_sample_beam_of(at, e);
-#endif
-#if MCV_WITH_PUNCTUAL
-    if (e->type == MCV_EMITTER_SPOT) return mcv_sample_spot_of(at, e);
-    if (e->type == MCV_EMITTER_DIRECTIONAL) return mcv_sample_directional_of(at, e);
-#endif
-#if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
-    if (e->type == MCV_EMITTER_ENVIRONMENT) return mcv_sample_environment_of(world, at, e, pair);
-#endif
-#if MCV_WITH_PARALLEL
-    if (mcv_samples_cone(e, at.point)) return mcv_sample_cone_of(at, e, pair);
-#endif
 #if MCV_WITH_EMISSION
-    return mcv_sample_area_of(world, at, emitter, pair);
-#else
-    mcv_shadow none;
-    none.light = mcv_grey(0.0f);
-    (void)at, (void)pair;
-    return none;
+    if (!mcv_samples_direction(e, at.point)) {
+        mcv_surface there;
+        mcv_emitter_point point;
+#if MCV_WITH_RECTANGLE
+        if (mcv_is_rectangle(e)) {
+            const mcv_facets two = mcv_facets_of(world, e);
+            point = mcv_point_on_rectangle(e, &two, at.point, pair);
+        } else
 #endif
+            point = mcv_point_on_mesh(world, e, mcv_choose_triangle(world, e, pair), pair);
+        mcv_shadow shadow = mcv_sample_point(at, e, point, &there);
+#if MCV_WITH_TEXTURE
+        if (mcv_has_image(e))
+            shadow.light = mcv_light_by_image(world, at.point, there, emitter, shadow.density);
+#endif
+        return shadow;
+    }
+#endif
+    return mcv_sample_direction(world, at, e, e->type, pair);
 }
+
+#if MCV_WITH_REACH
+/* The chances of the emitters at the surface that the path has met. */
+MCV_LOOP_FUNCTION void mcv_put_selection(mcv_slot slot, mcv_light_selection selection) {
+    MCV_STORE(slot, selection_here, 0, selection.scale);
+    MCV_STORE(slot, selection_here, 1, selection.least);
+}
+
+MCV_LOOP_FUNCTION mcv_light_selection mcv_selection_in(mcv_slot slot) {
+    const mcv_light_selection selection = {MCV_LOAD(slot, selection_here, 0),
+                                           MCV_LOAD(slot, selection_here, 1)};
+    return selection;
+}
+#endif
 
 /* One of the emitters, or MCV_NONE. */
 MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
@@ -391,13 +88,11 @@ MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
     const uint emitter =
         mcv_select_emitter(world, point, face, normal, world.materials[material].scattering_sides,
                            choice.x, &selection);
-    MCV_STORE(slot, selection_here, 0, selection.scale);
-    MCV_STORE(slot, selection_here, 1, selection.least);
+    mcv_put_selection(slot, selection);
     return emitter;
 #else
-    float unused;
-    return mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count, choice.x, choice.y,
-                          &unused);
+    return mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count,
+                          mcv_cdf_bits(choice.x, choice.y));
 #endif
 }
 
@@ -427,21 +122,20 @@ MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth)
                : emitter;
 }
 
-#if MCV_WITH_REACH
 /* The shadow, of an emitter that is chosen by its share of the power, as that of one chosen by what
  * reaches the path's surface. */
 MCV_LOOP_FUNCTION mcv_shadow mcv_apply_selection(mcv_world world, mcv_slot slot, mcv_vec3 point,
                                                  uint emitter, mcv_shadow shadow) {
-    const mcv_light_selection selection = {MCV_LOAD(slot, selection_here, 0),
-                                           MCV_LOAD(slot, selection_here, 1)};
-    const float preference = mcv_selection_ratio(world.emitters + emitter, point, selection);
+#if MCV_WITH_REACH
+    const float preference =
+        mcv_selection_ratio(world.emitters + emitter, point, mcv_selection_in(slot));
     shadow.density *= preference;
     shadow.light = mcv_dim(shadow.light, 1.0f / preference);
+#else
+    (void)world, (void)slot, (void)point, (void)emitter;
+#endif
     return shadow;
 }
-#else
-#define mcv_apply_selection(world, slot, point, emitter, shadow) (shadow)
-#endif
 
 /* mcv_respond for a surface of a kind that is known. */
 MCV_LOOP_FUNCTION mcv_response mcv_respond_as(mcv_world world, mcv_slot slot,

@@ -26,13 +26,16 @@ MCV_FUNCTION int mcv_add_splat(__global uint *splats, size_t cell, float units, 
     return above + high >= above;
 }
 
+MCV_FUNCTION int mcv_is_on_film(__constant const mcv_frame *frame, mcv_film_point place) {
+    return place.column >= 0.0f && place.column < (float)frame->width && place.row >= 0.0f &&
+           place.row < (float)frame->height;
+}
+
 static void mcv_splat(mcv_world world, __global uint *splats, uint replicate, mcv_film_point place,
                       mcv_color value, float xi, uint counts[MCV_COUNTER_COUNT]) {
     const uint width = world.frame->width;
     const uint height = world.frame->height;
-    if (!(place.column >= 0.0f && place.column < (float)width && place.row >= 0.0f &&
-          place.row < (float)height))
-        return;
+    if (!mcv_is_on_film(world.frame, place)) return;
     const size_t pixel = (size_t)(uint)place.row * width + (uint)place.column;
     for (uint channel = 0; channel < MCV_CHANNELS; ++channel) {
         const size_t cell = ((size_t)replicate * MCV_CHANNELS + channel) * width * height + pixel;

@@ -82,29 +82,33 @@ MCV_LOOP_FUNCTION void mcv_visit_node(__global const mcv_node *nodes,
                                       uint listed, mcv_packet_traversal *p) {
     __global const mcv_node *node = nodes + next.child;
     const uint level = next.level + 1u, bottom = p->depth;
+    const uchar *list = p->lists[level];
+    uchar *masks = p->masks[level];
+    uint depth = bottom;
     float8 least = (float8)(INFINITY);
     float begin[MCV_BVH_WIDTH];
     uint entered = 0;
     for (uint k = 0; k < listed; ++k) {
-        const uint ray = p->lists[level][k];
+        const uint ray = list[k];
         const mcv_slabs slabs = mcv_packet_slabs(&p->rays, ray);
         float8 entry;
         const uint mask = mcv_intersect_boxes(node, &slabs, p->rays.t[ray], &entry);
         least = min(least, entry);
-        p->masks[level][k] = (uchar)mask;
+        masks[k] = (uchar)mask;
         entered |= mask;
     }
-    vstore8((uchar8)(0), 0, p->masks[level] + listed);
+    vstore8((uchar8)(0), 0, masks + listed);
     vstore8(least, 0, begin);
     p->counts[level] = listed;
     while (entered) {
         const uint lane = mcv_pop_bit(&entered);
         mcv_prefetch_child(nodes, leaves, node->child[lane]);
-        uint place = p->depth++;
+        uint place = depth++;
         for (; place > bottom && begin[p->waiting[place - 1].lane] < begin[lane]; --place)
             p->waiting[place] = p->waiting[place - 1];
         p->waiting[place] = (mcv_packet_child){node->child[lane], level, lane};
     }
+    p->depth = depth;
 }
 
 /* The hits of at most MCV_PACKET rays, all of finite origin. */

@@ -665,10 +665,12 @@ static void test_rare_choices(void **state) {
     /* All pairs of which the first number is the least or the largest there is, the others have all
      * last bits. */
     for (uint32_t i = 0; i < 2 * 128; ++i) {
-        float rest;
-        ++chosen[mcv_search_cdf(cdf, 3, i & 1 ? 1 - 0x1p-24f : 0,
-                                (float)(0xabc00 + i / 2) * 0x1p-24f, &rest)];
-        assert_true(rest >= 0 && rest < 1);
+        const uint32_t bits = mcv_cdf_bits(i & 1 ? 1 - 0x1p-24f : 0,
+                                           (float)(0xabc00 + i / 2) * 0x1p-24f),
+                       found = mcv_search_cdf(cdf, 3, bits);
+        const float remainder = mcv_cdf_remainder(cdf, found, bits);
+        ++chosen[found];
+        assert_true(remainder >= 0 && remainder < 1);
     }
     /* Each number stands for 2^-24: of 128 · 2^24 pairs 32 are 2^-26. */
     if (chosen[0] != 32 || chosen[1] != 192 || chosen[2] != 32)

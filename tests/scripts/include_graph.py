@@ -35,10 +35,7 @@ LONG_FILES = {
     # kernels
     "kernels/bsdf/microfacet.h": TO_SPLIT,
     "kernels/geometry/precise.h": TO_SPLIT,
-    "kernels/schedule/light_paths.h": TO_SPLIT,
     "kernels/schedule/sample_emitter_rows.h": TO_SPLIT,
-    "kernels/stage/sample_emitters.h": TO_SPLIT,
-    "kernels/stage/trace_light_path.h": TO_SPLIT,
 }
 RULERS = "comments that divide it, to be joined to one line each when it is split"
 WIDE_FILES = {

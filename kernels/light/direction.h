@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Emitters that a receiver looks for in a direction of theirs, without a point on a surface. Each
+ * is one function of the same parameters and one line of MCV_DIRECTION_SAMPLERS.
+ */
+#ifndef MCVISI_KERNELS_DIRECTION_H
+#define MCVISI_KERNELS_DIRECTION_H
+
+#include "light/emission.h"
+#include "light/environment.h"
+#include "light/shadow.h"
+
+#if MCV_WITH_NEXT_EVENT
+#if MCV_WITH_BEAM
+/* Back along the beam, where it goes through the receiver: its emitter must be the closest hit. */
+MCV_LOOP_FUNCTION mcv_shadow mcv_sample_beam(mcv_world world, mcv_receiver at,
+                                             __global const mcv_device_emitter *e, mcv_pair pair) {
+    mcv_shadow shadow =
+        mcv_shadow_along(at, mcv_scale(mcv_vec_at(e->beam.axis), -1.0f), e->instance, 0.0f);
+    const int lit = mcv_collimated_beam_covers(&e->beam, mcv_sub(at.point, mcv_vec_at(e->middle)));
+    shadow.light = mcv_light_over(e, lit, 1.0f, e->probability);
+    (void)world, (void)pair;
+    return shadow;
+}
+#endif
+
+#if MCV_WITH_PUNCTUAL
+/* The ray ends at the light's position. */
+MCV_LOOP_FUNCTION mcv_shadow mcv_sample_spot(mcv_world world, mcv_receiver at,
+                                             __global const mcv_device_emitter *e, mcv_pair pair) {
+    const mcv_vec3 position = mcv_vec_at(e->spot.position), towards = mcv_sub(position, at.point);
+    const mcv_vec3 direction = mcv_normalize(towards);
+    mcv_shadow shadow = mcv_shadow_along(at, direction, MCV_NONE, 0.0f);
+    const float share = mcv_spot_evaluate(&e->spot, mcv_scale(direction, -1.0f)) *
+                        mcv_spot_attenuation(&e->spot, mcv_dot(towards, towards));
+    shadow.direction = mcv_sub(position, shadow.origin);
+    shadow.light = mcv_light_over(e, 1, share, e->probability);
+    (void)world, (void)pair;
+    return shadow;
+}
+
+MCV_LOOP_FUNCTION mcv_shadow mcv_sample_directional(mcv_world world, mcv_receiver at,
+                                                    __global const mcv_device_emitter *e,
+                                                    mcv_pair pair) {
+    mcv_shadow shadow =
+        mcv_shadow_along(at, mcv_scale(mcv_vec_at(e->directional.axis), -1.0f), MCV_SKY, 0.0f);
+    shadow.light = mcv_light_over(e, 1, 1.0f, e->probability);
+    (void)world, (void)pair;
+    return shadow;
+}
+#endif
+
+#if MCV_WITH_PARALLEL
+/*
+ * Whether a ray, of unit direction, may meet an emitter: it passes the middle at |way × direction|,
+ * which rounds by γ(4) |way|, within its radius. The traversal rounds by γ(6) of the corners'
+ * coordinates from the ray's origin (mcv_interaction_error).
+ */
+MCV_LOOP_FUNCTION int mcv_may_hit(__global const mcv_device_emitter *e, mcv_vec3 origin,
+                                  mcv_vec3 direction) {
+    const mcv_vec3 way = mcv_sub(mcv_vec_at(e->middle), origin);
+    const mcv_vec3 beside = mcv_cross(way, direction);
+    const float distance = mcv_abs(way.x) + mcv_abs(way.y) + mcv_abs(way.z);
+    const float within = mcv_fma(MCV_GAMMA(32), distance + e->radius, e->radius);
+    const int close = mcv_dot(beside, beside) <= within * within,
+              ahead = mcv_dot(way, direction) >= -within;
+    return close & ahead;
+}
+
+/* A direction in the emitter's cone. Most rays from beside a parallel beam pass the emitter by:
+ * they bring nothing. */
+MCV_LOOP_FUNCTION mcv_shadow mcv_sample_parallel(mcv_world world, mcv_receiver at,
+                                                 __global const mcv_device_emitter *e,
+                                                 mcv_pair pair) {
+    const mcv_vec3 in_cone = mcv_from_frame(mcv_sample_cone(e->parallel.sin_half, pair.x, pair.y),
+                                            mcv_vec_at(e->parallel.axis));
+    mcv_shadow shadow = mcv_shadow_along(at, mcv_scale(in_cone, -1.0f), e->instance,
+                                         e->probability / e->parallel.solid_angle);
+    const int lit = mcv_may_hit(e, shadow.origin, shadow.direction);
+    shadow.light = mcv_light_over(e, lit, 1.0f, shadow.density);
+    (void)world;
+    return shadow;
+}
+#endif
+
+#if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
+/* A pixel by what it brings, then a direction into it. What rounding puts into a neighbouring pixel
+ * counts as that one's. */
+MCV_FUNCTION mcv_shadow mcv_sample_environment(mcv_world world, mcv_receiver at,
+                                               __global const mcv_device_emitter *e,
+                                               mcv_pair pair) {
+    const uint row_bits = mcv_cdf_bits(pair.y, pair.x), column_bits = mcv_cdf_bits(pair.x, pair.y);
+    __global const uint *rows = world.emitter_cdf + e->cdf;
+    const uint row = mcv_search_cdf(rows, e->environment.height, row_bits);
+    __global const uint *columns = mcv_environment_row(world, e, row);
+    const uint column = mcv_search_cdf(columns, e->environment.width, column_bits);
+    mcv_shadow shadow =
+        mcv_shadow_along(at,
+                         mcv_environment_sample(&e->environment, column, row,
+                                                mcv_cdf_remainder(columns, column, column_bits),
+                                                mcv_cdf_remainder(rows, row, row_bits)),
+                         MCV_SKY, 0.0f);
+    const mcv_sky_pixel pixel = mcv_sky_pixel_at(e, shadow.direction);
+    shadow.density = mcv_environment_density(world, e, pixel);
+    if (shadow.density > 0.0f)
+        shadow.light = mcv_dim(mcv_environment_radiance(world, e, pixel), 1.0f / shadow.density);
+    return shadow;
+}
+#endif
+
+/* X(type, sample), of the types that the scene has: sample(world, receiver, emitter, pair). */
+#define MCV_DIRECTION_SAMPLERS(X) \
+    MCV_WHERE(MCV_WITH_PARALLEL, X(MCV_EMITTER_PARALLEL, mcv_sample_parallel)) \
+    MCV_WHERE(MCV_WITH_BEAM, X(MCV_EMITTER_COLLIMATED_BEAM, mcv_sample_beam)) \
+    MCV_WHERE(MCV_WITH_PUNCTUAL, X(MCV_EMITTER_SPOT, mcv_sample_spot)) \
+    MCV_WHERE(MCV_WITH_PUNCTUAL, X(MCV_EMITTER_DIRECTIONAL, mcv_sample_directional)) \
+    MCV_WHERE(MCV_WITH_ENVIRONMENT_IMAGE, \
+              MCV_WHERE(MCV_WITH_TEXTURE, X(MCV_EMITTER_ENVIRONMENT, mcv_sample_environment)))
+
+/* Whether a receiver looks for an emitter in a direction, not at a point: parallel emitters have
+ * points, too. */
+MCV_LOOP_FUNCTION int mcv_samples_direction(__global const mcv_device_emitter *e,
+                                            mcv_vec3 receiver) {
+    int direction = 0;
+#define MCV_X(TYPE, sample) direction |= e->type == TYPE;
+    MCV_DIRECTION_SAMPLERS(MCV_X)
+#undef MCV_X
+#if MCV_WITH_PARALLEL
+    direction &= (e->type != MCV_EMITTER_PARALLEL) | mcv_samples_cone(e, receiver);
+#endif
+    (void)e, (void)receiver;
+    return direction;
+}
+
+/* What comes from an emitter of such a type. Schedules that sort by type give it as a constant. */
+MCV_LOOP_FUNCTION mcv_shadow mcv_sample_direction(mcv_world world, mcv_receiver at,
+                                                  __global const mcv_device_emitter *e, uint type,
+                                                  mcv_pair pair) {
+#define MCV_X(TYPE, sample) \
+    if (type == TYPE) return sample(world, at, e, pair);
+    MCV_DIRECTION_SAMPLERS(MCV_X)
+#undef MCV_X
+    (void)world, (void)e, (void)type, (void)pair;
+    return mcv_shadow_along(at, at.face, MCV_NONE, 0.0f);
+}
+#endif
+
+#endif

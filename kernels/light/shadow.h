@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a receiver asks an emitter for, and what it gets: a shadow ray and its light. */
+#ifndef MCVISI_KERNELS_SHADOW_H
+#define MCVISI_KERNELS_SHADOW_H
+
+#include "mcvisi/offset.h"
+#include "path/sampler.h"
+#include "world.h"
+
+/* Where an emitter is looked for from. */
+typedef struct mcv_receiver {
+    mcv_vec3 point, error, face;
+} mcv_receiver;
+
+typedef struct mcv_shadow {
+    mcv_vec3 origin, direction;
+    uint target;
+    mcv_color light; /* radiance over the density of the choice; 0: nothing comes */
+    float density; /* of the choice [1/sr]; 0: the only direction there is, and light is irradiance
+                      over the chance of the choice */
+} mcv_shadow;
+
+MCV_LOOP_FUNCTION mcv_vec3 mcv_vec_at(__global const float *v) { return mcv_vec(v[0], v[1], v[2]); }
+
+/* A shadow ray from the receiver, without light. */
+MCV_LOOP_FUNCTION mcv_shadow mcv_shadow_along(mcv_receiver at, mcv_vec3 direction, uint target,
+                                              float density) {
+    mcv_shadow shadow;
+    shadow.origin = mcv_offset_origin(at.point, at.error, at.face, direction);
+    shadow.direction = direction;
+    shadow.target = target;
+    shadow.light = mcv_grey(0.0f);
+    shadow.density = density;
+    return shadow;
+}
+
+/*
+ * An emitter's light over the density of its choice, where the receiver is lit. The emitter is read
+ * in any case: what a loop reads on a condition is gathered lane by lane.
+ */
+MCV_LOOP_FUNCTION mcv_color mcv_light_over(__global const mcv_device_emitter *e, int lit,
+                                           float share, float density) {
+    mcv_color light;
+    MCV_EACH_CHANNEL(i) {
+        const float sent = e->radiance[i] * share / density;
+        light.c[i] = lit ? sent : 0.0f;
+    }
+    return light;
+}
+
+#endif

@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Stage: what a light path brings to the sensor from a surface that spreads light, at a place on
+ * the lens, straight or through plates.
+ *
+ * reads ray, hit -> writes connection
+ */
+#ifndef MCVISI_KERNELS_CONNECT_LIGHT_PATH_H
+#define MCVISI_KERNELS_CONNECT_LIGHT_PATH_H
+
+#include "bsdf/bsdf.h"
+#include "light/leave_emitter.h"
+#include "path/sensor_ray.h"
+#include "stage/splat_film.h"
+#include "traverse/closest.h"
+
+#if MCV_WITH_LIGHT_TRACING
+/*
+ * The flux that goes on from a surface about another normal than its triangle's, over what is
+ * carried. Radiance on camera paths and flux on light paths are transported alike where a surface
+ * spreads light about its triangle's normal n_g; about another one n_s, flux has the factor
+ * |i·n_s||o·n_g|/(|i·n_g||o·n_s|) for going from i to o (Veach 1997, 5.3), without which facets
+ * would show. Smooth and sharp surfaces hand on all flux, as the smooth body would that the mesh
+ * stands for: there the factor is 1 on the average over a facet, but for the square of its angle,
+ * and without bound where light grazes it.
+ */
+MCV_LOOP_FUNCTION float mcv_flux_correction(mcv_interaction interaction, mcv_vec3 out) {
+#if MCV_WITH_NORMALS
+    const float in_face = mcv_dot(interaction.direction, interaction.face);
+    const float out_normal = mcv_dot(out, interaction.normal);
+    const float factor = mcv_dot(interaction.direction, interaction.normal) *
+                         mcv_dot(out, interaction.face) / (in_face * out_normal);
+    return factor > 0.0f && factor < INFINITY ? factor : 0.0f;
+#else
+    (void)interaction, (void)out;
+    return 1.0f;
+#endif
+}
+
+/* What the `range` of a point or spot light leaves, by the way to the first surface that spreads
+ * light. */
+MCV_LOOP_FUNCTION float mcv_within_range(__global const mcv_device_emitter *e, float length) {
+#if MCV_WITH_PUNCTUAL
+    if (e->type == MCV_EMITTER_SPOT)
+        return mcv_spot_attenuation(&e->spot, length * length) * length * length;
+#endif
+    (void)e, (void)length;
+    return 1.0f;
+}
+
+/* Is what comes to the surface left to camera paths? */
+MCV_LOOP_FUNCTION int mcv_is_left_to_camera(mcv_world world, mcv_interaction interaction,
+                                            uint path_class) {
+    return ((path_class & MCV_LIGHT_FOUND) != 0u) & !mcv_is_connectable(world, interaction);
+}
+
+#if MCV_WITH_NEXT_EVENT
+/* What a surface may send to a place on the lens. */
+typedef struct mcv_connection {
+    mcv_vec3 origin, end;
+    uint origin_surface; /* on which it starts (mcv_mark_origin_surface), */
+    uint media;          /* and what the light is in */
+    mcv_film_point place;
+    mcv_color value; /* that it brings there, if nothing is between */
+} mcv_connection;
+
+/* What arrives at a surface that spreads light, sent to a place on the lens. 0: nothing is. */
+MCV_FUNCTION int mcv_connect_light_path(mcv_world world, mcv_interaction interaction,
+                                        mcv_light_path path, mcv_pair pair,
+                                        mcv_connection *connection) {
+    mcv_sensor_ray sensor_ray;
+    if (!(path.path_class & MCV_LIGHT_CARRIED) ||
+        mcv_is_left_to_camera(world, interaction, path.path_class) ||
+        !world.materials[world.instances[interaction.surface.instance].material].scattering_sides)
+        return 0;
+    const mcv_vec3 point = mcv_point_to_optical(world.frame, interaction.surface.point);
+    if (!(point.z > 0.0f)) return 0;
+    const float area = mcv_sensor_connect(world.sensor, point, pair.x, pair.y, &sensor_ray);
+    const float importance = mcv_sensor_invert(world.sensor, sensor_ray, &connection->place) * area;
+    if (!(importance > 0.0f) || !mcv_is_on_film(world.frame, connection->place)) return 0;
+    const mcv_ray seen = mcv_place_sensor_ray(world.frame, sensor_ray);
+    const mcv_vec3 out = mcv_scale(seen.direction, -1.0f);
+    const mcv_response response = mcv_respond(world, interaction, path.media, out);
+    const float d = mcv_sqrt(mcv_dot(sensor_ray.direction, sensor_ray.direction)),
+                share = path.path_class & MCV_LIGHT_SPREAD
+                            ? 1.0f
+                            : mcv_within_range(world.emitters + path.emitter, path.length);
+    const mcv_color flux = mcv_dim(mcv_tint(path.flux, path.throughput), share);
+    mcv_color value =
+        mcv_dim(mcv_tint(flux, response.value),
+                mcv_flux_correction(interaction, out) * importance * d / (point.z * point.z));
+    if (path.etendue > 0.0f)
+        value = mcv_dim(value, mcv_light_share(world, path.etendue,
+                                               mcv_sensor_footprint(world.sensor, point.z)));
+#if MCV_WITH_ABSORPTION
+    value = mcv_tint(value, mcv_medium_transmittance(world, response.media, point.z * d));
+#endif
+    connection->origin = mcv_offset_origin(interaction.surface.point, interaction.surface.error,
+                                           interaction.face, out);
+    connection->end = seen.origin;
+    connection->origin_surface = MCV_NONE;
+#if MCV_WITH_SURFACES
+    connection->origin_surface = mcv_origin_surface_of(world, interaction, out);
+#endif
+    connection->media = response.media;
+    connection->value = value;
+    return mcv_brightest(response.value) > 0.0f;
+}
+
+/* What is left of a connection's light by the plates between, at most so many; 0 where anything
+ * else is between. */
+MCV_FUNCTION mcv_color mcv_connection_transmittance(mcv_world world, mcv_connection connection,
+                                                    uint plates, uint counts[MCV_COUNTER_COUNT]) {
+    mcv_color transmittance = mcv_grey(1.0f);
+#if MCV_WITH_SHEET
+    const mcv_pair never_reflect = {1.0f, 0.0f};
+    for (;; --plates) {
+        mcv_scattering other;
+        const mcv_vec3 way = mcv_sub(connection.end, connection.origin);
+        const mcv_hit hit =
+            mcv_closest_within(world, connection.origin, way, connection.origin_surface);
+        ++counts[MCV_COUNTER_shadow_rays];
+        if (hit.triangle == MCV_NONE) return transmittance;
+        const mcv_interaction interaction =
+            mcv_meet_at(mcv_hit_surface(world, connection.origin, way, hit), mcv_normalize(way));
+        if (plates == 0 || !mcv_is_sheet(world, interaction)) return mcv_grey(0.0f);
+        const mcv_scattering on = mcv_scatter(world, interaction, connection.media, never_reflect,
+                                              0.0f, 0, &counts[MCV_COUNTER_unmatched], &other);
+        if (on.event != MCV_EVENT_PASS) return mcv_grey(0.0f);
+        transmittance = mcv_dim(mcv_tint(transmittance, on.factor), on.chance);
+        if (!(mcv_brightest(transmittance) > 0.0f)) return transmittance;
+        connection.origin = mcv_offset_origin(interaction.surface.point, interaction.surface.error,
+                                              interaction.face, way);
+#if MCV_WITH_SURFACES
+        connection.origin_surface = mcv_mark_origin_surface(world, interaction.surface, way);
+#endif
+    }
+#else
+    ++counts[MCV_COUNTER_shadow_rays];
+    const mcv_vec3 way = mcv_sub(connection.end, connection.origin);
+    int blocked = mcv_intersect_any_ray(world.nodes, world.leaves, connection.origin, way, 1.0f);
+#if MCV_WITH_SURFACES
+    blocked = blocked || mcv_intersect_solids_along(world, connection.origin, way,
+                                                    connection.origin_surface, mcv_miss(1.0f))
+                                 .triangle != MCV_NONE;
+#endif
+    (void)plates;
+    return blocked ? mcv_grey(0.0f) : transmittance;
+#endif
+}
+
+/* Adds to the film what a light path sends to the lens from the surface that it has met, the
+ * depth-th one. */
+MCV_FUNCTION void mcv_splat_light_path(mcv_world world, mcv_interaction interaction,
+                                       mcv_light_path path, uint replicate, uint depth,
+                                       mcv_pair pupil, float xi, __global uint *splats,
+                                       uint counts[MCV_COUNTER_COUNT]) {
+    mcv_connection connection;
+    if (!mcv_connect_light_path(world, interaction, path, pupil, &connection)) return;
+    const mcv_color transmittance =
+        mcv_connection_transmittance(world, connection, world.frame->depth - 1u - depth, counts);
+    if (mcv_brightest(transmittance) > 0.0f)
+        mcv_splat(world, splats, replicate, connection.place,
+                  mcv_tint(connection.value, transmittance), xi, counts);
+}
+#endif
+#endif
+
+#endif
