@@ -24,35 +24,8 @@
 #define MCV_WHERE_1(item) item
 #define MCV_WHERE(feature, item) MCV_JOIN(MCV_WHERE_, feature, )(item)
 
-#ifdef MCV_SENSOR_pinhole
-#include "mcvisi/sensors/pinhole.h"
-#endif
-#ifdef MCV_SENSOR_thin_lens
-#include "mcvisi/sensors/thin_lens.h"
-#endif
-#ifdef MCV_SENSOR_telecentric
-#include "mcvisi/sensors/telecentric.h"
-#endif
-#ifdef MCV_SENSOR_light_field
-#include "mcvisi/sensors/light_field.h"
-#endif
-#if MCV_WITH_AREA
-#include "mcvisi/emitters/area.h"
-#endif
-#if MCV_WITH_DIFFUSE
-#include "mcvisi/materials/diffuse.h"
-#endif
-#if MCV_WITH_DIELECTRIC
-#include "mcvisi/materials/dielectric.h"
-#endif
-#if MCV_WITH_SHEET
-#include "mcvisi/materials/sheet.h"
-#endif
 #if MCV_WITH_GLOSS
 #include "mcvisi/materials/microfacet.h"
-#endif
-#if MCV_WITH_RETROREFLECTOR
-#include "mcvisi/materials/retroreflector.h"
 #endif
 
 /* MCV_SENSOR is the sensor's name: its struct and its sample function follow. */

@@ -5,6 +5,7 @@
 #include "core/basics.h"
 #include "scene/emitters.h"
 #include "scene/geometry.h"
+#include "scene/materials.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -67,7 +68,7 @@ static bool is_opaque(const mcv_scene *scene, uint32_t instance) {
 static bool is_glossy(const mcv_scene *scene, uint32_t instance) {
     const uint32_t type = scene->materials[scene->instances[instance].material].type;
     return type != MCV_MATERIAL_DIFFUSE && type != MCV_MATERIAL_ABSORBER &&
-           type != MCV_MATERIAL_RETROREFLECTOR;
+           !mcv_material_is_reflector(type);
 }
 
 static bool casts_shadow(const mcv_scene *scene, uint32_t instance, const mcv_sensor *sensor,

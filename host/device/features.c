@@ -117,7 +117,7 @@ static void find_of_material(finding *f, const mcv_material *m) {
         {MCV_FEATURE_SHEET, sheet},
         {MCV_FEATURE_MIRROR, m->type == MCV_MATERIAL_MIRROR},
         {MCV_FEATURE_GLOSS, mcv_material_is_rough(m) || m->type == MCV_MATERIAL_CONDUCTOR},
-        {MCV_FEATURE_RETROREFLECTOR, m->type == MCV_MATERIAL_RETROREFLECTOR},
+        {MCV_FEATURE_REFLECTOR, mcv_material_is_reflector(m->type)},
         {MCV_FEATURE_TEXTURE, texture},
     };
     for (size_t i = 0; i < sizeof of / sizeof of[0]; ++i)
@@ -211,7 +211,7 @@ static bool may_touch(const mcv_scene *scene, const mcv_box3d *boxes, uint32_t p
 /* Next-event estimation, and how it chooses: known once the emitters are packed. */
 static void find_next_event(finding *f, const mcv_scene *scene, const mcv_packed *packed) {
     const uint32_t scatters =
-        1u << MCV_FEATURE_DIFFUSE | 1u << MCV_FEATURE_GLOSS | 1u << MCV_FEATURE_RETROREFLECTOR;
+        1u << MCV_FEATURE_DIFFUSE | 1u << MCV_FEATURE_GLOSS | 1u << MCV_FEATURE_REFLECTOR;
     const uint32_t by_chance =
         1u << MCV_FEATURE_ENVIRONMENT | 1u << MCV_FEATURE_DIELECTRIC | 1u << MCV_FEATURE_SHEET;
     bool rectangle = false, emits = false;

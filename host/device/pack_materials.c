@@ -64,8 +64,9 @@ mcv_device_material mcv_pack_material(const mcv_material *material) {
         const mcv_retroreflector_params *p = &material->as.retroreflector;
         value = p->reflectance;
         for (int k = 0; k < 3; ++k) out.passed[k] = (float)p->diffuseReflectance[k];
-        out.spread = p->divergence > 0 ? (float)tan(fmax(p->divergence, MCV_LEAST_DIVERGENCE)) : 0;
-        out.fall = (float)(1 / tan(p->entranceAngle));
+        out.as.retroreflector = (mcv_retroreflector){
+            .spread = p->divergence > 0 ? (float)tan(fmax(p->divergence, MCV_LEAST_DIVERGENCE)) : 0,
+            .fall = (float)(1 / tan(p->entranceAngle))};
         out.scattering_sides = p->divergence > 0 || largest(p->diffuseReflectance) > 0;
         break;
     }
@@ -78,7 +79,7 @@ mcv_device_material mcv_pack_material(const mcv_material *material) {
     const double roughness = mcv_material_roughness(material).roughness;
     const bool matt =
         material->type == MCV_MATERIAL_METALLIC_ROUGHNESS && roughness * roughness >= wide_alpha;
-    out.connectable = material->type == MCV_MATERIAL_DIFFUSE || matt;
+    if (material->type == MCV_MATERIAL_DIFFUSE || matt) out.connectable = 1;
     out.near_specular = is_sharp(material);
     return out;
 }
@@ -141,7 +142,7 @@ uint32_t mcv_shading_of(const mcv_packed *packed, const mcv_device_instance *ins
     if (m->texture != MCV_NONE || e) return MCV_SHADING_ANY;
     if (m->type == MCV_MATERIAL_DIFFUSE) return MCV_SHADING_DIFFUSE;
     if (m->type == MCV_MATERIAL_DIELECTRIC && !m->scattering_sides) return MCV_SHADING_SMOOTH;
-    if (!gloss || !m->scattering_sides || m->type == MCV_MATERIAL_RETROREFLECTOR)
+    if (!gloss || !m->scattering_sides || mcv_material_is_reflector(m->type))
         return MCV_SHADING_ANY;
     return gloss->azimuths == 1 && gloss->roughnesses == 1 && gloss->texture == MCV_NONE
                ? MCV_SHADING_GLOSS

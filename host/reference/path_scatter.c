@@ -3,7 +3,6 @@
 #include "reference/path_steps.h"
 
 #include "reference/lights.h"
-#include "reference/retroreflector.h"
 #include "scene/materials.h"
 
 static ref_vec to_frame(const ref_scatterer *s, ref_vec v) {
@@ -29,8 +28,7 @@ static double respond(const ref_scatterer *s, ref_vec direction, double value[3]
         return 0; /* normal and face disagree on its side */
     if (s->gloss.material)
         return ref_gloss_evaluate(&s->gloss, s->o, to_frame(s, direction), value);
-    if (s->returns)
-        return ref_retroreflector_evaluate(s->returns, s->o, to_frame(s, direction), value);
+    if (s->evaluate) return s->evaluate(s->material, s->o, to_frame(s, direction), value);
     for (int channel = 0; channel < 3; ++channel)
         value[channel] = (cosine > 0 ? s->share : s->passed)[channel] * fabs(cosine) / M_PI;
     return (cosine > 0 ? reflects(s) : 1 - reflects(s)) * fabs(cosine) / M_PI;
@@ -39,7 +37,7 @@ static double respond(const ref_scatterer *s, ref_vec direction, double value[3]
 /* A direction with the density that `respond` gives; the zero vector: the path ends. */
 static ref_vec choose(const ref_scatterer *s, ref_random *random) {
     if (s->gloss.material) return from_frame(s, ref_gloss_sample(&s->gloss, s->o, random));
-    if (s->returns) return from_frame(s, ref_retroreflector_sample(s->returns, s->o, random));
+    if (s->sample) return from_frame(s, s->sample(s->material, s->o, random));
     /* Density cosθ/π: sin²θ is uniform. */
     const double u = ref_random_unit(random), phi = 2 * M_PI * ref_random_unit(random),
                  sine = sqrt(u);

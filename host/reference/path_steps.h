@@ -34,17 +34,22 @@ static inline double ref_weight_against(double own, double other) {
     return 1 / (1 + ratio * ratio);
 }
 
+/* f cosθ of a material for light that arrives from i; returns the density with which it chooses i
+ * [1/sr]. The frame is the surface's, z its normal on the side of o. */
+typedef double ref_evaluate(const mcv_material *material, ref_vec o, ref_vec i, double value[3]);
+typedef ref_vec ref_sample(const mcv_material *material, ref_vec o, ref_random *random);
+
 /* A surface that scatters light, as the path meets it. */
 typedef struct ref_scatterer {
     const mcv_material *material;
     ref_interaction interaction;
-    double share[3];       /* diffuse: its reflectance there … */
-    double passed[3];      /* … and its transmittance */
-    const ref_media *near; /* media around light on the path's side … */
-    ref_media far;         /* … and on the other */
-    const mcv_retroreflector_params
-        *returns;    /* a retroreflector that spreads what returns, or NULL */
-    ref_gloss gloss; /* of microfacets, in this frame, seen from o: */
+    double share[3];        /* diffuse: its reflectance there … */
+    double passed[3];       /* … and its transmittance */
+    const ref_media *near;  /* media around light on the path's side … */
+    ref_media far;          /* … and on the other */
+    ref_evaluate *evaluate; /* what describes the material, or NULL … */
+    ref_sample *sample;     /* … and chooses directions by it; NULL: by the cosine */
+    ref_gloss gloss;        /* of microfacets, in this frame, seen from o: */
     ref_vec x, y, o;
 } ref_scatterer;
 

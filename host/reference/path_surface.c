@@ -116,16 +116,25 @@ static void meet_conductor(const ref_world *world, ref_path *p, const ref_surfac
     p->direction = ref_reflect(&interaction);
 }
 
+/* A surface between a path and its own media. */
+static ref_scatterer scatterer_at(const ref_world *world, const ref_path *p,
+                                  const ref_surface *surface) {
+    ref_scatterer s = {
+        .material = &world->scene->materials[world->scene->instances[surface->instance].material],
+        .interaction = ref_make_interaction(surface, p->direction),
+        .near = &p->media,
+        .far = p->media};
+    ref_find_frame(surface, &s);
+    return s;
+}
+
 /* An opaque or thin surface of microfacets. */
 static bool meet_gloss(const ref_world *world, ref_path *p, const ref_surface *surface, bool last,
                        ref_random *random, ref_tally *tally, double radiance[3]) {
     const uint32_t number = world->scene->instances[surface->instance].material;
     const mcv_material *material = &world->scene->materials[number];
     const uint32_t texture = mcv_material_surface_texture(material);
-    ref_scatterer s = {.material = material,
-                       .interaction = ref_make_interaction(surface, p->direction),
-                       .near = &p->media,
-                       .far = p->media};
+    ref_scatterer s = scatterer_at(world, p, surface);
     s.gloss = (ref_gloss){
         .material = material,
         .table = ref_gloss_find(&world->gloss, world->scene, number, 0),
@@ -138,8 +147,16 @@ static bool meet_gloss(const ref_world *world, ref_path *p, const ref_surface *s
         s.gloss.roughness = scales[1];
         s.gloss.metallic = material->as.metallic_roughness.metallic * scales[2];
     }
-    ref_find_frame(surface, &s);
     return ref_scatter(world, p, surface, &s, last, random, tally, radiance);
+}
+
+static double evaluate_retroreflector(const mcv_material *material, ref_vec o, ref_vec i,
+                                      double value[3]) {
+    return ref_retroreflector_evaluate(&material->as.retroreflector, o, i, value);
+}
+
+static ref_vec sample_retroreflector(const mcv_material *material, ref_vec o, ref_random *random) {
+    return ref_retroreflector_sample(&material->as.retroreflector, o, random);
 }
 
 /* Where light returns exactly, what is scattered diffusely is a surface of its own. */
@@ -149,13 +166,10 @@ static bool meet_retroreflector(const ref_world *world, ref_path *p, const ref_s
     const mcv_material *material =
         &world->scene->materials[world->scene->instances[surface->instance].material];
     const mcv_retroreflector_params *r = &material->as.retroreflector;
-    ref_scatterer s = {.material = material,
-                       .interaction = ref_make_interaction(surface, p->direction),
-                       .near = &p->media,
-                       .far = p->media};
-    ref_find_frame(surface, &s);
+    ref_scatterer s = scatterer_at(world, p, surface);
     if (r->divergence > 0) {
-        s.returns = r;
+        s.evaluate = evaluate_retroreflector;
+        s.sample = sample_retroreflector;
         return ref_scatter(world, p, surface, &s, last, random, tally, radiance);
     }
     const double chance = ref_retroreflector_chance(r, s.o);
@@ -181,11 +195,7 @@ bool ref_meet_surface(const ref_world *world, ref_path *p, const ref_surface *su
     p->density = 0; /* emitters behind smooth surfaces, passed straight or not, are not sampled */
     switch (material->type) {
     case MCV_MATERIAL_DIFFUSE: {
-        ref_scatterer s = {.material = material,
-                           .interaction = ref_make_interaction(surface, p->direction),
-                           .near = &p->media,
-                           .far = p->media};
-        ref_find_frame(surface, &s);
+        ref_scatterer s = scatterer_at(world, p, surface);
         modulate(world, surface, material->as.diffuse.reflectance, s.share);
         modulate(world, surface, material->as.diffuse.transmittance, s.passed);
         return ref_scatter(world, p, surface, &s, last, random, tally, radiance);

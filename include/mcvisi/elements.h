@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The lists of all elements: X(name, "name in the scene file", NAME). One line here and one header
- * make a new element; enums, parser, dispatch, help and schema follow.
+ * The lists of all elements: X(name, "name in the scene file", NAME), and their headers. Enums,
+ * parser, dispatch, help and schema follow; docs/adding-an-element.md has the steps.
  */
 #ifndef MCVISI_ELEMENTS_H
 #define MCVISI_ELEMENTS_H
+
+#include "mcvisi/dialect.h"
 
 #define MCV_SENSORS(X) \
     X(pinhole, "pinhole", PINHOLE) \
@@ -32,6 +34,15 @@
     X(dome, "dome", DOME) \
     X(coaxial, "coaxial", COAXIAL)
 
+/*
+ * Materials that two functions of their own describe, mcv_scatter_<name> and mcv_respond_<name> in
+ * kernels/bsdf/. A struct mcv_<name> holds what these need beside the reflectance.
+ */
+/* clang-format off */
+#define MCV_REFLECTORS(X) \
+    X(retroreflector, "retroreflector", RETROREFLECTOR)
+/* clang-format on */
+
 #define MCV_MATERIALS(X) \
     X(diffuse, "diffuse", DIFFUSE) \
     X(dielectric, "dielectric", DIELECTRIC) \
@@ -40,7 +51,7 @@
     X(beam_splitter, "beamSplitter", BEAM_SPLITTER) \
     X(conductor, "conductor", CONDUCTOR) \
     X(metallic_roughness, "metallicRoughness", METALLIC_ROUGHNESS) \
-    X(retroreflector, "retroreflector", RETROREFLECTOR) \
+    MCV_REFLECTORS(X) \
     X(absorber, "absorber", ABSORBER)
 
 #define MCV_SENSOR_ENUM(name, key, NAME) MCV_SENSOR_##NAME,
@@ -54,5 +65,66 @@ enum {
     MCV_PRESETS(MCV_PRESET_ENUM) MCV_EMITTER_TYPE_COUNT
 }; /* presets number on */
 enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
+
+/* Their headers. The device has those that the scene needs. */
+#if !MCV_ON_DEVICE || defined(MCV_SENSOR_pinhole)
+#include "mcvisi/sensors/pinhole.h"
+#endif
+#if !MCV_ON_DEVICE || defined(MCV_SENSOR_thin_lens)
+#include "mcvisi/sensors/thin_lens.h"
+#endif
+#if !MCV_ON_DEVICE || defined(MCV_SENSOR_telecentric)
+#include "mcvisi/sensors/telecentric.h"
+#endif
+#if !MCV_ON_DEVICE || defined(MCV_SENSOR_light_field)
+#include "mcvisi/sensors/light_field.h"
+#endif
+
+#if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
+#include "mcvisi/emitters/parallel.h"
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_LIGHT_FIELD
+#include "mcvisi/emitters/light_field.h"
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_PROJECTOR
+#include "mcvisi/emitters/projector.h"
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_AREA
+#include "mcvisi/emitters/area.h"
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_ENVIRONMENT_IMAGE
+#include "mcvisi/emitters/environment.h"
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_BEAM
+#include "mcvisi/emitters/collimated_beam.h"
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_PUNCTUAL
+#include "mcvisi/emitters/spot.h"
+#include "mcvisi/emitters/directional.h"
+#endif
+
+#if !MCV_ON_DEVICE || MCV_WITH_DIFFUSE
+#include "mcvisi/materials/diffuse.h"
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_DIELECTRIC
+#include "mcvisi/materials/dielectric.h"
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_SHEET
+#include "mcvisi/materials/sheet.h"
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_REFLECTOR
+#include "mcvisi/materials/retroreflector.h"
+#endif
+
+/* Kernels know nothing of these. */
+#if !MCV_ON_DEVICE
+#include "mcvisi/emitters/point.h"
+#include "mcvisi/emitters/telecentric_projector.h"
+#include "mcvisi/materials/absorber.h"
+#include "mcvisi/materials/beam_splitter.h"
+#include "mcvisi/materials/conductor.h"
+#include "mcvisi/materials/metallic_roughness.h"
+#include "mcvisi/materials/mirror.h"
+#endif
 
 #endif

@@ -16,8 +16,18 @@
 #ifndef MCVISI_INTERFACE_H
 #define MCVISI_INTERFACE_H
 
-#include "mcvisi/tables.h"
+#include "mcvisi/dialect.h"
 #include "mcvisi/vector.h"
+
+/* What Snell and Fresnel need to go from one medium (index n1) to another (n2); computed in double.
+ */
+typedef struct mcv_device_interface {
+    float eta;   /* n1/n2 */
+    float delta; /* (n2 - n1)(n2 + n1)/n2² */
+    float scale; /* with a coating R = scale F + offset; 1 and 0: it has none */
+    float offset;
+} mcv_device_interface;
+MCV_ASSERT_SIZE(mcv_device_interface, 16);
 
 /* c2, the cosine behind the interface, or 0 at total reflection. c1 in [0, 1]. */
 MCV_LOOP_FUNCTION float mcv_refracted_cosine(mcv_device_interface between, float c1) {

@@ -7,31 +7,14 @@
 #define MCVISI_TABLES_H
 
 #include "mcvisi/dialect.h"
+#include "mcvisi/elements.h"
 #include "mcvisi/events.h"
-#if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
-#include "mcvisi/emitters/parallel.h"
-#endif
-#if !MCV_ON_DEVICE || MCV_WITH_LIGHT_FIELD
-#include "mcvisi/emitters/light_field.h"
-#endif
-#if !MCV_ON_DEVICE || MCV_WITH_PROJECTOR
-#include "mcvisi/emitters/projector.h"
-#endif
-#if !MCV_ON_DEVICE || MCV_WITH_ENVIRONMENT_IMAGE
-#include "mcvisi/emitters/environment.h"
-#endif
-#if !MCV_ON_DEVICE || MCV_WITH_BEAM
-#include "mcvisi/emitters/collimated_beam.h"
-#endif
+#include "mcvisi/interface.h"
 #if !MCV_ON_DEVICE || MCV_WITH_RECTANGLE
 #include "mcvisi/rectangle.h"
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_SURFACES
 #include "mcvisi/surfaces/solid.h"
-#endif
-#if !MCV_ON_DEVICE || MCV_WITH_PUNCTUAL
-#include "mcvisi/emitters/spot.h"
-#include "mcvisi/emitters/directional.h"
 #endif
 
 /* Media that can be told apart along one path. Medium 0 is the surrounding vacuum, bit i of a
@@ -123,14 +106,22 @@ typedef struct mcv_device_material {
     float
         passed[3]; /* beam splitter, diffuse: transmittance; retroreflector: diffuse reflectance */
     float chance;  /* beam splitter, diffuse: with which it reflects */
-    float spread;  /* retroreflector: tangent of its divergence, 0: light returns exactly */
-    float fall;    /* retroreflector: 1/tangent of its entrance angle */
     uint connectable;   /* 1: spreads light so evenly that light paths connect it to the lens; 0: a
                            lens would seldom lie in its highlights */
     uint near_specular; /* 1: spreads light so little that light paths go through it as if it were
                            smooth */
+#if !MCV_ON_DEVICE || MCV_WITH_REFLECTOR
+    union {
+#define MCV_X(name, key, NAME) mcv_##name name;
+        MCV_REFLECTORS(MCV_X)
+#undef MCV_X
+        uint words[6]; /* the most that one has */
+    } as;
+#else
+    uint no_reflector[6]; /* the size stays */
+#endif
 } mcv_device_material;
-MCV_ASSERT_SIZE(mcv_device_material, 64);
+MCV_ASSERT_SIZE(mcv_device_material, 80);
 
 /* What a glossy material has beyond the others, under the same index; kernels/bsdf/microfacet.h. */
 typedef struct mcv_device_gloss {
@@ -159,16 +150,6 @@ typedef struct mcv_device_medium {
 } mcv_device_medium;
 MCV_ASSERT_SIZE(mcv_device_medium, 16);
 
-/* What Snell and Fresnel need to go from one medium (index n1) to another (n2); computed in double.
- */
-typedef struct mcv_device_interface {
-    float eta;   /* n1/n2 */
-    float delta; /* (n2 - n1)(n2 + n1)/n2² */
-    float scale; /* with a coating R = scale F + offset; 1 and 0: it has none */
-    float offset;
-} mcv_device_interface;
-MCV_ASSERT_SIZE(mcv_device_interface, 16);
-
 typedef struct mcv_device_emitter {
     uint type; /* MCV_EMITTER_…; a telecentric projector is a parallel emitter with a texture, a
                   point light a spot light */
@@ -195,7 +176,7 @@ typedef struct mcv_device_emitter {
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
     mcv_parallel parallel;
 #else
-    uint no_parallel[8]; /* the size stays */
+    uint no_parallel[8];  /* the size stays */
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_FIELD
     mcv_light_field_emitter light_field;

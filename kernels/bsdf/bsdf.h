@@ -39,9 +39,12 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interacti
         return mcv_respond_gloss(world, &interaction, material, m, direction);
     }
 #endif
-#if MCV_WITH_RETROREFLECTOR
-    if (type == MCV_MATERIAL_RETROREFLECTOR)
-        return mcv_respond_retroreflector(world, interaction, material, media, direction);
+#if MCV_WITH_REFLECTOR
+#define MCV_X(name, key, NAME) \
+    if (type == MCV_MATERIAL_##NAME) \
+        return mcv_respond_##name(world, interaction, material, media, direction);
+    MCV_REFLECTORS(MCV_X)
+#undef MCV_X
 #endif
     return response;
 }
@@ -96,10 +99,12 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
     case MCV_MATERIAL_DIELECTRIC:
         return mcv_scatter_dielectric(world, interaction, media, pair.x, unmatched, other);
 #endif
-#if MCV_WITH_RETROREFLECTOR
-    case MCV_MATERIAL_RETROREFLECTOR:
-        return mcv_scatter_retroreflector(world, interaction, instance.material, media, pair,
-                                          choice);
+#if MCV_WITH_REFLECTOR
+#define MCV_X(name, key, NAME) \
+    case MCV_MATERIAL_##NAME: \
+        return mcv_scatter_##name(world, interaction, instance.material, media, pair, choice);
+        MCV_REFLECTORS(MCV_X)
+#undef MCV_X
 #endif
 #if MCV_WITH_TRANSLUCENT
     case MCV_MATERIAL_DIFFUSE:

@@ -7,7 +7,7 @@
 #include "bsdf/scattering.h"
 #include "path/sampler.h"
 
-#if MCV_WITH_RETROREFLECTOR
+#if MCV_WITH_REFLECTOR
 /* Seen from o. */
 typedef struct mcv_retroreflection {
     float cosine;     /* of o; 0: the surface is seen edge-on and black */
@@ -20,7 +20,7 @@ static mcv_retroreflection mcv_retroreflection_at(__global const mcv_device_mate
     mcv_retroreflection back = {mcv_dot(o, n), 0.0f, 0.0f};
     float most = 0.0f, diffuse = 0.0f;
     if (!(back.cosine > 0.0f)) return back;
-    back.efficiency = mcv_retroreflector_efficiency(m->fall, back.cosine);
+    back.efficiency = mcv_retroreflector_efficiency(m->as.retroreflector.fall, back.cosine);
     MCV_EACH_CHANNEL(i) {
         most = m->value[i] > most ? m->value[i] : most;
         diffuse = m->passed[i] > diffuse ? m->passed[i] : diffuse;
@@ -41,9 +41,11 @@ static mcv_response mcv_retroreflector_respond(__global const mcv_device_materia
     response.media = 0;
     if (!(cosine > 0.0f) || !(back.cosine > 0.0f)) return response;
     const float diffuse = cosine * (1.0f / MCV_PI);
-    const float lobe = m->spread > 0.0f ? mcv_retroreflector_density(m->spread, o, i) : 0.0f;
-    const float efficiency =
-        mcv_sqrt(back.efficiency * mcv_retroreflector_efficiency(m->fall, cosine));
+    const float lobe = m->as.retroreflector.spread > 0.0f
+                           ? mcv_retroreflector_density(m->as.retroreflector.spread, o, i)
+                           : 0.0f;
+    const float efficiency = mcv_sqrt(
+        back.efficiency * mcv_retroreflector_efficiency(m->as.retroreflector.fall, cosine));
     const float returned = lobe * efficiency * (cosine < back.cosine ? cosine / back.cosine : 1.0f);
     MCV_EACH_CHANNEL(k)
     response.value.c[k] = mcv_fma(m->value[k], returned, m->passed[k] * diffuse);
@@ -55,7 +57,7 @@ static mcv_response mcv_retroreflector_respond(__global const mcv_device_materia
  */
 static mcv_vec3 mcv_retroreflector_choose(__global const mcv_device_material *m, mcv_vec3 n,
                                           mcv_vec3 o, float xi, float eta, int returns) {
-    if (returns) return mcv_retroreflector_sample(m->spread, o, xi, eta);
+    if (returns) return mcv_retroreflector_sample(m->as.retroreflector.spread, o, xi, eta);
     return mcv_normalize(mcv_from_frame(mcv_sample_cosine(xi, eta), n));
 }
 
@@ -83,7 +85,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter_retroreflector(mcv_world world, mcv_inte
     const mcv_retroreflection back = mcv_retroreflection_at(from, interaction.normal, o);
     const int returns = back.chance > 0.0f && choice >= 1.0f - back.chance;
     mcv_scattering scattering = mcv_scatter_into(o, media, MCV_EVENT_END);
-    if (returns && from->spread == 0.0f) {
+    if (returns && from->as.retroreflector.spread == 0.0f) {
         MCV_EACH_CHANNEL(i) scattering.factor.c[i] = from->value[i] * back.efficiency / back.chance;
         scattering.chance = back.chance;
         scattering.event = MCV_EVENT_REFLECT;

@@ -218,7 +218,7 @@ static mcv_dvec mcv_turn_precisely(mcv_world world, const mcv_interaction *inter
     mcv_dvec turned = d;
     (void)world, (void)media;
     if (on->event == MCV_EVENT_REFLECT) {
-#if MCV_WITH_RETROREFLECTOR
+#if MCV_WITH_REFLECTOR
         if (world.materials[world.instances[interaction->surface.instance].material].type ==
             MCV_MATERIAL_RETROREFLECTOR)
             return mcv_scale_d(d, -1.0);

@@ -53,7 +53,7 @@ MCV_FUNCTION mcv_identity mcv_identify(mcv_world world, uint path) {
 
 /* Is the pair that chooses among emitters, lobes and going on needed? */
 MCV_FUNCTION int mcv_needs_choice(__constant const mcv_frame *frame, uint depth) {
-    return MCV_WITH_GLOSS || MCV_WITH_RETROREFLECTOR || MCV_WITH_TRANSLUCENT ||
+    return MCV_WITH_GLOSS || MCV_WITH_REFLECTOR || MCV_WITH_TRANSLUCENT ||
            depth >= MCV_ROULETTE_DEPTH || frame->emitter_count > 1u;
 }
 
@@ -75,7 +75,7 @@ MCV_LOOP_FUNCTION mcv_pair mcv_draw(mcv_slot slot, uint depth, uint pair) {
  * first number has chosen an emitter, too, which is another estimate.
  */
 MCV_LOOP_FUNCTION mcv_pair mcv_draw_choice(mcv_slot slot, uint depth) {
-#if !MCV_TILE && !(MCV_WITH_GLOSS || MCV_WITH_RETROREFLECTOR || MCV_WITH_TRANSLUCENT)
+#if !MCV_TILE && !(MCV_WITH_GLOSS || MCV_WITH_REFLECTOR || MCV_WITH_TRANSLUCENT)
     const mcv_pair unused = {0.0f, 0.0f};
     if (depth < MCV_ROULETTE_DEPTH) return unused;
 #endif

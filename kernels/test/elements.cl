@@ -13,7 +13,7 @@
 #if MCV_WITH_GLOSS
 #include "bsdf/microfacet.h"
 #endif
-#if MCV_WITH_RETROREFLECTOR
+#if MCV_WITH_REFLECTOR
 #include "bsdf/retroreflector.h"
 #endif
 
@@ -203,7 +203,7 @@ __kernel void sample_gloss(__global const mcv_gloss_element *element, __global c
 }
 #endif
 
-#if MCV_WITH_RETROREFLECTOR
+#if MCV_WITH_REFLECTOR
 /* About the normal (0, 0, 1); cases: o, i; results: f cosθ of the first channel, density,
  * efficiency and chance of returning. */
 __kernel void evaluate_retroreflector(__global const mcv_device_material *material,

@@ -83,7 +83,8 @@ static void test_reference(void **state) {
             const double density = ref_retroreflector_evaluate(p, o, i, value),
                          expected[2] = {value[0], density};
             const double error = 40 * u + efficiency_error(p, o) + efficiency_error(p, i),
-                         rest = 4 * u * material.spread * material.spread;
+                         rest = 4 * u * material.as.retroreflector.spread *
+                                material.as.retroreflector.spread;
             for (int what = 0; what < 2; ++what) {
                 const double off = fabs(r[what] - expected[what]),
                              bound = error * expected[what] + rest;
@@ -178,8 +179,8 @@ static void test_energy(void **state) {
                 if (results[4 * n + 1] > 0) sum += results[4 * n] / results[4 * n + 1] / CASES;
             const double whole =
                 p->reflectance[0] * ref_retroreflector_efficiency(p, o) + p->diffuseReflectance[0];
-            const double noise = 2.5 / 128,
-                         less = 5 * material.spread * (1 + sine / z) / (2 * sine * z);
+            const double noise = 2.5 / 128, less = 5 * material.as.retroreflector.spread *
+                                                   (1 + sine / z) / (2 * sine * z);
             print_message("%s, cosine %g: albedo %.5f of at most %.5f\n", subjects[k].name, z, sum,
                           whole);
             if (!(sum <= p->reflectance[0] + p->diffuseReflectance[0] + 1e-5) ||
@@ -270,7 +271,7 @@ static void test_choices(void **state) {
 }
 
 static int open_retroreflector(void **state) {
-    element_features = 1u << MCV_FEATURE_RETROREFLECTOR;
+    element_features = 1u << MCV_FEATURE_REFLECTOR;
     return open_device(state);
 }
 

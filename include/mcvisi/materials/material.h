@@ -10,8 +10,9 @@
  *
  * A material is one header with
  *     MCV_<NAME>_PARAMS(X)    its parameters (mcvisi/params.h)
- *     what light does at it   for the device; kernels/bsdf/bsdf.h puts it together with the path
- * and one line in MCV_MATERIALS (mcvisi/elements.h).
+ *     mcv_<name>              of MCV_REFLECTORS: what the device needs beside the reflectance
+ *     what light does at it   for the device; kernels/bsdf/ puts it together with the path
+ * and one line in MCV_REFLECTORS or MCV_MATERIALS (mcvisi/elements.h).
  */
 #ifndef MCVISI_MATERIALS_MATERIAL_H
 #define MCVISI_MATERIALS_MATERIAL_H

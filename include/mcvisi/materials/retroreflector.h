@@ -36,6 +36,12 @@
       "[rad]") \
     X(spectrum, diffuseReflectance, 0, 0, 1, "share of the light that is scattered diffusely")
 
+/* What the device needs of them, beside the shares of light. */
+typedef struct mcv_retroreflector {
+    float spread; /* tangent of the divergence; 0: light returns exactly */
+    float fall;   /* 1/tangent of the entrance angle */
+} mcv_retroreflector;
+
 /* The narrowest divergence: directions in float32 are known to 1e-7. */
 #define MCV_LEAST_DIVERGENCE 1e-4f
 

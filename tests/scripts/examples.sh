@@ -1,0 +1,169 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# examples.sh SOURCES BUILD: adds the examples of docs/adding-an-element.md to a copy of the sources
+# by the steps that stand there and no others, builds the program, and renders with the new
+# elements. The copy stays in BUILD, so that only changes are compiled again.
+set -euo pipefail
+sources=$1 examples=$1/tests/example copy=$2/examples
+export LC_ALL=C.UTF-8
+most_files=6 # that one element touches
+
+fail() {
+    echo "examples: $1" >&2
+    exit 1
+}
+
+# The copy's file that a step touches.
+touches() {
+    touched+=("$1")
+}
+
+# add FILE EXAMPLE: a new file.
+add() {
+    touches "$1"
+    [ ! -e "$tree/$1" ] || fail "$1 is there already"
+    cp "$examples/$2" "$tree/$1"
+}
+
+# after FILE LINE TEXT: puts TEXT behind the first line that holds LINE, which must be there.
+after() {
+    touches "$1"
+    grep -qF -- "$2" "$tree/$1" ||
+        fail "$1 has no line with '$2': docs/adding-an-element.md is for other sources"
+    LINE=$2 TEXT=$3 awk '{ print } !done && index($0, ENVIRON["LINE"]) { print ENVIRON["TEXT"]; done = 1 }' \
+        "$tree/$1" >"$tree/edited"
+    mv "$tree/edited" "$tree/$1"
+}
+
+# before FILE LINE TEXT: the same in front of it.
+before() {
+    touches "$1"
+    grep -qF -- "$2" "$tree/$1" ||
+        fail "$1 has no line with '$2': docs/adding-an-element.md is for other sources"
+    LINE=$2 TEXT=$3 awk '!done && index($0, ENVIRON["LINE"]) { print ENVIRON["TEXT"]; done = 1 } { print }' \
+        "$tree/$1" >"$tree/edited"
+    mv "$tree/edited" "$tree/$1"
+}
+
+# element NAME FUNCTION: the steps, which touch few files.
+element() {
+    touched=()
+    "$2"
+    local count
+    count=$(printf '%s\n' "${touched[@]}" | sort -u | wc -l)
+    [ "$count" -le $most_files ] || fail "a new $1 touches $count files, more than $most_files"
+    echo "a new $1 touches $count files"
+}
+
+# shellcheck disable=SC1003 # the backslash is C's
+add_sensor() {
+    # 1. The header.
+    add include/mcvisi/sensors/line_scan.h sensor/line_scan.h
+    # 2. Two short functions.
+    touches host/scene/sensors.c
+    cat "$examples/sensor/sensors.c" >>"$tree/host/scene/sensors.c"
+    # 3. A line in the list, and the header's #include.
+    after include/mcvisi/elements.h 'X(pinhole, "pinhole", PINHOLE)' '    X(line_scan, "lineScan", LINE_SCAN) \'
+    before include/mcvisi/elements.h '#if !MCV_ON_DEVICE || defined(MCV_SENSOR_thin_lens)' \
+        '#if !MCV_ON_DEVICE || defined(MCV_SENSOR_line_scan)
+#include "mcvisi/sensors/line_scan.h"
+#endif'
+    # 4. The model once more, in the reference renderer.
+    before host/reference/sensor_ray.c 'ref_sensor_ray ref_sensor_ray_sample' "$(cat "$examples/sensor/sensor_ray.c")"
+    after host/reference/sensor_ray.c '    switch (sensor->type)' \
+        '    case MCV_SENSOR_LINE_SCAN:
+        return line_scan(sensor, column, row, x, y);'
+}
+
+# shellcheck disable=SC1003
+add_material() {
+    # 1. The header.
+    add include/mcvisi/materials/lunar_lambert.h material/lunar_lambert.h
+    # 2. A line in the list, and the header's #include.
+    after include/mcvisi/elements.h '#define MCV_REFLECTORS(X)' '    X(lunar_lambert, "lunarLambert", LUNAR_LAMBERT) \'
+    after include/mcvisi/elements.h '#include "mcvisi/materials/retroreflector.h"' '#include "mcvisi/materials/lunar_lambert.h"'
+    # 3. What the device needs of it.
+    before host/device/pack_materials.c '    case MCV_MATERIAL_MIRROR:' "$(cat "$examples/material/pack_materials.c")"
+    # 4. Its two functions on the device.
+    add kernels/bsdf/lunar_lambert.h material/bsdf.h
+    after kernels/bsdf/bsdf.h '#include "bsdf/gloss.h"' '#include "bsdf/lunar_lambert.h"'
+    # 5. The model once more, in the reference renderer.
+    before host/reference/path_surface.c 'bool ref_meet_surface' "$(cat "$examples/material/path_surface.c")"
+    before host/reference/path_surface.c '    case MCV_MATERIAL_DIELECTRIC:' \
+        '    case MCV_MATERIAL_LUNAR_LAMBERT: {
+        ref_scatterer s = scatterer_at(world, p, surface);
+        s.evaluate = evaluate_lunar_lambert;
+        return ref_scatter(world, p, surface, &s, last, random, tally, radiance);
+    }'
+}
+
+tree=$(mktemp -d)
+trap 'rm -rf "$tree"' EXIT
+cp -r "$sources"/{CMakeLists.txt,include,host,kernels,tools} "$tree"
+element sensor add_sensor
+element material add_material
+
+# Only what differs is copied, so that the build sees what changed.
+mkdir -p "$copy"
+(cd "$tree" && find . -type f) | while read -r file; do
+    cmp -s "$tree/$file" "$copy/$file" || install -D -m 644 "$tree/$file" "$copy/$file"
+done
+[ -f "$copy/b/build.ninja" ] || cmake -S "$copy" -B "$copy/b" -G Ninja -DMCV_TESTS=OFF -DCMAKE_BUILD_TYPE=None \
+    -DCMAKE_C_FLAGS=-O0 -DCMAKE_CXX_FLAGS=-O0 >"$copy/configure.log"
+cmake --build "$copy/b" --target mcvisi_program >"$copy/build.log" || {
+    tail -20 "$copy/build.log"
+    fail "the sources with the examples do not build"
+}
+mcvisi=$copy/b/mcvisi
+cd "$copy"
+
+# expect SCENE SENSOR SPP TRUTH TOLERANCE: both renderers have that mean, and the same picture.
+expect() {
+    local result mean
+    "$mcvisi" render "$1" --sensor "$2" --spp "$3" -o device.exr --png device.png --parts replicates --replicates 16 \
+        --seed 1 --json >device.json
+    "$mcvisi" render "$1" --sensor "$2" --spp "$3" -o reference.exr --png reference.png --parts replicates \
+        --replicates 16 --seed 2 --device reference --json >reference.json
+    for result in device.json reference.json; do
+        mean=$(sed -n 's/.*"mean": *\([0-9.e+-]*\).*/\1/p' $result | head -1)
+        awk -v mean="$mean" -v truth="$4" -v off="$5" 'BEGIN { exit !(mean > truth - off && mean < truth + off) }' ||
+            fail "$2, $result: the mean is $mean instead of $4, by more than $5"
+    done
+    "$mcvisi" compare device.exr reference.exr >compare.txt ||
+        fail "$2: device and reference differ: $(sed -n 2p compare.txt)"
+}
+
+# expect_refusal SCENE SETTING SENTENCE
+expect_refusal() {
+    ! "$mcvisi" check "$1" --set "$2" 2>refusal.txt >/dev/null || fail "$2 is not refused"
+    grep -qF -- "$3" refusal.txt || fail "$2 is refused with: $(cat refusal.txt)"
+}
+
+# --- the line scan camera ---
+
+# Its 100 columns see 10 mm at 0.2 m and 20 mm at 0.4 m; its 100 rows 10 mm at any depth. The square
+# of 5 mm and radiance 8 lies inside and fills a quarter and an eighth, whole pixels: a sample within
+# rounding of an edge may fall to either side, 1e-5 of them at most.
+scene=$examples/sensor/line_scan.gltf
+expect "$scene" line 64 2 2e-5
+expect "$scene" line-2 64 1 1e-5
+# What follows from the parameter list.
+"$mcvisi" check "$scene" | grep -q 'linePitch.*100 µm' || fail "check does not print linePitch"
+expect_refusal "$scene" sensors/line/linePich=1 'unknown key "linePich": did you mean "linePitch"?'
+expect_refusal "$scene" sensors/line/linePitch=0 'sensors/line/linePitch: 0 must be above 0'
+expect_refusal "$scene" sensors/line/radiometry=irradiance \
+    'sensors/line/radiometry: a line scan camera has no aperture'
+
+# --- the Lunar-Lambert reflector ---
+
+# The sun has E = π and c_i = 1/2, the sky radiance 1: with l = 3/4 the radiance is
+#     0.8 ((l/(2 (1/2 + c_o)) + 1 - l)/2 + l (1 - c_o ln((1 + c_o)/c_o)) + 1 - l).
+# The sun's share has no noise. A sample of the sky is between 0.8 (l/(2 (1 + c_o)) + 1 - l) and
+# 0.8 (l/(2 c_o) + 1 - l), a range of 0.15 and 0.4, and no value deviates from its mean by more than
+# half of its range, root mean square: of 32 x 32 x 64 samples five standard errors are 5/256 of it.
+scene=$examples/material/lunar_lambert.gltf
+expect "$scene" camera 64 "$(awk 'BEGIN { print 0.8 * (0.25 + 0.75 * (1 - log(2)) + 0.25) }')" 0.00146
+expect "$scene" camera-2 64 "$(awk 'BEGIN { print 0.8 * (0.3125 + 0.75 * (1 - log(3) / 2) + 0.25) }')" 0.0039
+"$mcvisi" check "$scene" | grep -q 'powder' || fail "check does not print the material"
+expect_refusal "$scene" materials/powder/lunar=2 'materials/powder/lunar: 2 must lie from 0 to 1'
+echo "the examples work"
