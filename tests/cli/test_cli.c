@@ -1365,6 +1365,35 @@ static void render_light_field(void) {
     run_well("render s.gltf --spp 4");
 }
 
+/* A box that cuts macro pixels weighs their directions unevenly, which is told once. */
+static void test_light_field_boxes(void **state) {
+    static const struct {
+        const char *box;
+        bool cuts;
+    } cases[] = {{"--region a=2,4,6,2", false},
+                 {"--region a=3,4,6,2", true},
+                 {"--region a=2,4,6,2 --region b=2,4,6,3 --background 0,0,2,2", true},
+                 {"--region a=2,4,6,2 --background b=2,4,6,3", true},
+                 {"", false}};
+    (void)state;
+    render_light_field();
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char line[160];
+        snprintf(line, sizeof line, "measure s.exr %s", cases[i].box);
+        run_well(line);
+        const char *note = strstr(err, "mcvisi: note: ");
+        if ((note != NULL) != cases[i].cuts || (note && strstr(note + 14, "note:")))
+            fail_msg("mcvisi %s: %s", line, err);
+        if (note && !strstr(note, i == 1 ? "3,4,6,2 cuts macro pixels of 2 x 2 pixels"
+                                         : "2,4,6,3 cuts macro pixels of 2 x 2 pixels"))
+            fail_msg("mcvisi %s: %s", line, err);
+    }
+    write_scene("p.gltf", pinhole, panel);
+    run_well("render p.gltf --spp 4");
+    run_well("measure p.exr --region 3,4,6,3");
+    assert_null(strstr(err, "macro"));
+}
+
 static void test_light_field_views(void **state) {
     (void)state;
     render_light_field();
@@ -1588,9 +1617,8 @@ int main(void) {
         TEST(test_compare_bad_input),
     };
     const struct CMUnitTest light_fields[] = {
-        TEST(test_light_field_views),
-        TEST(test_lens_of_the_camera),
-        TEST(test_light_field_gradient),
+        TEST(test_light_field_boxes),     TEST(test_light_field_views),
+        TEST(test_lens_of_the_camera),    TEST(test_light_field_gradient),
         TEST(test_light_field_bad_input),
     };
 #undef TEST
