@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What the functions behind the list of findings share (check/findings.h). */
-#ifndef MCVISI_HOST_ANALYSIS_FIND_H
-#define MCVISI_HOST_ANALYSIS_FIND_H
+#ifndef MCVISI_HOST_CHECK_FIND_H
+#define MCVISI_HOST_CHECK_FIND_H
 
 #include "check/findings.h"
 #include "scene/sensors.h"

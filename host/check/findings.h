@@ -4,8 +4,8 @@
  * in the scene that it is about, the number that shows it and a remedy. Each rule is sure in what
  * it says; a scene without a finding may still be wrong.
  */
-#ifndef MCVISI_HOST_ANALYSIS_FINDINGS_H
-#define MCVISI_HOST_ANALYSIS_FINDINGS_H
+#ifndef MCVISI_HOST_CHECK_FINDINGS_H
+#define MCVISI_HOST_CHECK_FINDINGS_H
 
 #include "scene/scene.h"
 

@@ -22,8 +22,8 @@
  * there, and the more they do the less the edge grows: then the growth is anything between 0 and
  * this.
  */
-#ifndef MCVISI_HOST_ANALYSIS_GROWTH_H
-#define MCVISI_HOST_ANALYSIS_GROWTH_H
+#ifndef MCVISI_HOST_CHECK_GROWTH_H
+#define MCVISI_HOST_CHECK_GROWTH_H
 
 #include "analysis/region.h"
 #include "scene/camera_model.h"

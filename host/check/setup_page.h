@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A scene as one HTML page that needs nothing else: each sensor's set-up drawn from the side and
  * from above (inline SVG), and findings. */
-#ifndef MCVISI_HOST_OUTPUT_SETUP_PAGE_H
-#define MCVISI_HOST_OUTPUT_SETUP_PAGE_H
+#ifndef MCVISI_HOST_CHECK_SETUP_PAGE_H
+#define MCVISI_HOST_CHECK_SETUP_PAGE_H
 
 #include "check/findings.h"
 

@@ -4,8 +4,8 @@
  * reads its library of built-in functions, for half a second, once for each that compiles; and the
  * programs that were built last, as even one that a driver has on disk takes 40 ms.
  */
-#ifndef MCVISI_HOST_CL_KEPT_H
-#define MCVISI_HOST_CL_KEPT_H
+#ifndef MCVISI_HOST_CL_PROGRAM_CACHE_H
+#define MCVISI_HOST_CL_PROGRAM_CACHE_H
 
 #include <CL/cl.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Reading scene files and what they point to. Nothing but regular files is opened. */
-#ifndef MCVISI_HOST_SCENE_FILE_H
-#define MCVISI_HOST_SCENE_FILE_H
+#ifndef MCVISI_HOST_CORE_INPUT_FILE_H
+#define MCVISI_HOST_CORE_INPUT_FILE_H
 
 #include "core/json_path.h"
 

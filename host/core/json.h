@@ -4,8 +4,8 @@
  * type or range is wrong. `object` stands at `place`; an absent member leaves *out as it is, so the
  * caller sets the default before.
  */
-#ifndef MCVISI_HOST_SCENE_JSON_H
-#define MCVISI_HOST_SCENE_JSON_H
+#ifndef MCVISI_HOST_CORE_JSON_H
+#define MCVISI_HOST_CORE_JSON_H
 
 #include "core/json_path.h"
 

@@ -4,8 +4,8 @@
  * something is wrong there. Elements are spelt as in --set (sensors/cam/focalLength), everything
  * else by its JSON path (nodes/3/rotation).
  */
-#ifndef MCVISI_HOST_SCENE_PLACE_H
-#define MCVISI_HOST_SCENE_PLACE_H
+#ifndef MCVISI_HOST_CORE_JSON_PATH_H
+#define MCVISI_HOST_CORE_JSON_PATH_H
 
 #include "mcvisi/mcvisi.h"
 

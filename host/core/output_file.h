@@ -4,8 +4,8 @@
  * which is flushed to the disk and then renamed. Until then what was there before stays. Only
  * regular files are replaced: no link, device or pipe.
  */
-#ifndef MCVISI_HOST_OUTPUT_FILE_H
-#define MCVISI_HOST_OUTPUT_FILE_H
+#ifndef MCVISI_HOST_CORE_OUTPUT_FILE_H
+#define MCVISI_HOST_CORE_OUTPUT_FILE_H
 
 #include "mcvisi/mcvisi.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What microfacets lose: the directional albedos behind the compensation of
  * kernels/bsdf/microfacet.h, in double. */
-#ifndef MCVISI_HOST_RENDER_ALBEDO_H
-#define MCVISI_HOST_RENDER_ALBEDO_H
+#ifndef MCVISI_HOST_DEVICE_ALBEDO_H
+#define MCVISI_HOST_DEVICE_ALBEDO_H
 
 #include <stdint.h>
 

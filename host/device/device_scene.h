@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A packed scene with its acceleration structure in the device's memory, as the kernels' first
  * arguments (kernels/world.h). */
-#ifndef MCVISI_HOST_RENDER_DEVICE_SCENE_H
-#define MCVISI_HOST_RENDER_DEVICE_SCENE_H
+#ifndef MCVISI_HOST_DEVICE_DEVICE_SCENE_H
+#define MCVISI_HOST_DEVICE_DEVICE_SCENE_H
 
 #include "cl/cl.h"
 #include "device/pack.h"

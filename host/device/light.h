@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What light paths need (kernels/stage/trace_light_path.h): where they start, what each carries,
  * the units of what they bring. */
-#ifndef MCVISI_HOST_RENDER_LIGHT_H
-#define MCVISI_HOST_RENDER_LIGHT_H
+#ifndef MCVISI_HOST_DEVICE_LIGHT_H
+#define MCVISI_HOST_DEVICE_LIGHT_H
 
 #include "device/pack.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* GGX's microfacets of one roughness in double, as multiple scattering is tabulated by
  * (multiple.h). */
-#ifndef MCVISI_HOST_RENDER_MICROSURFACE_H
-#define MCVISI_HOST_RENDER_MICROSURFACE_H
+#ifndef MCVISI_HOST_DEVICE_MICROSURFACE_H
+#define MCVISI_HOST_DEVICE_MICROSURFACE_H
 
 #include <math.h>
 #include <stdint.h>

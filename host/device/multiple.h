@@ -4,8 +4,8 @@
  * kernels/bsdf/microfacet.h, in double. Smith's masking describes a surface on which light walks
  * from microfacet to microfacet (Heitz, Hanika, d'Eon and Dachsbacher 2016).
  */
-#ifndef MCVISI_HOST_RENDER_MULTIPLE_H
-#define MCVISI_HOST_RENDER_MULTIPLE_H
+#ifndef MCVISI_HOST_DEVICE_MULTIPLE_H
+#define MCVISI_HOST_DEVICE_MULTIPLE_H
 
 #include <stdbool.h>
 #include <stdint.h>

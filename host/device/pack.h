@@ -3,8 +3,8 @@
  * A scene made ready for the device: world geometry in double, re-centred, rounded once to float32,
  * and the tables of mcvisi/tables.h; and what of the renderer it needs.
  */
-#ifndef MCVISI_HOST_RENDER_PACK_H
-#define MCVISI_HOST_RENDER_PACK_H
+#ifndef MCVISI_HOST_DEVICE_PACK_H
+#define MCVISI_HOST_DEVICE_PACK_H
 
 #include "mcvisi/features.h"
 #include "mcvisi/precise.h"

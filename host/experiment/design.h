@@ -11,8 +11,8 @@
  *
  * lhs and sobol take any values of a range, and of a list its members.
  */
-#ifndef MCVISI_HOST_ANALYSIS_DESIGN_H
-#define MCVISI_HOST_ANALYSIS_DESIGN_H
+#ifndef MCVISI_HOST_EXPERIMENT_DESIGN_H
+#define MCVISI_HOST_EXPERIMENT_DESIGN_H
 
 #include "mcvisi/mcvisi.h"
 

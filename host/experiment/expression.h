@@ -5,8 +5,8 @@
  * the standard uncertainty of a name, the number pi. A number may have a unit: 2mm, 0.5deg. Names
  * are letters, digits, _ and points, and begin with a letter or _.
  */
-#ifndef MCVISI_HOST_ANALYSIS_EXPRESSION_H
-#define MCVISI_HOST_ANALYSIS_EXPRESSION_H
+#ifndef MCVISI_HOST_EXPERIMENT_EXPRESSION_H
+#define MCVISI_HOST_EXPERIMENT_EXPRESSION_H
 
 #include "analysis/region.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Colours for numbers. */
-#ifndef MCVISI_HOST_OUTPUT_COLORMAP_H
-#define MCVISI_HOST_OUTPUT_COLORMAP_H
+#ifndef MCVISI_HOST_IO_COLORMAP_H
+#define MCVISI_HOST_IO_COLORMAP_H
 
 #include <stdint.h>
 

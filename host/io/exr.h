@@ -4,8 +4,8 @@
  * bit (-0, denormals, NaN, ∞). Part 0 is what viewers show. The attributes in its header hold all
  * that is needed to repeat a render.
  */
-#ifndef MCVISI_HOST_OUTPUT_EXR_H
-#define MCVISI_HOST_OUTPUT_EXR_H
+#ifndef MCVISI_HOST_IO_EXR_H
+#define MCVISI_HOST_IO_EXR_H
 
 #include "film/film.h"
 

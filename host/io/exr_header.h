@@ -3,8 +3,8 @@
  * Our own reading of an OpenEXR header and its chunk tables (the OpenEXR File Layout document), so
  * that only files whose every size and offset holds reach the library.
  */
-#ifndef MCVISI_HOST_OUTPUT_EXR_HEADER_H
-#define MCVISI_HOST_OUTPUT_EXR_HEADER_H
+#ifndef MCVISI_HOST_IO_EXR_HEADER_H
+#define MCVISI_HOST_IO_EXR_HEADER_H
 
 #include "io/exr.h"
 

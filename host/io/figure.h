@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Labelled pictures of numbers, drawn by cairo: an image in colours, the bar that explains them,
  * text. */
-#ifndef MCVISI_HOST_OUTPUT_FIGURE_H
-#define MCVISI_HOST_OUTPUT_FIGURE_H
+#ifndef MCVISI_HOST_IO_FIGURE_H
+#define MCVISI_HOST_IO_FIGURE_H
 
 #include "film/film.h"
 #include "io/colormap.h"

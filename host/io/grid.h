@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* An image with coordinates drawn on it, for people who look for places to measure in. */
-#ifndef MCVISI_HOST_OUTPUT_GRID_H
-#define MCVISI_HOST_OUTPUT_GRID_H
+#ifndef MCVISI_HOST_IO_GRID_H
+#define MCVISI_HOST_IO_GRID_H
 
 #include "film/film.h"
 #include "scene/camera_model.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Pages that need nothing else: no script, no network. */
-#ifndef MCVISI_HOST_OUTPUT_HTML_H
-#define MCVISI_HOST_OUTPUT_HTML_H
+#ifndef MCVISI_HOST_IO_HTML_H
+#define MCVISI_HOST_IO_HTML_H
 
 #include <stdio.h>
 

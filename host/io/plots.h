@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* An experiment as one HTML file that needs nothing else: each metric over each parameter with
  * error bars (inline SVG), and all rows. */
-#ifndef MCVISI_HOST_OUTPUT_PLOTS_H
-#define MCVISI_HOST_OUTPUT_PLOTS_H
+#ifndef MCVISI_HOST_IO_PLOTS_H
+#define MCVISI_HOST_IO_PLOTS_H
 
 #include "mcvisi/mcvisi.h"
 

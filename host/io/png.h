@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* PNG: a preview of a radiance image, and plain grey values of 8 or 16 bits. */
-#ifndef MCVISI_HOST_OUTPUT_PNG_H
-#define MCVISI_HOST_OUTPUT_PNG_H
+#ifndef MCVISI_HOST_IO_PNG_H
+#define MCVISI_HOST_IO_PNG_H
 
 #include "film/film.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Grey values as other programs open them: PNG, TIFF and NPY of whole numbers, 8 or 16 bits,
  * linear, the values as they are. */
-#ifndef MCVISI_HOST_OUTPUT_VALUES_H
-#define MCVISI_HOST_OUTPUT_VALUES_H
+#ifndef MCVISI_HOST_IO_VALUES_H
+#define MCVISI_HOST_IO_VALUES_H
 
 #include "film/film.h"
 

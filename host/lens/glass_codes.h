@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Glasses by two numbers, n_d and V_d: what a lens file's glass is where the renderer's catalogue
  * does not have its dispersion formula. */
-#ifndef MCVISI_HOST_SCENE_GLASS_CODES_H
-#define MCVISI_HOST_SCENE_GLASS_CODES_H
+#ifndef MCVISI_HOST_LENS_GLASS_CODES_H
+#define MCVISI_HOST_LENS_GLASS_CODES_H
 
 #include <stddef.h>
 

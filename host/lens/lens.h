@@ -4,8 +4,8 @@
  * use it. Lengths are in the file's unit, along the axis; the first surface is the object, the last
  * one the image.
  */
-#ifndef MCVISI_HOST_SCENE_LENS_H
-#define MCVISI_HOST_SCENE_LENS_H
+#ifndef MCVISI_HOST_LENS_LENS_H
+#define MCVISI_HOST_LENS_LENS_H
 
 #include <jansson.h>
 #include <stdbool.h>

@@ -6,8 +6,8 @@
  * are the file's; where it gives none, those that the axial and the outermost bundle need to first
  * order, and a twentieth more.
  */
-#ifndef MCVISI_HOST_SCENE_LENS_FILE_H
-#define MCVISI_HOST_SCENE_LENS_FILE_H
+#ifndef MCVISI_HOST_LENS_LENS_FILE_H
+#define MCVISI_HOST_LENS_LENS_FILE_H
 
 #include <jansson.h>
 #include <stdbool.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* glTF accessors: what they describe, checked against their bufferViews, and their elements. */
-#ifndef MCVISI_HOST_SCENE_ACCESSOR_H
-#define MCVISI_HOST_SCENE_ACCESSOR_H
+#ifndef MCVISI_HOST_LOADER_ACCESSOR_H
+#define MCVISI_HOST_LOADER_ACCESSOR_H
 
 #include "loader/gltf.h"
 #include "core/json.h"

@@ -4,8 +4,8 @@
  * validated before, because tinygltf 2.7.0 reads offsets unchecked. No exception leaves this
  * interface.
  */
-#ifndef MCVISI_HOST_SCENE_GLTF_H
-#define MCVISI_HOST_SCENE_GLTF_H
+#ifndef MCVISI_HOST_LOADER_GLTF_H
+#define MCVISI_HOST_LOADER_GLTF_H
 
 #include "core/input_file.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* --set PATH=VALUE on the JSON tree of a document. */
-#ifndef MCVISI_HOST_SCENE_OVERRIDES_H
-#define MCVISI_HOST_SCENE_OVERRIDES_H
+#ifndef MCVISI_HOST_LOADER_OVERRIDES_H
+#define MCVISI_HOST_LOADER_OVERRIDES_H
 
 #include "core/json.h"
 #include "scene/scene.h"

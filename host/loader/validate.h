@@ -4,8 +4,8 @@
  * relies on afterwards (indices, bounds, one parent per node, no loops). Runs before tinygltf sees
  * the document.
  */
-#ifndef MCVISI_HOST_SCENE_VALIDATE_H
-#define MCVISI_HOST_SCENE_VALIDATE_H
+#ifndef MCVISI_HOST_LOADER_VALIDATE_H
+#define MCVISI_HOST_LOADER_VALIDATE_H
 
 #include "core/input_file.h"
 #include "core/json.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rays of sight of the sensors, from the report's equations (4.1), (4.2) and section 4.2. */
-#ifndef MCVISI_HOST_REFERENCE_SIGHT_H
-#define MCVISI_HOST_REFERENCE_SIGHT_H
+#ifndef MCVISI_HOST_REFERENCE_SENSOR_RAY_H
+#define MCVISI_HOST_REFERENCE_SENSOR_RAY_H
 
 #include "reference/vector.h"
 #include "scene/scene.h"

@@ -3,8 +3,8 @@
  * Progress of a render with the time left: on a terminal one line that rewrites itself, elsewhere a
  * plain line every 10 s. Without colours or escape sequences, so NO_COLOR is always honoured.
  */
-#ifndef MCVISI_HOST_OUTPUT_PROGRESS_H
-#define MCVISI_HOST_OUTPUT_PROGRESS_H
+#ifndef MCVISI_HOST_REPORT_PROGRESS_H
+#define MCVISI_HOST_REPORT_PROGRESS_H
 
 #include "render/render.h"
 

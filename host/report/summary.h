@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a render reports when it is done: for people as text, for programs as JSON. */
-#ifndef MCVISI_HOST_OUTPUT_SUMMARY_H
-#define MCVISI_HOST_OUTPUT_SUMMARY_H
+#ifndef MCVISI_HOST_REPORT_SUMMARY_H
+#define MCVISI_HOST_REPORT_SUMMARY_H
 
 #include "io/png.h"
 #include "render/render.h"

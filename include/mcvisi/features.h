@@ -63,8 +63,8 @@ enum {
         MCV_FEATURE_COUNT
 };
 
-/* X(stage, whether it runs, in the terms of MCV_WITH_…): one file kernels/<stage>.cl each, in the
- * order in which they run. */
+/* X(stage, whether it runs, in the terms of MCV_WITH_…): in the order in which they run. The names
+ * are keys of `check --json`; kernels/README.md says which file has each. */
 #define MCV_STAGES(X) \
     X(aim_pupils, MCV_WITH_AIM) \
     X(generate_rays, 1) \

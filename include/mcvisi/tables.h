@@ -283,8 +283,9 @@ MCV_ASSERT_SIZE(mcv_device_vertex, 112);
 #define MCV_BLOCK 64
 
 /*
- * What each of up to 8 branches of the samples of a block may have at most, so that their sum is a
- * float: 2^128 / 8 / MCV_BLOCK / 2. More counts as not finite.
+ * What each branch of the samples of a block may have at most, so that their sum is a float:
+ * 2^128 / 8 / MCV_BLOCK / 2, with room for 8 branches (MCV_SPLIT_BRANCHES is 4). More counts as not
+ * finite.
  */
 #define MCV_LARGEST_VALUE 0x1p118f
 

@@ -5,8 +5,8 @@
  * lobes on both sides, evaluated and sampled by the same lines. Directions are unit vectors in the
  * frame of the surface; o, with o_z > 0, points to where the path comes from.
  */
-#ifndef MCVISI_KERNELS_GLOSS_H
-#define MCVISI_KERNELS_GLOSS_H
+#ifndef MCVISI_KERNELS_MICROFACET_H
+#define MCVISI_KERNELS_MICROFACET_H
 
 #include "mcvisi/materials/microfacet.h"
 #include "world.h"

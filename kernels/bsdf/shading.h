@@ -84,8 +84,8 @@ MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_plain_gloss_interaction(
 #endif
 
 /*
- * mcv_scatter for a surface of a kind that is known. *left: 1 where a glossy one turns out to be
- * smooth, as glass is in a fluid of its own index; the result counts for nothing then.
+ * mcv_scatter for a surface of a known kind. *unshaded is 1 where a glossy surface turns out to be
+ * smooth, as glass is in a fluid of its own index: the result does not count then.
  */
 MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_as(mcv_world world, mcv_slot slot,
                                                 const mcv_interaction *interaction,

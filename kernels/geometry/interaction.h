@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The surface that a path has met. */
-#ifndef MCVISI_KERNELS_MEET_SURFACE_H
-#define MCVISI_KERNELS_MEET_SURFACE_H
+#ifndef MCVISI_KERNELS_INTERACTION_H
+#define MCVISI_KERNELS_INTERACTION_H
 
 #include "path/camera_path.h"
 #include "bsdf/bsdf.h"

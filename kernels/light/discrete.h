@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Choosing from a table of cumulative shares, 2^31 = 1, and weighing what is chosen in two ways. */
-#ifndef MCVISI_KERNELS_CHOOSE_H
-#define MCVISI_KERNELS_CHOOSE_H
+#ifndef MCVISI_KERNELS_DISCRETE_H
+#define MCVISI_KERNELS_DISCRETE_H
 
 #include "mcvisi/dialect.h"
 

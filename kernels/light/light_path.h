@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Where light paths start, and what they share with camera paths. */
-#ifndef MCVISI_KERNELS_LIGHT_H
-#define MCVISI_KERNELS_LIGHT_H
+#ifndef MCVISI_KERNELS_LIGHT_PATH_H
+#define MCVISI_KERNELS_LIGHT_PATH_H
 
 #include "mcvisi/light_cone.h"
 #include "light/emission.h"

@@ -8,8 +8,8 @@
  * The falloff is the irradiance that a power gives, up to a factor: 1/(area/π) close by,
  * 1/(projected solid angle/π d²) from afar.
  */
-#ifndef MCVISI_KERNELS_REACH_H
-#define MCVISI_KERNELS_REACH_H
+#ifndef MCVISI_KERNELS_SELECTION_H
+#define MCVISI_KERNELS_SELECTION_H
 
 #include "world.h"
 

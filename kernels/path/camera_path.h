@@ -9,8 +9,8 @@
  * that go on together, so that all its loops run over neighbouring slots. What it works out for a
  * whole slice at once has fields of its own.
  */
-#ifndef MCVISI_KERNELS_PATH_H
-#define MCVISI_KERNELS_PATH_H
+#ifndef MCVISI_KERNELS_CAMERA_PATH_H
+#define MCVISI_KERNELS_CAMERA_PATH_H
 
 #include "mcvisi/dialect.h"
 
@@ -113,12 +113,12 @@
      !MCV_WITH_DISPERSION)
 
 /*
- * What a camera path has met; diffuse is what is `wide`. Light paths bring the light of their
- * emitters that comes from smooth and `sharp` surfaces to a diffuse one, wherever the sensor sees a
- * diffuse one directly or through a sheet or beam splitter: a path that began so shares that light
- * with them (mcv_light_share), and finds it by chance only. Where the sensor sees a glossy surface
- * first this looks where the light may come from; a place on the lens would seldom lie in its
- * highlights.
+ * The surfaces that a camera path has hit so far; "diffuse" is what is `connectable`. Where the
+ * sensor sees a diffuse surface first, directly or through a sheet or beam splitter, light paths
+ * bring what smooth and `near_specular` surfaces send to a diffuse one. A camera path that began so
+ * shares that light with them (mcv_light_share) and finds it by chance only. Where the sensor sees
+ * a glossy surface first, camera paths find that light: a point on the lens would seldom lie in the
+ * surface's highlights.
  */
 enum {
     MCV_PATH_CLASS_STRAIGHT, /* nothing but what passes light straight on */

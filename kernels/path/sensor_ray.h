@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rays of sight in the world. */
-#ifndef MCVISI_KERNELS_SIGHT_H
-#define MCVISI_KERNELS_SIGHT_H
+#ifndef MCVISI_KERNELS_SENSOR_RAY_H
+#define MCVISI_KERNELS_SENSOR_RAY_H
 
 #include "path/sampler.h"
 #include "world.h"
@@ -100,8 +100,8 @@ MCV_LOOP_FUNCTION mcv_sensor_ray mcv_guided_sensor_ray(mcv_world world, mcv_film
     pair.x = film.x;
     pair.y = film.y;
 #endif
-    const int pupil_guides = pair.x >= 0.5f;
-    const float xi = mcv_fma(2.0f, pair.x, pupil_guides ? -1.0f : 0.0f);
+    const int guided = pair.x >= 0.5f;
+    const float xi = mcv_fma(2.0f, pair.x, guided ? -1.0f : 0.0f);
     const float r = mcv_disk(xi, pair.y, &cosine, &sine);
     const float x = film.x - 0.5f;
     const float y = film.y - 0.5f;
@@ -110,7 +110,7 @@ MCV_LOOP_FUNCTION mcv_sensor_ray mcv_guided_sensor_ray(mcv_world world, mcv_film
     float p_x = r * cosine;
     float p_y = r * sine;
     float inside = 1.0f;
-    if (pupil_guides) {
+    if (guided) {
         const float e_x = p_x;
         p_x = mcv_fma(aim->spread[0], e_x, mcv_fma(aim->spread[1], p_y, centre_x));
         p_y = mcv_fma(aim->spread[2], e_x, mcv_fma(aim->spread[3], p_y, centre_y));
@@ -130,7 +130,7 @@ MCV_LOOP_FUNCTION mcv_sensor_ray mcv_guided_sensor_ray(mcv_world world, mcv_film
     }
     sensor_ray = mcv_sensor_through(world.sensor, film, p_x, p_y);
     const float advantage = aim->advantage * (MCV_PUPIL_AREA / MCV_PI);
-    sensor_ray.weight = !pupil_guides || mcv_in_pupil(p_x, p_y)
+    sensor_ray.weight = !guided || mcv_in_pupil(p_x, p_y)
                             ? sensor_ray.weight * 2.0f / mcv_fma(inside, advantage, 1.0f)
                             : 0.0f;
     return sensor_ray;

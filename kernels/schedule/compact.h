@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Which paths of a slice go where: the tile schedule's lists of slots. */
-#ifndef MCVISI_KERNELS_LIST_H
-#define MCVISI_KERNELS_LIST_H
+#ifndef MCVISI_KERNELS_COMPACT_H
+#define MCVISI_KERNELS_COMPACT_H
 
 #include "mcvisi/dialect.h"
 

@@ -4,8 +4,8 @@
  * triangle is worked out once for many paths and then looked up in registers; reading it from
  * memory, path by path, takes longer than all else about a place on a triangle.
  */
-#ifndef MCVISI_KERNELS_FEW_TRIANGLES_H
-#define MCVISI_KERNELS_FEW_TRIANGLES_H
+#ifndef MCVISI_KERNELS_SMALL_SCENE_CACHE_H
+#define MCVISI_KERNELS_SMALL_SCENE_CACHE_H
 
 #include "schedule/tile.h"
 

@@ -2,9 +2,9 @@
 /*
  * The stream schedule, for GPUs: one launch per stage and depth over the paths of a pass that live.
  * Queues hold the slots of the paths that a stage has work for; their lengths stay on the device,
- * and what the host launches beyond them ends at once. A work-group appends its paths together and
- * in their order, so that neighbours in a queue are near to each other in memory. Which order the
- * groups come in does not matter: a path writes its own slot alone.
+ * and what the host launches beyond them ends at once. A work-group appends its paths together,
+ * so that neighbours in a queue are near to each other in memory. The order in a queue does not
+ * matter: a path writes its own slot and that of its new branch.
  *
  * Queue 0 and 1: active paths of even and odd depths; queue 2: shadow rays. lengths[d]: active
  * paths at depth d; after the frame's depth + 1 of them, shadow rays at each depth.

@@ -44,6 +44,7 @@ trace_emitter_paths(MCV_WORLD_PARAMETERS __global uint *splats, __global uint *c
     uint counts[MCV_COUNTER_COUNT] = {0};
     mcv_trace_light_slices(world, slice * span, min(slice * span + min(span, count), count), splats,
                            counts);
+    /* render_tile has run before and has written the first counts. */
     for (uint i = 0; i < MCV_COUNTER_COUNT; ++i)
         counters[slice * MCV_COUNTER_COUNT + i] += counts[i];
 }

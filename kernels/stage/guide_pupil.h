@@ -143,14 +143,14 @@ static int mcv_aim_from(mcv_world world, mcv_film_sample film, float p_x, float 
     aim->spread[3] = size * i_yy;
     const float area = mcv_abs(
         mcv_difference_of_products(aim->spread[0], aim->spread[3], aim->spread[1], aim->spread[2]));
-    const float selection =
+    const float distance =
         mcv_sqrt(mcv_fma(c_x, c_x, c_y * c_y)) -
         (mcv_abs(aim->spread[0]) + mcv_abs(aim->spread[1]) + mcv_abs(aim->spread[2]) +
          mcv_abs(aim->spread[3]) + mcv_abs(aim->shift[0]) + mcv_abs(aim->shift[1]) +
          mcv_abs(aim->shift[2]) + mcv_abs(aim->shift[3]));
     /* An ellipse that fills the pupil, or misses it, is of no use. */
     aim->advantage =
-        area > 0.0f && area < 0.25f * (MCV_PUPIL_AREA / MCV_PI) && selection < MCV_PUPIL_REACH
+        area > 0.0f && area < 0.25f * (MCV_PUPIL_AREA / MCV_PI) && distance < MCV_PUPIL_REACH
             ? 1.0f / area
             : 0.0f;
     return 1;

@@ -4,8 +4,8 @@
  * and for what measures it: in bundles, where those that are left alone take turns if the scene is
  * large.
  */
-#ifndef MCVISI_WAYS_H
-#define MCVISI_WAYS_H
+#ifndef MCVISI_KERNELS_POLICY_H
+#define MCVISI_KERNELS_POLICY_H
 
 #include "traverse/trace_packet.h"
 
