@@ -140,8 +140,7 @@ static mcv_result add_clock(drive *d, const mcv_render_options *options, mcv_err
     mcv_cl_release(&s->counters);
     MCV_TRY(mcv_cl_build(d->cl, "schedule/tile", defines, &s->program, error));
     if (packed->features >> MCV_FEATURE_AIM & 1)
-        MCV_TRY(
-            mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
+        MCV_TRY(mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
     MCV_TRY(mcv_cl_kernel(s->program, "render_tile", &s->kernels[MCV_KERNEL_generate_rays], error));
     const size_t slices = s->capacity / s->slice;
     return mcv_cl_buffer(d->cl, "the counters",
@@ -159,8 +158,9 @@ mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options,
     d->scene = scene;
     MCV_TRY(mcv_device_scene_open(cl, scene, 0, &d->device, error));
     mcv_packed *packed = &d->device.packed;
-    packed->features = mcv_decide_features(scene, packed, scene->sensors, (mcv_feature_options){0}, NULL) &
-                       ~(1u << MCV_FEATURE_LIGHT_TRACING | 1u << MCV_FEATURE_SPLIT);
+    packed->features =
+        mcv_decide_features(scene, packed, scene->sensors, (mcv_feature_options){0}, NULL) &
+        ~(1u << MCV_FEATURE_LIGHT_TRACING | 1u << MCV_FEATURE_SPLIT);
     if (options.all_features) {
         packed->features = all_features(packed);
         packed->channels = 3;

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "analysis/box.h"
 
-#include "core/basics.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -34,9 +32,9 @@ mcv_result mcv_boxes_parse(const char *what, const char *text, size_t number,
                            size_t *count, mcv_error *error) {
     const char *equals = strchr(text, '=');
     const char *rest = equals && equals > text ? equals + 1 : text;
+    MCV_TRY(mcv_place_check_name(what, text, error));
     if (rest > text)
-        snprintf(name, 64, "%.*s",
-                 mcv_whole_characters(text, equals - text < 63 ? (int)(equals - text) : 63), text);
+        snprintf(name, 64, "%.*s", (int)(equals - text), text);
     else
         snprintf(name, 64, "%zu", number);
     for (*count = 0;; ++*count) {

@@ -19,6 +19,11 @@ mcv_result mcv_camera_check_settings(const mcv_camera_settings *settings, mcv_er
         return mcv_fail(error, MCV_USAGE,
                         "the scale from light to electrons must be given once: by --exposure-time, "
                         "--electrons-per-unit or --expose-to");
+    if (scales == 1 && settings->exposure_time > 0 && !(settings->dark_current > 0))
+        return mcv_fail(error, MCV_USAGE,
+                        "--exposure-time says nothing beside %s but how long the dark current "
+                        "flows: leave one of them out, or give --dark-current",
+                        settings->expose_to > 0 ? "--expose-to" : "--electrons-per-unit");
     if (settings->dark_current > 0 && settings->exposure_time == 0)
         return mcv_fail(error, MCV_USAGE,
                         "--dark-current needs the time that it flows: give --exposure-time");

@@ -12,6 +12,13 @@
 
 enum { MAX_NUMBERS = 256 };
 
+mcv_result mcv_place_check_name(const char *what, const char *text, mcv_error *error) {
+    const char *equals = strchr(text, '=');
+    if (!equals || equals - text < 64) return MCV_OK;
+    return mcv_fail(error, MCV_USAGE, "%s %s: its name has %td bytes: at most 63 are allowed", what,
+                    text, equals - text);
+}
+
 size_t mcv_roi_numbers(const char *text, size_t number, char name[64], const char **rest,
                        double *numbers, size_t most) {
     const char *equals = strchr(text, '=');
@@ -85,6 +92,7 @@ mcv_result mcv_roi_parse(const char *text, size_t number, const mcv_image *image
     double n[MAX_NUMBERS];
     const char *rest;
     *region = (mcv_roi){.width = image->width, .height = image->height};
+    MCV_TRY(mcv_place_check_name("region", text, error));
     const size_t count = mcv_roi_numbers(text, number, region->name, &rest, n, MAX_NUMBERS),
                  plane = (size_t)image->width * image->height;
     region->inside = calloc(plane, 1);

@@ -58,6 +58,9 @@ mcv_result mcv_roi_parse(const char *text, size_t number, const mcv_image *image
                          mcv_error *error);
 void mcv_roi_free(mcv_roi *region);
 
+/* Refuses the text of a place ("region", "edge" …) whose NAME is longer than 63 bytes. */
+mcv_result mcv_place_check_name(const char *what, const char *text, mcv_error *error);
+
 /* The numbers of "[NAME=]A,B,C…", at most `most`: how many, or 0 where the rest is no list of
  * numbers. Name and rest are told apart. */
 size_t mcv_roi_numbers(const char *text, size_t number, char name[64], const char **rest,

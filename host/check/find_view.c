@@ -281,6 +281,7 @@ mcv_result mcv_find_large_pixel(const mcv_scene *scene, mcv_findings *findings, 
 
 /* A floor may be this much wider than the field; millimetres read as metres make it a thousand. */
 static const double too_wide = 100;
+static const double widest_field = 10; /* [m]: `new` frames a part whatever its unit */
 
 mcv_result mcv_find_unit(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
     double width;
@@ -297,13 +298,15 @@ mcv_result mcv_find_unit(const mcv_scene *scene, mcv_findings *findings, mcv_err
         double seen_by_it[2];
         char part[32], seen[32];
         if (!isfinite(field)) continue;
-        if (width > too_wide * field)
+        const bool large_pixels = has_large_pixels(scene, &view, widest, width, seen_by_it);
+        if (width > too_wide * field || (field > widest_field && !large_pixels))
             MCV_TRY(mcv_findings_add(
                 findings, MCV_SEVERITY_WARNING, "nodes", name, NULL, error,
-                "%s is %s wide in the %s wide field of sensor \"%s\": is its unit mm?", label,
-                mcv_length_in_words(width, part), mcv_length_in_words(field, seen),
+                "%s is %s wide in the %s wide field of sensor \"%s\": is its unit mm? give its "
+                "asset \"unit\": \"mm\", as `new --unit mm` does",
+                label, mcv_length_in_words(width, part), mcv_length_in_words(field, seen),
                 view.sensor->name));
-        if (width < pixel && !has_large_pixels(scene, &view, widest, width, seen_by_it))
+        if (width < pixel && !large_pixels)
             MCV_TRY(mcv_findings_add(findings, MCV_SEVERITY_WARNING, "nodes", name, NULL, error,
                                      "%s, the widest part, is %s wide, less than the %s that a "
                                      "pixel of sensor \"%s\" sees: is its "

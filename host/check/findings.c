@@ -63,6 +63,13 @@ mcv_result mcv_findings_of(const mcv_scene *scene, mcv_findings *findings, mcv_e
     return result;
 }
 
+mcv_result mcv_find_extras(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
+    const size_t count = scene->ignored_extras;
+    if (count == 0) return MCV_OK;
+    return mcv_findings_add(findings, MCV_SEVERITY_NOTE, "", NULL, NULL, error,
+                            "ignored: extras of %zu object%s", count, count == 1 ? "" : "s");
+}
+
 void mcv_findings_free(mcv_findings *findings) {
     for (size_t i = 0; i < findings->count; ++i) {
         free(findings->items[i].path);

@@ -40,19 +40,25 @@ typedef struct mcv_findings {
  * X(name), in the order in which they are looked for; each is a function mcv_find_NAME
  * (check/find.h).
  *
- * unlit        emitters, flat ones and spots, whose light meets no mesh and no sensor's lens.
- * Others are not judged. hidden       flat emitters behind a sensor, whose body would block their
- * light; those whose back a sensor's axis meets bare_angle   cones of 0.1 rad or more, given as a
- * number of one or two digits without a unit: degrees may be meant sees_nothing sensors before
- * which there is no mesh, without an environment outside      sensors with no part in their field
- * though the scene has parts defocus      sensors for which all parts in their field are blurred
- * over more than 3 pixels large_pixel  pixels above 0.1 mm whose field is more than 10 times as
- * wide as the widest part unit         parts more than 100 times as wide as a field in focus, or
- * all parts together smaller than what a pixel sees of it open_body    nodes of a dielectric whose
- * triangles have edges without a partner flat_glass   curved bodies of a dielectric with flat
- * facets thin_body    closed meshes of a material that stands for a thin pane outline      meshes
- * whose chords at an outline in the picture are off their curve by more than a tenth of a pixel
- * growth       silhouettes before a backlight, by how much their edges grow (check/growth.h)
+ * - unlit: emitters, flat ones and spots, whose light meets no mesh and no lens of a sensor;
+ *   others are not judged
+ * - hidden: flat emitters behind a sensor, whose body would block their light; those whose back a
+ *   sensor's axis meets
+ * - bare_angle: cones of 0.1 rad or more, given as a number of one or two digits without a unit:
+ *   degrees may be meant
+ * - sees_nothing: sensors before which there is no mesh, without an environment
+ * - outside: sensors with no part in their field though the scene has parts
+ * - defocus: sensors for which all parts in their field are blurred over more than 3 pixels
+ * - large_pixel: pixels above 0.1 mm whose field is more than 10 times as wide as the widest part
+ * - unit: parts more than 100 times as wide as a field in focus; fields wider than 10 m; all parts
+ *   together smaller than what a pixel sees of it
+ * - open_body: nodes of a dielectric whose triangles have edges without a partner
+ * - flat_glass: curved bodies of a dielectric with flat facets
+ * - thin_body: closed meshes of a material that stands for a thin pane
+ * - outline: meshes whose chords at an outline in the picture are off their curve by more than a
+ *   tenth of a pixel
+ * - growth: silhouettes before a backlight, by how much their edges grow (check/growth.h)
+ * - extras: those of the scene's files, which nothing reads
  *
  * A part is an instance that neither emits nor belongs to a light.
  */
@@ -69,7 +75,8 @@ typedef struct mcv_findings {
     X(flat_glass) \
     X(thin_body) \
     X(outline) \
-    X(growth)
+    X(growth) \
+    X(extras)
 
 /* The loader's warnings, then what the list above finds. Fails only without memory. Freed by
  * mcv_findings_free. */

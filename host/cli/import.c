@@ -2,6 +2,7 @@
 /* mcvisi import: a lens file of a design program to a glTF file with exact surfaces, for a scene to
  * place. */
 #include "cli/command.h"
+#include "cli/report.h"
 #include "core/output_file.h"
 #include "lens/lens_file.h"
 #include "scene/scene.h"
@@ -40,8 +41,7 @@ static void print_report(const mcv_lens_report *report) {
     print_figure(report->working ? "working f-number" : "f-number", report->f_number,
                  report->stated_f_number, "f/", 1, "");
     printf("wavelength %.5g nm\n", 1e9 * report->wavelength);
-    for (int i = 0; i < report->warning_count; ++i)
-        fprintf(stderr, "mcvisi: warning: %s\n", report->warnings[i]);
+    for (int i = 0; i < report->warning_count; ++i) mcv_tell("warning", report->warnings[i]);
 }
 
 /* Writes the document whole, if a scene would take it: what the reader lets pass the loader may

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The program: one verb per file beside this one. */
 #include "cli/command.h"
+#include "cli/report.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -47,6 +48,6 @@ int main(int argc, char **argv) {
     mcv_result result = run(argc, argv, &error);
     if (fflush(stdout) != 0 && result == MCV_OK)
         result = mcv_fail(&error, MCV_FAILED, "standard output: %s", strerror(errno));
-    if (error.text[0]) fprintf(stderr, "mcvisi: %s\n", error.text);
+    if (error.text[0]) mcv_tell(NULL, error.text);
     return result;
 }

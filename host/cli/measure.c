@@ -4,10 +4,12 @@
 #include "check/nominal.h"
 #include "cli/measure.h"
 #include "cli/places.h"
+#include "cli/report.h"
 #include "core/output_file.h"
 #include "io/grid.h"
 #include "io/png.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -68,22 +70,59 @@ static mcv_result take_growths_off(mcv_subject *s, mcv_error *error) {
     return MCV_OK;
 }
 
+/* What is done with a box X,Y,W,H; false: no more of them. */
+typedef bool box_visitor(void *user, const char *name, const double box[4]);
+
 /* The boxes of "[NAME=]X,Y,W,H[+X,Y,W,H…]"; other forms are left out. */
-static void draw_boxes(mcv_grid *grid, mcv_texts texts) {
-    for (size_t i = 0; i < texts.count; ++i) {
+static bool visit_boxes(mcv_texts texts, box_visitor *visit, void *user) {
+    bool more = true;
+    for (size_t i = 0; i < texts.count && more; ++i) {
         char name[64];
         const char *rest;
         double box[4];
         char *copy = strdup(texts.items[i]), *next = NULL;
         mcv_roi_numbers(texts.items[i], i + 1, name, &rest, box, 4);
-        for (char *place = copy ? strtok_r(copy, "+", &next) : NULL; place;
+        for (char *place = copy ? strtok_r(copy, "+", &next) : NULL; place && more;
              place = strtok_r(NULL, "+", &next)) {
             char ignored[64];
             if (mcv_roi_numbers(place, i + 1, ignored, &rest, box, 4) == 4)
-                mcv_grid_box(grid, name, box);
+                more = visit(user, name, box);
         }
         free(copy);
     }
+    return more;
+}
+
+static void visit_all_boxes(const mcv_places *places, box_visitor *visit, void *user) {
+    bool more = visit_boxes(places->regions, visit, user);
+    for (unsigned f = 0; f < MCV_FORM_COUNT && more; ++f)
+        more = visit_boxes(places->boxes[f], visit, user);
+}
+
+static bool draw_box(void *grid, const char *name, const double box[4]) {
+    mcv_grid_box(grid, name, box);
+    return true;
+}
+
+/* In a light field image: a box of whole macro pixels weighs all directions alike. */
+static bool note_cut(void *user, const char *name, const double box[4]) {
+    const uint32_t *macro = user;
+    char text[256];
+    bool whole = true;
+    for (int i = 0; i < 4; ++i) whole = whole && fmod(box[i], macro[i % 2]) == 0;
+    if (whole) return true;
+    snprintf(text, sizeof text,
+             "the box %s=%g,%g,%g,%g cuts macro pixels of %u x %u pixels, so that it weighs their "
+             "directions unevenly: begin and end at multiples of them",
+             name, box[0], box[1], box[2], box[3], macro[0], macro[1]);
+    mcv_tell("note", text);
+    return false;
+}
+
+static void note_cuts(mcv_subject *s) {
+    const mcv_texts background = {&s->places.background, s->places.background ? 1 : 0};
+    if (visit_boxes(background, note_cut, s->model.macro))
+        visit_all_boxes(&s->places, note_cut, s->model.macro);
 }
 
 static mcv_result draw_grid(mcv_subject *s, mcv_error *error) {
@@ -110,8 +149,7 @@ static mcv_result draw_grid(mcv_subject *s, mcv_error *error) {
         return mcv_fail(error, MCV_USAGE, "--grid %s is the image: give it another name", path);
     MCV_TRY(
         mcv_grid_begin(&grid, &s->readings.values, s->has_model ? &s->model : NULL, node, error));
-    draw_boxes(&grid, s->places.regions);
-    for (unsigned f = 0; f < MCV_FORM_COUNT; ++f) draw_boxes(&grid, s->places.boxes[f]);
+    visit_all_boxes(&s->places, draw_box, &grid);
     return mcv_grid_write(&grid, path, error);
 }
 
@@ -120,6 +158,7 @@ static mcv_result measure(mcv_subject *s, mcv_error *error) {
     MCV_TRY(parse_regions(s, error));
     MCV_TRY(find_all(s, error));
     if (s->command->nominal) MCV_TRY(take_growths_off(s, error));
+    if (s->has_model && s->model.macro[0] * s->model.macro[1] > 1) note_cuts(s);
     if (mcv_png_is_srgb(s->command->argument))
         fprintf(stderr,
                 "mcvisi: warning: %s: its values are coded by sRGB, for the eye: edges seem to lie "

@@ -153,7 +153,9 @@ enum {
       "follow both what glass, sheets and beam splitters reflect and what they pass, or one of " \
       "them by chance") \
     X(count, seed, "seed", 0, "S", MCV_IN_GREY | MCV_IN_COMPARE, "0", 0, UINT32_MAX, \
-      "another seed, another noise; the same seed, the same bits") \
+      "another seed, another noise; the same seed, the same bits: one seed gives every image of " \
+      "a " \
+      "sequence the same noise") \
     X(count, depth, "depth", 0, "N", MCV_IN_RENDERS | MCV_IN_COMPARE | MCV_IN_TRACE, "32", 1, \
       1000000, "surfaces that a path may meet") \
     X(size, resolution, "resolution", 0, "WxH", MCV_IN_RENDERS | MCV_IN_COMPARE, NULL, 1, 65536, \
@@ -192,8 +194,7 @@ enum {
       "EMVA's t_exp [s], or with a unit, 10ms: with eta, lambda and the pixel size in the " \
       "image's header it says how many electrons an " \
       "irradiance makes; or " \
-      "give --electrons-per-unit or --expose-to, beside which it counts for the dark current " \
-      "only") \
+      "give --electrons-per-unit or --expose-to, beside which it is for --dark-current only") \
     X(channels, quantum_efficiency, "quantum-efficiency", 0, "ETA[,ETA,ETA]", MCV_IN_GREY, "0.6", \
       0, 1, "eta: electrons per photon, of all channels or of red, green and blue") \
     X(lengths, wavelength, "wavelength", 0, "L[,L,L]", MCV_IN_GREY, "550nm", 0, 1e-3, \

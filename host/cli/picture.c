@@ -9,6 +9,7 @@
 #include "scene/camera_model.h"
 #include "scene/sensors.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
@@ -56,7 +57,7 @@ mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, 
 
     mcv_sensor_label(scene, sensor, label, sizeof label);
     for (char *c = label; *c; ++c)
-        if (*c == '/') *c = '_';
+        if (*c == '/' || iscntrl((unsigned char)*c)) *c = '_';
     const char *suffix = several ? label : NULL;
     MCV_TRY(make_path(picture->exr, command->exr ? command->exr : scene->path, suffix,
                       command->exr ? NULL : ".exr", error));

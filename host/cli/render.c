@@ -5,6 +5,7 @@
 #include "cli/interrupt.h"
 #include "cli/command.h"
 #include "cli/picture.h"
+#include "cli/report.h"
 #include "scene/sensor_find.h"
 #include "core/basics.h"
 #include "report/progress.h"
@@ -189,8 +190,7 @@ static mcv_result print_findings(const mcv_scene *scene, mcv_error *error) {
     MCV_TRY(mcv_findings_of(scene, &findings, error));
     for (size_t i = 0; i < findings.count; ++i)
         if (findings.items[i].severity >= MCV_SEVERITY_WARNING)
-            fprintf(stderr, "mcvisi: %s: %s\n", mcv_severities[findings.items[i].severity],
-                    findings.items[i].sentence);
+            mcv_tell(mcv_severities[findings.items[i].severity], findings.items[i].sentence);
     mcv_findings_free(&findings);
     return MCV_OK;
 }

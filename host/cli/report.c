@@ -1,11 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/report.h"
 
+#include "core/basics.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 enum { LABEL_WIDTH = 24 };
+
+void mcv_tell(const char *severity, const char *text) {
+    fprintf(stderr, "mcvisi: %s%s", severity ? severity : "", severity ? ": " : "");
+    mcv_print_plain(stderr, text);
+    fputc('\n', stderr);
+}
 
 void mcv_report_begin(mcv_report *report, bool json) {
     *report = (mcv_report){.open = {json ? json_object() : NULL}, .depth = 0, .json = json};
@@ -46,8 +54,11 @@ void mcv_report_list(mcv_report *report, const char *key) {
 }
 
 void mcv_report_element(mcv_report *report, const char *name, const char *type) {
-    if (!report->json)
-        printf("%*s%s%s%s\n", 2 * report->depth, "", name, name[0] ? ": " : "", type);
+    if (!report->json) {
+        printf("%*s", 2 * report->depth, "");
+        mcv_print_plain(stdout, name);
+        printf("%s%s\n", name[0] ? ": " : "", type);
+    }
     enter(report, NULL, report->json ? json_object() : NULL);
     if (!report->json) return;
     mcv_report_text(report, "name", name);
@@ -68,7 +79,8 @@ void mcv_report_text(mcv_report *report, const char *key, const char *text) {
         put(report, key, value ? value : json_null()); /* not UTF-8 */
     } else {
         print_label(report, key);
-        puts(text);
+        mcv_print_plain(stdout, text);
+        putchar('\n');
     }
 }
 

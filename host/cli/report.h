@@ -19,6 +19,9 @@ typedef struct mcv_report {
     bool json;
 } mcv_report;
 
+/* "mcvisi: SEVERITY: TEXT" on standard error; severity NULL: an error that ends the program. */
+void mcv_tell(const char *severity, const char *text);
+
 void mcv_report_begin(mcv_report *report, bool json);
 
 /* Prints the JSON. MCV_FAILED without memory. */

@@ -4,6 +4,7 @@
 #include "cli/interrupt.h"
 #include "cli/picture.h"
 #include "cli/places.h"
+#include "cli/report.h"
 #include "cli/sweep.h"
 #include "core/basics.h"
 #include "core/json.h"
@@ -21,7 +22,7 @@ static mcv_result interrupted(void *user) {
 
 static void warn(void *user, const char *sentence) {
     (void)user;
-    fprintf(stderr, "mcvisi: warning: %s\n", sentence);
+    mcv_tell("warning", sentence);
 }
 
 static mcv_experiment experiment_of(const mcv_command *c, const char *rig) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/sweep.h"
 #include "cli/command.h"
+#include "core/basics.h"
 #include "loader/load.h"
 
 #include <math.h>
@@ -16,7 +17,8 @@ void mcv_sweep_tell_row(void *user, const mcv_sweep *s, const double *row, const
         const double *q = row + mcv_row_metric(&s->table, i);
         if (!isnan(q[0])) printf("; %s %.5g ± %.2g", s->measurement.metrics[i].name, q[0], q[1]);
     }
-    if (message) printf(": %s", message);
+    if (message) printf(": ");
+    if (message) mcv_print_plain(stdout, message);
     putchar('\n');
     fflush(stdout);
 }

@@ -2,6 +2,7 @@
 /* mcvisi trace: every vertex of given rays' paths, as a table. */
 #include "cli/command.h"
 #include "cli/rays.h"
+#include "cli/report.h"
 #include "core/output_file.h"
 #include "reference/reference.h"
 #include "loader/load.h"
@@ -93,8 +94,7 @@ mcv_result mcv_verb_trace(const mcv_command *command, mcv_error *error) {
         command->argument, (mcv_overrides){command->set.items, command->set.count}, &scene, error);
     if (result == MCV_OK) {
         const bool reference = mcv_wants_reference(command);
-        for (uint32_t i = 0; i < scene->warning_count; ++i)
-            fprintf(stderr, "mcvisi: warning: %s\n", scene->warnings[i]);
+        for (uint32_t i = 0; i < scene->warning_count; ++i) mcv_tell("warning", scene->warnings[i]);
         result = (reference ? mcv_reference_trace : mcv_trace)(scene, rays, ray_count, &options,
                                                                &vertices, &vertex_count, error);
         if (result == MCV_OK)

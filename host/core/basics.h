@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 /* Several texts, none of which are owned. */
 typedef struct mcv_texts {
@@ -24,5 +25,9 @@ uint64_t mcv_hash_bytes(uint64_t hash, const void *data, size_t size);
 
 /* How many bytes of a text, at most so many, end with a whole character of UTF-8: for "%.*s". */
 int mcv_whole_characters(const char *text, int most);
+
+/* Prints a name of others, or a text with one: control characters but line feeds (in UTF-8, U+0001
+ * to U+001F and U+007F to U+009F) as JSON writes them, so that none steers a terminal. */
+void mcv_print_plain(FILE *out, const char *text);
 
 #endif

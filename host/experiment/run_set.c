@@ -28,7 +28,7 @@ mcv_result mcv_load_set(const mcv_sweep *s, const double *numbers, mcv_set_texts
     }
     const mcv_result result =
         mcv_scene_load_cached(s->experiment->rig, (mcv_overrides){items, given.count + plan->count},
-                             s->assets, scene, error);
+                              s->assets, scene, error);
     free(items);
     return result;
 }

@@ -108,7 +108,7 @@ mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene *
 }
 
 mcv_result mcv_scene_load_cached(const char *path, mcv_overrides overrides, mcv_asset_cache *cache,
-                                mcv_scene **scene, mcv_error *error) {
+                                 mcv_scene **scene, mcv_error *error) {
     mcv_loader loader = {.file = mcv_place_file(path),
                          .solid = MCV_NONE,
                          .asset_material = MCV_NONE,

@@ -145,6 +145,20 @@ static mcv_result add_emissive(mcv_loader *loader, uint32_t first, uint32_t last
     return MCV_OK;
 }
 
+/* Light with an image is placed without its node's mirroring. */
+static mcv_result warn_of_mirroring(mcv_loader *loader, mcv_emitter *emitter,
+                                    const mcv_transform *to_world, mcv_error *error) {
+    const uint32_t *image = mcv_emitter_image(emitter);
+    if (!image || *image == MCV_NONE || mcv_transform_determinant(to_world) > 0) return MCV_OK;
+    return mcv_scene_warn(loader->scene, error,
+                          "emitter \"%s\": its node mirrors (a negative scale), which is left out: "
+                          "its light is not mirrored; to mirror it, flip the image%s",
+                          emitter->name,
+                          mcv_emitter_parameter(emitter, "mirror")
+                              ? ", or write \"mirror\": true into the emitter"
+                              : "");
+}
+
 mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_transform *to_world,
                             uint32_t first, uint32_t last, const mcv_json_path *place,
                             mcv_error *error) {
@@ -155,6 +169,8 @@ mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_tr
     if (index == MCV_NONE) return add_emissive(loader, first, last, error);
     mcv_emitter emitter = loader->emitters[index];
     ++loader->emitter_uses[index];
+    if (loader->presets[index].type == MCV_NONE)
+        MCV_TRY(warn_of_mirroring(loader, &emitter, to_world, error));
     if (!mcv_emitter_has_surface(emitter.type)) {
         if (!mcv_transform_rigid(to_world, &emitter.to_world))
             return mcv_fail_at(place, error, "its scale must not be 0");

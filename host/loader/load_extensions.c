@@ -68,11 +68,11 @@ static size_t count_extras(const json_t *value) {
 
 mcv_result mcv_load_warn_ignored(mcv_loader *loader, mcv_error *error) {
     const json_t *used = json_object_get(loader->root, "extensionsUsed");
-    const size_t extras = count_extras(loader->root);
     char *text = NULL;
     size_t size = 0, unknown = 0;
     FILE *stream = open_memstream(&text, &size);
     if (!stream) return mcv_fail_memory(&loader->file, error);
+    loader->scene->ignored_extras += count_extras(loader->root);
     for (size_t i = 0; i < json_array_size(used); ++i) {
         const char *name = json_string_value(json_array_get(used, i));
         if (!is_known(name)) fprintf(stream, "%s%s", unknown++ ? ", " : "extensions ", name);
@@ -81,7 +81,6 @@ mcv_result mcv_load_warn_ignored(mcv_loader *loader, mcv_error *error) {
         fprintf(stream, "%sanimations", unknown++ ? ", " : "");
     if (json_array_size(json_object_get(loader->root, "skins")))
         fprintf(stream, "%sskins", unknown++ ? ", " : "");
-    if (extras) fprintf(stream, "%sextras of %zu objects", unknown++ ? ", " : "", extras);
     fclose(stream);
     const mcv_result result =
         unknown && text ? mcv_scene_warn(loader->scene, error, "ignored: %s", text) : MCV_OK;

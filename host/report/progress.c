@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "report/progress.h"
 
+#include "core/basics.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -64,12 +66,13 @@ bool mcv_progress_report(void *user, double fraction, double seconds, double err
         width = snprintf(text, sizeof text, "%s: %3.0f %%%s, %s%s", line->label,
                          100 * fmin(fraction, 1), reached, spent, left);
     if (width >= (int)sizeof text) width = (int)sizeof text - 1;
-    if (line->terminal) {
-        fprintf(line->stream, "\r%-*s", line->width, text);
-        line->width = width;
-    } else {
-        fprintf(line->stream, "%s\n", text);
-    }
+    if (line->terminal) fputc('\r', line->stream);
+    mcv_print_plain(line->stream, text);
+    if (!line->terminal)
+        fputc('\n', line->stream);
+    else
+        fprintf(line->stream, "%*s", width < line->width ? line->width - width : 0, "");
+    if (line->terminal) line->width = width;
     fflush(line->stream);
     return go_on;
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "report/summary.h"
 
+#include "core/basics.h"
+
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
@@ -92,12 +94,19 @@ static void print_losses(FILE *out, const mcv_render_stats *stats) {
     }
 }
 
+static void print_name(FILE *out, const char *before, const char *name, const char *after) {
+    if (!name) return;
+    fputs(before, out);
+    mcv_print_plain(out, name);
+    fputs(after, out);
+}
+
 mcv_result mcv_summary_text(const mcv_summary *s, char **text, mcv_error *error) {
     size_t size = 0;
     *text = NULL;
     FILE *out = open_memstream(text, &size);
     if (!out) return mcv_fail(error, MCV_FAILED, "no memory for the summary");
-    if (s->sensor) fprintf(out, "%s: ", s->sensor);
+    print_name(out, "", s->sensor, ": ");
     fprintf(out, "%u x %u pixels, %" PRIu64 " samples %s, ", s->width, s->height, s->samples,
             s->adaptive ? "on the average" : "each");
     if (isfinite(s->error)) fprintf(out, "error %.2g %%, ", 100 * s->error);
@@ -109,8 +118,8 @@ mcv_result mcv_summary_text(const mcv_summary *s, char **text, mcv_error *error)
                 100 * s->preview.saturated, s->preview.white);
     fprintf(out, "\n");
     print_losses(out, &s->stats);
-    if (s->image_path) fprintf(out, "  %s\n", s->image_path);
-    if (s->preview_path) fprintf(out, "  %s\n", s->preview_path);
+    print_name(out, "  ", s->image_path, "\n");
+    print_name(out, "  ", s->preview_path, "\n");
     const bool whole = !ferror(out);
     if (fclose(out) == 0 && whole) return MCV_OK;
     free(*text);

@@ -167,6 +167,15 @@ static void print_asset(FILE *out, const mcv_rig *r, const char *uri) {
             r->needs_normals ? ", \"creaseAngle\": \"30deg\"" : "");
 }
 
+/* The middle of the part along an axis without the digits in which its corners, of single
+ * precision, are not known. */
+static double known_middle(const mcv_rig *r, int axis) {
+    const double largest = fmax(fabs(r->lower[axis]), fabs(r->upper[axis]));
+    if (largest == 0) return 0;
+    const double per_metre = pow(10, floor(-log10(largest * 0x1p-24)));
+    return round(r->centre[axis] * per_metre) / per_metre + 0.0; /* + 0: no -0 */
+}
+
 static void print_rig(FILE *out, const mcv_rig *r, const char *uri) {
     const bool back = r->light.type == MCV_RIG_LIGHT_BACKLIGHT;
     fprintf(out,
@@ -195,8 +204,8 @@ static void print_rig(FILE *out, const mcv_rig *r, const char *uri) {
         "  \"scene\": 0,\n  \"scenes\": [\n    {\"nodes\": [0, 1, 2, 3]}\n  ],\n  \"nodes\": [\n");
     fprintf(out,
             "    {\"name\": \"part\", \"extensions\": {\"MCVISI_assets\": {\"asset\": 0}}},\n");
-    fprintf(out, "    {\"name\": \"centre\", \"translation\": [%.9g, %.9g, %.9g], ", r->centre[0],
-            r->centre[1], r->centre[2]);
+    fprintf(out, "    {\"name\": \"centre\", \"translation\": [%.9g, %.9g, %.9g], ",
+            known_middle(r, 0), known_middle(r, 1), known_middle(r, 2));
     fprintf(
         out,
         "\"extras\": {\"note\": \"The middle of the part, at which camera and light look.\"}},\n");

@@ -158,6 +158,7 @@ typedef struct mcv_scene {
     uint64_t fingerprint;  /* of all files that were read, in their order */
     char **warnings;       /* sentences for the user */
     uint32_t warning_count;
+    size_t ignored_extras; /* objects with extras other than a note */
 } mcv_scene;
 
 void mcv_scene_free(mcv_scene *scene);

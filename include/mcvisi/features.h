@@ -22,7 +22,8 @@
     X(SHEET, "sheet", "a thin sheet or a beam splitter transmits") \
     X(MIRROR, "mirror", "a mirror reflects") \
     X(GLOSS, "gloss", "a metal reflects, or a surface of microfacets") \
-    X(REFLECTOR, "reflector", "a surface reflects by a law of its own, as a retroreflector does") \
+    X(REFLECTOR, "retroreflector", \
+      "a surface reflects by a law of its own, as a retroreflector does") \
     X(CONTACT, "contact", \
       "bodies of glass or fluid may touch: surfaces in the same place are looked for") \
     X(SURFACES, "surfaces", "a lens or another body has exact surfaces") \

@@ -3,6 +3,7 @@
  * nothing half-written. */
 #include "test.h"
 
+#include <ctype.h>
 #include <dirent.h>
 #include <fcntl.h>
 #include <math.h>
@@ -284,6 +285,36 @@ static void test_bad_scenes(void **state) {
     EXPECT_FAILURE("render s.gltf --set sensors/cma/imageDistance=1", 3, "s.gltf", "cma");
     EXPECT_FAILURE("render s.gltf --set sensors/cam/imageDistance", 2, "sensors/cam/imageDistance",
                    "PATH=VALUE");
+}
+
+/* No name in a file steers a terminal: control characters come as JSON writes them. */
+static void test_names_with_control_characters(void **state) {
+    static const char *const lines[] = {"check c.gltf", "render c.gltf --spp 1",
+                                        "render c.gltf --sensor x"};
+    char text[2048];
+    (void)state;
+    snprintf(text, sizeof text,
+             "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2]}],"
+             "\"extensions\":{\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"c\\u001b[31m\\u009bü\","
+             "%s}]},\"MCVISI_emitters\":{\"emitters\":[{\"name\":\"p\\u007f\\t\",%s}]}},"
+             "\"nodes\":[{\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},"
+             "{\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},"
+             "{\"translation\":[0,0,-1],\"extensions\":{\"MCVISI_emitters\":{\"emitter\":0}}}]}",
+             pinhole, panel);
+    write_text("c.gltf", text);
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
+        assert_int_equal(run(lines[i]), i == 2 ? 2 : 0);
+        const char *const said[] = {out, err};
+        for (int k = 0; k < 2; ++k)
+            for (const char *c = said[k]; *c; ++c)
+                if ((iscntrl((unsigned char)*c) && *c != '\n') ||
+                    (c[0] == '\xc2' && (unsigned char)c[1] < 0xa0))
+                    fail_msg("mcvisi %s: prints the byte 0x%02x", lines[i], (unsigned char)*c);
+        if (!strstr(i == 0 ? out : err, "c\\u001b[31m\\u009bü"))
+            fail_msg("mcvisi %s: no name in %s%s", lines[i], out, err);
+        if (i < 2 && !strstr(i == 0 ? out : err, "p\\u007f\\u0009\""))
+            fail_msg("mcvisi %s: no emitter's name in %s%s", lines[i], out, err);
+    }
 }
 
 static void test_no_device(void **state) {
@@ -1213,6 +1244,17 @@ static void test_measure_bad_input(void **state) {
     EXPECT_FAILURE("camera s.exr -o x.png --expose-to 1 --quantum-efficiency 0.5,0.5", 2,
                    "one number or three");
     EXPECT_FAILURE("camera s.exr -o x.png --expose-to 1 --dark-current 10", 2, "--exposure-time");
+    EXPECT_FAILURE("camera s.exr -o x.png --expose-to 1 --exposure-time 1", 2, "--exposure-time",
+                   "beside --expose-to", "--dark-current");
+    EXPECT_FAILURE("camera s.exr -o x.png --electrons-per-unit 1 --exposure-time 1", 2,
+                   "beside --electrons-per-unit", "--dark-current");
+    run_well("camera s.exr -o x.exr --expose-to 1 --exposure-time 1 --dark-current 10");
+    EXPECT_FAILURE("measure s.exr --region "
+                   "n234567890123456789012345678901234567890123456789012345678901234=0,0,8,8",
+                   2, "its name has 64 bytes", "at most 63");
+    EXPECT_FAILURE("measure s.exr --edge "
+                   "n234567890123456789012345678901234567890123456789012345678901234=0,0,8,8",
+                   2, "its name has 64 bytes", "at most 63");
     EXPECT_FAILURE("camera s.exr -o x.png --expose-to 1 --lens-mtf missing.csv", 3, "missing.csv");
 }
 
@@ -1321,6 +1363,35 @@ static void render_light_field(void) {
                 "\"spatialResolution\":[12,8],\"angularResolution\":[2,2],\"pixelSize\":0.0004",
                 panel);
     run_well("render s.gltf --spp 4");
+}
+
+/* A box that cuts macro pixels weighs their directions unevenly, which is told once. */
+static void test_light_field_boxes(void **state) {
+    static const struct {
+        const char *box;
+        bool cuts;
+    } cases[] = {{"--region a=2,4,6,2", false},
+                 {"--region a=3,4,6,2", true},
+                 {"--region a=2,4,6,2 --region b=2,4,6,3 --background 0,0,2,2", true},
+                 {"--region a=2,4,6,2 --background b=2,4,6,3", true},
+                 {"", false}};
+    (void)state;
+    render_light_field();
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char line[160];
+        snprintf(line, sizeof line, "measure s.exr %s", cases[i].box);
+        run_well(line);
+        const char *note = strstr(err, "mcvisi: note: ");
+        if ((note != NULL) != cases[i].cuts || (note && strstr(note + 14, "note:")))
+            fail_msg("mcvisi %s: %s", line, err);
+        if (note && !strstr(note, i == 1 ? "3,4,6,2 cuts macro pixels of 2 x 2 pixels"
+                                         : "2,4,6,3 cuts macro pixels of 2 x 2 pixels"))
+            fail_msg("mcvisi %s: %s", line, err);
+    }
+    write_scene("p.gltf", pinhole, panel);
+    run_well("render p.gltf --spp 4");
+    run_well("measure p.exr --region 3,4,6,3");
+    assert_null(strstr(err, "macro"));
 }
 
 static void test_light_field_views(void **state) {
@@ -1517,6 +1588,7 @@ int main(void) {
         TEST(test_bad_files),
         TEST(test_bad_scenes),
         TEST(test_no_device),
+        TEST(test_names_with_control_characters),
         TEST(test_render_adaptive),
         TEST(test_render_writes_pictures),
         TEST(test_reference_device),
@@ -1545,9 +1617,8 @@ int main(void) {
         TEST(test_compare_bad_input),
     };
     const struct CMUnitTest light_fields[] = {
-        TEST(test_light_field_views),
-        TEST(test_lens_of_the_camera),
-        TEST(test_light_field_gradient),
+        TEST(test_light_field_boxes),     TEST(test_light_field_views),
+        TEST(test_lens_of_the_camera),    TEST(test_light_field_gradient),
         TEST(test_light_field_bad_input),
     };
 #undef TEST

@@ -282,6 +282,48 @@ static void test_pixels_of_millimetres(void **state) {
     expect(scene, "a part as wide as half the field", "is meant", -1, "", "");
 }
 
+/*
+ * A part of 84 mm in a file of millimetres, read in metres, within its rig: the field is 102 m wide
+ * (0.01 m over 9.77e-5). Not one of 8 m.
+ */
+static void test_parts_of_metres(void **state) {
+    (void)state;
+    for (int large = 0; large < 2; ++large) {
+        const double scale = large ? 84 : 8, half[3] = {scale / 2, scale / 4, scale / 20};
+        mcv_scene *scene = mcv_scene_new("findings");
+        mcv_sensor sensor = sensor_defaults(MCV_SENSOR_TELECENTRIC);
+        mcv_telecentric_params *p = &sensor.as.telecentric;
+        p->magnification = 2.5e-3 / (1.2 * scale);
+        p->workingDistance = 3 * scale;
+        p->fNumber = 8;
+        p->resolution[0] = p->resolution[1] = 250;
+        p->pixelSize[0] = p->pixelSize[1] = 10e-6;
+        add_sensor(scene, MCV_SENSOR_TELECENTRIC, &sensor, looking_down_z(0, 0, 3 * scale));
+        add_box(scene, half, add_diffuse(scene, 0.5), looking_up_z(0, 0, 0));
+        expect(scene, "a part of metres", "is its unit", large ? MCV_SEVERITY_WARNING : -1,
+               "nodes/node",
+               "node \"node\" is 84 m wide in the 101 m wide field of sensor \"sensor\": is its "
+               "unit mm? give its asset \"unit\": \"mm\", as `new --unit mm` does");
+    }
+}
+
+/* Exporters write extras: all of them make one note. */
+static void test_extras(void **state) {
+    static const char document[] = "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"extras\":"
+                                   "{\"id\":1}}%s]}";
+    (void)state;
+    for (int two = 0; two < 2; ++two) {
+        char text[256];
+        mcv_scene *scene;
+        mcv_error error;
+        snprintf(text, sizeof text, document, two ? ",{\"extras\":{\"id\":2}}" : "");
+        if (load_text("findings-extras.gltf", text, NULL, &scene, &error) != MCV_OK)
+            fail_msg("%s", error.text);
+        expect(scene, "extras", "ignored: extras", MCV_SEVERITY_NOTE, "",
+               two ? "extras of 2 objects" : "extras of 1 object");
+    }
+}
+
 /* A tube along z: a polygon of so many sides, with or without the cylinder's normals. */
 static uint32_t add_tube(mcv_scene *scene, uint32_t sides, double radius, bool smooth,
                          uint32_t material, mcv_transform to_world) {
@@ -539,6 +581,8 @@ int main(void) {
         cmocka_unit_test(test_angles_without_unit),
         cmocka_unit_test(test_poses_without_unit),
         cmocka_unit_test(test_pixels_of_millimetres),
+        cmocka_unit_test(test_parts_of_metres),
+        cmocka_unit_test(test_extras),
         cmocka_unit_test(test_curved_glass_of_flat_facets),
         cmocka_unit_test(test_thin_pane_on_a_closed_mesh),
         cmocka_unit_test(test_chords_at_outlines),
