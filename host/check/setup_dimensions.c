@@ -3,6 +3,7 @@
 #include "check/setup_drawing.h"
 
 #include "core/basics.h"
+#include "scene/emitters.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -80,7 +81,7 @@ void mcv_put_dimensions(mcv_drawing *c, const double parts[2]) {
         double at;
         if (e->instance != MCV_NONE)
             at = mcv_view_extent(c->view, c->scene, e->instance).middle[2];
-        else if (e->type == MCV_EMITTER_POINT || e->type == MCV_EMITTER_SPOT)
+        else if (mcv_emitter_is_point_light(e->type))
             at = mcv_drawing_project(c, e->to_world.m + 9).depth;
         else
             continue;

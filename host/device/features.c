@@ -126,8 +126,7 @@ static void find_of_material(finding *f, const mcv_material *m) {
 
 static void find_of_emitter(finding *f, const mcv_emitter *e) {
     const bool environment = e->type == MCV_EMITTER_ENVIRONMENT;
-    const bool punctual = e->type == MCV_EMITTER_POINT || e->type == MCV_EMITTER_SPOT ||
-                          e->type == MCV_EMITTER_DIRECTIONAL;
+    const bool punctual = mcv_emitter_is_point_light(e->type) || e->type == MCV_EMITTER_DIRECTIONAL;
     const struct {
         unsigned feature;
         bool needed;

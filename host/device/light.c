@@ -144,12 +144,11 @@ static double unit_flux(const mcv_packed *packed, const mcv_emitter *from, mcv_d
         return *unit = from->area;
     case MCV_EMITTER_PROJECTOR:
         return *unit = from->area * image_tangents(e);
-    case MCV_EMITTER_SPOT: {
-        const float *p = e->spot.position, *a = e->spot.axis;
-        return aimed_angle(packed, mcv_vec(p[0], p[1], p[2]),
-                           (mcv_cone){.axis = mcv_vec(a[0], a[1], a[2]),
-                                      .squared = fminf(e->spot.edge, 1),
-                                      .own = 1});
+    case MCV_EMITTER_POINT: {
+        const float *p = e->light.position, *a = e->light.axis;
+        return aimed_angle(
+            packed, mcv_vec(p[0], p[1], p[2]),
+            (mcv_cone){.axis = mcv_vec(a[0], a[1], a[2]), .squared = e->light.edge, .own = 1});
     }
     case MCV_EMITTER_DIRECTIONAL:
         e->directional.reach = (float)(2 * mcv_packed_size(packed));
@@ -168,7 +167,7 @@ static uint32_t media_at(const mcv_scene *scene, const mcv_packed *packed, mcv_v
 
 /* Finds the media around the emitter; false where they are not the same everywhere. */
 static bool find_media(const mcv_scene *scene, const mcv_packed *packed, mcv_device_emitter *e) {
-    const float *at = e->type == MCV_EMITTER_SPOT ? e->spot.position : e->middle;
+    const float *at = e->type == MCV_EMITTER_POINT ? e->light.position : e->middle;
     e->media = e->type == MCV_EMITTER_DIRECTIONAL
                    ? 0
                    : media_at(scene, packed, mcv_vec(at[0], at[1], at[2]));
@@ -294,7 +293,7 @@ uint32_t mcv_light_thinning(const mcv_packed *packed, const mcv_sensor *sensor) 
     double density = 0.25;
     for (uint32_t i = 0; i < packed->emitter_count; ++i) {
         const mcv_device_emitter *e = &packed->emitters[i];
-        const bool punctual = e->type == MCV_EMITTER_SPOT || e->type == MCV_EMITTER_DIRECTIONAL;
+        const bool punctual = e->type == MCV_EMITTER_POINT || e->type == MCV_EMITTER_DIRECTIONAL;
         if (!(e->light_flux > 0)) continue;
         /* Of what is not aimed, or not everywhere, a part misses the balls. */
         if (!punctual && (!is_aimed(e->type) || is_narrow(e))) return 0;

@@ -70,10 +70,11 @@ static void prepare_emitter(const mcv_scene *scene, const mcv_packed *packed, ui
     case MCV_EMITTER_COLLIMATED_BEAM:
         mcv_collimated_beam_prepare(scene, index, &to->beam);
         break;
-    case MCV_EMITTER_POINT:
-    case MCV_EMITTER_SPOT:
-        to->type = MCV_EMITTER_SPOT;
-        mcv_spot_prepare(scene, index, packed->centre, &to->spot);
+#define MCV_X(name, key, NAME) case MCV_EMITTER_##NAME:
+        MCV_POINT_LIGHTS(MCV_X)
+#undef MCV_X
+        to->type = MCV_EMITTER_POINT;
+        mcv_point_light_prepare(scene, index, packed->centre, &to->light);
         break;
     case MCV_EMITTER_DIRECTIONAL:
         mcv_directional_prepare(scene, index, &to->directional);
@@ -112,7 +113,7 @@ static void find_reach(const mcv_scene *scene, const mcv_packed *packed, const m
         beam ? 0 : (float)(mcv_emitter_unit_power(scene, from) / (M_PI * (has_surface ? area : 1)));
     to->radius = 0;
     if (!has_surface) {
-        memcpy(to->middle, to->spot.position, sizeof to->middle);
+        memcpy(to->middle, to->light.position, sizeof to->middle);
         return;
     }
     double radius = 0, facing[3] = {0, 0, 0}, ways[3][3];

@@ -2,6 +2,7 @@
 #include "reference/lights.h"
 
 #include "reference/texture.h"
+#include "scene/emitters.h"
 
 static ref_vec axis_of(const mcv_transform *t, int axis) {
     return (ref_vec){t->m[axis], t->m[3 + axis], t->m[6 + axis]};
@@ -33,19 +34,26 @@ static bool beam_at(const mcv_scene *scene, const mcv_emitter *emitter, ref_vec 
     return true;
 }
 
-/* Point and spot lights; `cone` is NULL for the former. */
-static bool point_at(const mcv_emitter *emitter, double range, const mcv_spot_params *cone,
-                     ref_vec point, ref_light *light) {
-    const ref_vec way = ref_sub(place_of(&emitter->to_world), point);
-    double factor = 1;
-    light->distance = ref_length(way);
-    light->direction = ref_unit(way);
-    if (cone) {
-        const double angle = ref_angle(light->direction, axis_of(&emitter->to_world, 2));
+/* The share of its intensity that a light without extent sends at an angle from its axis. */
+static double share_at(const mcv_emitter *emitter, double angle) {
+    const mcv_spot_params *cone = &emitter->as.spot;
+    switch (emitter->type) {
+    case MCV_EMITTER_SPOT: {
         const double a = (cos(angle) - cos(cone->outerConeAngle)) /
                          (cos(cone->innerConeAngle) - cos(cone->outerConeAngle));
-        factor = pow(fmin(fmax(a, 0), 1), 2);
+        return pow(fmin(fmax(a, 0), 1), 2);
     }
+    default:
+        return 1;
+    }
+}
+
+static bool point_at(const mcv_emitter *emitter, ref_vec point, ref_light *light) {
+    const ref_vec way = ref_sub(place_of(&emitter->to_world), point);
+    const double range = *mcv_emitter_range(emitter);
+    light->distance = ref_length(way);
+    light->direction = ref_unit(way);
+    double factor = share_at(emitter, ref_angle(light->direction, axis_of(&emitter->to_world, 2)));
     if (!isnan(range)) factor *= fmax(0, 1 - pow(light->distance / range, 4));
     for (int channel = 0; channel < 3; ++channel)
         light->irradiance[channel] *= factor / (light->distance * light->distance);
@@ -60,15 +68,11 @@ bool ref_light_at(const mcv_scene *scene, const mcv_emitter *emitter, ref_vec po
     switch (emitter->type) {
     case MCV_EMITTER_COLLIMATED_BEAM:
         return beam_at(scene, emitter, point, light);
-    case MCV_EMITTER_POINT:
-        return point_at(emitter, emitter->as.point.range, NULL, point, light);
-    case MCV_EMITTER_SPOT:
-        return point_at(emitter, emitter->as.spot.range, &emitter->as.spot, point, light);
     case MCV_EMITTER_DIRECTIONAL:
         light->direction = axis_of(&emitter->to_world, 2);
         light->distance = INFINITY;
         return true;
     default:
-        return false;
+        return mcv_emitter_is_point_light(emitter->type) && point_at(emitter, point, light);
     }
 }

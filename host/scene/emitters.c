@@ -15,9 +15,15 @@ double mcv_emitter_half_angle(const mcv_emitter *emitter) {
     return (double)NAN;
 }
 
+bool mcv_emitter_is_point_light(uint32_t type) {
+#define MCV_X(name, key, NAME) || type == MCV_EMITTER_##NAME
+    return false MCV_POINT_LIGHTS(MCV_X);
+#undef MCV_X
+}
+
 bool mcv_emitter_has_surface(uint32_t type) {
-    return type != MCV_EMITTER_ENVIRONMENT && type != MCV_EMITTER_POINT &&
-           type != MCV_EMITTER_SPOT && type != MCV_EMITTER_DIRECTIONAL;
+    return type != MCV_EMITTER_ENVIRONMENT && type != MCV_EMITTER_DIRECTIONAL &&
+           !mcv_emitter_is_point_light(type);
 }
 
 mcv_result mcv_emitter_check(mcv_emitter *emitter, const mcv_json_path *place, mcv_error *error) {
@@ -49,6 +55,8 @@ static void *parameter(const mcv_emitter *emitter, const char *key) {
 double *mcv_emitter_parameter(mcv_emitter *emitter, const char *key) {
     return parameter(emitter, key);
 }
+
+const double *mcv_emitter_range(const mcv_emitter *emitter) { return parameter(emitter, "range"); }
 
 uint32_t *mcv_emitter_image(mcv_emitter *emitter) { return parameter(emitter, "image"); }
 

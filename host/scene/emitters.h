@@ -4,7 +4,14 @@
 #define MCVISI_HOST_SCENE_EMITTERS_H
 
 #include "core/json_path.h"
+#include "mcvisi/point_light.h"
 #include "scene/scene.h"
+
+/* Is it a light without extent (MCV_POINT_LIGHTS)? */
+bool mcv_emitter_is_point_light(uint32_t type);
+
+/* Where such a light's range ends [m]; NaN: nowhere. */
+const double *mcv_emitter_range(const mcv_emitter *emitter);
 
 /* Does this type emit from the surface of an instance? */
 bool mcv_emitter_has_surface(uint32_t type);
@@ -86,9 +93,9 @@ void mcv_projector_prepare(const mcv_scene *scene, uint32_t index, mcv_projector
 void mcv_collimated_beam_prepare(const mcv_scene *scene, uint32_t index,
                                  mcv_collimated_beam *device);
 
-/* Point and spot lights, in a world whose origin is moved to `centre`. */
-void mcv_spot_prepare(const mcv_scene *scene, uint32_t index, const double centre[3],
-                      mcv_spot *device);
+/* Lights without extent, in a world whose origin is moved to `centre`. */
+void mcv_point_light_prepare(const mcv_scene *scene, uint32_t index, const double centre[3],
+                             mcv_point_light *device);
 void mcv_directional_prepare(const mcv_scene *scene, uint32_t index, mcv_directional *device);
 
 #endif

@@ -105,22 +105,23 @@ void mcv_collimated_beam_prepare(const mcv_scene *scene, uint32_t index,
     forward(to_world, device->axis);
 }
 
-void mcv_spot_prepare(const mcv_scene *scene, uint32_t index, const double centre[3],
-                      mcv_spot *device) {
+void mcv_point_light_prepare(const mcv_scene *scene, uint32_t index, const double centre[3],
+                             mcv_point_light *device) {
     const mcv_emitter *emitter = scene->emitters + index;
-    const mcv_spot_params *p = &emitter->as.spot;
-    const bool point = emitter->type == MCV_EMITTER_POINT;
-    const double range = point ? emitter->as.point.range : p->range;
-    const double outer = mcv_half_sine_squared(p->outerConeAngle),
-                 inner = mcv_half_sine_squared(p->innerConeAngle);
-    *device = (mcv_spot){.edge = point ? 2 : (float)outer,
-                         .slope = point ? 1
-                                        : (float)fmin(1 / (outer - inner),
-                                                      FLT_MAX), /* finite for a sharp edge, too */
-                         .inverse_range_4 = isnan(range) ? 0 : (float)pow(range, -4)};
+    const double range = *mcv_emitter_range(emitter);
+    *device = (mcv_point_light){.distribution = emitter->type,
+                                .edge = 1,
+                                .inverse_range_4 = isnan(range) ? 0 : (float)pow(range, -4)};
     for (int i = 0; i < 3; ++i)
         device->position[i] = (float)(emitter->to_world.m[9 + i] - centre[i]);
     forward(&emitter->to_world, device->axis);
+    if (emitter->type == MCV_EMITTER_SPOT) {
+        const double outer = mcv_half_sine_squared(emitter->as.spot.outerConeAngle),
+                     inner = mcv_half_sine_squared(emitter->as.spot.innerConeAngle);
+        device->edge = (float)outer;
+        device->as.spot.slope =
+            (float)fmin(1 / (outer - inner), FLT_MAX); /* finite for a sharp edge, too */
+    }
 }
 
 void mcv_directional_prepare(const mcv_scene *scene, uint32_t index, mcv_directional *device) {

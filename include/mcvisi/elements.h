@@ -14,6 +14,14 @@
     X(telecentric, "telecentric", TELECENTRIC) \
     X(light_field, "lightField", LIGHT_FIELD)
 
+/* Lights without extent, by how their intensity depends on the angle from the axis
+ * (mcvisi/point_light.h). */
+/* clang-format off */
+#define MCV_POINT_LIGHTS(X) \
+    X(point, "point", POINT) \
+    X(spot, "spot", SPOT)
+/* clang-format on */
+
 #define MCV_EMITTERS(X) \
     X(parallel, "parallel", PARALLEL) \
     X(telecentric_projector, "telecentricProjector", TELECENTRIC_PROJECTOR) \
@@ -22,8 +30,7 @@
     X(area, "area", AREA) \
     X(environment, "environment", ENVIRONMENT) \
     X(collimated_beam, "collimatedBeam", COLLIMATED_BEAM) \
-    X(point, "point", POINT) \
-    X(spot, "spot", SPOT) \
+    MCV_POINT_LIGHTS(X) \
     X(directional, "directional", DIRECTIONAL)
 
 /* Types of emitters that the loader makes of geometry and the elements above: kernels know nothing
@@ -99,8 +106,9 @@ enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 #include "mcvisi/emitters/collimated_beam.h"
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_PUNCTUAL
-#include "mcvisi/emitters/spot.h"
 #include "mcvisi/emitters/directional.h"
+#include "mcvisi/emitters/point.h"
+#include "mcvisi/emitters/spot.h"
 #endif
 
 #if !MCV_ON_DEVICE || MCV_WITH_DIFFUSE
@@ -118,7 +126,6 @@ enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 
 /* Kernels know nothing of these. */
 #if !MCV_ON_DEVICE
-#include "mcvisi/emitters/point.h"
 #include "mcvisi/emitters/telecentric_projector.h"
 #include "mcvisi/materials/absorber.h"
 #include "mcvisi/materials/beam_splitter.h"

@@ -10,6 +10,9 @@
 #include "mcvisi/elements.h"
 #include "mcvisi/events.h"
 #include "mcvisi/interface.h"
+#if !MCV_ON_DEVICE || MCV_WITH_PUNCTUAL
+#include "mcvisi/point_light.h"
+#endif
 #if !MCV_ON_DEVICE || MCV_WITH_RECTANGLE
 #include "mcvisi/rectangle.h"
 #endif
@@ -151,8 +154,8 @@ typedef struct mcv_device_medium {
 MCV_ASSERT_SIZE(mcv_device_medium, 16);
 
 typedef struct mcv_device_emitter {
-    uint type; /* MCV_EMITTER_…; a telecentric projector is a parallel emitter with a texture, a
-                  point light a spot light */
+    uint type; /* MCV_EMITTER_…; a telecentric projector is a parallel emitter with a texture, all
+                  of MCV_POINT_LIGHTS are point lights */
     uint instance; /* whose triangles emit, or MCV_NONE */
     uint texture;  /* or MCV_NONE */
     uint cdf; /* where its triangle_count + 1 entries begin in the table of cumulative shares, 2^31
@@ -199,7 +202,7 @@ typedef struct mcv_device_emitter {
     uint no_beam[12];
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_PUNCTUAL
-    mcv_spot spot;
+    mcv_point_light light;
     mcv_directional directional;
 #else
     uint no_punctual[16];

@@ -26,13 +26,14 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_sample_beam(mcv_world world, mcv_receiver at,
 
 #if MCV_WITH_PUNCTUAL
 /* The ray ends at the light's position. */
-MCV_LOOP_FUNCTION mcv_shadow mcv_sample_spot(mcv_world world, mcv_receiver at,
-                                             __global const mcv_device_emitter *e, mcv_pair pair) {
-    const mcv_vec3 position = mcv_vec_at(e->spot.position), towards = mcv_sub(position, at.point);
+MCV_LOOP_FUNCTION mcv_shadow mcv_sample_point_light(mcv_world world, mcv_receiver at,
+                                                    __global const mcv_device_emitter *e,
+                                                    mcv_pair pair) {
+    const mcv_vec3 position = mcv_vec_at(e->light.position), towards = mcv_sub(position, at.point);
     const mcv_vec3 direction = mcv_normalize(towards);
     mcv_shadow shadow = mcv_shadow_along(at, direction, MCV_NONE, 0.0f);
-    const float share = mcv_spot_evaluate(&e->spot, mcv_scale(direction, -1.0f)) *
-                        mcv_spot_attenuation(&e->spot, mcv_dot(towards, towards));
+    const float share = mcv_point_light_share(&e->light, mcv_scale(direction, -1.0f)) *
+                        mcv_point_light_attenuation(&e->light, mcv_dot(towards, towards));
     shadow.direction = mcv_sub(position, shadow.origin);
     shadow.light = mcv_light_over(e, 1, share, e->probability);
     (void)world, (void)pair;
@@ -112,7 +113,7 @@ MCV_FUNCTION mcv_shadow mcv_sample_environment(mcv_world world, mcv_receiver at,
 #define MCV_DIRECTION_SAMPLERS(X) \
     MCV_WHERE(MCV_WITH_PARALLEL, X(MCV_EMITTER_PARALLEL, mcv_sample_parallel)) \
     MCV_WHERE(MCV_WITH_BEAM, X(MCV_EMITTER_COLLIMATED_BEAM, mcv_sample_beam)) \
-    MCV_WHERE(MCV_WITH_PUNCTUAL, X(MCV_EMITTER_SPOT, mcv_sample_spot)) \
+    MCV_WHERE(MCV_WITH_PUNCTUAL, X(MCV_EMITTER_POINT, mcv_sample_point_light)) \
     MCV_WHERE(MCV_WITH_PUNCTUAL, X(MCV_EMITTER_DIRECTIONAL, mcv_sample_directional)) \
     MCV_WHERE(MCV_WITH_ENVIRONMENT_IMAGE, \
               MCV_WHERE(MCV_WITH_TEXTURE, X(MCV_EMITTER_ENVIRONMENT, mcv_sample_environment)))

@@ -164,17 +164,17 @@ MCV_FUNCTION void mcv_leave_surface(mcv_world world, mcv_pair place, mcv_pair tu
 #endif
 
 #if MCV_WITH_PUNCTUAL
-MCV_FUNCTION void mcv_leave_spot(mcv_world world, mcv_pair turn, mcv_light_path *path) {
+MCV_FUNCTION void mcv_leave_point_light(mcv_world world, mcv_pair turn, mcv_light_path *path) {
     __global const mcv_device_emitter *e = world.emitters + path->emitter;
     mcv_cone own;
     mcv_aiming all;
-    own.axis = mcv_vec_at(e->spot.axis);
-    own.squared = e->spot.edge < 1.0f ? e->spot.edge : 1.0f;
+    own.axis = mcv_vec_at(e->light.axis);
+    own.squared = e->light.edge;
     own.own = 1;
-    path->origin = mcv_vec_at(e->spot.position);
+    path->origin = mcv_vec_at(e->light.position);
     path->direction = mcv_aim_light(world, path->origin, &own, turn, &all);
     const float angle = all.within > 0u ? all.angle / (float)all.within : 0.0f;
-    path->flux = mcv_dim(path->flux, angle * mcv_spot_evaluate(&e->spot, path->direction));
+    path->flux = mcv_dim(path->flux, angle * mcv_point_light_share(&e->light, path->direction));
 }
 
 /* From before all surfaces, on the disks that the balls throw: one by its area, and with the
@@ -209,8 +209,8 @@ MCV_FUNCTION mcv_light_path mcv_begin_light_path(mcv_world world, mcv_pair which
     mcv_light_path path = mcv_make_light_path(world, mcv_choose_light(world, which));
 #if MCV_WITH_PUNCTUAL
     const uint type = world.emitters[path.emitter].type;
-    if (type == MCV_EMITTER_SPOT) {
-        mcv_leave_spot(world, turn, &path);
+    if (type == MCV_EMITTER_POINT) {
+        mcv_leave_point_light(world, turn, &path);
         return path;
     }
     if (type == MCV_EMITTER_DIRECTIONAL) {

@@ -46,8 +46,8 @@ MCV_LOOP_FUNCTION int mcv_emitter_reaches(__global const mcv_device_emitter *e, 
            mcv_collimated_beam_covers(&e->beam, mcv_scale(way, -1.0f));
 #endif
 #if MCV_WITH_PUNCTUAL
-    lit &= (e->type != MCV_EMITTER_SPOT) |
-           (mcv_spot_evaluate(&e->spot, mcv_normalize(mcv_scale(way, -1.0f))) > 0.0f);
+    lit &= (e->type != MCV_EMITTER_POINT) |
+           (mcv_point_light_share(&e->light, mcv_normalize(mcv_scale(way, -1.0f))) > 0.0f);
 #endif
     const int nowhere = e->radius < 0.0f;
     return (e->probability > 0.0f) & (nowhere | (!behind_it & !behind & lit));

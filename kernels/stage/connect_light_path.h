@@ -41,8 +41,8 @@ MCV_LOOP_FUNCTION float mcv_flux_correction(mcv_interaction interaction, mcv_vec
  * light. */
 MCV_LOOP_FUNCTION float mcv_within_range(__global const mcv_device_emitter *e, float length) {
 #if MCV_WITH_PUNCTUAL
-    if (e->type == MCV_EMITTER_SPOT)
-        return mcv_spot_attenuation(&e->spot, length * length) * length * length;
+    if (e->type == MCV_EMITTER_POINT)
+        return mcv_point_light_attenuation(&e->light, length * length) * length * length;
 #endif
     (void)e, (void)length;
     return 1.0f;

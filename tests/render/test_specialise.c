@@ -39,7 +39,7 @@ static const struct {
     {"emitters/area.h", BIT(AREA)},
     {"emitters/environment.h", BIT(ENVIRONMENT_IMAGE)},
     {"emitters/collimated_beam.h", BIT(BEAM)},
-    {"emitters/point.h", 0},
+    {"emitters/point.h", BIT(PUNCTUAL)},
     {"emitters/spot.h", BIT(PUNCTUAL)},
     {"emitters/directional.h", BIT(PUNCTUAL)},
     {"materials/diffuse.h", BIT(DIFFUSE)},

@@ -28,29 +28,13 @@
       "half-angle θ_o beyond which there is none [rad]")
 
 typedef struct mcv_spot {
-    float position[3];     /* [m] */
-    float axis[3];         /* unit; in which it shines */
-    float edge;            /* sin²(θ_o/2); a point light: 2, beyond the largest sine */
-    float slope;           /* 1/(sin²(θ_o/2) - sin²(θ_i/2)), FLT_MAX at most */
-    float inverse_range_4; /* 1/R⁴ [1/m⁴]; 0: no range */
-    uint padding[3];
+    float slope; /* 1/(sin²(θ_o/2) - sin²(θ_i/2)), FLT_MAX at most */
 } mcv_spot;
-MCV_ASSERT_SIZE(mcv_spot, 48);
 
-/* The share of I that is sent in a direction (unit, away from the light). */
-MCV_LOOP_FUNCTION float mcv_spot_evaluate(MCV_GLOBAL const mcv_spot *light, mcv_vec3 direction) {
-    /* sin²(θ/2) by the chord: a float32 cosine cannot tell 0.02° from 0. */
-    const mcv_vec3 chord =
-        mcv_sub(direction, mcv_vec(light->axis[0], light->axis[1], light->axis[2]));
-    const float a = (light->edge - 0.25f * mcv_dot(chord, chord)) * light->slope;
+/* a², with the edge sin²(θ_o/2). */
+MCV_LOOP_FUNCTION float mcv_spot_share(MCV_GLOBAL const mcv_spot *light, float edge, float q) {
+    const float a = (edge - q) * light->slope;
     return a <= 0.0f ? 0.0f : a >= 1.0f ? 1.0f : a * a;
-}
-
-/* What distance leaves of an intensity: irradiance over intensity [1/m²]. */
-MCV_LOOP_FUNCTION float mcv_spot_attenuation(MCV_GLOBAL const mcv_spot *light,
-                                             float distance_squared) {
-    const float left = mcv_fma(-light->inverse_range_4 * distance_squared, distance_squared, 1.0f);
-    return left > 0.0f ? left / distance_squared : 0.0f;
 }
 
 #endif

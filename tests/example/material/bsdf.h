@@ -14,12 +14,10 @@
  * of the path. Where it and the triangle's face disagree on the direction's side nothing comes.
  */
 MCV_FUNCTION mcv_response mcv_respond_lunar_lambert(mcv_world world, mcv_interaction interaction,
-                                                    uint material, uint media,
-                                                    mcv_vec3 direction) {
+                                                    uint material, uint media, mcv_vec3 direction) {
     const float c_o = -mcv_dot(interaction.direction, interaction.normal),
                 c_i = mcv_dot(direction, interaction.normal);
-    const int comes =
-        (c_o > 0.0f) & (c_i > 0.0f) & (mcv_dot(direction, interaction.face) > 0.0f);
+    const int comes = (c_o > 0.0f) & (c_i > 0.0f) & (mcv_dot(direction, interaction.face) > 0.0f);
     mcv_response response;
     response.value = mcv_grey(0.0f);
     response.density = 0.0f;
@@ -28,9 +26,8 @@ MCV_FUNCTION mcv_response mcv_respond_lunar_lambert(mcv_world world, mcv_interac
     response.density = c_i * (1.0f / MCV_PI);
     response.value =
         mcv_dim(mcv_material_value(world, interaction.surface, material),
-                response.density *
-                    mcv_lunar_lambert_factor(world.materials[material].as.lunar_lambert.lunar, c_o,
-                                             c_i));
+                response.density * mcv_lunar_lambert_factor(
+                                       world.materials[material].as.lunar_lambert.lunar, c_o, c_i));
     return response;
 }
 
@@ -39,8 +36,8 @@ MCV_FUNCTION mcv_response mcv_respond_lunar_lambert(mcv_world world, mcv_interac
 MCV_FUNCTION mcv_scattering mcv_scatter_lunar_lambert(mcv_world world, mcv_interaction interaction,
                                                       uint material, uint media, mcv_pair pair,
                                                       float choice) {
-    const mcv_vec3 direction = mcv_normalize(
-        mcv_from_frame(mcv_sample_cosine(pair.x, pair.y), interaction.normal));
+    const mcv_vec3 direction =
+        mcv_normalize(mcv_from_frame(mcv_sample_cosine(pair.x, pair.y), interaction.normal));
     const mcv_response response =
         mcv_respond_lunar_lambert(world, interaction, material, media, direction);
     mcv_scattering scattering = mcv_scatter_into(direction, media, MCV_EVENT_END);

@@ -10,4 +10,3 @@ static double evaluate_lunar_lambert(const mcv_material *material, ref_vec o, re
                                  : 0;
     return fmax(i.z, 0) / M_PI;
 }
-

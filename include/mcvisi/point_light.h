@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Lights without extent (MCV_POINT_LIGHTS) on the device: one type, MCV_EMITTER_POINT. Each has a
+ * struct mcv_<name> and a function mcv_<name>_share of the angle θ from the axis. The angle comes
+ * as q = sin²(θ/2), by the chord: a float32 cosine cannot tell 0.02° from 0.
+ */
+#ifndef MCVISI_POINT_LIGHT_H
+#define MCVISI_POINT_LIGHT_H
+
+#include "mcvisi/elements.h"
+#include "mcvisi/vector.h"
+
+typedef struct mcv_point_light {
+    float position[3];     /* [m] */
+    float axis[3];         /* unit; in which it shines */
+    float edge;            /* q from which on there is no light; 1: it shines everywhere */
+    float inverse_range_4; /* 1/R⁴ [1/m⁴]; 0: no range */
+    uint distribution;     /* MCV_EMITTER_… of MCV_POINT_LIGHTS */
+    union {
+#define MCV_X(name, key, NAME) mcv_##name name;
+        MCV_POINT_LIGHTS(MCV_X)
+#undef MCV_X
+        uint words[3]; /* the most that one has */
+    } as;
+} mcv_point_light;
+MCV_ASSERT_SIZE(mcv_point_light, 48);
+
+/* The share of I that is sent in a direction (unit, away from the light). Without branches: a loop
+ * over paths calls it. */
+MCV_LOOP_FUNCTION float mcv_point_light_share(MCV_GLOBAL const mcv_point_light *light,
+                                              mcv_vec3 direction) {
+    const mcv_vec3 chord =
+        mcv_sub(direction, mcv_vec(light->axis[0], light->axis[1], light->axis[2]));
+    const float q = 0.25f * mcv_dot(chord, chord);
+    float share = 0.0f;
+#define MCV_X(name, key, NAME) \
+    share = light->distribution == MCV_EMITTER_##NAME \
+                ? mcv_##name##_share(&light->as.name, light->edge, q) \
+                : share;
+    MCV_POINT_LIGHTS(MCV_X)
+#undef MCV_X
+    return share;
+}
+
+/* What distance leaves of an intensity: irradiance over intensity [1/m²]. */
+MCV_LOOP_FUNCTION float mcv_point_light_attenuation(MCV_GLOBAL const mcv_point_light *light,
+                                                    float distance_squared) {
+    const float left = mcv_fma(-light->inverse_range_4 * distance_squared, distance_squared, 1.0f);
+    return left > 0.0f ? left / distance_squared : 0.0f;
+}
+
+#endif
