@@ -10,6 +10,7 @@
 #include "mcvisi/elements.h"
 #include "mcvisi/vector.h"
 
+#if !MCV_ON_DEVICE || MCV_WITH_PUNCTUAL
 typedef struct mcv_point_light {
     float position[3];     /* [m] */
     float axis[3];         /* unit; in which it shines */
@@ -48,5 +49,6 @@ MCV_LOOP_FUNCTION float mcv_point_light_attenuation(MCV_GLOBAL const mcv_point_l
     const float left = mcv_fma(-light->inverse_range_4 * distance_squared, distance_squared, 1.0f);
     return left > 0.0f ? left / distance_squared : 0.0f;
 }
+#endif
 
 #endif
