@@ -8,6 +8,7 @@
 
 #include "geometry/surface.h"
 #include "light/discrete.h"
+#include "light/emission.h"
 #include "light/shadow.h"
 
 #if MCV_WITH_EMISSION || MCV_WITH_BEAM
