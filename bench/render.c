@@ -378,7 +378,7 @@ static double share_lost(const char *name) {
         mcv_albedo_reflection(alpha, alpha, 1, block);
         block[INSIDE] = 0;
     } else if (strcmp(name, "rough glass") == 0) {
-        mcv_albedo_interface(alpha, alpha, 1, 1.5, 0, 1, NULL, block);
+        mcv_albedo_interface(alpha, alpha, 1, 1.5, 0, 1, block);
     }
     return block[OUTSIDE] + block[INSIDE];
 }

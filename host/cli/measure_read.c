@@ -9,7 +9,6 @@
 #include "loader/load.h"
 #include "scene/sensor_find.h"
 #include "scene/sensors.h"
-#include "loader/load.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -188,7 +188,7 @@ static double walk(const interface *at, int start, uint32_t row, goals sums) {
                     .below = pow(next(&n), 1 / (1 + from->lambda))};
         w.begun = pow(w.below, from->lambda) / from->cosine;
         for (int k = 0; k < 2; ++k) chances[k] = next(&n);
-        turn_by_facet(at, start, &w, chances, number & 1, true);
+        turn_by_facet(at, start, &w, chances, (int)(number & 1), true);
         if (!(w.weight > 0)) continue;
         const double leaving[3] = {-w.back[0], -w.back[1], -w.back[2]};
         w.first_seen = mcv_visible_area(at->alpha, leaving);
@@ -226,7 +226,8 @@ static void follow_near(const interface *at, const double *words, uint32_t row,
     const node *from = &at->nodes[row];
     const double o[3] = {from->sine, 0, from->cosine};
     for (int f = 0; f < RADII * ANGLES; ++f) {
-        const double left = (f % RADII + 0.5) / RADII, angle = pi * (f / RADII + 0.5) / ANGLES,
+        const int ring = f % RADII, sector = f / RADII;
+        const double left = (ring + 0.5) / RADII, angle = pi * (sector + 0.5) / ANGLES,
                      turn[2] = {cos(angle), sin(angle)};
         double w[3], h[3], c;
         mcv_reflect_by_facet(at->alpha, o, left, turn, w, &c, h);

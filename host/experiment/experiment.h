@@ -20,7 +20,6 @@
 #include "experiment/table.h"
 #include "loader/load.h"
 #include "render/render.h"
-#include "loader/load.h"
 
 #include <jansson.h>
 
