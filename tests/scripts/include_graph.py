@@ -36,7 +36,6 @@ LONG_FILES = {
 }
 RULERS = "comments that divide it, to be joined to one line each when it is split"
 WIDE_FILES = {
-    "host/lens/glass_codes.c": "a table: one glass in each line",
     "kernels/geometry/precise.h": RULERS,
 }
 
