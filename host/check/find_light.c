@@ -191,11 +191,11 @@ mcv_result mcv_find_unlit(const mcv_scene *scene, mcv_findings *findings, mcv_er
         const mcv_emitter *emitter = scene->emitters + i;
         if (!lights_nothing(scene, emitter)) continue;
         const char *name, *kind = turned_by(scene, emitter, &name);
-        MCV_TRY(mcv_findings_add(findings, MCV_SEVERITY_ERROR, kind, name, NULL, error,
-                                 "emitter \"%s\" lights nothing: no part and no sensor lies where "
-                                 "it shines, before its front (-z): turn "
-                                 "it",
-                                 emitter->name));
+        MCV_TRY(mcv_findings_add(
+            findings, MCV_SEVERITY_ERROR, kind, name, NULL, error,
+            "emitter \"%s\" lights nothing: no part and no sensor lies before its front (-z): "
+            "turn it",
+            emitter->name));
     }
     return MCV_OK;
 }
@@ -232,21 +232,21 @@ static mcv_result find_hidden_from(const mcv_scene *scene, const mcv_emitter *em
     to_beam(b, m + 9, lens);
     if (lens[2] > 0 && !before(sensor, scene, emitter->instance) &&
         lies_on(scene, emitter->instance, b, lens))
-        return mcv_findings_add(findings, MCV_SEVERITY_WARNING, kind, name, NULL, error,
-                                "emitter \"%s\" stands %s behind sensor \"%s\", whose body would "
-                                "be in its way and which does not see it: a "
-                                "backlight belongs beyond the part, facing the sensor",
-                                emitter->name, mcv_length_in_words(lens[2], text), sensor->name);
+        return mcv_findings_add(
+            findings, MCV_SEVERITY_WARNING, kind, name, NULL, error,
+            "emitter \"%s\" stands %s behind sensor \"%s\": the sensor does not see it, and the "
+            "camera's body would block it; a backlight belongs beyond the part, facing the sensor",
+            emitter->name, mcv_length_in_words(lens[2], text), sensor->name);
     const double approach = mcv_dot3(axis, b->axes[2]),
                  depth = -lens[2] / approach; /* where the axis meets its plane */
     for (int k = 0; k < 3; ++k) place[k] = lens[k] + depth * mcv_dot3(axis, b->axes[k]);
     if (!(lens[2] < 0 && approach > 0) || !lies_on(scene, emitter->instance, b, place))
         return MCV_OK;
-    return mcv_findings_add(findings, MCV_SEVERITY_WARNING, kind, name, NULL, error,
-                            "sensor \"%s\" looks at the back of emitter \"%s\", at a depth of %s, "
-                            "which is dark: turn the emitter, so that its "
-                            "front (-z) faces the sensor",
-                            sensor->name, emitter->name, mcv_length_in_words(depth, text));
+    return mcv_findings_add(
+        findings, MCV_SEVERITY_WARNING, kind, name, NULL, error,
+        "sensor \"%s\" looks at the back of emitter \"%s\", at a depth of %s, and the back "
+        "is dark: turn the emitter, so that its front (-z) faces the sensor",
+        sensor->name, emitter->name, mcv_length_in_words(depth, text));
 }
 
 mcv_result mcv_find_hidden(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
@@ -278,12 +278,11 @@ mcv_result mcv_find_bare_angle(const mcv_scene *scene, mcv_findings *findings, m
             spot ? emitter->as.spot.outerConeAngle : mcv_emitter_half_angle(emitter);
         const char *key = spot ? "outerConeAngle" : "halfAngle";
         if (!emitter->bare_angle || !is_suspicious(angle)) continue;
-        MCV_TRY(mcv_findings_add(findings, MCV_SEVERITY_WARNING, "emitters", emitter->name, key,
-                                 error,
-                                 "%s %g of emitter \"%s\" has no unit, so it is in radians: %.3g "
-                                 "degrees; write \"%gdeg\" if degrees are "
-                                 "meant, or \"%grad\"",
-                                 key, angle, emitter->name, angle * 180 / M_PI, angle, angle));
+        MCV_TRY(mcv_findings_add(
+            findings, MCV_SEVERITY_WARNING, "emitters", emitter->name, key, error,
+            "%s %g of emitter \"%s\" has no unit, so it is in radians: %.3g degrees; write "
+            "\"%gdeg\" for degrees, or \"%grad\" for radians",
+            key, angle, emitter->name, angle * 180 / M_PI, angle, angle));
     }
     return MCV_OK;
 }

@@ -53,11 +53,10 @@ mcv_result mcv_find_thin_body(const mcv_scene *scene, mcv_findings *findings, mc
         char label[MCV_LABEL];
         MCV_TRY(mcv_findings_add(
             findings, MCV_SEVERITY_WARNING, "materials", material->name, NULL, error,
-            "%s is a closed body, but its material \"%s\" is a thin pane, which bends no light: "
-            "give the asset a dielectric of the "
-            "rig, as in \"materials\": {\"%s\": \"glass\"}, or export it with KHR_materials_volume "
-            "and a thicknessFactor "
-            "above 0 (in Blender the input Thickness of the node group glTF Material Output)",
+            "%s is a closed body, but its material \"%s\" is a thin sheet, which does not "
+            "refract: give the asset a dielectric of the rig, as in \"materials\": {\"%s\": "
+            "\"glass\"}, or export it with KHR_materials_volume and a thicknessFactor above 0 "
+            "(in Blender the input Thickness of the node group glTF Material Output)",
             mcv_instance_label(scene, i, label), material->name, material->name));
     }
     return MCV_OK;
@@ -206,14 +205,12 @@ mcv_result mcv_find_flat_glass(const mcv_scene *scene, mcv_findings *findings, m
         }
         facets_free(&f);
         if (faceted < LEAST_EDGES) continue;
-        MCV_TRY(mcv_findings_add(findings, MCV_SEVERITY_WARNING, "nodes", scene->instances[i].name,
-                                 NULL, error,
-                                 "%s is curved glass of flat facets, which turn by up to %.3g "
-                                 "degrees at %u edges: they are prisms and "
-                                 "make no lens; give an .stl asset \"creaseAngle\": \"30deg\", or "
-                                 "export a .glb with vertex normals "
-                                 "(shade smooth)",
-                                 mcv_instance_label(scene, i, label), most * 180 / M_PI, faceted));
+        MCV_TRY(mcv_findings_add(
+            findings, MCV_SEVERITY_WARNING, "nodes", scene->instances[i].name, NULL, error,
+            "%s is curved glass made of flat facets, with angles of up to %.3g degrees at %u "
+            "edges: it refracts like many prisms, not like a lens; give an .stl asset "
+            "\"creaseAngle\": \"30deg\", or export a .glb with vertex normals (shade smooth)",
+            mcv_instance_label(scene, i, label), most * 180 / M_PI, faceted));
     }
     return MCV_OK;
 }
@@ -311,9 +308,9 @@ static mcv_result report_outline(const mcv_scene *scene, const mcv_view *view,
     return mcv_findings_add(
         findings, worst->backlit ? MCV_SEVERITY_WARNING : MCV_SEVERITY_NOTE, "nodes",
         scene->instances[worst->instance].name, NULL, error,
-        "in the picture of sensor \"%s\" outlines are chords in place of curves: %s is off by up "
-        "to %s, %.2g pixels%s; to "
-        "measure there, export with a chord tolerance of %s or less, a tenth of a pixel",
+        "in the image of sensor \"%s\" chords replace curved outlines: %s deviates by up to "
+        "%s, %.2g pixels%s; for measurements, export with a chord tolerance of %s or less, a "
+        "tenth of a pixel",
         view->sensor->name, mcv_instance_label(scene, worst->instance, label),
         mcv_length_in_words(worst->metres, text[0]), worst->pixels, others,
         mcv_length_in_words(tolerated * worst->metres / worst->pixels, text[1]));

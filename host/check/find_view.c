@@ -73,11 +73,10 @@ mcv_result mcv_find_sees_nothing(const mcv_scene *scene, mcv_findings *findings,
     for (uint32_t i = 0; i < scene->sensor_count; ++i) {
         const mcv_sensor *sensor = scene->sensors + i;
         if (sees_nothing(scene, sensor))
-            MCV_TRY(mcv_findings_add(findings, MCV_SEVERITY_ERROR, "sensors", sensor->name, NULL,
-                                     error,
-                                     "sensor \"%s\" sees nothing: no part and no emitter lies "
-                                     "where it looks (-z): turn it",
-                                     sensor->name));
+            MCV_TRY(mcv_findings_add(
+                findings, MCV_SEVERITY_ERROR, "sensors", sensor->name, NULL, error,
+                "sensor \"%s\" sees nothing: no part and no emitter lies before it (-z): turn it",
+                sensor->name));
     }
     return MCV_OK;
 }
@@ -270,8 +269,7 @@ mcv_result mcv_find_large_pixel(const mcv_scene *scene, mcv_findings *findings, 
         MCV_TRY(mcv_findings_add(
             findings, MCV_SEVERITY_WARNING, "sensors", view.sensor->name, "pixelSize", error,
             "pixels of %s make a field of %s x %s, in which the widest part, %s, covers %.2g "
-            "pixels: those of "
-            "cameras have 1 to 50 µm; is \"%.3gum\" meant?",
+            "pixels: those of cameras have 1 to 50 µm; should it be \"%.3gum\"?",
             mcv_length_in_words(pitch, text[0]), mcv_length_in_words(field[0], text[1]),
             mcv_length_in_words(field[1], text[2]), mcv_instance_label(scene, widest, label),
             width / field[0] * readout.size[0], 1e3 * pitch));

@@ -31,7 +31,7 @@ mcv_result mcv_findings_add(mcv_findings *findings, mcv_severity severity, const
                             const char *name, const char *key, mcv_error *error, const char *format,
                             ...) {
     mcv_finding *items = realloc(findings->items, (findings->count + 1) * sizeof *items);
-    if (!items) return mcv_fail(error, MCV_FAILED, "no memory for what was found in the scene");
+    if (!items) return mcv_fail(error, MCV_FAILED, "no memory for the findings");
     findings->items = items;
     mcv_finding *finding = items + findings->count;
     va_list arguments;
@@ -46,7 +46,7 @@ mcv_result mcv_findings_add(mcv_findings *findings, mcv_severity severity, const
     }
     free(finding->path);
     if (worded) free(finding->sentence);
-    return mcv_fail(error, MCV_FAILED, "no memory for what was found in the scene");
+    return mcv_fail(error, MCV_FAILED, "no memory for the findings");
 }
 
 mcv_result mcv_findings_of(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {

@@ -291,7 +291,7 @@ mcv_result mcv_growth_at(const mcv_scene *scene, const mcv_camera_model *model,
     if (isnan(whole))
         return mcv_fail(
             error, MCV_FAILED,
-            "no contour of a part lies within %.3g pixels of it, so how far it grows is not known",
+            "no contour of a part lies within %.3g pixels of it, so its growth is not known",
             reach);
     *edge = glossy ? (mcv_quantity){whole / 2, whole / sqrt(12)}
                    : (mcv_quantity){whole, left_out * whole};

@@ -154,7 +154,7 @@ static bool put_page(FILE *out, const mcv_scene *scene, const mcv_findings *find
     fprintf(out, "</h1>\n<p class=\"file\">%u triangles, %u %s, %u %s</p>\n", scene->triangle_count,
             scene->sensor_count, scene->sensor_count == 1 ? "sensor" : "sensors",
             scene->emitter_count, scene->emitter_count == 1 ? "emitter" : "emitters");
-    if (findings->count == 0) fputs("<p>Nothing was found that is likely not meant.</p>\n", out);
+    if (findings->count == 0) fputs("<p>No findings.</p>\n", out);
     fputs("<ul>\n", out);
     for (mcv_severity severity = MCV_SEVERITY_ERROR + 1; severity-- > 0;)
         for (size_t i = 0; i < findings->count; ++i) {

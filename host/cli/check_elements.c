@@ -124,7 +124,7 @@ void mcv_check_report_emitter(mcv_report *report, const mcv_scene *scene, uint32
                            (const double[]){image->width, image->height}, 2);
         mcv_report_spectrum(report, "mean_of_image", "", mean);
     } else if (emitter->texture != MCV_NONE) {
-        mcv_report_text(report, "texture", "an image lowers these values");
+        mcv_report_text(report, "texture", "an image scales these values down");
     }
     mcv_report_close(report);
 }

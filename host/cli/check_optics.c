@@ -32,13 +32,12 @@ static mcv_result report_fillings(mcv_report *report, const mcv_scene *scene, ui
                           fillings[i].share);
         mcv_report_close(report);
         if (fillings[i].share < little)
-            result = mcv_findings_add(findings, MCV_SEVERITY_WARNING, "emitters", emitter->name,
-                                      NULL, error,
-                                      "emitter \"%s\" lights %.2g %% of the %s of sensor \"%s\", "
-                                      "where that looks into it: its cone "
-                                      "is narrower than what the sensor takes in",
-                                      emitter->name, 100 * fillings[i].share,
-                                      directions ? "J x K directions" : "pupil", sensor->name);
+            result = mcv_findings_add(
+                findings, MCV_SEVERITY_WARNING, "emitters", emitter->name, NULL, error,
+                "emitter \"%s\" fills %.2g %% of the %s of sensor \"%s\" that looks into it: its "
+                "cone is narrower than the sensor's acceptance",
+                emitter->name, 100 * fillings[i].share, directions ? "J x K directions" : "pupil",
+                sensor->name);
     }
     if (result == MCV_OK && count > 0) mcv_report_close(report);
     free(fillings);

@@ -116,16 +116,18 @@ mcv_result mcv_precision_read(const mcv_command *command, uint32_t *precision, m
     if (command->precision == MCV_PRECISION_MIXED && is_reference(command->device))
         return mcv_fail(
             error, MCV_USAGE,
-            "--precision mixed is for OpenCL devices: the reference renderer knows double only");
+            "--precision mixed is for OpenCL devices: the reference renderer computes in double "
+            "only");
     if (command->precision == MCV_PRECISION_DOUBLE && command->device &&
         !is_reference(command->device))
         return mcv_fail(
             error, MCV_USAGE,
-            "--precision double is the reference renderer's, on the host: leave out --device %s",
+            "--precision double runs the reference renderer, on the host: leave out --device %s",
             command->device);
     if (command->precision == MCV_PRECISION_DOUBLE && command->schedule)
-        return mcv_fail(error, MCV_USAGE,
-                        "--precision double is the reference renderer's, which has no --schedule: "
-                        "leave it out");
+        return mcv_fail(
+            error, MCV_USAGE,
+            "--precision double runs the reference renderer, which has no --schedule: leave it "
+            "out");
     return MCV_OK;
 }

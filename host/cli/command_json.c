@@ -99,7 +99,7 @@ static mcv_result add_member(mcv_arguments *arguments, const char *path, const c
         length = asprintf(&text, "--%s", key);
     else
         return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: %s: must be a text, a number, true or a list of them", path, key);
+                        "%s: %s: must be a string, a number, true or a list of them", path, key);
     return add_argument(arguments, length < 0 ? NULL : text, error);
 }
 

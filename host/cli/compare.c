@@ -216,7 +216,7 @@ static mcv_result check_options(const mcv_command *command, mcv_error *error) {
     json_t *given = mcv_command_json(command, always);
     const char *key = json_object_iter_key(json_object_iter(given));
     if (key)
-        result = mcv_fail(error, MCV_USAGE, "--%s is for scenes, and both are images: leave it out",
+        result = mcv_fail(error, MCV_USAGE, "--%s is for scenes, but both are images: leave it out",
                           key);
     json_decref(given);
     return result;
@@ -231,9 +231,8 @@ static void warn_of_seeds(const render *a, const render *b) {
         strcmp(a->device, b->device) != 0)
         return;
     fprintf(stderr,
-            "mcvisi: warning: both images are of seed %.0f, so that their noise is alike and hides "
-            "differences: render one with another "
-            "--seed\n",
+            "mcvisi: warning: both images have seed %.0f: their noise is correlated and hides "
+            "differences; render one with another --seed\n",
             a->seed);
 }
 

@@ -63,7 +63,8 @@ static mcv_result write_checked(const char *path, const char *from, const char *
         const char *what = strncmp(refusal.text, output.temporary, length) == 0
                                ? refusal.text + length
                                : refusal.text;
-        result = mcv_fail(error, MCV_BAD_INPUT, "%s: no scene would take its lens%s", from, what);
+        result =
+            mcv_fail(error, MCV_BAD_INPUT, "%s: its lens is not valid in a scene%s", from, what);
     }
     mcv_output_discard(&output);
     return result;

@@ -50,10 +50,11 @@ static mcv_result take_growths_off(mcv_subject *s, mcv_error *error) {
         return mcv_fail(error, MCV_USAGE, "--nominal needs the part and its light: give --scene");
     const mcv_sensor *sensor = s->scene->sensors + s->sensor;
     if (sensor->type != MCV_SENSOR_TELECENTRIC)
-        return mcv_fail(error, MCV_USAGE,
-                        "--nominal: sensor %s is not telecentric: perspective says which rim of "
-                        "the part is seen",
-                        sensor->name);
+        return mcv_fail(
+            error, MCV_USAGE,
+            "--nominal: sensor %s is not telecentric: perspective determines which rim of the "
+            "part is seen",
+            sensor->name);
     if (!mcv_growth_of(s->scene, sensor, &growth))
         return mcv_fail(error, MCV_USAGE,
                         "--nominal: %s has no flat emitter that faces sensor %s behind an opaque "
@@ -112,8 +113,8 @@ static bool note_cut(void *user, const char *name, const double box[4]) {
     for (int i = 0; i < 4; ++i) whole = whole && fmod(box[i], macro[i % 2]) == 0;
     if (whole) return true;
     snprintf(text, sizeof text,
-             "the box %s=%g,%g,%g,%g cuts macro pixels of %u x %u pixels, so that it weighs their "
-             "directions unevenly: begin and end at multiples of them",
+             "the box %s=%g,%g,%g,%g cuts macro pixels of %u x %u pixels, so that directions have "
+             "unequal weights: begin and end at multiples of them",
              name, box[0], box[1], box[2], box[3], macro[0], macro[1]);
     mcv_tell("note", text);
     return false;
@@ -131,10 +132,11 @@ static mcv_result draw_grid(mcv_subject *s, mcv_error *error) {
     const mcv_placement *node = NULL;
     mcv_grid grid;
     if (equals && !s->has_model)
-        return mcv_fail(error, MCV_USAGE,
-                        "--grid %s: the image's header does not say where the node lies: give "
-                        "--scene, or leave it out",
-                        text);
+        return mcv_fail(
+            error, MCV_USAGE,
+            "--grid %s: the image's header does not state where the node lies: give --scene, or "
+            "leave it out",
+            text);
     if (equals) {
         char *name = strndup(text, (size_t)(equals - text));
         const mcv_result found =
@@ -160,11 +162,11 @@ static mcv_result measure(mcv_subject *s, mcv_error *error) {
     if (s->command->nominal) MCV_TRY(take_growths_off(s, error));
     if (s->has_model && s->model.macro[0] * s->model.macro[1] > 1) note_cuts(s);
     if (mcv_png_is_srgb(s->command->argument))
-        fprintf(stderr,
-                "mcvisi: warning: %s: its values are coded by sRGB, for the eye: edges seem to lie "
-                "elsewhere, and contrasts are other ones; "
-                "measure the grey values of `camera` or the .exr file\n",
-                s->command->argument);
+        fprintf(
+            stderr,
+            "mcvisi: warning: %s: its values are encoded in sRGB, for viewing: this shifts edges "
+            "and changes contrasts; measure the grey values of `camera` or the .exr file\n",
+            s->command->argument);
     return mcv_subject_report(s, error);
 }
 

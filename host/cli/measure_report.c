@@ -231,9 +231,8 @@ mcv_result mcv_subject_report(mcv_subject *s, mcv_error *error) {
     if (s->pixel[0] > 0) mcv_report_numbers(&report, "object_pixel", "m", " x ", s->pixel, 2);
     mcv_report_text(&report, "noise_from", s->noise ? s->noise : "the differences of neighbours");
     mcv_report_text(&report, "render_error",
-                    s->readings.render.pixels
-                        ? "taken out"
-                        : "not told by the image: what there is of it counts as noise");
+                    s->readings.render.pixels ? "taken out"
+                                              : "not stated by the image: it is part of the noise");
     report_regions(s, &report);
     report_boxes(s, &report);
     return mcv_report_end(&report, error);

@@ -71,12 +71,12 @@ mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, 
         MCV_TRY(make_path(picture->grey, command->camera, suffix, NULL, error));
         MCV_TRY(mcv_camera_check(command, picture->grey, error));
         if (!irradiance && command->electrons_per_unit[0] == 0 && command->expose_to == 0)
-            return mcv_fail(
-                error, MCV_BAD_INPUT,
-                "%s: sensor %s measures radiance, which --exposure-time cannot turn into "
-                "electrons: --set "
-                "sensors/%s/radiometry=irradiance, or give --electrons-per-unit or --expose-to",
-                scene->path, label, label);
+            return mcv_fail(error, MCV_BAD_INPUT,
+                            "%s: sensor %s measures radiance, which --exposure-time cannot convert "
+                            "to electrons: "
+                            "--set sensors/%s/radiometry=irradiance, or give --electrons-per-unit "
+                            "or --expose-to",
+                            scene->path, label, label);
     }
     const char *const paths[] = {picture->exr, picture->png, picture->grey};
     for (int i = 0; i < (command->camera ? 3 : 2); ++i) {
@@ -110,7 +110,7 @@ static mcv_result hash_file(const char *path, uint64_t *hash, mcv_error *error) 
         *hash = mcv_hash_bytes(*hash, bytes, count);
     const bool failed = ferror(file);
     fclose(file);
-    return failed ? mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read to its end", path) : MCV_OK;
+    return failed ? mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read completely", path) : MCV_OK;
 }
 
 /* All --set, one a line. The caller frees it. */

@@ -120,7 +120,7 @@ static mcv_result sweep_file(const mcv_command *given, const char *path, mcv_err
     json_t *document = json_load_file(path, JSON_REJECT_DUPLICATES, &wrong);
     if (!document)
         return wrong.line > 0
-                   ? mcv_fail(error, MCV_BAD_INPUT, "%s: line %d column %d is no JSON: %s", path,
+                   ? mcv_fail(error, MCV_BAD_INPUT, "%s: line %d column %d is not JSON: %s", path,
                               wrong.line, wrong.column, mcv_json_wrong(&wrong))
                    : mcv_fail(error, MCV_BAD_INPUT, "%s: %s", path, strerror(errno));
     mcv_result result = read_rig(document, path, rig, error);

@@ -97,9 +97,9 @@ mcv_result mcv_file_resolve(const char *base, const char *uri, char **path,
     *path = NULL;
     /* A scheme is what stands before a colon in the first segment. */
     if (uri[strcspn(uri, ":/")] == ':')
-        return mcv_fail_at(place, error,
-                           "\"%.64s\" has a scheme: only data: and files beside the scene are read",
-                           uri);
+        return mcv_fail_at(
+            place, error,
+            "\"%.64s\" has a scheme: only data: URIs and files beside the scene are read", uri);
     char *joined = malloc(prefix + strlen(uri) + 1);
     if (!joined) return mcv_fail_memory(place, error);
     char *relative = joined + prefix;
@@ -168,7 +168,8 @@ mcv_result mcv_glb_split(mcv_bytes file, mcv_bytes *json, mcv_bytes *binary,
                                "GLB chunk %zu has %u bytes, but must have a multiple of 4", chunk,
                                size);
         if ((chunk == 0) != (type == GLB_JSON))
-            return mcv_fail_at(place, error, "the first GLB chunk, and no other, must be JSON");
+            return mcv_fail_at(place, error,
+                               "the first GLB chunk must be JSON, and no other may be");
         if (type == GLB_BINARY && chunk != 1)
             return mcv_fail_at(place, error, "a binary GLB chunk must be the second chunk");
         if (chunk == 0) *json = (mcv_bytes){file.data + offset, size};

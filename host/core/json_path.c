@@ -56,6 +56,6 @@ mcv_result mcv_fail_at(const mcv_json_path *place, mcv_error *error, const char 
 }
 
 mcv_result mcv_fail_memory(const mcv_json_path *place, mcv_error *error) {
-    mcv_fail_at(place, error, "there is not enough memory for it");
+    mcv_fail_at(place, error, "no memory for it");
     return MCV_FAILED;
 }

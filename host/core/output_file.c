@@ -156,8 +156,8 @@ mcv_result mcv_file_load(const char *path, uint8_t **bytes, size_t *size, mcv_er
     if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
         result = mcv_fail(error, MCV_BAD_INPUT, "%s: is not a regular file", path);
     } else if ((uint64_t)status.st_size > MAX_INPUT) {
-        result = mcv_fail(error, MCV_BAD_INPUT,
-                          "%s: is larger than 4 GiB, the largest file that is read", path);
+        result =
+            mcv_fail(error, MCV_BAD_INPUT, "%s: is larger than 4 GiB, the limit for a file", path);
     } else if (!(*bytes = malloc((size_t)status.st_size + 1))) {
         result = mcv_fail(error, MCV_FAILED, "%s: no memory for its %lld bytes", path,
                           (long long)status.st_size);

@@ -176,10 +176,11 @@ static mcv_result count_sets(int design, const mcv_levels *levels, size_t parame
                 error, MCV_USAGE,
                 "a range without a number of steps is for --design lhs or sobol: write FROM..TO:N");
         if (design == MCV_DESIGN_LIST && levels[p].count != *sets)
-            return mcv_fail(error, MCV_USAGE,
-                            "--design list takes the values of all parameters together: one has "
-                            "%zu, another %zu",
-                            *sets, levels[p].count);
+            return mcv_fail(
+                error, MCV_USAGE,
+                "--design list takes the values of all parameters together: one parameter has %zu, "
+                "another %zu",
+                *sets, levels[p].count);
         if (design == MCV_DESIGN_GRID && levels[p].count > MCV_DESIGN_SETS / *sets)
             *sets = MCV_DESIGN_SETS + 1;
         if (*sets > MCV_DESIGN_SETS) break;

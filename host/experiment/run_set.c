@@ -137,7 +137,7 @@ mcv_result mcv_run_set(mcv_sweep *s, size_t set, double *row, mcv_error *error) 
     row[mcv_row_fixed(table, MCV_ROW_SET)] = (double)set;
     const mcv_result result = try_set(s, set, row, &why), stopped = interrupted(s);
     if (stopped != MCV_OK)
-        return mcv_fail(error, stopped, "interrupted: go on by --resume; %zu rows are in %s",
+        return mcv_fail(error, stopped, "interrupted: continue by --resume; %zu rows are in %s",
                         table->row_count, table->path);
     row[mcv_row_fixed(table, MCV_ROW_SECONDS)] = mcv_seconds() - begun;
     const char *message = result == MCV_OK ? NULL : why.text;

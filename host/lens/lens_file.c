@@ -49,16 +49,16 @@ static mcv_result choose_shape(mcv_lens *l, mcv_error *error) {
     free(copy);
     const bool *says = near[0] != near[1] ? near : possible;
     if (says[0] == says[1])
-        return mcv_lens_fail(l, 0, -1, error,
-                             "does not say by RDM whether its surfaces are given by radius or "
-                             "curvature (the image would be at %.4g or %.4g): "
-                             "give --curvature radius or --curvature curvature",
-                             distance[0], distance[1]);
+        return mcv_lens_fail(
+            l, 0, -1, error,
+            "does not state by RDM whether its surfaces are given by radius or curvature (the "
+            "image would be at %.4g or %.4g): give --curvature radius or --curvature curvature",
+            distance[0], distance[1]);
     read_as(l, says[0] ? MCV_LENS_SHAPE_RADIUS : MCV_LENS_SHAPE_CURVATURE);
-    mcv_lens_warn(l, "%s: its surfaces are read as %s, though no RDM says so: %s", l->path,
+    mcv_lens_warn(l, "%s: its surfaces are read as %s, although it has no RDM: %s", l->path,
                   says[0] ? "radii" : "curvatures",
-                  says == near ? "only so they focus where the file has its image"
-                               : "only so they are wide enough for the bundle");
+                  says == near ? "only in this reading the image lies where the file has it"
+                               : "only in this reading they are wide enough for the bundle");
     return MCV_OK;
 }
 
@@ -148,7 +148,7 @@ static mcv_result find_extent(const mcv_lens *l, int *first, int *end, mcv_error
         if (i == 0 || i + 1 == l->count)
             return mcv_lens_fail(l, s->line, i, error,
                                  i ? "its glass has no surface behind it: the file is truncated"
-                                   : "objects in glass are not known");
+                                   : "objects in glass are not supported");
         if (*first < 0) *first = i;
         *end = i + 2;
         if (!(isfinite(s->thickness) && s->thickness >= 0))
@@ -156,7 +156,7 @@ static mcv_result find_extent(const mcv_lens *l, int *first, int *end, mcv_error
                                  "the thickness of its glass must be 0 or more");
     }
     if (*first < 0)
-        return mcv_lens_fail(l, 0, -1, error, "holds no surface with a glass: it is no lens");
+        return mcv_lens_fail(l, 0, -1, error, "has no surface with a glass: it is not a lens");
     if (*end == l->count)
         return mcv_lens_fail(
             l, l->surfaces[*end - 2].line, *end - 2, error,
@@ -170,7 +170,7 @@ static mcv_result find_extent(const mcv_lens *l, int *first, int *end, mcv_error
     for (int i = *first; i < *end - 1; ++i)
         if (!isfinite(l->surfaces[i].thickness))
             return mcv_lens_fail(l, l->surfaces[i].line, i, error,
-                                 "the way to the next surface must be finite");
+                                 "the distance to the next surface must be finite");
     return MCV_OK;
 }
 
@@ -231,7 +231,7 @@ static void compare_report(mcv_lens *l) {
                       l->path, r->f_number, r->stated_f_number,
                       l->stop > 0 && !mcv_lens_bounds_glass(l, l->stop)
                           ? "its semi-diameters say so"
-                          : "it has no stop in air, so that the glass's edges limit the light");
+                          : "it has no stop in air, so the edges of the glass limit the light");
 }
 
 /* Whether a scene takes the numbers, in metres. */
@@ -247,9 +247,8 @@ static mcv_result check_numbers(const mcv_lens *l, int first, int end, mcv_error
         if (!finite)
             return mcv_lens_fail(l, s->line, i, error, "its numbers are too large for a scene");
         if (mcv_lens_bounds_glass(l, i) && !(s->semi_diameter > 0))
-            return mcv_lens_fail(
-                l, s->line, i, error,
-                "no width is left for it: on the axis already its lens overlaps the next one");
+            return mcv_lens_fail(l, s->line, i, error,
+                                 "its lens overlaps the next one already on the axis");
     }
     return MCV_OK;
 }

@@ -51,7 +51,7 @@ static mcv_result check_span(const json_t *root, const json_t *object, uint64_t 
     MCV_TRY(mcv_json_uint(object, "byteOffset", 0, 1ull << 53, &offset, place, error));
     if (span->view == MCV_NONE)
         return json_object_get(object, "byteOffset")
-                   ? mcv_fail_at(&here, error, "needs a bufferView to count from")
+                   ? mcv_fail_at(&here, error, "needs a bufferView, from which it counts")
                    : MCV_OK;
     const json_t *view = json_array_get(views, span->view);
     MCV_TRY(mcv_json_uint(view, "byteOffset", 0, 1ull << 53, &view_offset, place, error));

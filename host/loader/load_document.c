@@ -63,7 +63,7 @@ static mcv_result read_external(void *user, const char *name, mcv_bytes *bytes, 
     if (!is_buffer) return MCV_OK;
     if (bytes->size < length) {
         free(bytes->data);
-        return mcv_fail_at(&place, error, "\"%s\" has %zu bytes, but byteLength says %zu", uri,
+        return mcv_fail_at(&place, error, "\"%s\" has %zu bytes, but byteLength is %zu", uri,
                            bytes->size, length);
     }
     bytes->size = length; /* tinygltf takes no more and no less */
@@ -164,7 +164,7 @@ static mcv_result parse(mcv_loader *loader, mcv_overrides overrides, mcv_error *
     replace_nul(&json);
     loader->root = json_loadb((const char *)json.data, json.size, JSON_REJECT_DUPLICATES, &wrong);
     if (!loader->root)
-        return mcv_fail_at(&loader->file, error, "line %d column %d is no JSON: %s", wrong.line,
+        return mcv_fail_at(&loader->file, error, "line %d column %d is not JSON: %s", wrong.line,
                            wrong.column, mcv_json_wrong(&wrong));
     if (!loader->binary.data) { /* all of a .gltf is in the tree now */
         free(loader->bytes.data);

@@ -40,7 +40,8 @@ static mcv_result check_picture(mcv_emitter *emitter, const mcv_json_path *place
     if (pattern->type != MCV_NONE && *mcv_emitter_image(emitter) != MCV_NONE)
         return mcv_fail_at(place, error, "has both image and pattern: give one of them");
     if (pattern->type == MCV_NONE && *mcv_emitter_index(emitter) != 0)
-        return mcv_fail_at(&index, error, "counts the images of a pattern, but there is none");
+        return mcv_fail_at(&index, error,
+                           "is the index in a pattern's sequence, but there is no pattern");
     return MCV_OK;
 }
 
@@ -150,13 +151,13 @@ static mcv_result warn_of_mirroring(mcv_loader *loader, mcv_emitter *emitter,
                                     const mcv_transform *to_world, mcv_error *error) {
     const uint32_t *image = mcv_emitter_image(emitter);
     if (!image || *image == MCV_NONE || mcv_transform_determinant(to_world) > 0) return MCV_OK;
-    return mcv_scene_warn(loader->scene, error,
-                          "emitter \"%s\": its node mirrors (a negative scale), which is left out: "
-                          "its light is not mirrored; to mirror it, flip the image%s",
-                          emitter->name,
-                          mcv_emitter_parameter(emitter, "mirror")
-                              ? ", or write \"mirror\": true into the emitter"
-                              : "");
+    return mcv_scene_warn(
+        loader->scene, error,
+        "emitter \"%s\": its node mirrors (a negative scale), which has no effect on its "
+        "light; to mirror it, flip the image%s",
+        emitter->name,
+        mcv_emitter_parameter(emitter, "mirror") ? ", or write \"mirror\": true into the emitter"
+                                                 : "");
 }
 
 mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_transform *to_world,
@@ -267,11 +268,11 @@ static mcv_result add_sensor(mcv_loader *loader, mcv_sensor *sensor, const char 
     if (!mcv_transform_rigid(to_world, &sensor->to_world))
         return mcv_fail_at(place, error, "its scale must not be 0");
     if (mcv_transform_determinant(to_world) < 0)
-        MCV_TRY(mcv_scene_warn(scene, error,
-                               "sensor \"%s\": its node mirrors (a negative scale), which is left "
-                               "out: the image is not mirrored; to see it "
-                               "mirrored, put a mirror into the scene or flip the image",
-                               name));
+        MCV_TRY(mcv_scene_warn(
+            scene, error,
+            "sensor \"%s\": its node mirrors (a negative scale), which has no effect on the "
+            "image; to mirror it, put a mirror into the scene or flip the image",
+            name));
     for (unsigned n = 1; taken; ++n) {
         free(unique);
         if ((n == 1 ? asprintf(&unique, "%s", name) : asprintf(&unique, "%s-%u", name, n)) < 0)

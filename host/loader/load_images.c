@@ -113,7 +113,7 @@ static mcv_result load_exr(mcv_loader *loader, const char *uri, mcv_texture *tex
     mcv_result result = mcv_exr_read(path, &exr, &cause);
     free(path);
     if (result != MCV_OK)
-        return mcv_fail_at(place, error, "\"%s\" is no image to read: %s", uri, cause.text);
+        return mcv_fail_at(place, error, "\"%s\" cannot be read as an image: %s", uri, cause.text);
     result = copy_linear(&exr, texture, uri, place, error);
     if (result == MCV_OK)
         mcv_load_count(loader, texture->linear,

@@ -37,7 +37,7 @@ static mcv_result read_spot(const json_t *light, mcv_spot_params *spot, const mc
     const mcv_json_path here = mcv_json_path_key(place, "spot");
     json_t *object;
     MCV_TRY(mcv_json_object(light, "spot", &object, place, error));
-    if (!object) return mcv_fail_at(&here, error, "is missing: a spot light has its cone there");
+    if (!object) return mcv_fail_at(&here, error, "is missing: it holds the cone of a spot light");
     MCV_TRY(
         mcv_json_number(object, "innerConeAngle", 0, widest, &spot->innerConeAngle, &here, error));
     MCV_TRY(mcv_json_number(object, "outerConeAngle", DBL_MIN, widest, &spot->outerConeAngle, &here,

@@ -188,7 +188,7 @@ static mcv_result check_substance(const json_t *object, const mcv_json_path *pla
                 for (; i < 2 && *options; ++options)
                     snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s",
                              *list ? ", " : "; metals are ", *options);
-                return mcv_fail_at(&here, error, "\"%s\" is no type: %s%s", name,
+                return mcv_fail_at(&here, error, "\"%s\" is not a type: %s%s", name,
                                    substances[i].says, list);
             }
     return MCV_OK;
@@ -284,11 +284,10 @@ mcv_result mcv_load_materials(mcv_loader *loader, mcv_error *error) {
         result = load_material(loader, object, i, thin, cut_out, &here, error);
     }
     if (result == MCV_OK)
-        result = warn_names(loader->scene, thin, "rendered as thin walls, their volume is ignored",
-                            error);
-    if (result == MCV_OK)
         result =
-            warn_names(loader->scene, cut_out, "rendered opaque, their alpha is ignored", error);
+            warn_names(loader->scene, thin, "rendered as thin walls, without their volume", error);
+    if (result == MCV_OK)
+        result = warn_names(loader->scene, cut_out, "rendered opaque, without their alpha", error);
     json_decref(thin);
     json_decref(cut_out);
     return result;

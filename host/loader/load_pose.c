@@ -125,11 +125,11 @@ static mcv_result warn_of_degrees(mcv_scene *scene, const json_t *node, const js
             continue;
         const double angle = *(const double *)mcv_params_find(table, param->key, params);
         if (fabs(angle) > 2 * M_PI)
-            MCV_TRY(mcv_scene_warn(scene, error,
-                                   "node \"%s\": %s %g has no unit, so it is in radians, %.3g "
-                                   "turns: write \"%gdeg\" if degrees are meant",
-                                   mcv_json_name(node), param->key, angle, angle / (2 * M_PI),
-                                   angle));
+            MCV_TRY(mcv_scene_warn(
+                scene, error,
+                "node \"%s\": %s %g has no unit, so it is in radians, %.3g turns: write \"%gdeg\" "
+                "for degrees",
+                mcv_json_name(node), param->key, angle, angle / (2 * M_PI), angle));
     }
     return MCV_OK;
 }
@@ -166,8 +166,7 @@ mcv_result mcv_load_transform(const mcv_loader *loader, uint32_t index, int dept
                         here = mcv_json_path_element(&place, mcv_json_name(node), index);
     bool posed;
     if (depth > MCV_NODE_DEPTH)
-        return mcv_fail_at(&here, error,
-                           "its pose has itself as the target, by way of other nodes");
+        return mcv_fail_at(&here, error, "its pose has itself as its target, through other nodes");
     MCV_TRY(mcv_load_pose(loader, node, depth, &posed, transform, &here, error));
     if (posed) return MCV_OK;
     MCV_TRY(mcv_load_local(node, transform, &here, error));

@@ -124,10 +124,11 @@ mcv_result mcv_load_texture(mcv_loader *loader, const json_t *part, const char *
     mcv_texture placed = {0};
     MCV_TRY(read_transform(info, &placed, &here, error));
     if (placed.texcoord_set > 1)
-        return mcv_scene_warn(loader->scene, error,
-                              "a use of texture %u is left out: it asks for another set than "
-                              "TEXCOORD_0 and TEXCOORD_1",
-                              index);
+        return mcv_scene_warn(
+            loader->scene, error,
+            "a use of texture %u is ignored: only the sets TEXCOORD_0 and TEXCOORD_1 are "
+            "supported",
+            index);
     if (loaded[index] == MCV_NONE) {
         const json_t *texture = json_array_get(json_object_get(loader->root, "textures"), index);
         const json_t *samplers = json_object_get(loader->root, "samplers");

@@ -205,8 +205,9 @@ static mcv_result check_wishes(const mcv_rig *r, mcv_error *error) {
     const mcv_rig_wishes *w = &r->wishes;
     const bool scale = w->magnification > 0 || w->field_of_view > 0;
     if (w->magnification > 0 && w->field_of_view > 0)
-        return mcv_fail(error, MCV_USAGE,
-                        "--magnification and --field-of-view say the same: give one of them");
+        return mcv_fail(
+            error, MCV_USAGE,
+            "--magnification and --field-of-view determine each other: give one of them");
     if (w->kind == MCV_RIG_TELECENTRIC && w->focal_length > 0 && w->working_distance > 0)
         return mcv_fail(error, MCV_USAGE,
                         "--focal-length follows from the working distance and the magnification of "
@@ -219,7 +220,8 @@ static mcv_result check_wishes(const mcv_rig *r, mcv_error *error) {
         w->light != MCV_RIG_LIGHT_BACKLIGHT)
         return mcv_fail(
             error, MCV_USAGE,
-            "--light %s: a transparent part is lit from behind: leave it out, or take another kind",
+            "--light %s: a transparent part is lit from behind: leave it out, or choose another "
+            "kind of rig",
             mcv_rig_lights[w->light]);
     return MCV_OK;
 }
@@ -246,21 +248,21 @@ mcv_result mcv_rig_choose(const mcv_rig_wishes *wishes, mcv_rig *r, mcv_error *e
         r->f_number = choose_f_number(r);
         if (!(r->magnification > 1e-6 && r->magnification < 1e4 &&
               r->working_distance - 0.5 * r->depth > r->focal_length))
-            return mcv_fail(error, MCV_BAD_INPUT,
-                            "%s: no usual lens sees a part of %.3g m x %.3g m x %.3g m%s: is "
-                            "--unit right, which is %s?",
-                            wishes->part, r->across[0], r->across[1], r->depth,
-                            wishes->working_distance > 0 || wishes->focal_length > 0 ? " as wished"
-                                                                                     : "",
-                            wishes->unit ? wishes->unit : "m by default");
+            return mcv_fail(
+                error, MCV_BAD_INPUT,
+                "%s: no standard lens frames a part of %.3g m x %.3g m x %.3g m%s: is the unit "
+                "%s right?",
+                wishes->part, r->across[0], r->across[1], r->depth,
+                wishes->working_distance > 0 || wishes->focal_length > 0 ? " as wished" : "",
+                wishes->unit ? wishes->unit : "m");
         mcv_rig_choose_light(r);
         if (r->light.reach <= r->working_distance) return MCV_OK;
         least = fmin(1.05 * r->light.reach, 1.5 * r->working_distance);
     }
-    return mcv_fail(error, MCV_USAGE,
-                    "a %s light for this part reaches %s towards the camera, whose lens is %s "
-                    "away: wish for a larger --f-number, a longer "
-                    "--working-distance or --focal-length",
-                    mcv_rig_lights[r->light.type], mcv_rig_length(r->light.reach, 3),
-                    mcv_rig_length(r->working_distance, 3));
+    return mcv_fail(
+        error, MCV_USAGE,
+        "a %s light for this part extends %s towards the camera, whose lens is %s away: give "
+        "a larger --f-number, a longer --working-distance or --focal-length",
+        mcv_rig_lights[r->light.type], mcv_rig_length(r->light.reach, 3),
+        mcv_rig_length(r->working_distance, 3));
 }

@@ -124,13 +124,14 @@ static void print_uri(FILE *out, const char *path) {
 
 static void print_note(FILE *out, const mcv_rig *r) {
     static const char *const lights[MCV_RIG_LIGHT_COUNT] = {
-        [MCV_RIG_LIGHT_BACKLIGHT] = "it stands dark before a backlight",
-        [MCV_RIG_LIGHT_RING] = "a ring light is about the view",
+        [MCV_RIG_LIGHT_BACKLIGHT] = "it is dark before a backlight",
+        [MCV_RIG_LIGHT_RING] = "a ring light surrounds the view",
         [MCV_RIG_LIGHT_DARK_FIELD] =
-            "a low ring lights it at 7 to 23 degrees, so that edges, scratches and dust shine",
+            "a low ring lights it at 7 to 23 degrees, so that edges, scratches and dust are "
+            "bright",
         [MCV_RIG_LIGHT_COAXIAL] =
-            "light comes along the view by a half mirror, so that flat polished faces shine",
-        [MCV_RIG_LIGHT_DOME] = "a dome lights it from everywhere, with few highlights and shadows"};
+            "a half mirror sends light along the view, so that flat polished faces are bright",
+        [MCV_RIG_LIGHT_DOME] = "a dome lights it from all sides, with few highlights and shadows"};
     switch (r->wishes.kind) {
     case MCV_RIG_TELECENTRIC:
         fprintf(out, "A telecentric camera sees the part");
@@ -145,16 +146,17 @@ static void print_note(FILE *out, const mcv_rig *r) {
         break;
     }
     if (r->wishes.kind == MCV_RIG_TRANSPARENT)
-        fprintf(out, " before a parallel panel: what turns light aside shows in `mcvisi lightfield "
+        fprintf(out, " before a parallel panel: what deflects light shows in `mcvisi lightfield "
                      "emd-gradient`. ");
     else if (r->wishes.kind == MCV_RIG_TELECENTRIC && r->light.type == MCV_RIG_LIGHT_BACKLIGHT)
-        fprintf(out,
-                " before a backlight: silhouettes that do not grow with nearness, for measuring. ");
+        fprintf(
+            out,
+            " before a backlight: the size of its silhouette does not depend on the distance. ");
     else
         fprintf(out, "; %s. ", lights[r->light.type]);
     fprintf(out, "The part is %s x %s across and %s deep, ", length(r->across[0]),
             length(r->across[1]), length(r->depth));
-    fprintf(out, "the field in focus %s x %s. Lengths: metres, or texts with a unit.",
+    fprintf(out, "the field in focus %s x %s. Lengths are in metres, or strings with a unit.",
             length(r->field[0]), length(r->field[1]));
 }
 
@@ -206,9 +208,8 @@ static void print_rig(FILE *out, const mcv_rig *r, const char *uri) {
             "    {\"name\": \"part\", \"extensions\": {\"MCVISI_assets\": {\"asset\": 0}}},\n");
     fprintf(out, "    {\"name\": \"centre\", \"translation\": [%.9g, %.9g, %.9g], ",
             known_middle(r, 0), known_middle(r, 1), known_middle(r, 2));
-    fprintf(
-        out,
-        "\"extras\": {\"note\": \"The middle of the part, at which camera and light look.\"}},\n");
+    fprintf(out, "\"extras\": {\"note\": \"The middle of the part, the target of camera and "
+                 "light.\"}},\n");
     fprintf(out,
             "    {\"name\": \"camera\", \"extensions\": {\"MCVISI_sensors\": {\"sensor\": 0}, ");
     print_pose(out, r->working_distance, lens_digits(r), r->azimuth, r->elevation, r->roll);
@@ -269,10 +270,11 @@ static mcv_result replace(const char *path, const char *text, size_t size, bool 
         const bool same = old_size == size && memcmp(old, text, size) == 0;
         free(old);
         if (same) return MCV_OK;
-        return mcv_fail(error, MCV_USAGE,
-                        "%s exists and holds something else, perhaps edited: --force replaces it, "
-                        "-o takes another name",
-                        path);
+        return mcv_fail(
+            error, MCV_USAGE,
+            "%s exists with other contents, perhaps edited: replace it by --force, or give "
+            "another name by -o",
+            path);
     }
     return mcv_output_whole(path, text, size, error);
 }

@@ -59,10 +59,9 @@ mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_json_pat
     for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; ++i)
         if (mesh->indices[i] >= mesh->vertex_count) {
             const mcv_json_path here = mcv_json_path_key(place, "indices");
-            return mcv_fail_at(
-                &here, error,
-                "index %u of triangle %zu points to nothing: vertices go from 0 to %u",
-                mesh->indices[i], i / 3, mesh->vertex_count - 1);
+            return mcv_fail_at(&here, error,
+                               "index %u of triangle %zu does not exist: vertices go from 0 to %u",
+                               mesh->indices[i], i / 3, mesh->vertex_count - 1);
         }
     *repaired = 0;
     for (size_t v = 0; mesh->normals && v < mesh->vertex_count; ++v) {

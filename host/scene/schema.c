@@ -112,11 +112,11 @@ static json_t *map_schema(const char *description) {
 }
 
 static json_t *asset_schema(void) {
-    json_t *properties = json_pack(
-        "{s:{s:s, s:s}, s:{s:s, s:[s,s,s,s,s,s], s:s}, s:{s:s}}", "uri", "description",
-        "a .gltf, .glb or .stl file beside the scene", "type", "string", "unit", "description",
-        "unit of the file's lengths; of an .stl file it must be given", "enum", "nm", "um", "mm",
-        "cm", "m", "inch", "default", "m", "name", "type", "string");
+    json_t *properties =
+        json_pack("{s:{s:s, s:s}, s:{s:s, s:[s,s,s,s,s,s], s:s}, s:{s:s}}", "uri", "description",
+                  "a .gltf, .glb or .stl file beside the scene", "type", "string", "unit",
+                  "description", "unit of the file's lengths; required for .stl files", "enum",
+                  "nm", "um", "mm", "cm", "m", "inch", "default", "m", "name", "type", "string");
     json_object_set_new(
         properties, "material",
         material_schema("a material of the scene, by name or index, for all of the file"));
@@ -170,7 +170,7 @@ static void add_body_members(json_t *definitions) {
         json_t *surface = object_schema(
             json_pack(
                 "{s:o, s:o, s:{s:s}}", "asphere", asphere_schema(), "material",
-                material_schema("what fills the space up to the next surface; a gap without it"),
+                material_schema("material of the space up to the next surface; without it a gap"),
                 "name", "type", "string"),
             json_array(), mcv_lens_surface_table());
         json_object_set_new(properties, "surfaces",
@@ -178,7 +178,7 @@ static void add_body_members(json_t *definitions) {
                                       "two or more optical surfaces in a row", "type", "array",
                                       "minItems", 2, "items", surface));
         json_object_set_new(properties, "rim",
-                            material_schema("a material for the edges; they absorb without it"));
+                            material_schema("a material for the edges; without it they absorb"));
         json_array_append_new(
             json_object_get(json_object_get(definitions, types[type]), "required"),
             json_string("surfaces"));

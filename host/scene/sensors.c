@@ -70,7 +70,7 @@ static mcv_result check_film(film f, const mcv_json_path *place, mcv_error *erro
         if (first + size > f.resolution[i])
             return mcv_fail_at(
                 &region, error,
-                "%s %u to %u leave the film, which has %u: it is [column, row, width, height]",
+                "%s %u to %u exceed the film, which has %u: it is [column, row, width, height]",
                 lines[i], first, first + size, f.resolution[i]);
         if (size % f.binning[i] != 0)
             return mcv_fail_at(&binning, error, "%u does not divide the %u %s that are read out",
@@ -124,8 +124,9 @@ static mcv_result settle(double *value, double follows, const char *key, const c
                agreement * *value)) /* nothing given agrees with an infinite or negative one */
         return mcv_fail_at(
             &here, error,
-            "%.6g contradicts %s, from which %.6g follows: give one of them, or both alike", *value,
-            from, follows);
+            "%.6g contradicts %s, from which %.6g follows: give one of them, or equal "
+            "values",
+            *value, from, follows);
     return MCV_OK;
 }
 
@@ -147,8 +148,7 @@ static double disk_area(double diameter) { return M_PI / 4 * diameter * diameter
 mcv_result mcv_lens_resolve(mcv_lens l, const mcv_json_path *place, mcv_error *error) {
     const mcv_json_path focus = mcv_json_path_key(place, "focusDistance");
     if (isnan(*l.b) && isnan(*l.w))
-        return mcv_fail_at(place, error,
-                           "needs imageDistance or focusDistance, to say where it is in focus");
+        return mcv_fail_at(place, error, "needs imageDistance or focusDistance for its focus");
     if (*l.w <= l.f)
         return mcv_fail_at(&focus, error, "%g m must exceed focalLength %g m", *l.w, l.f);
     if (isnan(*l.b)) *l.b = l.f * *l.w / (*l.w - l.f);
@@ -157,8 +157,7 @@ mcv_result mcv_lens_resolve(mcv_lens l, const mcv_json_path *place, mcv_error *e
         MCV_TRY(settle(l.w, depth, "focusDistance", "focalLength and imageDistance", place, error));
 
     if (isnan(*l.diameter) && isnan(*l.f_number))
-        return mcv_fail_at(place, error,
-                           "needs lensDiameter or fNumber, to say how wide it is open");
+        return mcv_fail_at(place, error, "needs lensDiameter or fNumber for its aperture");
     if (isnan(*l.diameter)) *l.diameter = *l.b / *l.f_number;
     return settle(l.f_number, *l.b / *l.diameter, "fNumber", "imageDistance and lensDiameter",
                   place, error);
