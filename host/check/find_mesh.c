@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Findings about meshes: whether they are closed, and how well their facets stand for curved
+/* Findings about meshes: whether they are closed, and how well their facets approximate curved
  * surfaces. */
 #include "check/find.h"
 #include "scene/transform.h"
@@ -15,7 +15,7 @@ static const mcv_material *material_of(const mcv_scene *scene, uint32_t instance
     return scene->materials + scene->instances[instance].material;
 }
 
-/* Does light pass it as a pane without thickness? */
+/* Does it transmit light as a sheet without thickness? */
 static bool is_thin(const mcv_material *material) {
     return material->type == MCV_MATERIAL_SHEET ||
            (material->type == MCV_MATERIAL_METALLIC_ROUGHNESS &&
@@ -64,24 +64,24 @@ mcv_result mcv_find_thin_body(const mcv_scene *scene, mcv_findings *findings, mc
 
 /* --- facets --- */
 
-/* Neighbours that turn by more are meant to have an edge between them, by less are one plane but
- * for rounding [rad]. */
+/* The largest angle between neighbours of a curved surface, above which an edge is intended; and
+ * the smallest one, below which they are coplanar up to rounding [rad]. */
 static const double crease = 31 * M_PI / 180, flat = 0.01 * M_PI / 180;
-enum { LEAST_EDGES = 8 }; /* of a curved surface: fewer may be a part's own */
+enum { LEAST_EDGES = 8 }; /* of a curved surface; fewer may be real edges of a part */
 
 /* Where two triangles meet under a slight angle. */
 typedef struct bend {
     uint32_t triangles[2];
     uint32_t ends[2];
     double angle; /* of the normals [rad] */
-    bool faceted; /* and the shading turns there at once, too */
+    bool faceted; /* and the shading normals have a step there too */
 } bend;
 
-/* Facets: triangles of one plane that hang together. */
+/* Facets: connected coplanar triangles. */
 typedef struct facets {
     const mcv_scene *scene;
     uint32_t instance;
-    double (*normals)[3]; /* of the triangles, unit; 0 where they have none */
+    double (*normals)[3]; /* of the triangles, unit; 0 for those without area */
     uint32_t *parents;    /* of a triangle's facet: union-find */
     bend *bends;
     size_t bend_count;
@@ -98,7 +98,7 @@ static double angle_between(const double a[3], const double b[3]) {
     return atan2(sqrt(mcv_dot3(cross, cross)), mcv_dot3(a, b));
 }
 
-/* How far the interpolated normals of the two triangles differ at the edge's ends. */
+/* The difference between the interpolated normals of the two triangles at the edge's ends. */
 static double jump_of_normals(const facets *f, const mcv_shared_edge *edge) {
     double most = 0, normals[2][3][3];
     const uint32_t *indices = f->scene->meshes[f->scene->instances[f->instance].mesh].indices;
@@ -115,8 +115,8 @@ static double jump_of_normals(const facets *f, const mcv_shared_edge *edge) {
     return most;
 }
 
-/* A surface is curved where a facet bends to more than one of its neighbours, and by about as much.
- */
+/* Keeps the bends of curved surfaces: there a facet bends to several neighbours by similar
+ * angles. */
 static void keep_curved(facets *f, uint32_t triangles) {
     double(*range)[2] = malloc(triangles * sizeof *range + 1); /* of the angles about a facet */
     uint32_t *count = calloc((size_t)triangles + 1, sizeof *count);
@@ -237,9 +237,8 @@ static double height_over(const facets *f, uint32_t triangle, const double from[
 }
 
 /*
- * How far chords are off the curve that they stand for, at a bend that is seen from its side: w θ/8
- * for facets of the width w that turn by θ. In pixels; 0 where it is not in the picture or not at
- * an outline.
+ * The deviation of chords from the curve that they replace, at a bend seen from its side: w θ/8 for
+ * facets of width w and angle θ. In pixels; 0 if it is outside the image or not at an outline.
  */
 static double chord_error(const facets *f, const mcv_view *view, const bend *b, double *metres) {
     double from[3], to[3], middle[3], film[2], local[3], sight[3], cosine[2];
@@ -255,7 +254,7 @@ static double chord_error(const facets *f, const mcv_view *view, const bend *b, 
     if (!mcv_normalize3(view->is_telecentric ? axis : ray, sight)) return 0;
     for (int side = 0; side < 2; ++side)
         cosine[side] = mcv_dot3(f->normals[b->triangles[side]], sight);
-    /* One facet faces the sensor and one does not; or both stand edge on, but for rounding. */
+    /* One facet faces the sensor and the other does not; or both are edge-on, up to rounding. */
     if (cosine[0] * cosine[1] > 0 && fmin(fabs(cosine[0]), fabs(cosine[1])) > flat) return 0;
     const double width =
         fmin(height_over(f, b->triangles[0], from, to), height_over(f, b->triangles[1], from, to));
@@ -264,7 +263,7 @@ static double chord_error(const facets *f, const mcv_view *view, const bend *b, 
     return *metres / mcv_view_pixel(view, local[2]);
 }
 
-/* Does the sensor see a light behind a depth? Then outlines are measured. */
+/* Does the sensor see a light behind a depth? Outlines are then likely to be measured. */
 static bool is_backlit(const mcv_scene *scene, const mcv_view *view, double depth) {
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
         if (scene->emitters[i].instance == MCV_NONE) continue;
@@ -274,10 +273,10 @@ static bool is_backlit(const mcv_scene *scene, const mcv_view *view, double dept
     return false;
 }
 
-/* What is worst at one sensor's outlines. */
+/* The worst of one sensor's outlines. */
 typedef struct worst_outline {
     double pixels, metres;
-    uint32_t instance, parts; /* parts that are off by more than is tolerated */
+    uint32_t instance, parts; /* number of parts above the tolerance */
     bool backlit;
 } worst_outline;
 

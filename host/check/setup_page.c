@@ -50,7 +50,7 @@ static void put_numbers(FILE *out, const mcv_view *view) {
 static bool put_sensor(FILE *out, const mcv_scene *scene, uint32_t index) {
     const mcv_sensor *sensor = scene->sensors + index;
     const mcv_view view = mcv_view_of(sensor);
-    if (isnan(view.film[0][0])) return true; /* a type whose optics nobody knows here */
+    if (isnan(view.film[0][0])) return true; /* a type of sensor without known optics */
     fputs("<section><h2>", out);
     mcv_html_text(out, sensor->name);
     fprintf(out, " <small>%s</small></h2>\n", mcv_sensor_types[sensor->type]);

@@ -19,7 +19,7 @@
 
 /*
  * Appends a copy of `element` to *array. The capacity is the power of two at or above count, so it
- * is not kept. Sizes are those of the element, arrays are arrays of it.
+ * need not be stored. The sizes are those of an element.
  */
 static bool append(void *array, uint32_t *count, const void *element, size_t size) {
     void *elements;
@@ -35,7 +35,7 @@ static bool append(void *array, uint32_t *count, const void *element, size_t siz
     return true;
 }
 
-/* A copy of an optional array; *failed is set where memory is missing. */
+/* A copy of an optional array; sets *failed without memory. */
 static void *copy(const void *from, size_t size, bool *failed) {
     if (!from) return NULL;
     void *to = malloc(size ? size : 1);
@@ -104,7 +104,7 @@ static mcv_result check_shares(const double reflectance[3], const char *key, con
     return MCV_OK;
 }
 
-/* What no single parameter shows. */
+/* Rules that concern several parameters. */
 static mcv_result check_material(const mcv_material *material, const mcv_json_path *here,
                                  mcv_error *error) {
     if (material->type == MCV_MATERIAL_DIELECTRIC &&
@@ -279,10 +279,9 @@ mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, m
     return mcv_fail_memory(here, error);
 }
 
-/* To the rounding of floats, in which others may have kept it. */
+/* The tolerance is the rounding of floats, in which the transform may have been stored. */
 static bool is_rigid(const mcv_transform *t) {
-    const double *m = t->m,
-                 rounding = 6 * FLT_EPSILON; /* of three products of two rounded numbers */
+    const double *m = t->m, rounding = 6 * FLT_EPSILON; /* three products of two rounded numbers */
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j <= i; ++j)
             if (!(fabs(m[i] * m[j] + m[3 + i] * m[3 + j] + m[6 + i] * m[6 + j] - (i == j)) <=
