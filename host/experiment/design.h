@@ -27,15 +27,15 @@ typedef struct mcv_levels {
 } mcv_levels;
 
 /*
- * "A..B:N", "A..B:N:log", "A..B" (no grid then), or "A,B,C"; numbers may have units. MCV_USAGE
- * where it is neither. The list is freed by mcv_levels_free.
+ * Reads "A..B:N", "A..B:N:log", "A..B" (not for a grid) or "A,B,C"; numbers may have units.
+ * MCV_USAGE for other texts. The list is freed by mcv_levels_free.
  */
 mcv_result mcv_levels_parse(const char *text, mcv_levels *levels, mcv_error *error);
 void mcv_levels_free(mcv_levels *levels);
 
 /*
- * *values gets [set][parameter], malloc'ed. points is the number of sets of lhs and sobol, and
- * counts for no other. MCV_USAGE where the levels do not suit the design, or for more than
+ * *values gets [set][parameter], malloc'ed. `points` is the number of sets of lhs and sobol; other
+ * designs ignore it. MCV_USAGE if the levels do not suit the design, or for more than
  * MCV_DESIGN_SETS sets.
  */
 mcv_result mcv_design_make(int design, const mcv_levels *levels, size_t parameters, size_t points,

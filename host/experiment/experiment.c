@@ -15,7 +15,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* The scene as it stands: what is wrong with it would be wrong in every set. */
+/* Checks the scene without a set's overrides: its errors would occur in every set. */
 static mcv_result check_rig(mcv_sweep *s, mcv_error *error) {
     const mcv_experiment *e = s->experiment;
     mcv_scene *scene;
@@ -35,7 +35,8 @@ static mcv_result check_rig(mcv_sweep *s, mcv_error *error) {
     return result;
 }
 
-/* A path that leads nowhere does so in every set; a value out of range may be one set's own. */
+/* Checks the paths: a wrong path fails in every set, but a value out of range may fail in one set
+ * only. */
 static mcv_result check_paths(const mcv_sweep *s, mcv_error *error) {
     double numbers[MCV_DESIGN_PARAMETERS];
     bool wanted;

@@ -64,7 +64,7 @@ mcv_result mcv_measurement_read(const mcv_measuring *asked, mcv_measurement *m, 
     return MCV_OK;
 }
 
-/* Values of the gradient, whose deviations nobody knows. */
+/* Values of the gradient, whose uncertainties are not known. */
 static mcv_result read_gradient(const mcv_measuring *asked, const mcv_scene *scene, uint32_t sensor,
                                 const mcv_image *image, mcv_metrics *m, mcv_error *error) {
     const mcv_readout readout = mcv_sensor_readout(scene->sensors + sensor);
@@ -123,7 +123,7 @@ static mcv_result take_readings(const mcv_measuring *asked, const mcv_scene *sce
     return result;
 }
 
-/* The scale of the image, and the places to measure in as its pixels. */
+/* The scale of the image, and the places to measure in pixels. */
 static mcv_result find_places(const mcv_measuring *asked, const mcv_scene *scene, uint32_t sensor,
                               mcv_metrics *m, mcv_places *resolved, mcv_error *error) {
     mcv_camera_model model;

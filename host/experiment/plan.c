@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* "emitters/back/halfAngle" becomes halfAngle, or back.halfAngle where there is one already. */
+/* "emitters/back/halfAngle" becomes halfAngle, or back.halfAngle if that name exists already. */
 static mcv_result name_parameter(const mcv_plan *plan, mcv_parameter *p, mcv_error *error) {
     int start = p->path_length;
     for (int parts = 0; parts < 3; ++parts) {

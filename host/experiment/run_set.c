@@ -38,7 +38,7 @@ static mcv_result interrupted(const mcv_sweep *s) {
     return calls->interrupted ? calls->interrupted(calls->user) : MCV_OK;
 }
 
-/* The set at work, for what a render asks. */
+/* The current set, for the callbacks of a render. */
 typedef struct set_at_work {
     const mcv_sweep *sweep;
     const mcv_scene *scene;
@@ -57,7 +57,7 @@ static bool is_enough(void *user, const mcv_film *film) {
     return mcv_measurement_suffices(&w->sweep->measurement, w->scene, w->sensor, film);
 }
 
-/* The sensor that the experiment is about, with its pixels. */
+/* The sensor of the experiment, with its pixels. */
 static mcv_result find_sensor(const mcv_experiment *e, mcv_scene *scene, uint32_t *sensor,
                               mcv_error *error) {
     *sensor = 0;

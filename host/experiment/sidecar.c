@@ -14,7 +14,7 @@ static json_t *describe(const mcv_sidecar *s) {
     json_t *document = json_object();
     const char *rig = realpath(s->rig, file) ? file : s->rig;
     snprintf(copy, sizeof copy, "%s", s->table);
-    /* Beside or below the table its name is enough. */
+    /* In or below the table's folder the relative path is enough. */
     if (rig == file && realpath(dirname(copy), folder)) {
         const size_t length = strlen(folder);
         if (strncmp(file, folder, length) == 0 && file[length] == '/') rig = file + length + 1;
@@ -35,7 +35,7 @@ mcv_result mcv_sidecar_write(const mcv_sidecar *s, mcv_error *error) {
     return result;
 }
 
-/* before is what stands in the file, NULL where it cannot be read. */
+/* `before` holds the contents of the file, NULL if it cannot be read. */
 static mcv_result compare(const mcv_sidecar *s, const json_t *before, const json_t *now,
                           const char *wrong, mcv_error *error) {
     const char *key, *hash = json_string_value(json_object_get(before, "fingerprint"));

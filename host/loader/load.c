@@ -23,7 +23,7 @@ static mcv_result warn_unused(mcv_loader *loader, mcv_error *error) {
     return MCV_OK;
 }
 
-/* Directions of float32 are known to 6e-8. */
+/* The resolution of float32 directions is 6e-8. */
 static const double least_cone = 1e-7;
 
 static mcv_result warn_of_needles(mcv_scene *scene, mcv_error *error) {
@@ -86,7 +86,7 @@ const char *mcv_conversion(const char *path) {
     return "convert other formats, for example by Blender";
 }
 
-/* Files that are parts, and formats that are not read, by their names. */
+/* Refuses parts and unsupported formats, by the ending of the name. */
 static mcv_result check_format(const char *path, const mcv_json_path *place, mcv_error *error) {
     static const char *const others[] = {".step", ".stp", ".iges", ".igs",   ".obj",
                                          ".ply",  ".3mf", ".fbx",  ".blend", ".dae"};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* MCVISI_assets: other files that nodes place (mcvisi/asset.h). An STL file without a material of
- * the scene's is plain. */
+/* MCVISI_assets: other files, which nodes place (mcvisi/asset.h). An STL file without a given
+ * material has the default one. */
 #include "loader/loader.h"
 #include "loader/load_stl.h"
 

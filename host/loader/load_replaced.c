@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Materials of the scene in place of an asset's own, by name and by node (mcvisi/asset.h); and how
- * materials are found by name. */
+/* Materials of the scene that replace those of an asset, by name and by node (mcvisi/asset.h);
+ * finding materials by name. */
 #include "loader/loader.h"
 
 #include <stdlib.h>
 
-/* The material that an emission would be lost on is refused. */
+/* An emissive material is refused, because its emission would be lost. */
 mcv_result mcv_load_find_material(const mcv_loader *loader, const json_t *object, const char *key,
                                   uint32_t *material, const mcv_json_path *place,
                                   mcv_error *error) {

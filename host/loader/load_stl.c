@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * STL: triangles without a unit, normals or material. Binary: 80 bytes of header, the number of
- * triangles, 50 bytes for each; ASCII: facet, outer loop, three vertex lines. The normals in the
- * file are passed over: the winding says the front.
+ * STL: triangles without unit, normals or material. Binary: 80 bytes of header, the number of
+ * triangles, 50 bytes for each. ASCII: facet, outer loop, three vertex lines. The file's normals
+ * are ignored: the winding determines the front.
  */
 #include "loader/loader.h"
 #include "loader/load_stl.h"
@@ -25,7 +25,7 @@ static float float_at(const uint8_t *p) {
     return value;
 }
 
-/* Every three positions are a triangle. */
+/* Makes the indices: every three positions are a triangle. */
 static mcv_result number_vertices(mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error) {
     mesh->triangle_count = mesh->vertex_count / 3;
     mesh->indices = malloc((mesh->vertex_count + (size_t)1) * sizeof *mesh->indices);
@@ -63,7 +63,7 @@ static mcv_result read_binary(mcv_bytes bytes, mcv_mesh *mesh, const mcv_json_pa
 
 /* --- ASCII --- */
 
-/* The next word; lines are counted. Whatever the locale, numbers have a point. */
+/* A reader of words that counts lines. In every locale, numbers have a decimal point. */
 typedef struct reader {
     const char *at, *end;
     unsigned line;
@@ -132,7 +132,7 @@ static mcv_result read_facet(reader *r, float corners[9], const mcv_json_path *p
     return expect_word(r, "endfacet", place, error);
 }
 
-/* solid NAME, facets, endsolid NAME; several one after the other are one part. */
+/* solid NAME, facets, endsolid NAME; several solids are one part. */
 static mcv_result read_solids(reader *r, mcv_mesh *mesh, const mcv_json_path *place,
                               mcv_error *error) {
     size_t room = 0;
@@ -181,7 +181,7 @@ static mcv_result read_ascii(mcv_bytes bytes, mcv_mesh *mesh, const mcv_json_pat
 
 /* --- both --- */
 
-/* Binary files may begin with `solid` as well; ASCII has no byte 0 where they have their count. */
+/* Binary files may begin with `solid` too; where they have their count, ASCII has no byte 0. */
 static bool is_ascii(mcv_bytes bytes) {
     static const char solid[] = "solid";
     if (bytes.size < sizeof solid - 1 ||

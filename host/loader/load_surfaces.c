@@ -78,7 +78,7 @@ static mcv_result read_asphere(const json_t *object, mcv_cap *cap, const mcv_jso
              : MCV_OK;
 }
 
-/* Radius and curvature say the same. */
+/* Makes a cap from the radius or the curvature. */
 static mcv_result make_cap(double radius, double curvature, double conic, bool cylindrical,
                            const json_t *object, mcv_cap *cap, const mcv_json_path *place,
                            mcv_error *error) {
@@ -139,7 +139,7 @@ static mcv_result assemble_lens(const lens_surface *surfaces, uint32_t n, uint32
         body->materials[2 * body->count] = a->material;
         body->materials[2 * body->count++ + 1] = rim;
     }
-    /* A gap between two bodies must be one. */
+    /* A gap between two bodies must have a width. */
     for (uint32_t i = 1; i + 2 < n; ++i) {
         const mcv_json_path here = mcv_place_index(place, i);
         const mcv_solid gap = {

@@ -69,7 +69,7 @@ mcv_result mcv_summary_json(const mcv_summary *s, char **text, mcv_error *error)
     return *text ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the JSON summary");
 }
 
-/* The sentences about light that is missing from the picture. */
+/* The sentences about light that is missing from the image. */
 static void print_losses(FILE *out, const mcv_render_stats *stats) {
     if (stats->lost_energy > 0) {
         fprintf(out,

@@ -93,7 +93,7 @@ int mcv_rig_word_index(const char *word, const char *const *words) {
     return -1;
 }
 
-/* Types that need no parameters; diffuse as grey as a part without a wish. */
+/* Types without required parameters; diffuse is as grey as the default. */
 static const char *const plain_types[] = {
     "diffuse", "dielectric", "mirror", "absorber", "retroreflector", "metallicRoughness", NULL};
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A rig as glTF, written for people to read and edit: a line for each thing. */
+/* Writes a rig as glTF that people can read and edit: one line per element. */
 #include "rig/rig.h"
 
 #include "core/basics.h"
@@ -38,7 +38,7 @@ static bool is_light_field(const mcv_rig *r) {
     return r->wishes.kind == MCV_RIG_LIGHT_FIELD || r->wishes.kind == MCV_RIG_TRANSPARENT;
 }
 
-/* Where something of the lens is wished, what follows from it must not be rounded. */
+/* If the user wishes something of the lens, quantities that follow from it must not be rounded. */
 static int lens_digits(const mcv_rig *r) {
     const mcv_rig_wishes *w = &r->wishes;
     return w->focal_length > 0 || w->working_distance > 0 || w->magnification > 0 ||
@@ -113,7 +113,7 @@ static void print_pose(FILE *out, double distance, int digits, double azimuth, d
     fprintf(out, ", \"roll\": \"%gdeg\"}", roll);
 }
 
-/* The uri: of a path, what is not plain is percent-encoded. */
+/* Prints a path as a URI; special characters are percent-encoded. */
 static void print_uri(FILE *out, const char *path) {
     for (const unsigned char *c = (const unsigned char *)path; *c; ++c)
         if (isalnum(*c) || strchr("-._~/", *c))
@@ -169,8 +169,8 @@ static void print_asset(FILE *out, const mcv_rig *r, const char *uri) {
             r->needs_normals ? ", \"creaseAngle\": \"30deg\"" : "");
 }
 
-/* The middle of the part along an axis without the digits in which its corners, of single
- * precision, are not known. */
+/* The middle of the part along an axis, rounded to the precision of its single-precision
+ * corners. */
 static double known_middle(const mcv_rig *r, int axis) {
     const double largest = fmax(fabs(r->lower[axis]), fabs(r->upper[axis]));
     if (largest == 0) return 0;
@@ -239,8 +239,8 @@ static mcv_result plan_output(const mcv_rig *r, const char *output, char *path, 
     return mcv_output_check(path, error);
 }
 
-/* The part's path from the rig's folder, in or below which it must lie: a rig and its parts move
- * together. */
+/* The part's path relative to the rig's folder, in or below which it must lie, so that a rig and
+ * its parts move together. */
 static mcv_result find_uri(const char *rig_path, const char *part_path, char uri[PATH_MAX],
                            mcv_error *error) {
     char copy[PATH_MAX], folder[PATH_MAX], file[PATH_MAX];
@@ -250,7 +250,7 @@ static mcv_result find_uri(const char *rig_path, const char *part_path, char uri
     if (!realpath(dirname(copy), folder))
         return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", rig_path, strerror(errno));
     size_t start = strlen(folder);
-    if (start > 1) ++start; /* but for the root, the slash comes behind it */
+    if (start > 1) ++start; /* except for the root, the slash follows */
     if (strncmp(file, folder, start - 1) != 0 || file[start - 1] != '/')
         return mcv_fail(error, MCV_USAGE,
                         "%s does not lie in the folder of %s or below it: copy it there, or write "
@@ -260,7 +260,7 @@ static mcv_result find_uri(const char *rig_path, const char *part_path, char uri
     return MCV_OK;
 }
 
-/* What people have edited is not written over by a second `new`. */
+/* A second `new` must not overwrite what people have edited. */
 static mcv_result replace(const char *path, const char *text, size_t size, bool force,
                           mcv_error *error) {
     uint8_t *old;
