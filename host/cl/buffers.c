@@ -6,9 +6,9 @@
 #include <sys/mman.h>
 
 /*
- * Asks the system for large pages before a buffer is first touched: a hierarchy of 140 MB has 35
- * 000 small ones, and every random ray waits for their tables. Where a device keeps its buffers
- * elsewhere this changes nothing.
+ * Asks the system for large pages before a buffer is first touched. A hierarchy of 140 MB has 35
+ * 000 small pages, and every random ray waits for their page tables. It has no effect if the device
+ * keeps its buffers elsewhere.
  */
 static void prefer_large_pages(mcv_cl *cl, cl_mem buffer, size_t size) {
     const uintptr_t page = (uintptr_t)2 << 20;

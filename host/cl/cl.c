@@ -139,7 +139,7 @@ static bool contains(const char *text, const char *part, size_t length) {
     return false;
 }
 
-/* Does "PLATFORM:TYPE:NAME" or a number name this device? */
+/* Does a number or "PLATFORM:TYPE:NAME" name this device? */
 static bool matches(const char *wanted, unsigned index, const mcv_cl *cl) {
     const char *first = strchr(wanted, ':');
     if (!first) {

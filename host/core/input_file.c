@@ -38,7 +38,7 @@ static mcv_result read_all(int fd, const char *path, mcv_bytes *bytes, const mcv
 mcv_result mcv_file_read(const char *path, mcv_bytes *bytes, const mcv_json_path *place,
                          mcv_error *error) {
     *bytes = (mcv_bytes){NULL, 0};
-    /* Non-blocking, or a pipe without a writer would hang here; regular files do not care. */
+    /* O_NONBLOCK: otherwise a pipe without a writer would block here. Regular files ignore it. */
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (fd < 0)
         return mcv_fail_at(place, error, "\"%s\" cannot be opened: %s", path, strerror(errno));
@@ -54,7 +54,7 @@ static int hex_digit(char c) {
                                   : -1;
 }
 
-/* In place; false at a broken escape, NUL included. */
+/* Decodes in place; false for a broken escape, NUL included. */
 static bool decode_percent(char *text) {
     char *out = text;
     for (const char *c = text; *c; ++c) {
@@ -78,7 +78,7 @@ static bool has_parent_step(const char *path) {
     return false;
 }
 
-/* Where links lead: the real path must lie below the real directory. */
+/* Links are followed: the real path must lie below the real directory. */
 static bool lies_below(const char *path, const char *directory) {
     char *real_path = realpath(path, NULL), *real_directory = realpath(directory, NULL);
     const size_t length = real_directory ? strlen(real_directory) : 0;

@@ -169,8 +169,7 @@ const char *mcv_json_wrong(const json_error_t *wrong) {
 
 const char *mcv_nearest_word(const char *word, const char *const *words, size_t n) {
     const char *nearest = NULL;
-    size_t least =
-        1 + strlen(word) / 3; /* a third of the letters may be wrong, and one in any case */
+    size_t least = 1 + strlen(word) / 3; /* a third of the letters may be wrong, but at least one */
     for (size_t i = 0; i < n; ++i) {
         if (strcasecmp(word, words[i]) == 0) return words[i];
         const size_t distance = edit_distance(word, words[i]);
