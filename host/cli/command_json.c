@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* NULL: as by default. */
+/* NULL: the value is the default. */
 static json_t *value_json(const mcv_option *o, const mcv_command *command,
                           const mcv_command *defaults) {
     const void *field = (const char *)command + o->offset,

@@ -58,7 +58,7 @@ void mcv_help_print_verb(unsigned verb_index) {
     }
 }
 
-/* Of one value; flags are true or left out. */
+/* The schema of one value; flags are true or absent. */
 static json_t *option_schema(const mcv_option *o) {
     switch (o->kind) {
     case MCV_KIND_flag:

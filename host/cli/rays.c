@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Is the line the names of the columns, blanks left out? */
+/* Does the line consist of the names of the columns, ignoring blanks? */
 static bool is_header(const char *line) {
     const char *name = "x,y,z,dx,dy,dz";
     for (; *line; ++line)

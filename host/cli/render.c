@@ -142,8 +142,8 @@ static mcv_result render_and_print(const mcv_command *command, const mcv_scene *
 
 /* --- all sensors --- */
 
-/* All pictures are planned before anything is rendered: hours later it is too late to say that a
- * folder is missing. */
+/* All pictures are planned before rendering: a missing folder must be reported at once, not hours
+ * later. */
 static mcv_result check_pictures(const mcv_command *command, const mcv_scene *scene, uint32_t first,
                                  uint32_t count, mcv_error *error) {
     mcv_picture picture, earlier;
@@ -185,8 +185,7 @@ static mcv_result render_scene(const mcv_command *command, mcv_scene *scene,
     return MCV_OK;
 }
 
-/* On standard error, errors and warnings: what is likely not meant is told before hours are spent
- * on it. */
+/* Prints errors and warnings to standard error, before hours are spent on a wrong scene. */
 static mcv_result print_findings(const mcv_scene *scene, mcv_error *error) {
     mcv_findings findings;
     MCV_TRY(mcv_findings_of(scene, &findings, error));
