@@ -20,16 +20,16 @@ static inline void ref_alphas(const mcv_roughness *roughness, double share, doub
     alpha[0] = alpha[1] + (1 - alpha[1]) * s * s;
 }
 
-/* Smith's Λ, by the roughness that the direction's azimuth sees. */
+/* Smith's Λ, with the roughness at the direction's azimuth. */
 static inline double ref_lambda(const double alpha[2], ref_vec w) {
     const double slope = hypot(alpha[0] * w.x, alpha[1] * w.y) / fabs(w.z);
     return (sqrt(1 + slope * slope) - 1) / 2;
 }
 
 /*
- * The mean, over the heights at which light meets microfacets first, of being seen from two
- * directions of these Λ; on opposite sides what lies high for the one lies low for the other (Heitz
- * and others 2016).
+ * The masking of two directions with these Λ: the mean visibility from both over the heights of the
+ * microfacets. On opposite sides, what is high for one direction is low for the other (Heitz and
+ * others 2016).
  */
 static inline double ref_masking(double a, double b, bool opposite) {
     return opposite ? exp(lgamma(1 + a) + lgamma(1 + b) - lgamma(2 + a + b)) : 1 / (1 + a + b);
