@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Which sets of parameters an experiment tries. Each parameter has levels (a list, or from … to in
- * so many steps) or a range.
+ * The sets of parameters of an experiment. Each parameter has levels (a list, or FROM to TO in some
+ * number of steps) or a range.
  *
- *   grid   all combinations of the levels, the last parameter changing fastest
- *   list   the first levels of all, then the second ones, …: as many each
- *   lhs    Latin hypercube (McKay, Beckman and Conover 1979): each parameter's range in as many
- * strata as points, each met once sobol  Sobol' points (directions: Joe and Kuo 2008) with a random
- * digital shift; powers of two of them are best
+ *     grid   all combinations of the levels, the last parameter changing fastest
+ *     list   the first levels of all parameters, then the second ones, and so on; all parameters
+ *            must have the same number of levels
+ *     lhs    Latin hypercube (McKay, Beckman and Conover 1979): each parameter's range is divided
+ *            into as many strata as there are points, with one point in each
+ *     sobol  Sobol' points (directions: Joe and Kuo 2008) with a random digital shift; powers of
+ *            two are best
  *
- * lhs and sobol take any values of a range, and of a list its members.
+ * lhs and sobol use any values of a range, and the members of a list.
  */
 #ifndef MCVISI_HOST_EXPERIMENT_DESIGN_H
 #define MCVISI_HOST_EXPERIMENT_DESIGN_H
