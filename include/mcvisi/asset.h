@@ -29,7 +29,6 @@
 #define MCV_ASSET_PARAMS(X) \
     X(angle, creaseAngle, MCV_UNSET, 0, 3.141592653589793, \
       "of an .stl file: faces that meet at this angle or less form one smooth surface; without " \
-      "it " \
-      "triangles are flat [rad]")
+      "it triangles are flat [rad]")
 
 #endif
