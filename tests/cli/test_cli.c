@@ -1229,7 +1229,7 @@ static void test_measure_bad_input(void **state) {
     EXPECT_FAILURE("measure s.exr --background absent.png", 3, "absent.png");
     EXPECT_FAILURE("measure s.exr --edge 0,0,24,17", 2, "24 x 16");
     EXPECT_FAILURE("measure s.exr --edge 8,4,8,8", 1, "edge 1", "no edge");
-    EXPECT_FAILURE("measure s.exr --edge 0,0,8,8", 1, "edge 1", "room");
+    EXPECT_FAILURE("measure s.exr --edge 0,0,8,8", 1, "edge 1", "too little");
     EXPECT_FAILURE("measure s.exr --minus missing.exr", 3, "missing.exr");
     EXPECT_FAILURE("measure s.exr --channel green", 2, "1 channel");
     EXPECT_FAILURE("measure s.exr --metric mtf", 2, "--metric");
