@@ -1245,9 +1245,9 @@ static void test_measure_bad_input(void **state) {
                    "one number or three");
     EXPECT_FAILURE("camera s.exr -o x.png --expose-to 1 --dark-current 10", 2, "--exposure-time");
     EXPECT_FAILURE("camera s.exr -o x.png --expose-to 1 --exposure-time 1", 2, "--exposure-time",
-                   "beside --expose-to", "--dark-current");
+                   "with --expose-to", "--dark-current");
     EXPECT_FAILURE("camera s.exr -o x.png --electrons-per-unit 1 --exposure-time 1", 2,
-                   "beside --electrons-per-unit", "--dark-current");
+                   "with --electrons-per-unit", "--dark-current");
     run_well("camera s.exr -o x.exr --expose-to 1 --exposure-time 1 --dark-current 10");
     EXPECT_FAILURE("measure s.exr --region "
                    "n234567890123456789012345678901234567890123456789012345678901234=0,0,8,8",
