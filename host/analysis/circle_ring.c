@@ -109,7 +109,8 @@ mcv_result mcv_circle_estimate_noise(mcv_circle_finder *f, mcv_readings *reading
     if (!(m.variance[0] >= 0 && m.variance[1] >= 0) || count[0] < 4 || count[1] < 4)
         return mcv_circle_fail(
             f->circle, error,
-            "too little room beside it to see the image's noise: give a larger box, or --noise");
+            "the box shows too little beside it to estimate the image's noise: give a larger "
+            "box, or --noise");
     mcv_circle_visit_ring(f, set_noise, &m);
     *freedom = mcv_noise_freedom(m.variance, count);
     return MCV_OK;

@@ -23,15 +23,16 @@ static mcv_result find_angular(const char *path, const mcv_exr *exr, uint32_t an
     static const char name[] = "mcvisi:angularResolution";
     double numbers[2] = {0};
     if (!mcv_exr_attribute(exr, name))
-        return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: is no image of a light field camera, or its header lacks %s: give the "
-                        "pixels of a macro pixel by --angular JxK",
-                        path, name);
+        return mcv_fail(
+            error, MCV_BAD_INPUT,
+            "%s: its header has no %s: give the pixels of a macro pixel by --angular JxK, or an "
+            "image of a light field camera",
+            path, name);
     MCV_TRY(mcv_light_field_attribute(path, exr, name, numbers, 2, error));
     for (int i = 0; i < 2; ++i) {
         if (!(numbers[i] >= 1 && numbers[i] <= MCV_EXR_MAX_SIDE) || numbers[i] != floor(numbers[i]))
             return mcv_fail(error, MCV_BAD_INPUT,
-                            "%s: %s %g x %g in the header: must be two whole numbers from 1 on",
+                            "%s: %s %g x %g in the header: must be two integers of at least 1",
                             path, name, numbers[0], numbers[1]);
         angular[i] = (uint32_t)numbers[i];
     }

@@ -104,8 +104,8 @@ static const char *class_of(const mcv_scene *scene, uint32_t instance) {
     }
 }
 
-/* Where the mesh crosses the plane of the drawing, in which the axis lies: of a ring its two sides.
- * False where it does not. */
+/* Draws the section of the mesh with the plane of the drawing, which contains the axis: two sides
+ * of a ring. False if there is none. */
 static bool put_section(const mcv_drawing *c, uint32_t instance) {
     const uint32_t triangles = c->scene->meshes[c->scene->instances[instance].mesh].triangle_count;
     bool any = false;

@@ -69,8 +69,9 @@ static mcv_attribute text_attribute(const char *name, const char *text) {
     return (mcv_attribute){.name = name, .text = text};
 }
 
-/* The image's camera model, with what the grey values are; `in_header` where the render's error has
- * no other place in the file. The header of another program may have none. */
+/* The text beside the grey values: the image's camera model, with what the grey values are.
+ * `in_header`: with the render's error, which the file has no other place for. Files of other
+ * programs may have no model. */
 static mcv_result describe(const char *path, const mcv_exr *exr, bool in_header, mcv_read_out *out,
                            mcv_error *error) {
     const mcv_camera *camera = &out->camera;
@@ -97,7 +98,7 @@ static mcv_result describe(const char *path, const mcv_exr *exr, bool in_header,
     return result;
 }
 
-/* The image's header, but what the values are, and the camera. */
+/* Writes the image's header, except what the values are, and the camera. */
 static mcv_result write_exr(const mcv_command *command, const char *path, const mcv_exr *exr,
                             const mcv_read_out *out, mcv_error *error) {
     const mcv_camera *camera = &out->camera;
@@ -203,7 +204,7 @@ static void warn(const char *path, const mcv_read_out *out) {
 
 /* --- the whole --- */
 
-/* Two files that are written at once. */
+/* Two files that are written in parallel. */
 typedef struct values {
     const char *grey, *preview; /* NULL: none */
     const mcv_image *image, *shown;
@@ -221,8 +222,8 @@ static void write_one(void *user, size_t i) {
         v->results[1] = mcv_png_write_preview(v->preview, v->shown, "DN", &shown, v->errors + 1);
 }
 
-/* Grey values as they are, and a preview in which the largest is white: its values are no grey
- * values, and its header does not say so. */
+/* Writes grey values unscaled, and a preview whose largest value is white. The preview's values are
+ * not grey values, so its header does not describe them. */
 static mcv_result write_values(const mcv_command *command, const mcv_exr *exr, const char *grey,
                                const mcv_read_out *out, mcv_error *error) {
     const mcv_exposure *exposure = &out->exposure;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi check: what was understood of a scene, and what rendering it takes. */
+/* mcvisi check: how a scene was understood, and what rendering it takes. */
 #include "check/findings.h"
 #include "check/setup_page.h"
 #include "cli/check_report.h"
@@ -18,7 +18,7 @@
 
 enum {
     DEFINES_SLICE = 512
-}; /* of the tile schedule, as the renderer chooses it where paths split */
+}; /* of the tile schedule, with the renderer's choice for paths that split */
 
 static void report_size(mcv_report *report, const mcv_scene *scene) {
     double lower[3] = {INFINITY, INFINITY, INFINITY};
@@ -49,7 +49,8 @@ static void report_work(mcv_report *report, const mcv_packed *packed,
 #undef MCV_X
     };
     static const char *const reasons[] = {
-#define MCV_X(NAME, word, why) (why), /* a text of several pieces, no missing comma */
+#define MCV_X(NAME, word, why) \
+    (why), /* parentheses: a text of several literals, not a missing comma */
         MCV_FEATURES(MCV_X)
 #undef MCV_X
     };
@@ -77,8 +78,7 @@ static void report_work(mcv_report *report, const mcv_packed *packed,
 
 static void report_findings(mcv_report *report, const mcv_findings *findings) {
     if (report->json) {
-        mcv_report_list(report,
-                        "warnings"); /* the sentences alone, as before there were severities */
+        mcv_report_list(report, "warnings"); /* the sentences alone, a key older than severities */
         for (size_t i = 0; i < findings->count; ++i)
             if (findings->items[i].severity >= MCV_SEVERITY_WARNING)
                 mcv_report_text(report, "-", findings->items[i].sentence);
@@ -180,8 +180,9 @@ mcv_result mcv_verb_check(const mcv_command *command, mcv_error *error) {
         if (!command->defines)
             return mcv_fail(error, MCV_USAGE, "SCENE is missing: `mcvisi check SCENE`");
         for (uint32_t type = 0; type < MCV_SENSOR_COUNT; ++type) {
-            const bool disk = type == MCV_SENSOR_THIN_LENS ||
-                              type == MCV_SENSOR_TELECENTRIC; /* only in a disk a pixel aims */
+            const bool disk =
+                type == MCV_SENSOR_THIN_LENS ||
+                type == MCV_SENSOR_TELECENTRIC; /* pupil guiding needs a round pupil */
             const uint32_t all = (1u << MCV_FEATURE_COUNT) - 1;
             print_defines(disk ? all : all & ~(1u << MCV_FEATURE_AIM), 3, type);
         }

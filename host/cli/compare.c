@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi compare: whether two renders of the same picture differ by more than their noise. */
+/* mcvisi compare: do two renders of the same picture differ by more than their noise? */
 #include "analysis/compare.h"
 #include "cli/command.h"
 #include "cli/picture.h"
@@ -17,14 +17,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One of the two: a file, or a scene that is rendered here. */
+/* One of the two renders: a file, or a scene that is rendered here. */
 typedef struct render {
     const char *path;
     mcv_exr exr;
     mcv_image mean, error; /* of a scene */
     mcv_measured measured;
-    mcv_film
-        film; /* of a file: the replicates' means, as of one sample each; empty where it has none */
+    mcv_film film; /* of a file: the replicates' means, each as one sample; empty if it has none */
     char quantity[64], unit[64], sampler[64], device[256];
     double seed;
 } render;
@@ -51,8 +50,8 @@ static bool is_finite(const mcv_image *image) {
     return true;
 }
 
-/* The film of the replicates, where the file holds them all. Ranks need numbers: images that are
- * not finite stay without. */
+/* Makes the film of the replicates if the file has all of them. Rank tests need finite numbers:
+ * other images have no film. */
 static mcv_result gather_replicates(render *r, mcv_error *error) {
     const mcv_image *mean = r->measured.mean;
     const size_t count = (size_t)mean->width * mean->height * mean->channels;
@@ -161,8 +160,8 @@ static mcv_result render_scene(const mcv_command *command, const char *path, ren
     return result;
 }
 
-/* B's options: those given, then those of --against. The words of `text`, made here, are part of
- * argv. */
+/* B's options: those of the command, then those of --against. argv contains the words of `text`,
+ * which is allocated here. */
 static mcv_result read_against(const mcv_command *command, char **text, char ***argv,
                                mcv_command *other, mcv_error *error) {
     int argc = command->argc;
@@ -177,7 +176,7 @@ static mcv_result read_against(const mcv_command *command, char **text, char ***
     mcv_error detail = {""};
     const mcv_result result = mcv_command_parse(argc, *argv, other, &detail);
     if (result != MCV_OK) return mcv_fail(error, result, "--against: %s", detail.text);
-    /* Equal seeds would be one noise. */
+    /* Equal seeds would have equal noise. */
     if (other->seed == command->seed) other->seed = (other->seed + 1) & UINT32_MAX;
     return MCV_OK;
 }
@@ -204,7 +203,7 @@ static mcv_result get_b(const mcv_command *command, render *b, mcv_error *error)
     return result;
 }
 
-/* Images are rendered already. */
+/* Refuses options of scenes for images, which are already rendered. */
 static mcv_result check_options(const mcv_command *command, mcv_error *error) {
     static const char *const always[] = {"output", "json", NULL};
     mcv_result result = MCV_OK;
@@ -216,7 +215,7 @@ static mcv_result check_options(const mcv_command *command, mcv_error *error) {
     json_t *given = mcv_command_json(command, always);
     const char *key = json_object_iter_key(json_object_iter(given));
     if (key)
-        result = mcv_fail(error, MCV_USAGE, "--%s is for scenes, and both are images: leave it out",
+        result = mcv_fail(error, MCV_USAGE, "--%s is for scenes, but both are images: leave it out",
                           key);
     json_decref(given);
     return result;
@@ -224,16 +223,15 @@ static mcv_result check_options(const mcv_command *command, mcv_error *error) {
 
 /* --- the comparison --- */
 
-/* Equal seeds make equal sample points: the noise of both would be the same, and the tests too
- * kind. */
+/* Equal seeds have equal sample points: the noise is correlated, and the tests find fewer
+ * differences. */
 static void warn_of_seeds(const render *a, const render *b) {
     if (a->seed != b->seed || strcmp(a->sampler, b->sampler) != 0 ||
         strcmp(a->device, b->device) != 0)
         return;
     fprintf(stderr,
-            "mcvisi: warning: both images are of seed %.0f, so that their noise is alike and hides "
-            "differences: render one with another "
-            "--seed\n",
+            "mcvisi: warning: both images have seed %.0f: their noise is correlated and hides "
+            "differences; render one with another --seed\n",
             a->seed);
 }
 
@@ -275,7 +273,7 @@ static const char *file_name(const char *path) {
     return slash ? slash + 1 : path;
 }
 
-/* Beyond 5 standard errors all differences look alike. */
+/* Differences beyond 5 standard errors have the same colour. */
 static mcv_result draw_difference(const char *path, const render *a, const render *b,
                                   bool different, mcv_error *error) {
     const mcv_color_scale scale = {.map = MCV_COLORMAP_DIVERGING, .low = -5, .high = 5};

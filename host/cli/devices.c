@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi devices: what --device can name. */
+/* mcvisi devices: the devices for --device. */
 #include "cl/cl.h"
 #include "cli/command.h"
 #include "cli/report.h"

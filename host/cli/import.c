@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One figure, and in brackets what the file states of it. */
+/* Prints a figure and, in brackets, the value that the file states. */
 static void print_figure(const char *name, double value, double stated, const char *before,
                          double unit, const char *after) {
     printf("%s ", name);
@@ -44,8 +44,8 @@ static void print_report(const mcv_lens_report *report) {
     for (int i = 0; i < report->warning_count; ++i) mcv_tell("warning", report->warnings[i]);
 }
 
-/* Writes the document whole, if a scene would take it: what the reader lets pass the loader may
- * still refuse. */
+/* Writes the document if a scene accepts it: the loader may refuse what the reader of lens files
+ * accepts. */
 static mcv_result write_checked(const char *path, const char *from, const char *text,
                                 mcv_error *error) {
     mcv_output output;
@@ -63,7 +63,8 @@ static mcv_result write_checked(const char *path, const char *from, const char *
         const char *what = strncmp(refusal.text, output.temporary, length) == 0
                                ? refusal.text + length
                                : refusal.text;
-        result = mcv_fail(error, MCV_BAD_INPUT, "%s: no scene would take its lens%s", from, what);
+        result =
+            mcv_fail(error, MCV_BAD_INPUT, "%s: its lens is not valid in a scene%s", from, what);
     }
     mcv_output_discard(&output);
     return result;

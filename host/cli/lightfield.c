@@ -16,7 +16,7 @@
 
 /* --- where to --- */
 
-/* Both may be NULL, not both are. */
+/* One may be NULL, but not both. */
 typedef struct outputs {
     const char *exr, *png;
 } outputs;
@@ -45,13 +45,13 @@ static mcv_result plan(const mcv_command *command, outputs *out, mcv_error *erro
     return MCV_OK;
 }
 
-/* What no longer holds: the result has no macro pixels, and stands above the black level. */
+/* Attributes that are no longer valid: the result has no macro pixels and no black level. */
 static bool is_past(const char *attribute) {
     return strcmp(attribute, "mcvisi:angularResolution") == 0 ||
            strcmp(attribute, "mcvisi:blackLevel") == 0;
 }
 
-/* Writes the image with its own attributes, and those of what it was made from that still hold. */
+/* Writes the image with its own attributes and the still valid ones of its source. */
 static mcv_result write_exr(const char *path, const mcv_exr *source, const mcv_image *image,
                             const mcv_attribute *own, uint32_t own_count, mcv_error *error) {
     const mcv_exr_part part = {.name = "image", .image = *image};
@@ -72,7 +72,7 @@ static mcv_result write_exr(const char *path, const mcv_exr *source, const mcv_i
 
 /* --- views --- */
 
-/* The views with lines of middle grey between them. */
+/* The views, separated by grey lines. */
 static mcv_result write_views_png(const char *path, const mcv_image *views,
                                   const uint32_t angular[2], mcv_error *error) {
     enum { LINE = 2 };
@@ -113,7 +113,7 @@ static mcv_result write_views(const mcv_light_field_file *file, const outputs *o
 
 /* --- gradient --- */
 
-/* What is told of a gradient. */
+/* The report about a gradient. */
 typedef struct account {
     mcv_spread spread;
     double seconds;

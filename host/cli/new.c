@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi new: a rig around a part, with standard optics and a light, written for people to read and
- * edit. */
+/* mcvisi new: a rig around a part, with standard optics and a light, as a file to read and edit. */
 #include "cli/command.h"
 #include "rig/rig.h"
 #include "scene/params.h"
@@ -71,15 +70,14 @@ static void print_choice(const mcv_rig *r, const char *path) {
     for (int i = 0; i < 2; ++i)
         if (r->across[i] > r->field[i] * (1 + 1e-9))
             fprintf(stderr,
-                    "mcvisi: warning: the part, %s x %s, reaches out of the field of view, %s x "
+                    "mcvisi: warning: the part, %s x %s, is larger than the field of view, %s x "
                     "%s, %s\n",
                     length(r->across[0]), length(r->across[1]), length(r->field[0]),
                     length(r->field[1]), i ? "in height" : "in width");
     if (r->magnification < 1e-3 || r->magnification > 100)
         fprintf(stderr,
-                "mcvisi: warning: %s: a magnification of %.3g is unusual: is --unit right, which "
-                "is %s?\n",
-                r->wishes.part, r->magnification, r->wishes.unit ? r->wishes.unit : "m by default");
+                "mcvisi: warning: %s: a magnification of %.3g is unusual: is the unit %s right?\n",
+                r->wishes.part, r->magnification, r->wishes.unit ? r->wishes.unit : "m");
 }
 
 mcv_result mcv_verb_new(const mcv_command *command, mcv_error *error) {

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The lists of cli/options.h as tables, for those who parse and explain them; nothing else needs
- * this. */
+/* The lists of cli/options.h as tables, for parsing and help only. */
 #ifndef MCVISI_HOST_CLI_OPTION_TABLE_H
 #define MCVISI_HOST_CLI_OPTION_TABLE_H
 
@@ -51,7 +50,7 @@ const mcv_option *mcv_option_find_letter(unsigned verb_index, char letter);
 /* MCV_USAGE with the nearest option that the verb takes. */
 mcv_result mcv_option_fail_unknown(unsigned verb_index, const char *name, mcv_error *error);
 
-/* option_values.c: sets the option's field of the command from a text. MCV_USAGE where it is none
+/* option_values.c: sets the option's field of the command from a text. MCV_USAGE if the text is not
  * of its kind. */
 mcv_result mcv_option_set(const mcv_option *o, const char *text, mcv_command *command,
                           mcv_error *error);

@@ -28,8 +28,8 @@ static int stem_length(const char *path) {
     return (int)(dot && dot > (slash ? slash + 1 : path) ? (size_t)(dot - path) : strlen(path));
 }
 
-/* path with -SENSOR before its ending where there is a sensor, and another ending where one is
- * given. */
+/* The path with -SENSOR inserted before its ending if a sensor is given, and with another ending if
+ * one is given. */
 static mcv_result make_path(char *out, const char *path, const char *sensor, const char *ending,
                             mcv_error *error) {
     const int stem = stem_length(path);
@@ -71,12 +71,12 @@ mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, 
         MCV_TRY(make_path(picture->grey, command->camera, suffix, NULL, error));
         MCV_TRY(mcv_camera_check(command, picture->grey, error));
         if (!irradiance && command->electrons_per_unit[0] == 0 && command->expose_to == 0)
-            return mcv_fail(
-                error, MCV_BAD_INPUT,
-                "%s: sensor %s measures radiance, which --exposure-time cannot turn into "
-                "electrons: --set "
-                "sensors/%s/radiometry=irradiance, or give --electrons-per-unit or --expose-to",
-                scene->path, label, label);
+            return mcv_fail(error, MCV_BAD_INPUT,
+                            "%s: sensor %s measures radiance, which --exposure-time cannot convert "
+                            "to electrons: "
+                            "--set sensors/%s/radiometry=irradiance, or give --electrons-per-unit "
+                            "or --expose-to",
+                            scene->path, label, label);
     }
     const char *const paths[] = {picture->exr, picture->png, picture->grey};
     for (int i = 0; i < (command->camera ? 3 : 2); ++i) {
@@ -110,10 +110,10 @@ static mcv_result hash_file(const char *path, uint64_t *hash, mcv_error *error) 
         *hash = mcv_hash_bytes(*hash, bytes, count);
     const bool failed = ferror(file);
     fclose(file);
-    return failed ? mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read to its end", path) : MCV_OK;
+    return failed ? mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read completely", path) : MCV_OK;
 }
 
-/* All --set, one a line. The caller frees it. */
+/* All --set, one per line. The caller frees it. */
 static char *join_set(const mcv_command *command) {
     size_t length = 1;
     for (size_t i = 0; i < command->set.count; ++i) length += strlen(command->set.items[i]) + 1;
@@ -147,7 +147,7 @@ static mcv_result make_replicate(const mcv_film *film, uint32_t replicate, mcv_e
     return MCV_OK;
 }
 
-/* How many samples each pixel has. */
+/* The number of samples of each pixel. */
 static mcv_result make_samples(const mcv_film *film, mcv_exr_part *part, mcv_error *error) {
     part->name = strdup("samples");
     if (!part->name) return mcv_fail(error, MCV_FAILED, "no memory for the samples");
@@ -218,7 +218,7 @@ mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *comm
     mcv_exr_part parts[MAX_PARTS] = {{.name = "image"}, {.name = "error"}};
     mcv_result result = mcv_film_develop(film, &parts[0].image, &parts[1].image, error);
     if (result == MCV_OK) result = mcv_picture_describe(scene, sensor, &parts[0].image, error);
-    /* One replicate has no spread, and so no known error. */
+    /* One replicate has no spread, so its error is not known. */
     uint32_t count = film->replicates > 1 ? 2 : 1;
     const uint32_t replicates = command->parts && film->replicates > 1 ? film->replicates : 0;
     for (uint32_t r = 0; r < replicates && result == MCV_OK; ++r)

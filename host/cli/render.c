@@ -39,15 +39,16 @@ mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_option
     MCV_TRY(mcv_precision_read(command, &options->precision, error));
     if (command->spp && command->samples[1])
         return mcv_fail(error, MCV_USAGE,
-                        "--spp and --samples both say how many samples: give one of them");
+                        "--spp and --samples both set the number of samples: give one of them");
     if (command->error > 0 && command->replicates < 2)
         return mcv_fail(
             error, MCV_USAGE,
-            "--error needs replicates to know the error from: give --replicates 2 or more");
+            "--error needs at least two replicates to estimate the error: give --replicates 2 or "
+            "more");
     if (command->adaptive && command->samples[1])
         return mcv_fail(
             error, MCV_USAGE,
-            "--adaptive is of a whole render: leave out --samples, and say how many by --spp");
+            "--adaptive needs a whole render: leave out --samples, and limit them by --spp");
     if (command->adaptive && mcv_wants_reference(command))
         return mcv_fail(error, MCV_USAGE,
                         "--adaptive: the reference renderer gives all pixels the same samples: "
@@ -141,8 +142,8 @@ static mcv_result render_and_print(const mcv_command *command, const mcv_scene *
 
 /* --- all sensors --- */
 
-/* All pictures are planned before anything is rendered: hours later it is too late to say that a
- * folder is missing. */
+/* All pictures are planned before rendering: a missing folder must be reported at once, not hours
+ * later. */
 static mcv_result check_pictures(const mcv_command *command, const mcv_scene *scene, uint32_t first,
                                  uint32_t count, mcv_error *error) {
     mcv_picture picture, earlier;
@@ -152,8 +153,9 @@ static mcv_result check_pictures(const mcv_command *command, const mcv_scene *sc
             MCV_TRY(mcv_picture_plan(command, scene, j, count > 1, &earlier, error));
             if (strcmp(picture.exr, earlier.exr) == 0)
                 return mcv_fail(error, MCV_BAD_INPUT,
-                                "%s would hold the images of both sensors %s and %s: rename one, "
-                                "or choose by --sensor",
+                                "%s would be the image of both sensors, %s and %s: rename one, or "
+                                "choose one by "
+                                "--sensor",
                                 picture.exr, scene->sensors[j].name, scene->sensors[i].name);
         }
     }
@@ -183,8 +185,7 @@ static mcv_result render_scene(const mcv_command *command, mcv_scene *scene,
     return MCV_OK;
 }
 
-/* On standard error, errors and warnings: what is likely not meant is told before hours are spent
- * on it. */
+/* Prints errors and warnings to standard error, before hours are spent on a wrong scene. */
 static mcv_result print_findings(const mcv_scene *scene, mcv_error *error) {
     mcv_findings findings;
     MCV_TRY(mcv_findings_of(scene, &findings, error));
@@ -203,7 +204,7 @@ mcv_result mcv_verb_render(const mcv_command *command, mcv_error *error) {
     if (!command->camera && mcv_camera_wanted(&camera))
         return mcv_fail(
             error, MCV_USAGE,
-            "the exposure is that of --camera FILE: give it, or leave the exposure out");
+            "the exposure belongs to --camera FILE: give --camera, or leave the exposure out");
     MCV_TRY(mcv_render_options_read(command, &options, error));
     MCV_TRY(mcv_scene_load(command->argument,
                            (mcv_overrides){command->set.items, command->set.count}, &scene, error));

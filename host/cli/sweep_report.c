@@ -45,7 +45,7 @@ static void tell_extreme(const mcv_sweep *s, const char *which, size_t metric, c
     putchar('\n');
 }
 
-/* Where each metric is largest and smallest, as an object; for people they are printed. */
+/* The largest and the smallest value of each metric, as an object; for people they are printed. */
 static json_t *report_extremes(const mcv_sweep *s, bool json) {
     static const char *const words[2] = {"smallest", "largest"};
     json_t *all = json_object();

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi trace: every vertex of given rays' paths, as a table. */
+/* mcvisi trace: all vertices of the paths of given rays, as a table. */
 #include "cli/command.h"
 #include "cli/rays.h"
 #include "cli/report.h"
@@ -19,7 +19,7 @@ static const char *const events[] = {
 #undef MCV_X
 };
 
-/* A name as one field of the table: in quotes, which are doubled inside. */
+/* Prints a name as one field of the table: in quotes, with inner quotes doubled. */
 static void print_name(FILE *out, const char *name) {
     fputc('"', out);
     for (; *name; ++name) fprintf(out, *name == '"' ? "\"\"" : "%c", *name);

@@ -38,7 +38,7 @@ static mcv_result interrupted(const mcv_sweep *s) {
     return calls->interrupted ? calls->interrupted(calls->user) : MCV_OK;
 }
 
-/* The set at work, for what a render asks. */
+/* The current set, for the callbacks of a render. */
 typedef struct set_at_work {
     const mcv_sweep *sweep;
     const mcv_scene *scene;
@@ -57,7 +57,7 @@ static bool is_enough(void *user, const mcv_film *film) {
     return mcv_measurement_suffices(&w->sweep->measurement, w->scene, w->sensor, film);
 }
 
-/* The sensor that the experiment is about, with its pixels. */
+/* The sensor of the experiment, with its pixels. */
 static mcv_result find_sensor(const mcv_experiment *e, mcv_scene *scene, uint32_t *sensor,
                               mcv_error *error) {
     *sensor = 0;
@@ -137,7 +137,7 @@ mcv_result mcv_run_set(mcv_sweep *s, size_t set, double *row, mcv_error *error) 
     row[mcv_row_fixed(table, MCV_ROW_SET)] = (double)set;
     const mcv_result result = try_set(s, set, row, &why), stopped = interrupted(s);
     if (stopped != MCV_OK)
-        return mcv_fail(error, stopped, "interrupted: go on by --resume; %zu rows are in %s",
+        return mcv_fail(error, stopped, "interrupted: continue by --resume; %zu rows are in %s",
                         table->row_count, table->path);
     row[mcv_row_fixed(table, MCV_ROW_SECONDS)] = mcv_seconds() - begun;
     const char *message = result == MCV_OK ? NULL : why.text;

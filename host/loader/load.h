@@ -29,7 +29,7 @@ size_t mcv_asset_cache_reads(const mcv_asset_cache *cache);
 mcv_result mcv_scene_load_cached(const char *path, mcv_overrides overrides, mcv_asset_cache *cache,
                                  mcv_scene **scene, mcv_error *error);
 
-/* How a file of another format becomes one that is read, for sentences. */
+/* How to convert a file of another format, for error messages. */
 const char *mcv_conversion(const char *path);
 
 #endif

@@ -36,8 +36,8 @@ static void store(double out[3], ref_vec v) {
     out[2] = v.z;
 }
 
-/* Bends the ray at a surface and completes the vertex: direction, event, transmittance. False: the
- * path ends. */
+/* Reflects or refracts the ray at a surface and completes the vertex: direction, event,
+ * transmittance. False: the path ends. */
 static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_hits *hits,
                  ref_vec *direction, ref_media *media, mcv_vertex *vertex) {
     const mcv_material *material = &scene->materials[scene->instances[surface->instance].material];

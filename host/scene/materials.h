@@ -5,10 +5,10 @@
 
 #include "scene/scene.h"
 
-/* What microfacets lose is tabled for one channel's indices: green's. */
+/* The albedos of microfacets are tabulated for the indices of one channel: green. */
 enum { MCV_ALBEDO_CHANNEL = 1 };
 
-/* The microfacets of a material; all 0 where it is smooth or has none. */
+/* The microfacets of a material; all 0 if it is smooth or has none. */
 typedef struct mcv_roughness {
     double roughness;  /* α is its square */
     double anisotropy; /* 0 … 1 */

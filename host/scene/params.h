@@ -16,16 +16,16 @@ mcv_param_table mcv_pose_table(void);
 mcv_param_table mcv_asset_table(void);
 
 /*
- * A number with a unit, "3.45um" or "0.5 deg", in SI. `kind` says which units fit: lengths take nm
- * um mm cm m inch, angles deg mrad rad, numbers none; MCV_PARAM_choice takes any of these. False
- * where the text is not such a quantity.
+ * Reads a number with a unit, "3.45um" or "0.5 deg", into SI. `kind` determines the allowed units:
+ * nm um mm cm m inch for lengths, deg mrad rad for angles, none for numbers; MCV_PARAM_choice
+ * allows all of them. False if the text is not such a quantity.
  */
 bool mcv_parse_quantity(const char *text, mcv_param_kind kind, double *value);
 
 /*
- * Reads the members of `object` into `params`, which the caller has set to defaults. A member that
- * is neither a parameter nor one of `others` (name, type …; ended by NULL) is an error that
- * suggests the nearest key.
+ * Reads the members of `object` into `params`, which the caller has set to defaults. An unknown
+ * member is an error that suggests the nearest key; `others` (name, type …, ended by NULL) are
+ * allowed too.
  */
 mcv_result mcv_params_parse(mcv_param_table table, const json_t *object, const char *const *others,
                             void *params, const mcv_json_path *place, mcv_error *error);

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The buffers of a scene on the device: kernel arguments (kernels/world.h), members of the host's
- * mcv_device_scene, and what fills them. A new buffer is one line here.
+ * The list of a scene's buffers on the device. It makes the kernel arguments (kernels/world.h), the
+ * members of the host's mcv_device_scene, and the code that fills them. A new buffer is one line
+ * here.
  *
- * X(space, type, name, "the words", bytes, data): in `space`, of elements of `type`. The host alone
- * reads the last three: what messages call the buffer, its size and its contents, in the terms of
- * fill_buffers (host/device/device_scene.c); bytes 0: a scene lacks it, and kernels get NULL.
- * `data` NULL: the contents are written for each sensor or pass.
+ * X(space, type, name, "words", bytes, data): a buffer in `space` with elements of `type`. Only the
+ * host reads the last three: the name in messages, the size and the contents, written in the
+ * variables of fill_buffers (host/device/device_scene.c). Size 0: the scene does not need the
+ * buffer, and kernels get NULL. Data NULL: the contents are written for each sensor or pass.
  */
 #ifndef MCVISI_BUFFERS_H
 #define MCVISI_BUFFERS_H

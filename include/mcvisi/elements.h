@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The lists of all elements: X(name, "name in the scene file", NAME), and their headers. Enums,
- * parser, dispatch, help and schema follow; docs/adding-an-element.md has the steps.
+ * The lists of all elements, X(name, "name in the scene file", NAME), and their headers. The enums,
+ * the parser, the dispatch, the help and the schemas are generated from them.
+ * docs/adding-an-element.md has the steps.
  */
 #ifndef MCVISI_ELEMENTS_H
 #define MCVISI_ELEMENTS_H
@@ -14,7 +15,7 @@
     X(telecentric, "telecentric", TELECENTRIC) \
     X(light_field, "lightField", LIGHT_FIELD)
 
-/* Lights without extent, by how their intensity depends on the angle from the axis
+/* Emitters without extent. They differ in how their intensity depends on the angle from the axis
  * (mcvisi/point_light.h). */
 /* clang-format off */
 #define MCV_POINT_LIGHTS(X) \
@@ -33,8 +34,8 @@
     MCV_POINT_LIGHTS(X) \
     X(directional, "directional", DIRECTIONAL)
 
-/* Types of emitters that the loader makes of geometry and the elements above: kernels know nothing
- * of them. */
+/* Presets: emitters that the loader builds from geometry and the elements above. Kernels do not
+ * know them. */
 #define MCV_PRESETS(X) \
     X(ring, "ring", RING) \
     X(bar, "bar", BAR) \
@@ -42,8 +43,9 @@
     X(coaxial, "coaxial", COAXIAL)
 
 /*
- * Materials that two functions of their own describe, mcv_scatter_<name> and mcv_respond_<name> in
- * kernels/bsdf/. A struct mcv_<name> holds what these need beside the reflectance.
+ * Materials that are described by two functions of their own, mcv_scatter_<name> and
+ * mcv_respond_<name> in kernels/bsdf/. The struct mcv_<name> holds what these functions need beside
+ * the reflectance.
  */
 /* clang-format off */
 #define MCV_REFLECTORS(X) \
@@ -70,10 +72,10 @@ enum { MCV_EMITTERS(MCV_EMITTER_ENUM) MCV_EMITTER_COUNT };
 enum {
     MCV_PRESET_BEFORE = MCV_EMITTER_COUNT - 1,
     MCV_PRESETS(MCV_PRESET_ENUM) MCV_EMITTER_TYPE_COUNT
-}; /* presets number on */
+}; /* the numbers of the presets follow */
 enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 
-/* Their headers. The device has those that the scene needs. */
+/* Headers of the elements. The device includes only those that the scene needs. */
 #if !MCV_ON_DEVICE || defined(MCV_SENSOR_pinhole)
 #include "mcvisi/sensors/pinhole.h"
 #endif
@@ -124,7 +126,7 @@ enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 #include "mcvisi/materials/retroreflector.h"
 #endif
 
-/* Kernels know nothing of these. */
+/* Host only. */
 #if !MCV_ON_DEVICE
 #include "mcvisi/emitters/telecentric_projector.h"
 #include "mcvisi/materials/absorber.h"

@@ -381,7 +381,7 @@ static void test_no_edge(void **state) {
     expect_refused(&r, "0,0,50", "X,Y,W,H");
     expect_refused(&r, "0,0,50.5,30", "whole pixels");
     expect_refused(&r, "a=here", "X,Y,W,H");
-    expect_refused(&r, "44,0,9,40", "room");
+    expect_refused(&r, "44,0,9,40", "too little of one side");
     release(&r);
     const picture straight = {.place = 50.3, .row = 20, .dark = 10, .bright = 200};
     r = draw(&straight, 100, 40, 1);

@@ -222,10 +222,10 @@ static void test_interrupted(void **state) {
     assert_int_equal(t.rows, 2);
     assert_int_equal(system("grep -q '<svg' t.html && printf 2,3,0.7 >>t.csv"), 0);
     t.stop_after = 0;
-    run_fails(&e, MCV_BAD_INPUT, "t.csv is there already");
+    run_fails(&e, MCV_BAD_INPUT, "t.csv exists already");
     e.resume = true;
     json_object_set_new(e.settings, "spp", json_integer(9));
-    run_fails(&e, MCV_BAD_INPUT, "--spp is not what t.csv was begun with");
+    run_fails(&e, MCV_BAD_INPUT, "--spp differs from that of t.csv");
     json_object_set_new(e.settings, "spp", json_integer(8));
     renders = 0;
     run_well(&e, &sweep);
@@ -268,7 +268,7 @@ static void test_errors_are_values(void **state) {
     e.variation.vary = TEXTS("sensors/cam/imageDistance=1,2");
     run_fails(&e, MCV_USAGE, "--metric is missing");
     e.measuring.metrics = TEXTS("dent.mean");
-    run_fails(&e, MCV_USAGE, "no --region of the name \"dent\"");
+    run_fails(&e, MCV_USAGE, "no --region with the name \"dent\"");
     e.measuring.places.regions = TEXTS("dent=0,0,2,2");
     e.table = "t.txt";
     run_fails(&e, MCV_USAGE, "must end in .csv");

@@ -29,9 +29,6 @@ INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.M)
 
 TO_SPLIT = "to be split"
 LONG_FILES = {
-    # host
-    "host/cl/cl.c": TO_SPLIT,
-    "host/reference/gloss.c": TO_SPLIT,
     # kernels
     "kernels/bsdf/microfacet.h": TO_SPLIT,
     "kernels/geometry/precise.h": TO_SPLIT,
@@ -39,8 +36,6 @@ LONG_FILES = {
 }
 RULERS = "comments that divide it, to be joined to one line each when it is split"
 WIDE_FILES = {
-    "host/lens/glass_codes.c": "a table: one glass in each line",
-    "host/reference/gloss.c": RULERS,
     "kernels/geometry/precise.h": RULERS,
 }
 

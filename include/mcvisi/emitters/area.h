@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Diffuse area emitter (type "area", and any glTF material with emissiveFactor): radiance L in
- * every direction of the front side (Lambert). Exitance π L. A glTF emissive texture modulates L;
- * its factor times KHR_materials_emissive_strength is taken as radiance in W/(m² sr).
+ * every direction of the front side (Lambert), exitance π L. A glTF emissive texture modulates L.
+ * The glTF factor times KHR_materials_emissive_strength is taken as a radiance in W/(m² sr).
  *
  *     {"type": "area", "size": ["100mm", "100mm"], "power": 5}
  */
