@@ -27,6 +27,8 @@ double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values);
  */
 uint32_t mcv_light_thinning(const mcv_packed *packed, const mcv_sensor *sensor);
 
+enum { MCV_MOST_THINNING = 6 }; /* pixels come in blocks of 2^6 */
+
 /* Is there light that light paths bring to this sensor and camera paths do not, or with more noise?
  */
 bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor);

@@ -42,6 +42,7 @@ typedef struct mcv_render_options {
     double seconds;       /* stop after this time; 0: never */
     uint32_t threads;     /* of the reference; 0: all */
     bool no_light_paths;  /* leave all light to camera paths */
+    bool light_pilot;     /* as many light paths as a pilot finds worth their time */
     bool no_split;        /* of what reflects and passes light, follow one by chance */
     bool adaptive;        /* more samples for pixels that need more, if it pays */
     uint32_t slice;       /* paths per slice of the tile schedule, a multiple of 64; 0: default */
