@@ -28,17 +28,14 @@ static const double LIGHT_RAY = 2.5;
  * is not exact. */
 static const double WORTH = 1.1;
 
-/* The variance that the replicates show of what they add to pixels, summed over these and channels:
- * of doubles, or else of splats of that value each. */
-static double variance(const mcv_film *film, const double *sums, const uint64_t *splats,
-                       double value) {
+/* The variance that the replicates' sums show, summed over pixels and channels. */
+static double variance(const mcv_film *film) {
     const size_t values = (size_t)film->width * film->height * film->channels;
     double sum = 0;
     for (size_t i = 0; i < values; ++i) {
         double mean = 0, squares = 0;
         for (uint32_t replicate = 0; replicate < film->replicates; ++replicate) {
-            const size_t at = replicate * values + i;
-            const double x = sums ? sums[at] : value * (double)splats[at], apart = x - mean;
+            const double x = film->sums[replicate * values + i], apart = x - mean;
             mean += apart / (replicate + 1);
             squares += apart * (x - mean);
         }
@@ -86,8 +83,10 @@ static mcv_result trace_pilot(mcv_renderer *r, uint64_t *splats, pilot_look *loo
     MCV_TRY(mcv_render_light(r, pixels, 0, 1));
     look->rays[1] = traced_rays(r) - begun - look->rays[0];
     MCV_TRY(mcv_cl_read(&r->cl, r->scene.splats, 0, 8 * mcv_film_values(film), splats, r->error));
-    look->variance[0] = variance(film, film->sums, NULL, 0);
-    look->variance[1] = variance(film, NULL, splats, mcv_frame_splat_value(&r->frame));
+    look->variance[0] = variance(film);
+    for (size_t i = 0; i < mcv_film_values(film); ++i)
+        film->sums[i] = mcv_frame_splat_value(&r->frame) * (double)splats[i];
+    look->variance[1] = variance(film);
     return MCV_OK;
 }
 
@@ -100,14 +99,15 @@ static mcv_result render_pilot(mcv_renderer *r, pilot_look *look, bool *stop) {
                          r->error));
     const size_t bytes = 8 * mcv_film_values(&pilot);
     uint64_t *splats = malloc(bytes);
-    mcv_result result =
-        splats ? MCV_OK
-               : mcv_fail(r->error, MCV_FAILED, "no memory for what a pilot's light paths bring");
+    if (!splats) {
+        mcv_film_free(&pilot);
+        return mcv_fail(r->error, MCV_FAILED, "no memory for what a pilot's light paths bring");
+    }
     r->film = &pilot;
     r->round = pilot.sums;
     r->frame.replicates = pilot.replicates;
     r->frame.seed = r->options->seed ^ MCV_PILOT_SEED;
-    if (result == MCV_OK) result = trace_pilot(r, splats, look, stop);
+    const mcv_result result = trace_pilot(r, splats, look, stop);
     r->film = image;
     r->round = round;
     r->frame.replicates = image->replicates;
