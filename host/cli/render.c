@@ -54,6 +54,10 @@ mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_option
                         "--adaptive: the reference renderer gives all pixels the same samples: "
                         "leave out one of the two");
     options->adaptive = command->adaptive;
+    options->no_light_paths = command->light_paths == 2;
+    /* Sets of a sweep, and scenes that are compared, have as many of them each. */
+    options->light_pilot =
+        command->light_paths == 0 && !command->samples[1] && command->verb == MCV_VERB_RENDER;
     options->first = command->samples[0];
     options->last = command->samples[1];
     if (command->spp) {

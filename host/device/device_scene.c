@@ -265,11 +265,23 @@ void mcv_device_scene_close(mcv_device_scene *device) {
     mcv_packed_free(&device->packed);
 }
 
+void mcv_frame_thin_light(mcv_frame *frame, uint32_t log2_thinning) {
+    const uint64_t pixels = mcv_tiled_pixels(frame->width, frame->height);
+    frame->log2_thinning = log2_thinning;
+    frame->light_density = (float)(M_PI * (double)(pixels >> log2_thinning));
+}
+
+double mcv_frame_splat_value(const mcv_frame *frame) {
+    const uint64_t pixels = mcv_tiled_pixels(frame->width, frame->height);
+    return 1 / ((double)frame->splat_scale * (double)(pixels >> frame->log2_thinning));
+}
+
 static mcv_result open_splats(mcv_cl *cl, const mcv_sensor *sensor, mcv_device_scene *device,
                               mcv_frame *frame, mcv_error *error) {
     const mcv_packed *packed = &device->packed;
-    const size_t bytes =
-        8 * (size_t)frame->width * frame->height * packed->channels * frame->replicates;
+    const uint32_t replicates =
+        frame->replicates > MCV_LIGHT_REPLICATES ? frame->replicates : MCV_LIGHT_REPLICATES;
+    const size_t bytes = 8 * (size_t)frame->width * frame->height * packed->channels * replicates;
     const cl_uint nothing = 0;
     frame->light_cdf = packed->light_cdf;
     frame->ball_count = packed->ball_count;
@@ -278,9 +290,7 @@ static mcv_result open_splats(mcv_cl *cl, const mcv_sensor *sensor, mcv_device_s
     frame->log2_pixels = 6;
     while ((uint64_t)1 << frame->log2_pixels < mcv_tiled_pixels(frame->width, frame->height))
         ++frame->log2_pixels;
-    frame->log2_thinning = mcv_light_thinning(packed, sensor);
-    frame->light_density = (float)(M_PI * (double)(mcv_tiled_pixels(frame->width, frame->height) >>
-                                                   frame->log2_thinning));
+    mcv_frame_thin_light(frame, mcv_light_thinning(packed, sensor));
     MCV_TRY(mcv_cl_buffer(cl, "what light paths bring", bytes, NULL, &device->splats, error));
     MCV_TRY_CL(clEnqueueFillBuffer(cl->queue, device->splats, &nothing, sizeof nothing, 0, bytes, 0,
                                    NULL, NULL),

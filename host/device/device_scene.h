@@ -78,4 +78,13 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
 void mcv_device_scene_arguments(const mcv_device_scene *device,
                                 mcv_arg arguments[MCV_SCENE_ARGUMENTS]);
 
+/* The splats have room for at least so many replicates: a pilot's. */
+enum { MCV_LIGHT_REPLICATES = 4 };
+
+/* From now on, a light path starts for every 2^log2_thinning-th pixel of the frame. */
+void mcv_frame_thin_light(mcv_frame *frame, uint32_t log2_thinning);
+
+/* What one unit of the splats adds to a pixel's sum of samples. */
+double mcv_frame_splat_value(const mcv_frame *frame);
+
 #endif

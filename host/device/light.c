@@ -306,7 +306,8 @@ uint32_t mcv_light_thinning(const mcv_packed *packed, const mcv_sensor *sensor) 
     const double wanted = density * covered_pixels(packed, sensor);
     mcv_sensor_film_size(sensor, &width, &height);
     const double pixels = (double)mcv_tiled_pixels(width, height);
-    while (thinning < 6 && pixels * exp2(-(double)thinning - 1) >= wanted) ++thinning;
+    while (thinning < MCV_MOST_THINNING && pixels * exp2(-(double)thinning - 1) >= wanted)
+        ++thinning;
     return thinning;
 }
 

@@ -27,6 +27,8 @@ double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values);
  */
 uint32_t mcv_light_thinning(const mcv_packed *packed, const mcv_sensor *sensor);
 
+enum { MCV_MOST_THINNING = 6 }; /* pixels come in blocks of 2^6 */
+
 /* Do light paths contribute light to this sensor that camera paths miss, or find with more
  * noise? */
 bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor);

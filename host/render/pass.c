@@ -183,12 +183,9 @@ mcv_result mcv_render_class(mcv_renderer *r, mcv_pixel_class class, uint64_t fir
     return result;
 }
 
-/* The light paths of samples [first, first + count), for passes whose camera paths are launched
- * without them. */
-static mcv_result render_light(mcv_renderer *r, uint64_t first, uint64_t count) {
+mcv_result mcv_render_light(mcv_renderer *r, uint64_t pixels, uint64_t first, uint64_t count) {
     const uint32_t capacity = r->schedule.capacity;
-    const uint64_t set_count =
-        mcv_tiled_pixels(r->film->width, r->film->height) * r->film->replicates;
+    const uint64_t set_count = pixels * r->film->replicates;
     if (!r->scene.splats || !r->listed) return MCV_OK;
     r->frame.log2_samples = floor_log2(count < capacity ? count : capacity);
     if (r->frame.log2_samples > MAX_LOG2_SAMPLES) r->frame.log2_samples = MAX_LOG2_SAMPLES;
@@ -209,5 +206,6 @@ mcv_result mcv_render_pass(mcv_renderer *r, uint64_t first, uint64_t count, doub
                            bool *stop) {
     for (uint32_t i = 0; i < r->class_count && !*stop; ++i)
         MCV_TRY(mcv_render_class(r, r->classes[i], first, count, done_before, stop));
-    return *stop ? MCV_OK : render_light(r, first, count);
+    if (*stop) return MCV_OK;
+    return mcv_render_light(r, mcv_tiled_pixels(r->film->width, r->film->height), first, count);
 }

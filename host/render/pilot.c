@@ -15,8 +15,8 @@ enum {
     WORTH_A_PILOT = 64,   /* samples per pixel, over all replicates */
 };
 
-/* Combined with the user's seed: one for the pilot, one for the render after it. */
-static const uint32_t PILOT_SEED = 0x7f4a7c15u, ADAPTIVE_SEED = 0x2545f491u;
+/* Combined with the user's seed for the render after a pilot. */
+static const uint32_t ADAPTIVE_SEED = 0x2545f491u;
 
 /* The exponent with which the variance falls with the samples; it is 1 with random numbers. */
 static const double SOBOL_FALL = 1.25;
@@ -42,8 +42,7 @@ static double expected_samples(const mcv_renderer *r, double error) {
     return expected;
 }
 
-/* Lists the pixels by level; if levels are not known, all are in one class. */
-static mcv_result list_pixels(mcv_renderer *r) {
+mcv_result mcv_list_pixels(mcv_renderer *r, uint32_t stride) {
     const mcv_film *film = r->film;
     const size_t count = (size_t)film->width * film->height;
     const uint32_t numbers = (uint32_t)mcv_tiled_pixels(film->width, film->height);
@@ -56,7 +55,7 @@ static mcv_result list_pixels(mcv_renderer *r) {
         const uint32_t first = listed;
         for (uint32_t i = 0; i < numbers; ++i) {
             size_t pixel;
-            if (mcv_find_blocked_pixel(film, i, &pixel) &&
+            if ((i >> 6) % stride == 0 && mcv_find_blocked_pixel(film, i, &pixel) &&
                 (film->levels ? film->levels[pixel] : 0) == level)
                 r->listed[listed++] = (uint32_t)pixel;
         }
@@ -88,7 +87,7 @@ static mcv_result begin_anew(mcv_renderer *r) {
                    r->error);
     r->film->samples = 0;
     r->frame.seed = r->options->seed ^ ADAPTIVE_SEED;
-    return list_pixels(r);
+    return mcv_list_pixels(r, 1);
 }
 
 /* Renders a pilot of camera paths alone with `samples` per pixel (a power of two), in as many
@@ -101,8 +100,8 @@ static mcv_result render_pilot(mcv_renderer *r, uint32_t samples, mcv_film *pilo
     r->film = pilot;
     r->round = pilot->sums;
     r->frame.replicates = replicates;
-    r->frame.seed = r->options->seed ^ PILOT_SEED;
-    mcv_result result = list_pixels(r);
+    r->frame.seed = r->options->seed ^ MCV_PILOT_SEED;
+    mcv_result result = mcv_list_pixels(r, 1);
     if (result == MCV_OK)
         result = mcv_render_class(r, r->classes[0], 0, samples / replicates, INFINITY, stop);
     r->film = film;

@@ -83,12 +83,8 @@ static mcv_result open_scene(mcv_renderer *r, const mcv_scene *scene, uint32_t s
                            .seed = r->options->seed,
                            .depth = r->options->depth};
     MCV_TRY(mcv_device_scene_place(&r->cl, scene, sensor, &r->scene, &r->frame, r->error));
-    if (r->scene.splats) {
-        const double paths =
-            (double)(mcv_tiled_pixels(r->film->width, r->film->height) >> r->frame.log2_thinning);
-        MCV_TRY(
-            mcv_film_take_splats(r->film, 1 / ((double)r->frame.splat_scale * paths), r->error));
-    }
+    if (r->scene.splats)
+        MCV_TRY(mcv_film_take_splats(r->film, mcv_frame_splat_value(&r->frame), r->error));
     return mcv_schedule_aim(&r->schedule, &r->frame, r->stats, r->error);
 }
 
@@ -156,6 +152,7 @@ static mcv_result render_rounds(mcv_renderer *r) {
     double error = INFINITY;
     bool stop = false, decided = !o->adaptive;
     uint64_t next = o->first, count = first_round(r);
+    MCV_TRY(mcv_allocate_light(r));
     for (;;) {
         if (!decided) MCV_TRY(mcv_adapt(r, error, &decided));
         if (r->film->samples == 0) {

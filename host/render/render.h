@@ -42,6 +42,7 @@ typedef struct mcv_render_options {
     double seconds;       /* stop after this time; 0: never */
     uint32_t threads;     /* threads of the reference renderer; 0: all */
     bool no_light_paths;  /* no light tracing */
+    bool light_pilot;     /* trace as many light paths as a pilot finds worth their time */
     bool no_split;        /* follow reflection or transmission at random, not both */
     bool adaptive;        /* more samples for noisier pixels, if it pays */
     uint32_t slice;       /* paths per slice of the tile schedule, a multiple of 64; 0: default */

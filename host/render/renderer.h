@@ -69,7 +69,31 @@ mcv_result mcv_render_class(mcv_renderer *r, mcv_pixel_class class, uint64_t fir
 mcv_result mcv_render_pass(mcv_renderer *r, uint64_t first, uint64_t count, double done_before,
                            bool *stop);
 
+/* The light paths of samples [first, first + count) of the first so many pixels, where camera paths
+ * are launched without them. */
+mcv_result mcv_render_light(mcv_renderer *r, uint64_t pixels, uint64_t first, uint64_t count);
+
+/* light_pilot.c */
+
+/*
+ * The k with which one light path for every 2^k pixels brings an error in the least time, from the
+ * variances and times of camera paths, and of light paths with k = begun.
+ */
+uint32_t mcv_best_thinning(double camera_variance, double light_variance, double camera_time,
+                           double light_time, uint32_t begun);
+
+/* Before the first samples: decides by a pilot how many light paths there are, if the options ask
+ * for it. The image shares no random number with the pilot, so that it is unbiased. */
+mcv_result mcv_allocate_light(mcv_renderer *r);
+
 /* pilot.c */
+
+/* Changes the user's seed for pilots. */
+#define MCV_PILOT_SEED 0x7f4a7c15u
+
+/* Lists the pixels by their levels, all in one class where these are not known; of blocks of 8 x 8
+ * pixels every stride-th. */
+mcv_result mcv_list_pixels(mcv_renderer *r, uint32_t stride);
 
 /* All pixels in their order, in one class. */
 void mcv_unlist_pixels(mcv_renderer *r);

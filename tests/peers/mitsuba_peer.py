@@ -257,7 +257,7 @@ def cases(coloured=False, mesh=None):
     return made
 
 
-def sensor(case, pixels, samples, sampler="independent", pixel_format="luminance"):
+def sensor_base(pixels, samples, sampler, pixel_format):
     film = {
         "type": "hdrfilm",
         "width": pixels,
@@ -266,7 +266,11 @@ def sensor(case, pixels, samples, sampler="independent", pixel_format="luminance
         "component_format": "float32",
     }
     film["rfilter"] = {"type": "box"}
-    common = {"film": film, "sampler": {"type": sampler, "sample_count": samples}}
+    return {"film": film, "sampler": {"type": sampler, "sample_count": samples}}
+
+
+def sensor(case, pixels, samples, sampler="independent", pixel_format="luminance"):
+    common = sensor_base(pixels, samples, sampler, pixel_format)
     look = T().look_at(origin=[0, 0, 4], target=[0, 0, 0], up=[0, 1, 0])
     fov = 2 * numpy.degrees(numpy.arctan(0.25))  # half a metre per metre of distance
     if case == "lens":
