@@ -128,9 +128,10 @@ enum {
       "without --spp, --error, --time and " \
       "--samples it is 0.01 or 60 s") \
     X(time, time, "time", 0, "T", MCV_IN_RENDERS | MCV_IN_COMPARE, NULL, 0, 1e9, \
-      "stop before T seconds (or with a unit: 5min) have passed, and not before 0.8 T, those of " \
-      "building the scene and the kernels " \
-      "included; the first sample of each pixel and replicate is always rendered") \
+      "stop before T seconds (or with a unit: 5min) have passed, those of building the scene and " \
+      "the " \
+      "kernels included, and not before 0.8 T unless one more sample of each pixel and replicate " \
+      "(8 with --adaptive) would pass T; the first one is always rendered") \
     X(range, samples, "samples", 0, "A:B", MCV_IN_RENDER, NULL, 0, 1ull << 31, \
       "render just samples A to B - 1 of each replicate; B - A is a power of two and A a " \
       "multiple of it") \
