@@ -52,7 +52,9 @@ static double edge_at(const mcv_image *grey, place at) {
 }
 
 /* Sums over the pixels of a cell's side: how many, their variances, and edge_at. Of these, the same
- * over quiet ones: those whose edge_at is at most its mean. */
+ * over quiet ones: those whose edge_at is at most a quarter of its mean, or the foot of a blurred
+ * edge would be among them. */
+enum { QUIET = 4 };
 typedef struct side {
     double count, variance, edge, quiet_count, quiet_variance;
 } side;
@@ -83,7 +85,7 @@ static void add_up(const mcv_image *grey, const mcv_image *errors, const mcv_ren
                 ++s->count;
                 s->variance += variance;
                 s->edge += edge;
-            } else if (edge * s->count <= s->edge) {
+            } else if (QUIET * edge * s->count <= s->edge) {
                 ++s->quiet_count;
                 s->quiet_variance += variance;
             }
