@@ -330,6 +330,8 @@ enum {
       "keep the image of each set there, as OpenEXR") \
     X(flag, resume, "resume", 0, NULL, MCV_IN_SWEEP, NULL, 0, 0, \
       "go on with a table that was begun; scene and experiment must be the same") \
+    X(flag, again, "force", 0, NULL, MCV_IN_SWEEP, NULL, 0, 0, \
+      "begin a table again that is there already; its rows are lost") \
     X(text, processed, "output", 'o', "F.png|F.exr", MCV_IN_LIGHTFIELD, NULL, 0, 0, \
       "where to write: a picture, or the values as OpenEXR; the views keep their colours, the " \
       "gradient is shown in pseudo-colours") \

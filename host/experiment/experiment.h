@@ -55,6 +55,7 @@ typedef struct mcv_experiment {
     const char *table;            /* F.csv; F.json and F.html stand beside it */
     const char *images;           /* the folder that keeps each set's image, or NULL */
     bool resume;                  /* go on with a table that was begun */
+    bool force;                   /* begin it again */
     const char *file; /* the experiment was read from it, and F.json must not replace it; NULL */
     json_t *settings; /* what F.json tells beside the scene, and must be the same to resume: an
                          object, or NULL */
