@@ -145,8 +145,10 @@ mcv_result mcv_edge_locate(mcv_readings *readings, double least, mcv_edge *edge,
         for (size_t column = 0; column < p.columns; ++column) {
             /* Between the plateaus the variance goes with the grey value, as that of light does. */
             const double share = fmin(1, fmax(0, (mcv_patch_value(&p, column, row) - left) / step));
-            readings->deviation.pixels[mcv_patch_index(&p, column, row)] =
-                (float)sqrt((1 - share) * noise[0] * noise[0] + share * noise[1] * noise[1]);
+            const size_t i = mcv_patch_index(&p, column, row);
+            readings->deviation.pixels[i] =
+                (float)sqrt((1 - share) * noise[0] * noise[0] + share * noise[1] * noise[1] +
+                            mcv_readings_render_variance(readings, i));
         }
     MCV_TRY(mcv_edge_find(readings, edge, error));
     edge->freedom =

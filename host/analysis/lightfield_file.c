@@ -41,8 +41,8 @@ static mcv_result find_angular(const char *path, const mcv_exr *exr, uint32_t an
 
 /* The first three channels are R, G, B where there are any; without them Y, or the only channel, is
  * the light. */
-static mcv_result find_light(const char *path, const mcv_exr_part *part, mcv_image *light,
-                             mcv_error *error) {
+mcv_result mcv_light_field_light(const char *path, const mcv_exr_part *part, mcv_image *light,
+                                 mcv_error *error) {
     *light = part->image;
     if (light->channels >= 3 && strcmp(part->channel_names[0], "R") == 0) {
         light->channels = 3;
@@ -61,7 +61,7 @@ static mcv_result find_light(const char *path, const mcv_exr_part *part, mcv_ima
 static mcv_result understand(const char *path, const uint64_t angular[2],
                              mcv_light_field_file *file, mcv_error *error) {
     double black = 0;
-    MCV_TRY(find_light(path, file->exr.parts, &file->image, error));
+    MCV_TRY(mcv_light_field_light(path, file->exr.parts, &file->image, error));
     if (angular[0] > 0) {
         file->angular[0] = (uint32_t)angular[0];
         file->angular[1] = (uint32_t)angular[1];

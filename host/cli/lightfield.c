@@ -51,10 +51,10 @@ static bool is_past(const char *attribute) {
            strcmp(attribute, "mcvisi:blackLevel") == 0;
 }
 
-/* Writes the image with its own attributes and the still valid ones of its source. */
-static mcv_result write_exr(const char *path, const mcv_exr *source, const mcv_image *image,
-                            const mcv_attribute *own, uint32_t own_count, mcv_error *error) {
-    const mcv_exr_part part = {.name = "image", .image = *image};
+/* Writes the parts with their own attributes and the still valid ones of their source. */
+static mcv_result write_exr(const char *path, const mcv_exr *source, const mcv_exr_part *parts,
+                            uint32_t part_count, const mcv_attribute *own, uint32_t own_count,
+                            mcv_error *error) {
     mcv_attribute *attributes = malloc((own_count + source->attribute_count) * sizeof *attributes);
     uint32_t count = own_count;
     if (!attributes) return mcv_fail(error, MCV_FAILED, "%s: no memory for its header", path);
@@ -65,7 +65,7 @@ static mcv_result write_exr(const char *path, const mcv_exr *source, const mcv_i
             replaced = replaced || strcmp(own[k].name, source->attributes[i].name) == 0;
         if (!replaced) attributes[count++] = source->attributes[i];
     }
-    const mcv_result result = mcv_exr_write(path, &part, 1, attributes, count, error);
+    const mcv_result result = mcv_exr_write(path, parts, part_count, attributes, count, error);
     free(attributes);
     return result;
 }
@@ -98,13 +98,38 @@ static mcv_result write_views_png(const char *path, const mcv_image *views,
     return result;
 }
 
+/* The views of the image, and of each part that is as large: its errors. */
+static mcv_result write_views_exr(const char *path, const mcv_light_field_file *file,
+                                  const mcv_image *views, mcv_error *error) {
+    const mcv_attribute own[] = {{.name = "mcvisi:layout", .text = "sub-aperture views"}};
+    const mcv_exr *exr = &file->exr;
+    mcv_exr_part *parts = calloc(exr->part_count, sizeof *parts);
+    uint32_t count = 1;
+    mcv_result result = MCV_OK;
+    if (!parts) return mcv_fail(error, MCV_FAILED, "%s: no memory for its parts", path);
+    parts[0] = (mcv_exr_part){.name = "image", .image = *views};
+    for (uint32_t i = 1; i < exr->part_count && result == MCV_OK; ++i) {
+        mcv_image light;
+        if (exr->parts[i].image.width != file->image.width ||
+            exr->parts[i].image.height != file->image.height)
+            continue;
+        result = mcv_light_field_light(path, exr->parts + i, &light, error);
+        if (result == MCV_OK)
+            result = mcv_light_field_views(&light, file->angular, &parts[count].image, error);
+        if (result == MCV_OK) parts[count++].name = exr->parts[i].name;
+    }
+    if (result == MCV_OK) result = write_exr(path, exr, parts, count, own, 1, error);
+    for (uint32_t i = 1; i < count; ++i) mcv_image_free(&parts[i].image);
+    free(parts);
+    return result;
+}
+
 static mcv_result write_views(const mcv_light_field_file *file, const outputs *out,
                               mcv_error *error) {
-    const mcv_attribute own[] = {{.name = "mcvisi:layout", .text = "sub-aperture views"}};
     mcv_image views;
     MCV_TRY(mcv_light_field_views(&file->image, file->angular, &views, error));
     mcv_result result = MCV_OK;
-    if (out->exr) result = write_exr(out->exr, &file->exr, &views, own, 1, error);
+    if (out->exr) result = write_views_exr(out->exr, file, &views, error);
     if (out->png && result == MCV_OK)
         result = write_views_png(out->png, &views, file->angular, error);
     mcv_image_free(&views);
@@ -144,7 +169,9 @@ static mcv_result write_gradient(const mcv_command *command, const mcv_light_fie
              command->second);
     mcv_result result = MCV_OK;
     if (out->exr)
-        result = write_exr(out->exr, &file->exr, &gradient, own, sizeof own / sizeof own[0], error);
+        result =
+            write_exr(out->exr, &file->exr, &(mcv_exr_part){.name = "image", .image = gradient}, 1,
+                      own, sizeof own / sizeof own[0], error);
     if (out->png && result == MCV_OK)
         result = mcv_figure_write(out->png, &gradient, title, unit, &scale, error);
     mcv_image_free(&gradient);

@@ -135,7 +135,8 @@ enum {
       "without --spp, --error, --time and --samples the limits are 0.01 and 60 s") \
     X(time, time, "time", 0, "T", MCV_IN_RENDERS | MCV_IN_COMPARE, NULL, 0, 1e9, \
       "stop between 0.8 T and T seconds (or with a unit: 5min), building the scene and the " \
-      "kernels included; the first sample of each pixel and replicate is always rendered") \
+      "kernels included; earlier where one more sample of each pixel and replicate (8 with " \
+      "--adaptive) would pass T; the first one is always rendered") \
     X(range, samples, "samples", 0, "A:B", MCV_IN_RENDER, NULL, 0, 1ull << 31, \
       "render only samples A to B - 1 of each replicate; B - A is a power of two and A a " \
       "multiple of it") \
@@ -320,6 +321,8 @@ enum {
       "keep the image of each set in this folder, as OpenEXR") \
     X(flag, resume, "resume", 0, NULL, MCV_IN_SWEEP, NULL, 0, 0, \
       "continue a table; scene and experiment must be the same") \
+    X(flag, again, "force", 0, NULL, MCV_IN_SWEEP, NULL, 0, 0, \
+      "begin an existing table again; its rows are lost") \
     X(text, processed, "output", 'o', "F.png|F.exr", MCV_IN_LIGHTFIELD, NULL, 0, 0, \
       "the file to write: a picture, or the values as OpenEXR; views keep their colours, the " \
       "gradient has pseudo-colours") \

@@ -48,6 +48,7 @@ static mcv_experiment experiment_of(const mcv_command *c, const char *rig) {
                             .render_with = mcv_wants_reference(c) ? mcv_reference_render : NULL,
                             .images = c->images,
                             .resume = c->resume,
+                            .force = c->again,
                             .file = c->argument,
                             .calls = {.warning = warn,
                                       .row = mcv_sweep_tell_row,
@@ -83,10 +84,12 @@ static mcv_result run(const mcv_command *c, const mcv_experiment *experiment, mc
 }
 
 static mcv_result sweep_command(const mcv_command *c, const char *rig, mcv_error *error) {
-    static const char *const without[] = {"output",  "images",   "resume", "device",
+    static const char *const without[] = {"output",  "images",   "resume", "force", "device",
                                           "threads", "schedule", "json",   NULL};
     char table[PATH_MAX];
     mcv_experiment experiment = experiment_of(c, rig);
+    if (c->resume && c->again)
+        return mcv_fail(error, MCV_USAGE, "--force begins the table again: leave out --resume");
     MCV_TRY(mcv_render_options_read(c, &experiment.render, error));
     MCV_TRY(name_table(c, table, error));
     experiment.table = table;

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* Checks the scene without a set's overrides: its errors would occur in every set. */
 static mcv_result check_rig(mcv_sweep *s, mcv_error *error) {
@@ -91,11 +92,14 @@ mcv_result mcv_experiment_open_table(mcv_sweep *s, mcv_error *error) {
                                  .settings = s->experiment->settings};
     struct stat status;
     const bool exists = stat(s->table.path, &status) == 0;
-    if (exists && !s->experiment->resume)
+    if (exists && !s->experiment->resume && !s->experiment->force)
         return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s exists already: continue it by --resume, or give another name by -o",
+                        "%s exists already: continue it by --resume, begin it again by "
+                        "--force, or give another name by -o",
                         s->table.path);
-    if (exists) {
+    if (exists && s->experiment->force && unlink(s->table.path) != 0)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", s->table.path, strerror(errno));
+    if (exists && s->experiment->resume) {
         MCV_TRY(mcv_sidecar_check(&sidecar, error));
         MCV_TRY(mcv_table_resume(&s->table, s->done, error));
     } else {

@@ -55,6 +55,7 @@ typedef struct mcv_experiment {
     const char *table;            /* F.csv; F.json and F.html stand beside it */
     const char *images;           /* the folder that keeps each set's image, or NULL */
     bool resume;                  /* continue an existing table */
+    bool force;                   /* begin it again */
     const char *file; /* the file of the experiment, which F.json must not replace; or NULL */
     json_t *settings; /* further contents of F.json, which must be equal to resume: an object, or
                          NULL */

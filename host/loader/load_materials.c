@@ -157,8 +157,6 @@ static bool map_core(const core_material *core, bool textured, mcv_material *mat
 /* Refuses names of substances where a type of scattering is expected, and suggests the type. */
 static mcv_result check_substance(const json_t *object, const mcv_json_path *place,
                                   mcv_error *error) {
-    static const char *const metals[] = {"metal",  "steel", "stainlessSteel", "brass",
-                                         "bronze", "zinc",  "aluminum",       NULL};
     static const char *const clear[] = {"glass", "plexiglass", "acrylic", "quartz", NULL};
     static const char *const matt[] = {"plastic", "rubber",  "wood", "paper",
                                        "paint",   "ceramic", NULL};
@@ -166,10 +164,6 @@ static mcv_result check_substance(const json_t *object, const mcv_json_path *pla
         const char *const *words;
         const char *says;
     } substances[] = {
-        {metals, "a metal is a conductor, {\"type\": \"conductor\", \"metal\": \"iron\", "
-                 "\"roughness\": 0.3}"},
-        {mcv_param_options("metal"), "a metal is a conductor, {\"type\": \"conductor\", \"metal\": "
-                                     "\"iron\", \"roughness\": 0.3}"},
         {clear,
          "a body of glass is a dielectric, {\"type\": \"dielectric\", \"glass\": \"N-BK7\"}"},
         {mcv_param_options("glass") + 1,
@@ -180,17 +174,17 @@ static mcv_result check_substance(const json_t *object, const mcv_json_path *pla
                "\"metallicRoughness\", \"metallic\": 0, \"roughness\": 0.5}"}};
     const char *name = json_string_value(json_object_get(object, "type"));
     const mcv_json_path here = mcv_json_path_key(place, "type");
+    char metals[256];
+    if (name && mcv_is_metal(name, metals))
+        return mcv_fail_at(&here, error,
+                           "\"%s\" is no type: a metal is a conductor, {\"type\": \"conductor\", "
+                           "\"metal\": \"iron\", \"roughness\": 0.3}; %s",
+                           name, metals);
     for (size_t i = 0; name && i < sizeof substances / sizeof substances[0]; ++i)
         for (const char *const *word = substances[i].words; *word; ++word)
-            if (strcasecmp(name, *word) == 0) {
-                char list[256] = "";
-                const char *const *options = mcv_param_options("metal");
-                for (; i < 2 && *options; ++options)
-                    snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s",
-                             *list ? ", " : "; metals are ", *options);
-                return mcv_fail_at(&here, error, "\"%s\" is not a type: %s%s", name,
-                                   substances[i].says, list);
-            }
+            if (strcasecmp(name, *word) == 0)
+                return mcv_fail_at(&here, error, "\"%s\" is not a type: %s", name,
+                                   substances[i].says);
     return MCV_OK;
 }
 

@@ -3,6 +3,8 @@
  * finding materials by name. */
 #include "loader/loader.h"
 
+#include "scene/params.h"
+
 #include <stdlib.h>
 
 /* An emissive material is refused, because its emission would be lost. */
@@ -28,6 +30,14 @@ mcv_result mcv_load_find_material(const mcv_loader *loader, const json_t *object
         for (size_t i = 0; i < json_array_size(materials) && n < 256; ++i)
             names[n++] = mcv_json_name(json_array_get(materials, i));
         const char *nearest = mcv_nearest_word(json_string_value(value), names, n);
+        char metals[256];
+        if (mcv_is_metal(json_string_value(value), metals) &&
+            !(nearest && mcv_is_metal(nearest, metals)))
+            return mcv_fail_at(&here, error,
+                               "there is no material \"%s\": give the file one of this name, "
+                               "{\"type\": \"conductor\", \"metal\": \"iron\", "
+                               "\"roughness\": 0.3}; %s",
+                               json_string_value(value), metals);
         return mcv_fail_at(&here, error, "there is no material \"%s\"%s%s%s",
                            json_string_value(value), nearest ? ": did you mean \"" : "",
                            nearest ? nearest : "", nearest ? "\"?" : "");

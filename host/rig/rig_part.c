@@ -113,6 +113,9 @@ static mcv_result fail_material(const char *name, mcv_error *error) {
                      lists[k][i]);
         }
     const char *nearest = mcv_nearest_word(name, words, n);
+    char metals[256];
+    if (mcv_is_metal(name, metals) && !(nearest && mcv_is_metal(nearest, metals)))
+        return mcv_fail(error, MCV_USAGE, "--material %s: there is none: %s", name, metals);
     if (nearest)
         return mcv_fail(error, MCV_USAGE,
                         "--material %s: there is no such material: did you mean %s?", name,

@@ -43,6 +43,20 @@ const char *const *mcv_param_options(const char *key) {
     return NULL;
 }
 
+bool mcv_is_metal(const char *name, char list[256]) {
+    static const char *const others[] = {"metal",  "steel", "stainlessSteel", "brass",
+                                         "bronze", "zinc",  "aluminum",       NULL};
+    const char *const *metals = mcv_param_options("metal"), *const *const words[] = {metals,
+                                                                                     others};
+    bool found = false;
+    for (int k = 0; k < 2; ++k)
+        for (int i = 0; words[k][i]; ++i) found = found || strcasecmp(name, words[k][i]) == 0;
+    strcpy(list, "metals are ");
+    for (int i = 0; metals[i]; ++i)
+        snprintf(list + strlen(list), 256 - strlen(list), "%s%s", i ? ", " : "", metals[i]);
+    return found;
+}
+
 size_t mcv_param_components(mcv_param_kind kind) {
     switch (kind) {
     case MCV_PARAM_int4:

@@ -46,6 +46,10 @@ bool mcv_param_unset(const mcv_param *param, const void *params);
 /* The options of a choice, ended by NULL. */
 const char *const *mcv_param_options(const char *key);
 
+/* Is it the name of a metal, one of the options or another, as steel and brass? Then its list says
+ * which there are: "metals are aluminium, …". */
+bool mcv_is_metal(const char *name, char list[256]);
+
 /* The number that "type" names in a list of elements; an error lists the types. */
 mcv_result mcv_element_type(const json_t *object, const char *const *types, uint32_t count,
                             uint32_t *type, const mcv_json_path *place, mcv_error *error);

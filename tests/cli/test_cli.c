@@ -1394,9 +1394,35 @@ static void test_light_field_boxes(void **state) {
     assert_null(strstr(err, "macro"));
 }
 
+/* Views of grey values keep each pixel's error, and the render's part of it: each goes where its
+ * value goes. */
+static void expect_errors_in_views(void) {
+    run_well("camera s.exr --electrons-per-unit 1000 -o grey.exr");
+    run_well("lightfield views grey.exr -o grey-v.exr");
+    mcv_exr before = read_exr("grey.exr"), after = read_exr("grey-v.exr");
+    assert_int_equal(before.part_count, 3);
+    assert_int_equal(after.part_count, 3);
+    for (uint32_t part = 1; part < 3; ++part) {
+        assert_string_equal(after.parts[part].name, before.parts[part].name);
+        for (uint32_t i = 0; i < 24 * 16; ++i) {
+            const uint32_t column = i % 24, row = i / 24,
+                           from = (row % 8 * 2 + row / 8) * 24 + column % 12 * 2 + column / 12;
+            assert_true(after.parts[part].image.pixels[i] == before.parts[part].image.pixels[from]);
+        }
+    }
+    assert_non_null(mcv_exr_error(&after));
+    mcv_exr_free(&before);
+    mcv_exr_free(&after);
+    run_well("measure grey-v.exr --region 3,2,6,4 --json");
+    json_t *report = json_loads(out, 0, NULL);
+    assert_string_equal(json_string_value(json_object_get(report, "render_error")), "taken out");
+    json_decref(report);
+}
+
 static void test_light_field_views(void **state) {
     (void)state;
     render_light_field();
+    expect_errors_in_views();
     run_well("lightfield views s.exr -o v.exr --png v.png");
     expect_png("v.png", 24 + 2, 16 + 2);
     mcv_exr exr = read_exr("v.exr");

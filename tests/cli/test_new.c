@@ -389,6 +389,17 @@ static void test_materials(void **state) {
     program_well("check of.gltf");
     program_fails("new telecentric box.stl --unit mm --material alu -o none.gltf", 2,
                   "known are aluminium, chromium");
+    static const char *const others[] = {"steel", "stainlessSteel", "Brass", "metal"};
+    for (int i = 0; i < 4; ++i) {
+        char line[128];
+        snprintf(line, sizeof line, "new telecentric box.stl --unit mm --material %s -o none.gltf",
+                 others[i]);
+        program_fails(line, 2,
+                      "there is none: metals are aluminium, chromium, copper, gold, iron, nickel, "
+                      "silver, titanium\n");
+    }
+    program_fails("new telecentric box.stl --unit mm --material aluminum -o none.gltf", 2,
+                  "did you mean aluminium?");
     program_fails("new telecentric box.stl --unit mm --material N-BK8 -o none.gltf", 2,
                   "did you mean N-BK7?");
 }

@@ -173,6 +173,8 @@ static void test_resume(void **state) {
     snprintf(part, sizeof part, "%s ", scene);
     write_file("s.gltf", part);
     program_fails(SWEEP " --resume", 3, "has changed");
+    program_fails(SWEEP " --resume --force", 2, "--force");
+    program_well(SWEEP " --force"); /* the changed scene, from the beginning */
 }
 
 static void test_experiment_file(void **state) {
