@@ -11,6 +11,7 @@
 #include "analysis/blur.h"
 #include "analysis/edge.h"
 #include "analysis/noise.h"
+#include "coverage.h"
 #include "slanted_edge.h"
 #include "truths.h"
 
@@ -193,20 +194,8 @@ static void test_diffraction(void **state) {
 /* --- stated uncertainties
  * --------------------------------------------------------------------------------------- */
 
-/* test_edge_slow.c makes as many as are asked for. */
-#ifndef REPLICATES
-#define REPLICATES 200
-#endif
-
-/*
- * By how much a share of 95 % may be off: 2 % are asked of 1000 pictures, where its standard
- * deviation is 0.7 %. Of fewer ones, three standard deviations.
- */
-static const double margin =
-    REPLICATES < 1000 ? 3 * 0.2179 / 14.14 : 0.02; /* √(0.95 · 0.05)/√200 */
-
 static bool is_off(int covered, bool may_be_more) {
-    const double share = (double)covered / REPLICATES;
+    const double share = (double)covered / CASES;
     return share < 0.95 - margin || (share > 0.95 + margin && !may_be_more);
 }
 
@@ -237,7 +226,7 @@ static void check_coverage(double disc) {
         clean.values.pixels[i] += (float)p.dark - other.values.pixels[i];
         noisy.deviation.pixels[i] = sqrtf(4 + 0.1F * clean.values.pixels[i]);
     }
-    for (int n = 0; n < REPLICATES; ++n) {
+    for (int n = 0; n < CASES; ++n) {
         for (uint32_t i = 0; i < 120 * 50; ++i) {
             mcv_noise noise = mcv_noise_begin((uint32_t)n, 0, i);
             noisy.values.pixels[i] = (float)(clean.values.pixels[i] +
@@ -257,11 +246,11 @@ static void check_coverage(double disc) {
         mcv_edge_mtf_free(&m);
     }
     for (int k = 0; k < FIGURES; ++k) {
-        print_message("blur %g: %s: %.1f %%\n", disc, names[k], 100.0 * covered[k] / REPLICATES);
+        print_message("blur %g: %s: %.1f %%\n", disc, names[k], 100.0 * covered[k] / CASES);
     }
     for (int k = 0; k < FIGURES; ++k)
         if (is_off(covered[k], false))
-            fail_msg("%s: %d of %d intervals hold the truth", names[k], covered[k], REPLICATES);
+            fail_msg("%s: %d of %d intervals hold the truth", names[k], covered[k], CASES);
     release(&clean);
     release(&other);
     release(&noisy);
@@ -292,7 +281,7 @@ static void check_width(double tilt, double disc, double share, uint32_t width, 
     int covered = 0;
     char box[64];
     snprintf(box, sizeof box, "0,0,%u,%u", width, height);
-    for (uint32_t n = 0; n < REPLICATES; ++n) {
+    for (uint32_t n = 0; n < CASES; ++n) {
         for (uint32_t i = 0; i < width * height; ++i) {
             mcv_noise noise = mcv_noise_begin(n, 0, i);
             noisy.values.pixels[i] = (float)(clean.values.pixels[i] +
@@ -304,10 +293,9 @@ static void check_width(double tilt, double disc, double share, uint32_t width, 
     }
     print_message("tilt %g°, blur %g, noise %g: 10-90 width %.4f, %+.5f in the mean, %.1f %% of %d "
                   "intervals hold it\n",
-                  tilt, disc, share, truth, sum / REPLICATES, 100.0 * covered / REPLICATES,
-                  REPLICATES);
+                  tilt, disc, share, truth, sum / CASES, 100.0 * covered / CASES, CASES);
     if (is_off(covered, share <= 0.003))
-        fail_msg("%d of %d intervals hold the truth", covered, REPLICATES);
+        fail_msg("%d of %d intervals hold the truth", covered, CASES);
     release(&clean);
     release(&noisy);
 }

@@ -87,6 +87,15 @@ static mcv_experiment make_experiment(told *t) {
         .calls = {.warning = take_warning, .row = take_row, .interrupted = is_stopped, .user = t}};
 }
 
+/* One metric, the mean. */
+static mcv_experiment mean_along(told *t, mcv_texts vary) {
+    static const char *const metrics[] = {"mean"};
+    mcv_experiment e = make_experiment(t);
+    e.variation.vary = vary;
+    e.measuring.metrics = (mcv_texts){metrics, 1};
+    return e;
+}
+
 static mcv_result run_steps(const mcv_experiment *experiment, mcv_sweep *sweep, mcv_error *error) {
     MCV_TRY(mcv_experiment_plan(experiment, sweep, error));
     MCV_TRY(mcv_experiment_open_table(sweep, error));
@@ -188,10 +197,8 @@ static void test_rows(void **state) {
 static void test_failing_set(void **state) {
     told t;
     mcv_sweep sweep;
-    mcv_experiment e = make_experiment(&t);
+    mcv_experiment e = mean_along(&t, TEXTS("sensors/cam/imageDistance=8,1,-1"));
     (void)state;
-    e.variation.vary = TEXTS("sensors/cam/imageDistance=8,1,-1");
-    e.measuring.metrics = TEXTS("mean");
     for (int again = 0; again < 2; ++again) {
         e.resume = again;
         run_well(&e, &sweep);
@@ -211,10 +218,8 @@ static void test_failing_set(void **state) {
 static void test_interrupted(void **state) {
     told t;
     mcv_sweep sweep;
-    mcv_experiment e = make_experiment(&t);
+    mcv_experiment e = mean_along(&t, TEXTS("sensors/cam/imageDistance=1..4:4"));
     (void)state;
-    e.variation.vary = TEXTS("sensors/cam/imageDistance=1..4:4");
-    e.measuring.metrics = TEXTS("mean");
     e.settings = json_pack("{s:i}", "spp", 8);
     t.stop_after = 2;
     run_fails(&e, MCV_INTERRUPTED, "2 rows are in t.csv");
