@@ -33,15 +33,12 @@ LONG_FILES = {
     "host/cl/cl.c": TO_SPLIT,
     "host/reference/gloss.c": TO_SPLIT,
     # kernels
-    "kernels/bsdf/microfacet.h": TO_SPLIT,
-    "kernels/geometry/precise.h": TO_SPLIT,
     "kernels/schedule/sample_emitter_rows.h": TO_SPLIT,
 }
 RULERS = "comments that divide it, to be joined to one line each when it is split"
 WIDE_FILES = {
     "host/lens/glass_codes.c": "a table: one glass in each line",
     "host/reference/gloss.c": RULERS,
-    "kernels/geometry/precise.h": RULERS,
 }
 
 
