@@ -72,11 +72,11 @@ MCV_FUNCTION mcv_vec3 mcv_onward_origin(mcv_interaction interaction, mcv_vec3 di
                              direction);
 }
 
-#if MCV_WITH_SURFACES
 /* What a ray remembers of the exact surface that it starts on (mcv_mark_origin_surface), or
  * MCV_NONE. */
 MCV_LOOP_FUNCTION uint mcv_origin_surface_of(mcv_world world, mcv_interaction interaction,
                                              mcv_vec3 direction) {
+#if MCV_WITH_SURFACES
     mcv_surface surface = interaction.surface;
 #if MCV_WITH_CONTACT
     if (interaction.touched != MCV_NONE) {
@@ -85,7 +85,10 @@ MCV_LOOP_FUNCTION uint mcv_origin_surface_of(mcv_world world, mcv_interaction in
     }
 #endif
     return mcv_mark_origin_surface(world, surface, direction);
-}
+#else
+    (void)world, (void)interaction, (void)direction;
+    return MCV_NONE;
 #endif
+}
 
 #endif

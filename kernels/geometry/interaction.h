@@ -4,28 +4,23 @@
 #define MCVISI_KERNELS_INTERACTION_H
 
 #include "path/camera_path.h"
+#include "path/dispersion.h"
 #include "bsdf/bsdf.h"
 
-#if MCV_WITH_DISPERSION
-/* Keeps one channel at a dielectric; the world as the path's light meets it. */
+/* mcv_disperse_at for a camera path, wherever it is; without dispersion the world as it is. */
 MCV_FUNCTION mcv_world mcv_disperse(mcv_world world, mcv_slot slot) {
+#if MCV_WITH_DISPERSION
     const uint triangle = MCV_WORD(slot, hit, 3);
-    mcv_color throughput;
-    MCV_LOAD_COLOR(slot, throughput, throughput);
-    if (triangle != MCV_NONE &&
-        world.materials[world.instances[mcv_instance_of(world, triangle)].material].type ==
-            MCV_MATERIAL_DIELECTRIC) {
-        const float xi =
-            mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0), MCV_PAIR_CHANNEL)
-                .x;
-        float chance;
-        const uint channel = mcv_choose_channel(throughput, xi, &chance);
-        throughput = mcv_keep_channel(throughput, channel, chance);
-        MCV_STORE_COLOR(slot, throughput, throughput);
-    }
-    return mcv_in_channel(world, mcv_kept_channel(throughput));
-}
+    mcv_color throughput = mcv_path_throughput(slot);
+    if (triangle == MCV_NONE) return mcv_in_channel(world, mcv_kept_channel(throughput));
+    world = mcv_disperse_at(world, mcv_instance_of(world, triangle), MCV_WORD(slot, stream, 0),
+                            MCV_WORD(slot, sample, 0), throughput, &throughput);
+    MCV_STORE_COLOR(slot, throughput, throughput);
+#else
+    (void)slot;
 #endif
+    return world;
+}
 
 #if MCV_TILE
 MCV_LOOP_FUNCTION void mcv_put_surface(mcv_slot slot, mcv_surface surface) {

@@ -41,13 +41,6 @@ MCV_BATCH uint mcv_list_near_triangles(mcv_world world, uint *paths, uint count,
 }
 #endif
 
-#if MCV_WITH_ABSORPTION
-MCV_BATCH void mcv_absorb_rows(mcv_world world, uint *paths, uint count) {
-    MCV_VECTORIZE
-    MCV_EACH_PATH (slot, paths, 0, count) mcv_absorb(world, slot);
-}
-#endif
-
 /* mcv_intersect_closest of the paths in the slots 0 … count - 1. */
 MCV_BATCH void mcv_intersect_paths(mcv_world world, uint *paths, uint count) {
     const mcv_rows origins = MCV_ROWS(paths, origin), directions = MCV_ROWS(paths, direction);
@@ -68,9 +61,9 @@ MCV_BATCH void mcv_intersect_paths(mcv_world world, uint *paths, uint count) {
         listed = mcv_list_near_triangles(world, paths, count, chosen);
 #endif
     MCV_TRACE_CLOSEST(world.nodes, world.leaves, origins, directions, chosen, listed, hits);
-#if MCV_WITH_ABSORPTION
-    mcv_absorb_rows(world, paths, count);
-#endif
+    if (!MCV_WITH_ABSORPTION) return;
+    MCV_VECTORIZE
+    MCV_EACH_PATH (slot, paths, 0, count) mcv_absorb(world, slot);
 }
 
 #endif

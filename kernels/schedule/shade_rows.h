@@ -6,43 +6,60 @@
 
 #include "schedule/tile.h"
 
+#include "schedule/begin_light_paths.h"
 #include "schedule/sort_paths.h"
 #include "schedule/surface_rows.h"
 #include "stage/shade_hit.h"
 
-/* How the paths of a range continue, whose BSDF is known: fate[i], and where they split
+/* How a camera path continues from a surface of a known kind: its fate, and where it splits
  * branch_state. */
+MCV_LOOP_FUNCTION uint mcv_shade_camera_path(mcv_world world, mcv_slot slot,
+                                             const mcv_interaction *interaction,
+                                             mcv_shading shading, uint depth, uint *unmatched) {
+    const mcv_shaded shaded = mcv_shade_hit(world, slot, interaction, shading, depth, unmatched);
+#if MCV_WITH_SPLIT
+    if (shading.splits) mcv_store_split(slot, shaded.split);
+#endif
+    if (shading.kind != MCV_SHADING_SMOOTH) mcv_keep_selection(slot);
+    mcv_continue_path(world, slot, interaction, shading, shaded.on, shaded.throughput,
+                      shading.kind == MCV_SHADING_GLOSS ? shaded.fate == MCV_UNSHADED : 0);
+    return shaded.fate;
+}
+
+/* Shades the paths of a range. light: whether they are light paths, known to the compiler. */
 MCV_LOOP_FUNCTION void mcv_shade_range(mcv_world world, uint *paths, uint first, uint last,
-                                       mcv_shading shading, uint depth, uint *fate,
+                                       mcv_shading shading, int light, uint depth, uint *fate,
                                        uint *unmatched) {
+    (void)light;
     MCV_VECTORIZE_MASKED
     MCV_EACH_PATH (slot, paths, first, last) {
         uint differs = 0u;
         const mcv_interaction interaction = mcv_make_interaction(world, slot);
-        const mcv_shaded shaded =
-            mcv_shade_hit(world, slot, &interaction, shading, depth, &differs);
-#if MCV_WITH_SPLIT
-        if (shading.splits) mcv_store_split(slot, shaded.split);
+#if MCV_LIGHT_ROWS
+        if (light)
+            fate[slot.index] =
+                mcv_shade_light_path(world, slot, &interaction, shading, depth, &differs);
+        else
 #endif
-#if MCV_WITH_NEXT_EVENT && MCV_WITH_REACH
-        if (shading.kind != MCV_SHADING_SMOOTH) mcv_keep_selection(slot);
-#endif
-        mcv_continue_path(world, slot, &interaction, shading, shaded.on, shaded.throughput,
-                          shading.kind == MCV_SHADING_GLOSS ? shaded.fate == MCV_UNSHADED : 0);
-        fate[slot.index] = shaded.fate;
+            fate[slot.index] =
+                mcv_shade_camera_path(world, slot, &interaction, shading, depth, &differs);
         unmatched[slot.index] = differs;
     }
 }
 
-MCV_BATCH void mcv_shade_ranges(mcv_world world, uint *paths, const uint *class_end, uint gloss,
-                                uint depth, uint *fate, uint *unmatched) {
+/* Shades the paths whose BSDF is known: fate[i] of each; MCV_UNSHADED of the others. */
+MCV_LOOP_FUNCTION void mcv_shade_ranges(mcv_world world, uint *paths, const uint *class_end,
+                                        uint gloss, int light, uint depth, uint *fate,
+                                        uint *unmatched) {
     uint differs[MCV_SLOTS];
-    (void)gloss;
+    const uint known_end = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
+    (void)gloss, (void)light;
 #define MCV_SHADE(bsdf, first, last, shading) \
-    mcv_shade_range(world, paths, first, last, shading, depth, fate, differs);
+    mcv_shade_range(world, paths, first, last, shading, light, depth, fate, differs);
     MCV_EACH_RANGE(MCV_SHADE)
 #undef MCV_SHADE
-    for (uint i = 0; i < class_end[MCV_CLASS_DIFFUSE_TRIANGLE]; ++i) *unmatched += differs[i];
+    for (uint i = 0; i < known_end; ++i) *unmatched += differs[i];
+    for (uint i = known_end; i < class_end[MCV_CLASS_EXACT]; ++i) fate[i] = MCV_UNSHADED;
 }
 
 #if MCV_WITH_SMOOTH && MCV_WITH_SPLIT
@@ -88,8 +105,7 @@ MCV_BATCH uint mcv_shade_paths(mcv_world world, mcv_slot slot, const uint *class
 #if MCV_WITH_DIFFUSE
     mcv_sample_diffuse_directions(slot.base, class_end[MCV_CLASS_SMOOTH_EXACT], alive);
 #endif
-    for (uint i = 0; i < alive; ++i) fate[i] = MCV_UNSHADED;
-    mcv_shade_ranges(world, slot.base, class_end, gloss, depth, fate, unmatched);
+    mcv_shade_ranges(world, slot.base, class_end, gloss, 0, depth, fate, unmatched);
 #if MCV_WITH_SMOOTH && MCV_WITH_SPLIT
     beside.index =
         mcv_split_paths(world, slot.base, fate, class_end[MCV_CLASS_GLOSS_TRIANGLE], alive);

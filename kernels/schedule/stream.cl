@@ -136,8 +136,8 @@ MCV_STAGE_KERNEL(shade_surfaces) {
         /* What the depth limit cuts. */
         if (fate && depth + 1u == world.frame->depth)
             atomic_add(&counters[MCV_COUNTER_lost],
-                       (fate & MCV_CONTINUES ? mcv_lost_energy(slot) : 0u) +
-                           (fate & MCV_SPLITS ? mcv_lost_energy(beside) : 0u));
+                       (fate & MCV_CONTINUES ? mcv_cut_path(slot) : 0u) +
+                           (fate & MCV_SPLITS ? mcv_cut_path(beside) : 0u));
         if (unmatched > 0) atomic_add(&counters[MCV_COUNTER_unmatched], unmatched);
     }
     mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], path, (fate & MCV_CONTINUES) != 0,

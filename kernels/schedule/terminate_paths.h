@@ -102,9 +102,8 @@ MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint co
                 mcv_density_towards(e, two != 0, share, receiver, there, direction, distance);
 #endif
 #if MCV_WITH_DISPERSION
-        mcv_color throughput;
-        MCV_LOAD_COLOR(slot, throughput, throughput);
-        mcv_add_emission(mcv_in_channel(world, mcv_kept_channel(throughput)), slot, &met);
+        mcv_add_emission(mcv_in_channel(world, mcv_kept_channel(mcv_path_throughput(slot))), slot,
+                         &met);
 #else
         mcv_add_emission(world, slot, &met);
 #endif

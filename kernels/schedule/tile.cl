@@ -75,7 +75,7 @@ MCV_BATCH void mcv_cut_paths(mcv_world world, uint *paths, uint alive, float *va
                              uint *counts) {
     uint ended[MCV_SLOTS];
     MCV_EACH_PATH (slot, paths, 0, alive) {
-        counts[MCV_COUNTER_lost] += mcv_lost_energy(slot);
+        counts[MCV_COUNTER_lost] += mcv_cut_path(slot);
         ended[slot.index] = slot.index;
     }
     counts[MCV_COUNTER_nonfinite] += mcv_terminate_paths(world, paths, ended, alive, values);

@@ -92,16 +92,11 @@ MCV_FUNCTION int mcv_connect_light_path(mcv_world world, mcv_interaction interac
     if (path.etendue > 0.0f)
         value = mcv_dim(value, mcv_light_share(world, path.etendue,
                                                mcv_sensor_footprint(world.sensor, point.z)));
-#if MCV_WITH_ABSORPTION
     value = mcv_tint(value, mcv_medium_transmittance(world, response.media, point.z * d));
-#endif
     connection->origin = mcv_offset_origin(interaction.surface.point, interaction.surface.error,
                                            interaction.face, out);
     connection->end = seen.origin;
-    connection->origin_surface = MCV_NONE;
-#if MCV_WITH_SURFACES
     connection->origin_surface = mcv_origin_surface_of(world, interaction, out);
-#endif
     connection->media = response.media;
     connection->value = value;
     return mcv_brightest(response.value) > 0.0f;

@@ -23,19 +23,13 @@ MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_
         if (texture != MCV_NONE) light = mcv_tint(light, mcv_texture_at(world, there, texture));
     }
 #endif
-#if MCV_WITH_ABSORPTION
-    const mcv_vec3 direction = MCV_LOAD_3(slot, shadow_direction);
-#if MCV_WITH_GLOSS
-    const uint media = MCV_WORD(slot, shadow_media, 0);
-#else
-    const uint media = MCV_WORD(slot, media, 0);
-#endif
-    light =
-        mcv_tint(light, mcv_medium_transmittance(world, lit ? media : 0u,
-                                                 hit.t * mcv_sqrt(mcv_dot(direction, direction))));
-#else
-    (void)world, (void)hit;
-#endif
+    if (MCV_WITH_ABSORPTION) {
+        const mcv_vec3 direction = MCV_LOAD_3(slot, shadow_direction);
+        const uint media =
+            MCV_WITH_GLOSS ? MCV_WORD(slot, shadow_media, 0) : MCV_WORD(slot, media, 0);
+        const float way = hit.t * mcv_sqrt(mcv_dot(direction, direction));
+        light = mcv_tint(light, mcv_medium_transmittance(world, lit ? media : 0u, way));
+    }
     MCV_LOAD_COLOR(slot, radiance, radiance);
     MCV_EACH_CHANNEL(i) radiance.c[i] = lit ? radiance.c[i] + light.c[i] : radiance.c[i];
     MCV_STORE_COLOR(slot, radiance, radiance);

@@ -176,26 +176,19 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_as(mcv_world world, mcv_slot slot,
 MCV_LOOP_FUNCTION int mcv_make_shadow_ray(mcv_world world, mcv_slot slot,
                                           const mcv_interaction *interaction, mcv_shading shading,
                                           mcv_shadow shadow) {
-#if MCV_WITH_DISPERSION
     world = mcv_disperse(world, slot);
-#endif
     if (shading.kind == MCV_SHADING_ANY && !(mcv_brightest(shadow.light) > 0.0f)) return 0;
     const mcv_response response =
         mcv_respond_as(world, slot, interaction, shading, mcv_normalize(shadow.direction));
-    mcv_color light;
-    MCV_LOAD_COLOR(slot, throughput, light);
-    light = mcv_tint(mcv_tint(light, response.value), shadow.light);
+    mcv_color light = mcv_tint(mcv_tint(mcv_path_throughput(slot), response.value), shadow.light);
     light =
         mcv_dim(light, shadow.density > 0.0f ? mcv_power_heuristic(shadow.density, response.density)
                                              : 1.0f);
     light = mcv_basic_radiance(world, light, response.media);
-#if MCV_WITH_DIELECTRIC && MCV_WITH_GLOSS
-    MCV_WORD(slot, shadow_media, 0) = response.media;
-#endif
-#if MCV_WITH_SURFACES
-    MCV_WORD(slot, shadow_origin_surface, 0) =
-        shading.exact ? mcv_origin_surface_of(world, *interaction, shadow.direction) : MCV_NONE;
-#endif
+    if (MCV_WITH_DIELECTRIC && MCV_WITH_GLOSS) MCV_WORD(slot, shadow_media, 0) = response.media;
+    if (MCV_WITH_SURFACES)
+        MCV_WORD(slot, shadow_origin_surface, 0) =
+            shading.exact ? mcv_origin_surface_of(world, *interaction, shadow.direction) : MCV_NONE;
     MCV_STORE_COLOR(slot, shadow_light, light);
     const int comes = mcv_brightest(shadow.light) > 0.0f,
               reflects = mcv_brightest(response.value) > 0.0f;

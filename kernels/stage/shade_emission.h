@@ -42,8 +42,8 @@ typedef struct mcv_emitter_hit {
 /* Adds what the path has met, weighed against next-event estimation by the power heuristic. */
 MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot,
                                         const mcv_emitter_hit *met) {
-    mcv_color throughput, radiance;
-    MCV_LOAD_COLOR(slot, throughput, throughput);
+    const mcv_color throughput = mcv_path_throughput(slot);
+    mcv_color radiance;
     MCV_LOAD_COLOR(slot, radiance, radiance);
     mcv_color emitted = mcv_basic_radiance(world, met->radiance, mcv_path_media(slot));
 #if MCV_WITH_NEXT_EVENT
@@ -93,12 +93,9 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_slot slot, mcv_interactio
 MCV_LOOP_FUNCTION void mcv_shade_miss(mcv_world world, mcv_slot slot) {
 #if MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE
     float density = mcv_path_density(slot);
-    mcv_color throughput;
     mcv_color radiance;
-#if MCV_WITH_DISPERSION
     world = mcv_disperse(world, slot);
-#endif
-    MCV_LOAD_COLOR(slot, throughput, throughput);
+    const mcv_color throughput = mcv_path_throughput(slot);
     MCV_LOAD_COLOR(slot, radiance, radiance);
 #if MCV_WITH_ENVIRONMENT_IMAGE
     density = mcv_density_against(world, slot, world.frame->environment_emitter, density);

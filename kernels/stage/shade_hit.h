@@ -33,7 +33,7 @@ MCV_LOOP_FUNCTION mcv_shaded mcv_shade_hit(mcv_world world, mcv_slot slot,
     int unshaded = 0;
     const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_SCATTER),
                    choice = mcv_draw_choice(slot, depth);
-    MCV_LOAD_COLOR(slot, throughput, shaded.throughput);
+    shaded.throughput = mcv_path_throughput(slot);
     shaded.fate = 0u;
     shaded.on = mcv_scatter_as(world, slot, interaction, shading, pair, choice.x,
                                mcv_may_split(slot), unmatched, &other, &unshaded);
@@ -62,16 +62,12 @@ MCV_LOOP_FUNCTION mcv_shaded mcv_shade_hit(mcv_world world, mcv_slot slot,
  * beside. */
 static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, uint depth,
                               uint *unmatched) {
-#if MCV_WITH_DISPERSION
     world = mcv_disperse(world, slot);
-#endif
     const mcv_interaction interaction = mcv_make_interaction(world, slot);
 #if MCV_WITH_EMISSION
     mcv_shade_emitter_hit(world, slot, interaction);
 #endif
-#if MCV_WITH_REACH && MCV_WITH_NEXT_EVENT
     mcv_keep_selection(slot);
-#endif
     const mcv_shaded shaded =
         mcv_shade_hit(world, slot, &interaction, mcv_any_shading(), depth, unmatched);
 #if MCV_WITH_SPLIT
@@ -85,11 +81,9 @@ static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, u
     return shaded.fate;
 }
 
-/* What the path would still have carried, in units of 2^-11: a million paths fit the counter. */
-static uint mcv_lost_energy(mcv_slot slot) {
-    mcv_color throughput;
-    MCV_LOAD_COLOR(slot, throughput, throughput);
-    return (uint)(mcv_brightest(throughput) * 2048.0f + 0.5f);
+/* What the depth limit cuts of the path. */
+MCV_FUNCTION uint mcv_cut_path(mcv_slot slot) {
+    return mcv_lost_energy(mcv_brightest(mcv_path_throughput(slot)));
 }
 
 #endif
