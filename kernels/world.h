@@ -50,12 +50,6 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
 #define MCV_DOUBLE uint
 #endif
 
-#if MCV_WITH_SURFACES
-#define MCV_SOLID mcv_device_solid
-#else
-#define MCV_SOLID uint
-#endif
-
 #define MCV_WORLD_FIELD(space, type, name, what, bytes, data) space const type *name;
 #define MCV_WORLD_PARAMETER(space, type, name, what, bytes, data) space const type *name,
 #define MCV_WORLD_ARGUMENT(space, type, name, what, bytes, data) world.name = name;
@@ -67,6 +61,9 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
 typedef struct mcv_world {
     MCV_BUFFERS(MCV_WORLD_FIELD)
 } mcv_world;
+
+/* Whether a hit is on an exact surface, not on a triangle. */
+MCV_LOOP_FUNCTION int mcv_is_exact(uint hit) { return MCV_WITH_SURFACES && hit >= MCV_EXACT; }
 
 /* A colour has one channel or three. */
 typedef struct mcv_color {

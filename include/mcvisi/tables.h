@@ -16,9 +16,7 @@
 #if !MCV_ON_DEVICE || MCV_WITH_RECTANGLE
 #include "mcvisi/rectangle.h"
 #endif
-#if !MCV_ON_DEVICE || MCV_WITH_SURFACES
 #include "mcvisi/surfaces/solid.h"
-#endif
 
 /* Media that can be told apart along one path. Medium 0 is the surrounding vacuum, bit i of a
  * path's set is medium i + 1. */

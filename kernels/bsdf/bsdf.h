@@ -82,10 +82,9 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
     (void)pair, (void)choice, (void)splits, (void)unmatched;
 #if MCV_WITH_GLOSS
     if (mcv_is_rough(world, &interaction, media)) {
-#if MCV_WITH_DIELECTRIC
-        if (instance.medium != 0 && mcv_cross_surface(world, &interaction, media).before != media)
+        if (MCV_WITH_DIELECTRIC && instance.medium != 0 &&
+            mcv_cross_surface(world, &interaction, media).before != media)
             *unmatched += 1u;
-#endif
         return mcv_scatter_gloss(world, interaction, instance.material, media, pair, choice, splits,
                                  other);
     }

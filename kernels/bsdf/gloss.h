@@ -6,11 +6,10 @@
 #include "bsdf/dielectric.h"
 #include "bsdf/scattering.h"
 #include "path/sampler.h"
-#if MCV_WITH_GLOSS
-#include "bsdf/microfacet.h"
-#endif
 
 #if MCV_WITH_GLOSS
+#include "bsdf/microfacet.h"
+
 /* A glossy surface as a ray meets it. */
 typedef struct mcv_gloss_interaction {
     mcv_gloss gloss;
@@ -29,12 +28,8 @@ static int mcv_is_rough(mcv_world world, const mcv_interaction *interaction, uin
     const mcv_device_instance instance = world.instances[interaction->surface.instance];
     const uint type = world.materials[instance.material].type;
     if (!world.materials[instance.material].scattering_sides) return 0;
-#if MCV_WITH_DIELECTRIC
-    if (type == MCV_MATERIAL_DIELECTRIC)
+    if (MCV_WITH_DIELECTRIC && type == MCV_MATERIAL_DIELECTRIC)
         return mcv_cross_surface(world, interaction, media).albedos != MCV_NONE;
-#else
-    (void)media;
-#endif
     return type == MCV_MATERIAL_METALLIC_ROUGHNESS || type == MCV_MATERIAL_CONDUCTOR;
 }
 
@@ -58,8 +53,7 @@ MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction_of(
     m.gloss.between.delta = 0.0f;
     m.gloss.alpha.x = mcv_fma(1.0f - alpha, from->anisotropy, alpha);
     m.gloss.alpha.y = alpha;
-#if MCV_WITH_DIELECTRIC
-    if (m.gloss.type == MCV_MATERIAL_DIELECTRIC) {
+    if (MCV_WITH_DIELECTRIC && m.gloss.type == MCV_MATERIAL_DIELECTRIC) {
         const mcv_crossing crossing = mcv_cross_surface(world, interaction, media);
         m.near_media = crossing.before;
         m.far_media = crossing.after;
@@ -67,11 +61,10 @@ MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction_of(
         /* A body has none of its own, MCV_NONE. With a choice between two places in memory the loop
          * over paths would not be vectorised. */
         m.gloss.table &= crossing.albedos;
-    } else {
+    } else if (MCV_WITH_DIELECTRIC) {
         m.gloss.between.eta =
             mcv_sqrt(world.media[mcv_filling_medium(media)].inverse_index_squared);
     }
-#endif
 
     m.z = interaction->normal;
     mcv_basis(m.z, &m.x, &m.y);
@@ -91,14 +84,12 @@ static mcv_gloss_interaction mcv_make_gloss_interaction(mcv_world world,
                                                         uint material, uint media) {
     const mcv_device_gloss from = world.gloss[material];
     float scale = 1.0f, metallic = 1.0f;
-#if MCV_WITH_TEXTURE
-    if (from.texture != MCV_NONE) {
+    if (MCV_WITH_TEXTURE && from.texture != MCV_NONE) {
         const float s = mcv_image_place(world, interaction->surface, from.texture, 0);
         const float t = mcv_image_place(world, interaction->surface, from.texture, 1);
         scale = mcv_texture_value(world, from.texture, s, t, 1);
         metallic = mcv_texture_value(world, from.texture, s, t, 2);
     }
-#endif
     return mcv_make_gloss_interaction_of(world, interaction, &from, world.materials[material].type,
                                          mcv_material_value(world, interaction->surface, material),
                                          scale, metallic, media);
@@ -207,10 +198,9 @@ static mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_interaction int
                                             uint material, uint media) {
     mcv_scattering scattering = mcv_scatter_mirrored(interaction, media);
     __global const mcv_device_gloss *from = world.gloss + material;
-    float scale = 1.0f;
-#if MCV_WITH_DIELECTRIC
-    scale = mcv_sqrt(world.media[mcv_filling_medium(media)].inverse_index_squared);
-#endif
+    const float scale = MCV_WITH_DIELECTRIC
+                            ? mcv_sqrt(world.media[mcv_filling_medium(media)].inverse_index_squared)
+                            : 1.0f;
     const float cosine = -mcv_dot(interaction.direction, interaction.normal);
     MCV_EACH_CHANNEL(i)
     scattering.factor.c[i] = mcv_conductor_fresnel(from->n[i] * scale, from->k[i] * scale,

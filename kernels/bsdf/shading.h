@@ -21,14 +21,12 @@
 enum { MCV_CONTINUES = 1, MCV_SPLITS = 2, MCV_UNSHADED = 4 };
 
 typedef struct mcv_shading {
-    uint kind;     /* MCV_SHADING_… (mcvisi/tables.h), not MCV_SHADING_BLACK */
-    int exact;     /* 0: the surface is a triangle */
-    int splits;    /* it reflects and passes light: a path may split there */
-    uint type;     /* of a glossy surface: MCV_MATERIAL_… */
-    uint material; /* of a glossy surface: one for all paths */
-#if MCV_WITH_GLOSS
+    uint kind;                     /* MCV_SHADING_… (mcvisi/tables.h), not MCV_SHADING_BLACK */
+    int exact;                     /* 0: the surface is a triangle */
+    int splits;                    /* it reflects and passes light: a path may split there */
+    uint type;                     /* of a glossy surface: MCV_MATERIAL_… */
+    uint material;                 /* of a glossy surface: one for all paths */
     const mcv_device_gloss *gloss; /* of a glossy surface: what is known of it beforehand */
-#endif
 } mcv_shading;
 
 MCV_LOOP_FUNCTION mcv_shading mcv_shading_of(uint kind, int exact, int splits) {
@@ -38,9 +36,7 @@ MCV_LOOP_FUNCTION mcv_shading mcv_shading_of(uint kind, int exact, int splits) {
     shading.splits = splits;
     shading.type = MCV_NONE;
     shading.material = MCV_NONE;
-#if MCV_WITH_GLOSS
     shading.gloss = 0;
-#endif
     return shading;
 }
 

@@ -15,17 +15,13 @@ static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interac
     mcv_device_interface into;
     into.eta = material.eta;
     into.delta = material.delta;
-#if MCV_WITH_DIELECTRIC
     /* The table holds it in vacuum. */
-    if (media != 0) {
+    if (MCV_WITH_DIELECTRIC && media != 0) {
         const float squared = material.eta * material.eta /
                               world.media[mcv_filling_medium(media)].inverse_index_squared;
         into.eta = mcv_sqrt(squared);
         into.delta = 1.0f - squared;
     }
-#else
-    (void)world;
-#endif
     const float c1 = -mcv_dot(interaction.direction, interaction.normal);
     const float cosine = c1 < 1.0f ? c1 : 1.0f;
     reflected.chance = mcv_sheet_reflectance(into, cosine);

@@ -52,12 +52,8 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_meet_at(mcv_surface surface, mcv_vec3 dire
 /* The surface that a ray from the origin has met. */
 MCV_LOOP_FUNCTION mcv_surface mcv_hit_surface(mcv_world world, mcv_vec3 origin, mcv_vec3 direction,
                                               mcv_hit hit) {
-#if MCV_WITH_SURFACES
-    if (hit.triangle >= MCV_EXACT)
+    if (mcv_is_exact(hit.triangle))
         return mcv_exact_surface_at(world, hit.triangle, hit.u, origin, direction, hit.t);
-#else
-    (void)origin, (void)direction;
-#endif
     return mcv_surface_at(world, hit.triangle, hit.u, hit.v);
 }
 
@@ -76,7 +72,6 @@ MCV_FUNCTION mcv_vec3 mcv_onward_origin(mcv_interaction interaction, mcv_vec3 di
  * MCV_NONE. */
 MCV_LOOP_FUNCTION uint mcv_origin_surface_of(mcv_world world, mcv_interaction interaction,
                                              mcv_vec3 direction) {
-#if MCV_WITH_SURFACES
     mcv_surface surface = interaction.surface;
 #if MCV_WITH_CONTACT
     if (interaction.touched != MCV_NONE) {
@@ -85,10 +80,6 @@ MCV_LOOP_FUNCTION uint mcv_origin_surface_of(mcv_world world, mcv_interaction in
     }
 #endif
     return mcv_mark_origin_surface(world, surface, direction);
-#else
-    (void)world, (void)interaction, (void)direction;
-    return MCV_NONE;
-#endif
 }
 
 #endif

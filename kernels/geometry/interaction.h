@@ -29,15 +29,11 @@ MCV_LOOP_FUNCTION void mcv_put_surface(mcv_slot slot, mcv_surface surface) {
     MCV_STORE_3(slot, error, surface.error);
     MCV_STORE(slot, area, 0, surface.area);
     MCV_WORD(slot, instance, 0) = surface.instance;
-#if MCV_WITH_NORMALS
-    MCV_STORE_3(slot, own_normal, surface.normal);
-#endif
+    if (MCV_WITH_NORMALS) MCV_STORE_3(slot, own_normal, surface.normal);
     MCV_WORD(slot, inside, 0) = interaction.inside;
     MCV_STORE_3(slot, face, interaction.face);
     MCV_STORE_3(slot, normal, interaction.normal);
-#if MCV_WITH_GLOSS
-    MCV_WORD(slot, gloss_known, 0) = 0u;
-#endif
+    if (MCV_WITH_GLOSS) MCV_WORD(slot, gloss_known, 0) = 0u;
 }
 
 /* Works out the surface of a triangle; where nothing was met, of some other one. */
@@ -47,13 +43,11 @@ MCV_LOOP_FUNCTION void mcv_find_triangle(mcv_world world, mcv_slot slot) {
                                          MCV_LOAD(slot, hit, 2)));
 }
 
-#if MCV_WITH_SURFACES
 MCV_LOOP_FUNCTION void mcv_find_exact(mcv_world world, mcv_slot slot, uint met, int quadric) {
     mcv_put_surface(
         slot, mcv_exact_surface_on(world, met, MCV_LOAD(slot, hit, 1), MCV_LOAD_3(slot, origin),
                                    MCV_LOAD_3(slot, direction), MCV_LOAD(slot, hit, 0), quadric));
 }
-#endif
 #endif
 
 /* The instance that a path has met, which must have met something. */
@@ -80,18 +74,13 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot
     surface->point = MCV_LOAD_3(slot, point);
     surface->error = MCV_LOAD_3(slot, error);
     surface->face = mcv_scale(interaction.face, interaction.inside ? -1.0f : 1.0f);
-#if MCV_WITH_NORMALS
-    surface->normal = MCV_LOAD_3(slot, own_normal);
-#else
     surface->normal = surface->face;
-#endif
+    if (MCV_WITH_NORMALS) surface->normal = MCV_LOAD_3(slot, own_normal);
     surface->area = MCV_LOAD(slot, area, 0);
     surface->triangle = triangle;
-#if MCV_WITH_SURFACES
-    if (triangle >= MCV_EXACT)
+    if (mcv_is_exact(triangle))
         surface->corners.x = surface->corners.y = surface->corners.z = 0u;
     else
-#endif
         surface->corners = mcv_triangle_corners(world, triangle);
     surface->instance = surface->corners.w = MCV_WORD(slot, instance, 0);
     surface->u = u;

@@ -50,11 +50,10 @@ mcv_intersect_triangle_precisely(mcv_world world, const mcv_surface *surface, mc
     return met;
 }
 
-#if MCV_WITH_SURFACES
 /* How far p is outside of a piece, times the length of the gradient, which leads outwards; to first
  * order. */
-static double mcv_precise_gradient(mcv_world world, uint number, uint piece, mcv_dvec p,
-                                   mcv_dvec *gradient) {
+MCV_FUNCTION double mcv_precise_gradient(mcv_world world, uint number, uint piece, mcv_dvec p,
+                                         mcv_dvec *gradient) {
     __global const mcv_device_solid *solid = world.solids + number;
     __global const mcv_precise_solid *precise = world.precise_solids + number;
     if (piece == MCV_PIECE_SIDE && solid->side == MCV_SIDE_BOX) {
@@ -108,8 +107,9 @@ MCV_FUNCTION mcv_dvec mcv_out_of_frame_d(__global const double *m, mcv_dvec v) {
  * a few products of numbers up to `reach`.
  */
 #define MCV_NEWTON_STEPS 4
-static mcv_precise_interaction mcv_intersect_solid_precisely(mcv_world world, uint triangle,
-                                                             mcv_precise_ray ray, double near) {
+MCV_FUNCTION mcv_precise_interaction mcv_intersect_solid_precisely(mcv_world world, uint triangle,
+                                                                   mcv_precise_ray ray,
+                                                                   double near) {
     mcv_precise_interaction met;
     const uint number = mcv_solid_of(triangle), piece = mcv_piece_of(triangle);
     __global const mcv_precise_solid *solid = world.precise_solids + number;
@@ -132,21 +132,17 @@ static mcv_precise_interaction mcv_intersect_solid_precisely(mcv_world world, ui
     met.normal = met.face = mcv_normalize_d(mcv_out_of_frame_d(solid->axes, gradient));
     return met;
 }
-#endif
 
 /* t: of the ray in floats, whose origin is `rest` before the precise one. */
 static mcv_precise_interaction mcv_intersect_precisely(mcv_world world,
                                                        const mcv_interaction *interaction,
                                                        mcv_precise_ray ray, mcv_vec3 low, float t) {
     mcv_precise_interaction met;
-#if MCV_WITH_SURFACES
-    if (interaction->surface.triangle >= MCV_EXACT)
+    if (mcv_is_exact(interaction->surface.triangle))
         met = mcv_intersect_solid_precisely(world, interaction->surface.triangle, ray,
                                             (double)t - mcv_dot_d(mcv_widen(low), ray.direction));
     else
-#endif
         met = mcv_intersect_triangle_precisely(world, &interaction->surface, ray);
-    (void)low, (void)t;
     const uint inside = mcv_dot_d(ray.direction, met.face) > 0.0;
     const double sign = inside ? -1.0 : 1.0;
     met.found = met.found && inside == interaction->inside;

@@ -5,9 +5,7 @@
 
 #include "mcvisi/offset.h"
 #include "world.h"
-#if MCV_WITH_TEXTURE
 #include "geometry/texture.h"
-#endif
 
 /* The three vertices of a triangle and its instance. No vector: the compiler vectorises loops of
  * scalars only. */
@@ -41,18 +39,14 @@ MCV_FUNCTION mcv_corners mcv_triangle_corners(mcv_world world, uint triangle) {
 
 /* The instance that a hit is on. */
 MCV_FUNCTION uint mcv_instance_of(mcv_world world, uint triangle) {
-#if MCV_WITH_SURFACES
-    if (triangle >= MCV_EXACT)
+    if (mcv_is_exact(triangle))
         return world.solids[mcv_solid_of(triangle)].instance[mcv_piece_of(triangle)];
-#endif
     return world.triangles[triangle].w;
 }
 
-#if MCV_WITH_NORMALS
 MCV_FUNCTION mcv_vec3 mcv_interpolate(mcv_vec3 a, mcv_vec3 b, mcv_vec3 c, float u, float v) {
     return mcv_along(mcv_along(mcv_scale(a, 1.0f - u - v), u, b), v, c);
 }
-#endif
 
 /* What all places on a triangle share. */
 typedef struct mcv_facet {
@@ -110,7 +104,6 @@ MCV_LOOP_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, flo
     return mcv_surface_on(mcv_facet_of(world, triangle), u, v);
 }
 
-#if MCV_WITH_TEXTURE
 /* Coordinate 0 or 1 of the place in the set of texture coordinates that begins with `first`. */
 MCV_LOOP_FUNCTION float mcv_texcoord_of(mcv_world world, mcv_surface surface, uint first,
                                         uint axis) {
@@ -139,9 +132,14 @@ MCV_LOOP_FUNCTION mcv_color mcv_texture_at(mcv_world world, mcv_surface surface,
     return mcv_texture_lookup(world, texture, mcv_image_place(world, surface, texture, 0),
                               mcv_image_place(world, surface, texture, 1));
 }
-#endif
 
-#if MCV_WITH_GLOSS
+/* A value times the texture's there, where a material has one. */
+MCV_LOOP_FUNCTION mcv_color mcv_textured(mcv_world world, mcv_surface surface, uint texture,
+                                         mcv_color value) {
+    if (!MCV_WITH_TEXTURE || texture == MCV_NONE) return value;
+    return mcv_tint(value, mcv_texture_at(world, surface, texture));
+}
+
 /* The direction that lies at an angle, given by its cosine and sine, from the tangent; along the
  * surface only about. */
 MCV_FUNCTION mcv_vec3 mcv_tangent(mcv_world world, mcv_surface surface, const float *angle) {
@@ -157,36 +155,21 @@ MCV_FUNCTION mcv_vec3 mcv_tangent(mcv_world world, mcv_surface surface, const fl
         mcv_normalize(mcv_along(tangent, -mcv_dot(tangent, surface.normal), surface.normal));
     return mcv_along(mcv_scale(x, angle[0]), hand * angle[1], mcv_cross(surface.normal, x));
 }
-#endif
 
 /* Reflectance or transmittance, texture included. */
 MCV_LOOP_FUNCTION mcv_color mcv_material_value(mcv_world world, mcv_surface surface,
                                                uint material) {
     mcv_color value;
     MCV_EACH_CHANNEL(i) value.c[i] = world.materials[material].value[i];
-    (void)surface;
-#if MCV_WITH_TEXTURE
-    if (world.materials[material].texture != MCV_NONE) {
-        value = mcv_tint(value, mcv_texture_at(world, surface, world.materials[material].texture));
-    }
-#endif
-    return value;
+    return mcv_textured(world, surface, world.materials[material].texture, value);
 }
 
-#if MCV_WITH_TRANSLUCENT
 /* The transmittance of a translucent one, texture included. */
 MCV_LOOP_FUNCTION mcv_color mcv_material_passed(mcv_world world, mcv_surface surface,
                                                 uint material) {
     mcv_color passed;
     MCV_EACH_CHANNEL(i) passed.c[i] = world.materials[material].passed[i];
-    (void)surface;
-#if MCV_WITH_TEXTURE
-    if (world.materials[material].texture != MCV_NONE)
-        passed =
-            mcv_tint(passed, mcv_texture_at(world, surface, world.materials[material].texture));
-#endif
-    return passed;
+    return mcv_textured(world, surface, world.materials[material].texture, passed);
 }
-#endif
 
 #endif

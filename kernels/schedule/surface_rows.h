@@ -18,7 +18,6 @@ MCV_LOOP_FUNCTION void mcv_find_triangles(mcv_world world, uint *paths, uint fir
     MCV_EACH_PATH (slot, paths, first, last) mcv_find_triangle(world, slot);
 }
 
-#if MCV_WITH_SURFACES
 MCV_LOOP_FUNCTION int mcv_hits_quadric(mcv_world world, uint hit) {
     return mcv_is_quadric(world.solids + mcv_solid_of(hit), mcv_piece_of(hit));
 }
@@ -47,7 +46,6 @@ MCV_BATCH void mcv_find_exacts(mcv_world world, uint *paths, uint first, uint la
         if (!mcv_hits_quadric(world, hits[slot.index]))
             mcv_find_exact(world, slot, hits[slot.index], 0);
 }
-#endif
 
 MCV_BATCH void mcv_find_surfaces(mcv_world world, uint *paths, const uint *class_end) {
     const uint first_end = class_end[MCV_CLASS_SMOOTH_TRIANGLE],
@@ -66,14 +64,12 @@ MCV_BATCH void mcv_find_surfaces(mcv_world world, uint *paths, const uint *class
         mcv_find_triangles(world, paths, 0, first_end);
         mcv_find_triangles(world, paths, second, second_end);
     }
-#if MCV_WITH_SURFACES
+    if (!MCV_WITH_SURFACES) return;
     mcv_find_exacts(world, paths, first_end, class_end[MCV_CLASS_SMOOTH_EXACT]);
     mcv_find_exacts(world, paths, class_end[MCV_CLASS_SMOOTH_EXACT], second);
     mcv_find_exacts(world, paths, second_end, class_end[MCV_CLASS_EXACT]);
-#endif
 }
 
-#if MCV_WITH_PLAIN
 MCV_LOOP_FUNCTION mcv_color mcv_reflectance_of(mcv_world world, uint instance) {
     mcv_color reflectance;
     MCV_EACH_CHANNEL(c)
@@ -107,18 +103,16 @@ MCV_BATCH void mcv_find_reflectances(mcv_world world, uint *paths, uint first, u
         MCV_EACH_CHANNEL(c) rows[c * MCV_ROW + i] = as_uint(reflectance.c[c]);
     }
 }
-#endif
 
 /* What is known of the surfaces that the paths have hit, for all of them. */
 static void mcv_find_interactions(mcv_world world, uint *paths, const uint *class_end) {
     mcv_find_surfaces(world, paths, class_end);
-#if MCV_WITH_PLAIN
+    if (!MCV_WITH_PLAIN) return;
     /* In this order: the first call overwrites words of the second one's range. */
     mcv_find_reflectances(world, paths, class_end[MCV_CLASS_SMOOTH_EXACT],
                           class_end[MCV_CLASS_DIFFUSE_EXACT]);
     mcv_find_reflectances(world, paths, class_end[MCV_CLASS_GLOSS_TRIANGLE],
                           class_end[MCV_CLASS_DIFFUSE_TRIANGLE]);
-#endif
 }
 
 /* Draws one of the pairs of random numbers of the surfaces. */

@@ -53,15 +53,10 @@ static int mcv_hits_target(mcv_world world, mcv_slot slot, mcv_hit hit) {
 
 /* What the shadow ray meets, of triangles (the given hit) and exact surfaces. */
 MCV_FUNCTION mcv_hit mcv_shadow_past_solids(mcv_world world, mcv_slot slot, mcv_hit hit) {
-#if MCV_WITH_SURFACES
-    if (hit.triangle != MCV_NONE && mcv_shadow_is_any(slot)) return hit;
-    hit = mcv_intersect_solids_along(world, MCV_LOAD_3(slot, shadow_origin),
-                                     MCV_LOAD_3(slot, shadow_direction),
-                                     MCV_WORD(slot, shadow_origin_surface, 0), hit);
-#else
-    (void)world, (void)slot;
-#endif
-    return hit;
+    if (!MCV_WITH_SURFACES || (hit.triangle != MCV_NONE && mcv_shadow_is_any(slot))) return hit;
+    return mcv_intersect_solids_along(world, MCV_LOAD_3(slot, shadow_origin),
+                                      MCV_LOAD_3(slot, shadow_direction),
+                                      MCV_WORD(slot, shadow_origin_surface, 0), hit);
 }
 
 MCV_FUNCTION void mcv_intersect_shadow(mcv_world world, mcv_slot slot) {
