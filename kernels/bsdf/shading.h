@@ -13,8 +13,8 @@
 /* Whether the tile schedule sets paths on surfaces of these kinds side by side: diffuse or glossy
  * ones, smooth bodies. */
 #define MCV_WITH_PLAIN \
-    (MCV_WITH_DIFFUSE && MCV_LEAVES_TOGETHER && !MCV_WITH_TRANSLUCENT && !MCV_WITH_DISPERSION)
-#define MCV_WITH_SMOOTH (MCV_WITH_DIELECTRIC && MCV_LEAVES_TOGETHER && !MCV_WITH_DISPERSION)
+    (MCV_WITH_DIFFUSE && MCV_OFFSETS_TOGETHER && !MCV_WITH_TRANSLUCENT && !MCV_WITH_DISPERSION)
+#define MCV_WITH_SMOOTH (MCV_WITH_DIELECTRIC && MCV_OFFSETS_TOGETHER && !MCV_WITH_DISPERSION)
 
 /* What becomes of a path at a surface. MCV_UNSHADED: nothing yet, it is left to mcv_shade_surface.
  */

@@ -58,11 +58,14 @@ static mcv_dvec mcv_turn_precisely(mcv_world world, const mcv_interaction *inter
     mcv_dvec turned = d;
     (void)world, (void)media;
     if (on->event == MCV_EVENT_REFLECT) {
-#if MCV_WITH_REFLECTOR
-        if (world.materials[world.instances[interaction->surface.instance].material].type ==
-            MCV_MATERIAL_RETROREFLECTOR)
-            return mcv_scale_d(d, -1.0);
-#endif
+        const uint material = world.instances[interaction->surface.instance].material,
+                   type = world.materials[material].type;
+        if (type == MCV_MATERIAL_RETROREFLECTOR) return mcv_scale_d(d, -1.0);
+            /* Another law of its own: only floats know it. */
+#define MCV_X(name, key, NAME) \
+    if (type == MCV_MATERIAL_##NAME) return mcv_dvec_of(0.0, 0.0, 0.0);
+        MCV_REFLECTORS(MCV_X)
+#undef MCV_X
         turned = mcv_reflect_d(d, met->normal);
         if (!(mcv_dot_d(turned, met->face) > 0.0)) turned = mcv_reflect_d(d, met->face);
     }

@@ -116,7 +116,7 @@ MCV_FUNCTION uint mcv_select_emitter(mcv_world world, mcv_vec3 receiver, mcv_vec
     float importances[MCV_MOST_REACHING];
     mcv_reaching all = {0.0f, 0.0f};
     mcv_emitter_choice choice = {MCV_NONE, 0.0f};
-    const uint count = world.frame->emitter_count;
+    const uint count = min(world.frame->emitter_count, (uint)MCV_MOST_REACHING);
     for (uint i = 0; i < count; ++i)
         importances[i] = mcv_add_reaching(world.emitters + i, receiver, face, normal, sides, &all);
     *selection = mcv_make_light_selection(all);

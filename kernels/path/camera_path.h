@@ -20,7 +20,7 @@
 
 /* Whether the origins of the rays that go on are worked out for many paths at once, after all else.
  */
-#define MCV_LEAVES_TOGETHER (MCV_TILE && !MCV_WITH_CONTACT && !MCV_WITH_MIXED)
+#define MCV_OFFSETS_TOGETHER (MCV_TILE && !MCV_WITH_CONTACT && !MCV_WITH_MIXED)
 
 /* A sample's path splits at the first surfaces of glass, sheets and beam splitters that it meets,
  * so that it has at most so many branches: a power of two. */
@@ -110,7 +110,7 @@
 /* Whether light paths lie in rows. Where beams come to the lens by themselves, colours part or
  * surfaces touch, they are traced one by one. */
 #define MCV_LIGHT_ROWS \
-    (MCV_LEAVES_TOGETHER && MCV_WITH_LIGHT_TRACING && MCV_WITH_NEXT_EVENT && !MCV_WITH_BEAM && \
+    (MCV_OFFSETS_TOGETHER && MCV_WITH_LIGHT_TRACING && MCV_WITH_NEXT_EVENT && !MCV_WITH_BEAM && \
      !MCV_WITH_DISPERSION)
 
 /*

@@ -29,12 +29,12 @@ MCV_BATCH void mcv_classify_light_hits(mcv_world world, mcv_slot slot, uint coun
     MCV_VECTORIZE
     for (uint i = 0; i < count; ++i) {
         slot.index = i;
-        const uint kind = classes[i];
+        const uint class = classes[i];
         const int diffuse =
-            (kind == MCV_CLASS_DIFFUSE_TRIANGLE) | (kind == MCV_CLASS_DIFFUSE_EXACT);
+            (class == MCV_CLASS_DIFFUSE_TRIANGLE) | (class == MCV_CLASS_DIFFUSE_EXACT);
         const int carried = (MCV_WORD(slot, light_class, 0) & MCV_LIGHT_CARRIED) != 0u;
         classes[i] =
-            ((diffuse & !carried) | (kind >= MCV_CLASS_BLACK)) ? (uint)MCV_CLASS_MISS : kind;
+            ((diffuse & !carried) | (class >= MCV_CLASS_BLACK)) ? (uint)MCV_CLASS_MISS : class;
         MCV_STORE(slot, light_length, 0, MCV_LOAD(slot, light_length, 0) + MCV_LOAD(slot, hit, 0));
     }
     mcv_sort_paths(slot.base, classes, count, class_end);
@@ -55,7 +55,7 @@ MCV_BATCH void mcv_splat_light_paths(mcv_world world, mcv_slot slot, uint first,
 /* Sends the paths on from the surfaces that they have met; returns how many go on. */
 MCV_BATCH uint mcv_shade_light_hits(mcv_world world, mcv_slot slot, const uint *class_end,
                                     uint gloss, uint depth, uint *unmatched) {
-    const uint alive = class_end[MCV_CLASS_EXACT], smooth = class_end[MCV_CLASS_SMOOTH_EXACT];
+    const uint alive = class_end[MCV_LAST_CLASS], smooth = class_end[MCV_LAST_SMOOTH];
     uint fate[MCV_SLOTS], chosen[MCV_SLOTS];
     mcv_shade_ranges(world, slot.base, class_end, gloss, 1, depth, fate, unmatched);
     for (slot.index = smooth; slot.index < alive; ++slot.index) {
@@ -89,15 +89,14 @@ MCV_BATCH void mcv_trace_light_slices(mcv_world world, uint first, uint last, __
             counts[MCV_COUNTER_rays] += alive;
             mcv_intersect_paths(world, paths, alive);
             mcv_classify_light_hits(world, slot, alive, class_end, &gloss);
-            alive = class_end[MCV_CLASS_EXACT];
+            alive = class_end[MCV_LAST_CLASS];
             mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_CHOICE);
-            mcv_draw_pairs(paths, class_end[MCV_CLASS_SMOOTH_EXACT], alive, depth,
-                           MCV_PAIR_EMITTER);
-            mcv_splat_light_paths(world, slot, class_end[MCV_CLASS_SMOOTH_EXACT], alive, depth,
-                                  splats, counts);
+            mcv_draw_pairs(paths, class_end[MCV_LAST_SMOOTH], alive, depth, MCV_PAIR_EMITTER);
+            mcv_splat_light_paths(world, slot, class_end[MCV_LAST_SMOOTH], alive, depth, splats,
+                                  counts);
             mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_SCATTER);
 #if MCV_WITH_DIFFUSE
-            mcv_sample_diffuse_directions(paths, class_end[MCV_CLASS_SMOOTH_EXACT], alive);
+            mcv_sample_diffuse_directions(paths, class_end[MCV_LAST_SMOOTH], alive);
 #endif
             alive = mcv_shade_light_hits(world, slot, class_end, gloss, depth,
                                          &counts[MCV_COUNTER_unmatched]);

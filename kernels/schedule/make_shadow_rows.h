@@ -51,8 +51,7 @@ MCV_LOOP_FUNCTION void mcv_make_shadow_range(mcv_world world, mcv_slot slot, uin
 MCV_BATCH uint mcv_list_plain_shadows(mcv_world world, mcv_slot slot, const uint *class_end,
                                       uint gloss, uint *shadows) {
     uint casts[MCV_ROW];
-    const uint begin = class_end[MCV_CLASS_SMOOTH_EXACT],
-               end = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
+    const uint begin = class_end[MCV_LAST_SMOOTH], end = class_end[MCV_LAST_KNOWN];
     (void)gloss;
 #define MCV_MAKE_SHADOWS(bsdf, first, last, shading) \
     if (bsdf != MCV_SHADING_SMOOTH) mcv_make_shadow_range(world, slot, first, last, shading, casts);

@@ -231,8 +231,8 @@ MCV_BATCH void mcv_sample_emitter_rows(mcv_world world, mcv_slot slot, uint firs
  * many. */
 MCV_BATCH uint mcv_sample_emitters(mcv_world world, mcv_slot slot, const uint *class_end,
                                    uint gloss, uint depth, uint *shadows) {
-    const uint alive = class_end[MCV_CLASS_EXACT], smooth_end = class_end[MCV_CLASS_SMOOTH_EXACT],
-               known_end = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
+    const uint alive = class_end[MCV_LAST_CLASS], smooth_end = class_end[MCV_LAST_SMOOTH],
+               known_end = class_end[MCV_LAST_KNOWN];
     uint shadow_count = 0;
     (void)gloss;
     mcv_draw_pairs(slot.base, smooth_end, alive, depth, MCV_PAIR_EMITTER);

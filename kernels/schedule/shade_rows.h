@@ -52,14 +52,14 @@ MCV_LOOP_FUNCTION void mcv_shade_ranges(mcv_world world, uint *paths, const uint
                                         uint gloss, int light, uint depth, uint *fate,
                                         uint *unmatched) {
     uint differs[MCV_SLOTS];
-    const uint known_end = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
+    const uint known_end = class_end[MCV_LAST_KNOWN];
     (void)gloss, (void)light;
 #define MCV_SHADE(bsdf, first, last, shading) \
     mcv_shade_range(world, paths, first, last, shading, light, depth, fate, differs);
     MCV_EACH_RANGE(MCV_SHADE)
 #undef MCV_SHADE
     for (uint i = 0; i < known_end; ++i) *unmatched += differs[i];
-    for (uint i = known_end; i < class_end[MCV_CLASS_EXACT]; ++i) fate[i] = MCV_UNSHADED;
+    for (uint i = known_end; i < class_end[MCV_LAST_CLASS]; ++i) fate[i] = MCV_UNSHADED;
 }
 
 #if MCV_WITH_SMOOTH && MCV_WITH_SPLIT
@@ -97,18 +97,17 @@ MCV_BATCH uint mcv_split_paths(mcv_world world, uint *paths, const uint *fate, u
  * where these end. */
 MCV_BATCH uint mcv_shade_paths(mcv_world world, mcv_slot slot, const uint *class_end, uint gloss,
                                uint depth, uint *fate, uint *unmatched) {
-    const uint alive = class_end[MCV_CLASS_EXACT];
+    const uint alive = class_end[MCV_LAST_CLASS];
     uint flags[MCV_ROW], unshaded[MCV_SLOTS];
     mcv_slot beside = slot;
     beside.index = alive;
     mcv_draw_pairs(slot.base, 0, alive, depth, MCV_PAIR_SCATTER);
 #if MCV_WITH_DIFFUSE
-    mcv_sample_diffuse_directions(slot.base, class_end[MCV_CLASS_SMOOTH_EXACT], alive);
+    mcv_sample_diffuse_directions(slot.base, class_end[MCV_LAST_SMOOTH], alive);
 #endif
     mcv_shade_ranges(world, slot.base, class_end, gloss, 0, depth, fate, unmatched);
 #if MCV_WITH_SMOOTH && MCV_WITH_SPLIT
-    beside.index =
-        mcv_split_paths(world, slot.base, fate, class_end[MCV_CLASS_GLOSS_TRIANGLE], alive);
+    beside.index = mcv_split_paths(world, slot.base, fate, class_end[MCV_LAST_GLOSS], alive);
 #endif
     MCV_VECTORIZE
     for (uint i = 0; i < alive; ++i) flags[i] = fate[i] == MCV_UNSHADED;
@@ -118,7 +117,7 @@ MCV_BATCH uint mcv_shade_paths(mcv_world world, mcv_slot slot, const uint *class
         fate[slot.index] = mcv_shade_surface(world, slot, beside, depth, unmatched);
         beside.index += (fate[slot.index] & MCV_SPLITS) != 0u;
     }
-#if MCV_LEAVES_TOGETHER
+#if MCV_OFFSETS_TOGETHER
     mcv_offset_origins(slot.base, alive);
 #endif
     return beside.index;

@@ -48,12 +48,11 @@ MCV_BATCH void mcv_find_exacts(mcv_world world, uint *paths, uint first, uint la
 }
 
 MCV_BATCH void mcv_find_surfaces(mcv_world world, uint *paths, const uint *class_end) {
-    const uint first_end = class_end[MCV_CLASS_SMOOTH_TRIANGLE],
-               second = class_end[MCV_CLASS_GLOSS_EXACT],
-               second_end = class_end[MCV_CLASS_TRIANGLE];
+    const uint first_end = class_end[MCV_LAST_SMOOTH_TRIANGLE],
+               second = class_end[MCV_LAST_KNOWN_EXACT], second_end = class_end[MCV_LAST_TRIANGLE];
 #if MCV_CACHED && !MCV_WITH_NORMALS
     if (world.frame->triangle_count - 1u < MCV_CACHED &&
-        class_end[MCV_CLASS_EXACT] >= 2 * MCV_CACHED) {
+        class_end[MCV_LAST_CLASS] >= 2 * MCV_CACHED) {
         mcv_facet_table table;
         mcv_fill_facets(world, &table);
         mcv_find_cached_triangles(paths, &table, 0, first_end);
@@ -65,9 +64,9 @@ MCV_BATCH void mcv_find_surfaces(mcv_world world, uint *paths, const uint *class
         mcv_find_triangles(world, paths, second, second_end);
     }
     if (!MCV_WITH_SURFACES) return;
-    mcv_find_exacts(world, paths, first_end, class_end[MCV_CLASS_SMOOTH_EXACT]);
-    mcv_find_exacts(world, paths, class_end[MCV_CLASS_SMOOTH_EXACT], second);
-    mcv_find_exacts(world, paths, second_end, class_end[MCV_CLASS_EXACT]);
+    mcv_find_exacts(world, paths, first_end, class_end[MCV_LAST_SMOOTH]);
+    mcv_find_exacts(world, paths, class_end[MCV_LAST_SMOOTH], second);
+    mcv_find_exacts(world, paths, second_end, class_end[MCV_LAST_CLASS]);
 }
 
 MCV_LOOP_FUNCTION mcv_color mcv_reflectance_of(mcv_world world, uint instance) {
@@ -109,10 +108,9 @@ static void mcv_find_interactions(mcv_world world, uint *paths, const uint *clas
     mcv_find_surfaces(world, paths, class_end);
     if (!MCV_WITH_PLAIN) return;
     /* In this order: the first call overwrites words of the second one's range. */
-    mcv_find_reflectances(world, paths, class_end[MCV_CLASS_SMOOTH_EXACT],
-                          class_end[MCV_CLASS_DIFFUSE_EXACT]);
-    mcv_find_reflectances(world, paths, class_end[MCV_CLASS_GLOSS_TRIANGLE],
-                          class_end[MCV_CLASS_DIFFUSE_TRIANGLE]);
+    mcv_find_reflectances(world, paths, class_end[MCV_LAST_SMOOTH],
+                          class_end[MCV_LAST_DIFFUSE_EXACT]);
+    mcv_find_reflectances(world, paths, class_end[MCV_LAST_GLOSS], class_end[MCV_LAST_KNOWN]);
 }
 
 /* Draws one of the pairs of random numbers of the surfaces. */
@@ -141,7 +139,7 @@ MCV_BATCH void mcv_sample_diffuse_directions(uint *paths, uint first, uint last)
 }
 #endif
 
-#if MCV_LEAVES_TOGETHER
+#if MCV_OFFSETS_TOGETHER
 /* The origins of the rays that leave the surfaces, in the directions that they have got. */
 MCV_BATCH void mcv_offset_origins(uint *paths, uint count) {
     MCV_VECTORIZE

@@ -110,7 +110,7 @@ MCV_BATCH void mcv_render_slice(mcv_world world, uint slice, __global float *sum
             mcv_terminate_early(world, paths, classes, alive, depth, values);
         mcv_sort_paths(paths, classes, alive, class_end);
         mcv_find_interactions(world, paths, class_end);
-        alive = class_end[MCV_CLASS_EXACT];
+        alive = class_end[MCV_LAST_CLASS];
         if (mcv_needs_choice(world.frame, depth))
             mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_CHOICE);
 #if MCV_WITH_NEXT_EVENT

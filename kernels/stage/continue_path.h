@@ -50,7 +50,7 @@ MCV_LOOP_FUNCTION void mcv_continue_path(mcv_world world, mcv_slot slot,
                                          mcv_scattering on, mcv_color throughput, int skipped) {
 #if MCV_WITH_MIXED
     mcv_leave_precisely(world, slot, interaction, mcv_path_media(slot), &on);
-#elif !MCV_LEAVES_TOGETHER
+#elif !MCV_OFFSETS_TOGETHER
     MCV_STORE_3(slot, origin, mcv_onward_origin(*interaction, on.direction));
 #endif
     mcv_continue_ray(world, slot, interaction, shading, on, throughput, skipped);

@@ -98,7 +98,7 @@ MCV_LOOP_FUNCTION void mcv_continue_branch(mcv_world world, mcv_slot slot,
     MCV_WORD(slot, stream, 0) = mcv_hash_2(MCV_WORD(slot, stream, 0), number);
     MCV_EACH_CHANNEL(i) MCV_STORE(slot, radiance, i, 0.0f);
     mcv_continue_path(world, slot, interaction, shading, split.other, split.carried, 0);
-#if MCV_LEAVES_TOGETHER
+#if MCV_OFFSETS_TOGETHER
     const mcv_vec3 origin = mcv_onward_origin(*interaction, split.other.direction);
     MCV_STORE_3(slot, origin, origin);
 #endif
