@@ -13,8 +13,6 @@
 
 #include "world.h"
 
-#if MCV_WITH_REACH
-
 /* How far a flat emitter stretches along a direction, r times the sine of the angle to its normal;
  * without a normal, r. */
 MCV_LOOP_FUNCTION float mcv_stretch(__global const mcv_device_emitter *e, mcv_vec3 direction) {
@@ -132,7 +130,5 @@ MCV_LOOP_FUNCTION float mcv_selection_ratio(__global const mcv_device_emitter *e
     return mcv_fma(mcv_emitter_importance(e, receiver), selection.scale, selection.least) /
            e->probability;
 }
-
-#endif
 
 #endif

@@ -17,9 +17,7 @@ MCV_LOOP_FUNCTION uint mcv_shade_camera_path(mcv_world world, mcv_slot slot,
                                              const mcv_interaction *interaction,
                                              mcv_shading shading, uint depth, uint *unmatched) {
     const mcv_shaded shaded = mcv_shade_hit(world, slot, interaction, shading, depth, unmatched);
-#if MCV_WITH_SPLIT
-    if (shading.splits) mcv_store_split(slot, shaded.split);
-#endif
+    if (MCV_WITH_SPLIT && shading.splits) mcv_store_split(slot, shaded.split);
     if (shading.kind != MCV_SHADING_SMOOTH) mcv_keep_selection(slot);
     mcv_continue_path(world, slot, interaction, shading, shaded.on, shaded.throughput,
                       shading.kind == MCV_SHADING_GLOSS ? shaded.fate == MCV_UNSHADED : 0);
@@ -62,7 +60,6 @@ MCV_LOOP_FUNCTION void mcv_shade_ranges(mcv_world world, uint *paths, const uint
     for (uint i = known_end; i < class_end[MCV_LAST_CLASS]; ++i) fate[i] = MCV_UNSHADED;
 }
 
-#if MCV_WITH_SMOOTH && MCV_WITH_SPLIT
 /* Starts the branches of the first `last` paths, which have continued, in the slots from `begin`
  * on; returns where they end. */
 MCV_BATCH uint mcv_split_paths(mcv_world world, uint *paths, const uint *fate, uint last,
@@ -91,7 +88,6 @@ MCV_BATCH uint mcv_split_paths(mcv_world world, uint *paths, const uint *fate, u
     }
     return begin + count;
 }
-#endif
 
 /* Shades the paths: fate[i] of each. Their branches begin in the slots from `alive` on; returns
  * where these end. */
@@ -106,9 +102,8 @@ MCV_BATCH uint mcv_shade_paths(mcv_world world, mcv_slot slot, const uint *class
     mcv_sample_diffuse_directions(slot.base, class_end[MCV_LAST_SMOOTH], alive);
 #endif
     mcv_shade_ranges(world, slot.base, class_end, gloss, 0, depth, fate, unmatched);
-#if MCV_WITH_SMOOTH && MCV_WITH_SPLIT
-    beside.index = mcv_split_paths(world, slot.base, fate, class_end[MCV_LAST_GLOSS], alive);
-#endif
+    if (MCV_WITH_SMOOTH && MCV_WITH_SPLIT)
+        beside.index = mcv_split_paths(world, slot.base, fate, class_end[MCV_LAST_GLOSS], alive);
     MCV_VECTORIZE
     for (uint i = 0; i < alive; ++i) flags[i] = fate[i] == MCV_UNSHADED;
     const uint count = mcv_compact_indices(flags, alive, unshaded);
@@ -117,9 +112,7 @@ MCV_BATCH uint mcv_shade_paths(mcv_world world, mcv_slot slot, const uint *class
         fate[slot.index] = mcv_shade_surface(world, slot, beside, depth, unmatched);
         beside.index += (fate[slot.index] & MCV_SPLITS) != 0u;
     }
-#if MCV_OFFSETS_TOGETHER
-    mcv_offset_origins(slot.base, alive);
-#endif
+    if (MCV_OFFSETS_TOGETHER) mcv_offset_origins(slot.base, alive);
     return beside.index;
 }
 

@@ -139,7 +139,6 @@ MCV_BATCH void mcv_sample_diffuse_directions(uint *paths, uint first, uint last)
 }
 #endif
 
-#if MCV_OFFSETS_TOGETHER
 /* The origins of the rays that leave the surfaces, in the directions that they have got. */
 MCV_BATCH void mcv_offset_origins(uint *paths, uint count) {
     MCV_VECTORIZE
@@ -150,6 +149,5 @@ MCV_BATCH void mcv_offset_origins(uint *paths, uint count) {
         MCV_STORE_3(slot, origin, origin);
     }
 }
-#endif
 
 #endif
