@@ -4,12 +4,12 @@
 #define MCVISI_KERNELS_SHEET_H
 
 #include "bsdf/scattering.h"
+#include "mcvisi/materials/sheet.h"
 #include "path/media.h"
 
-#if MCV_WITH_SHEET
-static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interaction,
-                                        mcv_device_material material, mcv_color transmittance,
-                                        uint media, float xi, mcv_scattering *other) {
+MCV_FUNCTION mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interaction,
+                                              mcv_device_material material, mcv_color transmittance,
+                                              uint media, float xi, mcv_scattering *other) {
     mcv_scattering reflected = mcv_scatter_mirrored(interaction, media);
     mcv_scattering passed = mcv_scatter_into(interaction.direction, media, MCV_EVENT_PASS);
     mcv_device_interface into;
@@ -30,9 +30,9 @@ static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interac
     return mcv_choose_way(reflected, passed, xi < reflected.chance, other);
 }
 
-static mcv_scattering mcv_scatter_beam_splitter(mcv_interaction interaction,
-                                                mcv_device_material material, uint media, float xi,
-                                                mcv_scattering *other) {
+MCV_FUNCTION mcv_scattering mcv_scatter_beam_splitter(mcv_interaction interaction,
+                                                      mcv_device_material material, uint media,
+                                                      float xi, mcv_scattering *other) {
     mcv_scattering reflected = mcv_scatter_mirrored(interaction, media);
     mcv_scattering passed = mcv_scatter_into(interaction.direction, media, MCV_EVENT_PASS);
     reflected.chance = material.chance;
@@ -43,6 +43,5 @@ static mcv_scattering mcv_scatter_beam_splitter(mcv_interaction interaction,
     }
     return mcv_choose_way(reflected, passed, xi < reflected.chance, other);
 }
-#endif
 
 #endif
