@@ -75,11 +75,9 @@ MCV_LOOP_FUNCTION mcv_pair mcv_draw(mcv_slot slot, uint depth, uint pair) {
  * The pair that chooses a lobe and plays roulette; any numbers where a surface needs none. Its
  * first number has chosen an emitter, too, which is another estimate.
  */
-MCV_LOOP_FUNCTION mcv_pair mcv_draw_choice(mcv_slot slot, uint depth) {
-#if !MCV_TILE && !(MCV_WITH_GLOSS || MCV_WITH_REFLECTOR || MCV_WITH_TRANSLUCENT)
+MCV_LOOP_FUNCTION mcv_pair mcv_draw_choice(mcv_world world, mcv_slot slot, uint depth) {
     const mcv_pair unused = {0.0f, 0.0f};
-    if (depth < MCV_ROULETTE_DEPTH) return unused;
-#endif
+    if (!MCV_TILE && !mcv_needs_choice(world.frame, depth)) return unused;
     return mcv_draw(slot, depth, MCV_PAIR_CHOICE);
 }
 

@@ -66,18 +66,15 @@ MCV_BATCH uint mcv_split_paths(mcv_world world, uint *paths, const uint *fate, u
                                uint begin) {
     uint splits[MCV_SLOTS], count = 0;
     MCV_VECTORIZE
-    for (uint i = 0; i < last; ++i) {
-        splits[i] = (fate[i] & MCV_SPLITS) != 0u;
-        count += splits[i];
-    }
-    if (count == 0) return begin;
+    for (uint i = 0; i < last; ++i) splits[i] = fate[i] & MCV_SPLITS;
     const uint rows[4][2] = {{MCV_PATH_stream, MCV_PATH_sample + 1},
                              {MCV_PATH_weight, MCV_PATH_hit + 4},
                              {MCV_PATH_point, MCV_PATH_AFTER_gloss_known + 1},
                              {MCV_PATH_branch_state, MCV_PATH_AFTER_branch_state + 1}};
     for (uint i = 0; i < 4; ++i) {
         uint *from = paths + rows[i][0] * MCV_ROW;
-        mcv_compact_rows(splits, from, rows[i][1] - rows[i][0], MCV_ROW, last, from + begin);
+        count =
+            mcv_compact_rows(splits, from, rows[i][1] - rows[i][0], MCV_ROW, last, from + begin);
     }
     MCV_VECTORIZE
     MCV_EACH_PATH (slot, paths, begin, begin + count) {

@@ -18,16 +18,11 @@
  * paths there are. */
 MCV_BATCH uint mcv_set_apart(const uint *paths, const uint *classes, uint class, uint count,
                              uint first, uint last, uint *apart) {
-    uint flags[MCV_SLOTS], found = 0;
+    uint flags[MCV_SLOTS];
     MCV_VECTORIZE
-    for (uint i = 0; i < count; ++i) {
-        flags[i] = classes[i] == class;
-        found += flags[i];
-    }
-    if (found > 0)
-        mcv_compact_rows(flags, paths + first * MCV_ROW, last - first, MCV_ROW, count,
-                         apart + first * MCV_ROW);
-    return found;
+    for (uint i = 0; i < count; ++i) flags[i] = classes[i] == class;
+    return mcv_compact_rows(flags, paths + first * MCV_ROW, last - first, MCV_ROW, count,
+                            apart + first * MCV_ROW);
 }
 
 /* The rows that matter to a path that leaves the scene. */

@@ -30,7 +30,7 @@ MCV_LOOP_FUNCTION mcv_shaded mcv_shade_hit(mcv_world world, mcv_slot slot,
     mcv_scattering other;
     int unshaded = 0;
     const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_SCATTER),
-                   choice = mcv_draw_choice(slot, depth);
+                   choice = mcv_draw_choice(world, slot, depth);
     shaded.throughput = mcv_path_throughput(slot);
     shaded.fate = 0u;
     shaded.on = mcv_scatter_as(world, slot, interaction, shading, pair, choice.x,
