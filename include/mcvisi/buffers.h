@@ -52,7 +52,7 @@
     X(__global, mcv_device_pupil_guide, pupil_guides, "the pupil guides", 0, NULL) \
     /* The pixels of a pass where the frame has them listed; made by the renderer. */ \
     X(__global, uint, listed, "the listed pixels", 0, NULL) \
-    X(__global, MCV_SOLID, solids, "the exact surfaces", \
+    X(__global, mcv_device_solid, solids, "the exact surfaces", \
       present(p->solids, p->solid_count * sizeof *p->solids), p->solids) \
     X(__global, MCV_PRECISE_SOLID, precise_solids, "the exact surfaces in double", \
       present(p->precise_solids, p->solid_count * sizeof *p->precise_solids), p->precise_solids) \

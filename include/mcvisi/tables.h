@@ -16,9 +16,7 @@
 #if !MCV_ON_DEVICE || MCV_WITH_RECTANGLE
 #include "mcvisi/rectangle.h"
 #endif
-#if !MCV_ON_DEVICE || MCV_WITH_SURFACES
 #include "mcvisi/surfaces/solid.h"
-#endif
 
 /* The number of media that a path can distinguish. Medium 0 is the surrounding vacuum; bit i of a
  * path's set stands for medium i + 1. */
