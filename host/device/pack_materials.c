@@ -50,8 +50,8 @@ mcv_device_material mcv_pack_material(const mcv_material *material) {
     case MCV_MATERIAL_SHEET: {
         const double n = material->as.sheet.ior;
         value = material->as.sheet.transmittance;
-        out.eta = (float)(1 / n);
-        out.delta = (float)((n - 1) * (n + 1) / (n * n));
+        out.as.sheet =
+            (mcv_sheet){.eta = (float)(1 / n), .delta = (float)((n - 1) * (n + 1) / (n * n))};
         break;
     }
     case MCV_MATERIAL_BEAM_SPLITTER: {

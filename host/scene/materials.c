@@ -29,6 +29,12 @@ bool mcv_material_is_reflector(uint32_t type) {
 #undef MCV_X
 }
 
+bool mcv_material_is_plate(uint32_t type) {
+#define MCV_X(name, key, NAME) || type == MCV_MATERIAL_##NAME
+    return false MCV_PLATES(MCV_X);
+#undef MCV_X
+}
+
 bool mcv_material_is_rough(const mcv_material *material) {
     return material->type == MCV_MATERIAL_METALLIC_ROUGHNESS ||
            mcv_material_roughness(material).roughness > 0;

@@ -32,7 +32,7 @@
     X(PARALLEL, "parallel", "a parallel emitter or a telecentric projector shines") \
     X(LIGHT_FIELD, "light-field", "a light field emitter shines") \
     X(PROJECTOR, "projector", "a projector shines through its lens") \
-    X(AREA, "area", "a diffuse area emitter shines") \
+    X(AREA, "area", "an area emitter shines") \
     X(ENVIRONMENT, "environment", "the environment shines") \
     X(ENVIRONMENT_IMAGE, "environment-image", "the environment is an image") \
     X(BEAM, "collimated-beam", "a collimated beam shines") \

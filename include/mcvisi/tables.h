@@ -16,6 +16,9 @@
 #if !MCV_ON_DEVICE || MCV_WITH_RECTANGLE
 #include "mcvisi/rectangle.h"
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_AREA
+#include "mcvisi/surface_light.h"
+#endif
 #if !MCV_ON_DEVICE || MCV_WITH_SURFACES
 #include "mcvisi/surfaces/solid.h"
 #endif
@@ -84,9 +87,9 @@ MCV_ASSERT_SIZE(mcv_device_instance, 20);
 
 /*
  * Surfaces that do not emit, without texture: diffuse ones, of microfacets that have no direction,
- * of smooth bodies, and what absorbs all light. Where there are few emitters, the lamp of one that
- * sends its full radiance or nothing, without an image, is MCV_SHADING_BLACK and its number and 1
- * more. And all others.
+ * of smooth bodies, and what absorbs all light. Where there are few emitters, the lamp of one whose
+ * radiance depends on the angle alone is MCV_SHADING_BLACK and its number and 1 more. And all
+ * others.
  */
 enum {
     MCV_SHADING_ANY,
@@ -102,8 +105,6 @@ typedef struct mcv_device_material {
     uint texture;   /* or MCV_NONE */
     float value[3]; /* reflectance, transmittance, base colour; of a rough conductor what reflection
                        from facet to facet leaves */
-    float eta;      /* sheet: 1/n */
-    float delta;    /* sheet: (n - 1)(n + 1)/n² */
     uint scattering_sides; /* on how many sides light from one direction leaves in many, so that
                               emitters are sampled from here; 0: smooth or black */
     float
@@ -113,16 +114,17 @@ typedef struct mcv_device_material {
                            lens would seldom lie in its highlights */
     uint near_specular; /* 1: spreads light so little that light paths go through it as if it were
                            smooth */
-#if !MCV_ON_DEVICE || MCV_WITH_REFLECTOR
     union {
 #define MCV_X(name, key, NAME) mcv_##name name;
+#if !MCV_ON_DEVICE || MCV_WITH_REFLECTOR
         MCV_REFLECTORS(MCV_X)
-#undef MCV_X
-        uint words[6]; /* the most that one has */
-    } as;
-#else
-    uint no_reflector[6]; /* the size stays */
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_SHEET
+        MCV_PLATES(MCV_X)
+#endif
+#undef MCV_X
+        uint words[8]; /* the most that one has */
+    } as;
 } mcv_device_material;
 MCV_ASSERT_SIZE(mcv_device_material, 80);
 
@@ -155,7 +157,7 @@ MCV_ASSERT_SIZE(mcv_device_medium, 16);
 
 typedef struct mcv_device_emitter {
     uint type; /* MCV_EMITTER_…; a telecentric projector is a parallel emitter with a texture, all
-                  of MCV_POINT_LIGHTS are point lights */
+                  of MCV_POINT_LIGHTS are point lights, all of MCV_SURFACE_LIGHTS area ones */
     uint instance; /* whose triangles emit, or MCV_NONE */
     uint texture;  /* or MCV_NONE */
     uint cdf; /* where its triangle_count + 1 entries begin in the table of cumulative shares, 2^31
@@ -179,7 +181,7 @@ typedef struct mcv_device_emitter {
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
     mcv_parallel parallel;
 #else
-    uint no_parallel[8];  /* the size stays */
+    uint no_parallel[8]; /* the size stays */
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_FIELD
     mcv_light_field_emitter light_field;
@@ -207,13 +209,18 @@ typedef struct mcv_device_emitter {
 #else
     uint no_punctual[16];
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_AREA
+    mcv_surface_light surface_light;
+#else
+    uint no_surface_light[4];
+#endif
 #if !MCV_ON_DEVICE || MCV_WITH_RECTANGLE
     mcv_rectangle rectangle;
 #else
     uint no_rectangle[24];
 #endif
 } mcv_device_emitter;
-MCV_ASSERT_SIZE(mcv_device_emitter, 480);
+MCV_ASSERT_SIZE(mcv_device_emitter, 496);
 
 typedef struct mcv_device_texture {
     uint width, height;

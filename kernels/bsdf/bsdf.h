@@ -60,9 +60,11 @@ MCV_LOOP_FUNCTION int mcv_is_near_specular(mcv_world world, mcv_interaction inte
 }
 
 /* Does the surface pass light straight on, but for what it reflects? */
-MCV_LOOP_FUNCTION int mcv_is_sheet(mcv_world world, mcv_interaction interaction) {
+MCV_LOOP_FUNCTION int mcv_is_plate(mcv_world world, mcv_interaction interaction) {
     const uint type = world.materials[world.instances[interaction.surface.instance].material].type;
-    return type == MCV_MATERIAL_SHEET || type == MCV_MATERIAL_BEAM_SPLITTER;
+#define MCV_X(name, key, NAME) || type == MCV_MATERIAL_##NAME
+    return 0 MCV_PLATES(MCV_X);
+#undef MCV_X
 }
 #endif
 
@@ -116,12 +118,11 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
             pair);
 #endif
 #if MCV_WITH_SHEET
-    case MCV_MATERIAL_SHEET:
-        return mcv_scatter_sheet(world, interaction, material,
-                                 mcv_material_value(world, interaction.surface, instance.material),
-                                 media, pair.x, other);
-    case MCV_MATERIAL_BEAM_SPLITTER:
-        return mcv_scatter_beam_splitter(interaction, material, media, pair.x, other);
+#define MCV_X(name, key, NAME) \
+    case MCV_MATERIAL_##NAME: \
+        return mcv_scatter_##name(world, interaction, instance.material, media, pair.x, other);
+        MCV_PLATES(MCV_X)
+#undef MCV_X
 #endif
 #if MCV_WITH_MIRROR
     case MCV_MATERIAL_MIRROR:

@@ -9,10 +9,10 @@
  * An emitter is one header with
  *     MCV_<NAME>_PARAMS(X)      its parameters (mcvisi/params.h)
  *     mcv_<name>                what the device needs of them, 4-byte scalars
- *     mcv_<name>_evaluate       the share of its radiance that leaves a point in a direction (q_d,
- *                               q_n unit); of MCV_POINT_LIGHTS mcv_<name>_share, by the angle
- * and for what only surfaces find, what they need to look for it; and one line in MCV_POINT_LIGHTS
- * or MCV_EMITTERS (mcvisi/elements.h); host/scene/emitters.c resolves, emitters_device.c prepares.
+ *     mcv_<name>_share          of MCV_POINT_LIGHTS and MCV_SURFACE_LIGHTS: the share of its
+ *                               intensity or radiance that leaves at an angle
+ * and for what only surfaces find, what they need to look for it; and one line in one of the lists
+ * of mcvisi/elements.h. host/scene/emitters.c resolves, emitters_device.c prepares.
  */
 #ifndef MCVISI_EMITTERS_EMITTER_H
 #define MCVISI_EMITTERS_EMITTER_H
