@@ -142,7 +142,7 @@ uint32_t mcv_shading_of(const mcv_packed *packed, const mcv_device_instance *ins
     if (m->texture != MCV_NONE || e) return MCV_SHADING_ANY;
     if (m->type == MCV_MATERIAL_DIFFUSE) return MCV_SHADING_DIFFUSE;
     if (m->type == MCV_MATERIAL_DIELECTRIC && !m->scattering_sides) return MCV_SHADING_SMOOTH;
-    if (!gloss || !m->scattering_sides || mcv_material_is_reflector(m->type))
+    if (!gloss || !m->scattering_sides || mcv_material_is_scatterer(m->type))
         return MCV_SHADING_ANY;
     return gloss->azimuths == 1 && gloss->roughnesses == 1 && gloss->texture == MCV_NONE
                ? MCV_SHADING_GLOSS

@@ -53,7 +53,7 @@
  * kernels/bsdf/. A struct mcv_<name> holds what these need beside the reflectance.
  */
 /* clang-format off */
-#define MCV_REFLECTORS(X) \
+#define MCV_SCATTERERS(X) \
     X(retroreflector, "retroreflector", RETROREFLECTOR)
 /* clang-format on */
 
@@ -72,7 +72,7 @@
     X(mirror, "mirror", MIRROR) \
     X(conductor, "conductor", CONDUCTOR) \
     X(metallic_roughness, "metallicRoughness", METALLIC_ROUGHNESS) \
-    MCV_REFLECTORS(X) \
+    MCV_SCATTERERS(X) \
     X(absorber, "absorber", ABSORBER)
 
 #define MCV_SENSOR_ENUM(name, key, NAME) MCV_SENSOR_##NAME,

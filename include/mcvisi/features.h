@@ -23,7 +23,7 @@
     X(MIRROR, "mirror", "a mirror reflects") \
     X(GLOSS, "gloss", "a metal reflects, or a surface of microfacets") \
     X(REFLECTOR, "retroreflector", \
-      "a surface reflects by a law of its own, as a retroreflector does") \
+      "a surface scatters by a law of its own, as a retroreflector does") \
     X(CONTACT, "contact", \
       "bodies of glass or fluid may touch: surfaces in the same place are looked for") \
     X(SURFACES, "surfaces", "a lens or another body has exact surfaces") \

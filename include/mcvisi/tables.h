@@ -117,7 +117,7 @@ typedef struct mcv_device_material {
     union {
 #define MCV_X(name, key, NAME) mcv_##name name;
 #if !MCV_ON_DEVICE || MCV_WITH_REFLECTOR
-        MCV_REFLECTORS(MCV_X)
+        MCV_SCATTERERS(MCV_X)
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_SHEET
         MCV_PLATES(MCV_X)

@@ -43,7 +43,7 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interacti
 #define MCV_X(name, key, NAME) \
     if (type == MCV_MATERIAL_##NAME) \
         return mcv_respond_##name(world, interaction, material, media, direction);
-    MCV_REFLECTORS(MCV_X)
+    MCV_SCATTERERS(MCV_X)
 #undef MCV_X
 #endif
     return response;
@@ -105,7 +105,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
 #define MCV_X(name, key, NAME) \
     case MCV_MATERIAL_##NAME: \
         return mcv_scatter_##name(world, interaction, instance.material, media, pair, choice);
-        MCV_REFLECTORS(MCV_X)
+        MCV_SCATTERERS(MCV_X)
 #undef MCV_X
 #endif
 #if MCV_WITH_TRANSLUCENT

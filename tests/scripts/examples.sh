@@ -80,7 +80,7 @@ add_material() {
     # 1. The header.
     add include/mcvisi/materials/lunar_lambert.h material/lunar_lambert.h
     # 2. A line in the list, and the header's #include.
-    after include/mcvisi/elements.h '#define MCV_REFLECTORS(X)' '    X(lunar_lambert, "lunarLambert", LUNAR_LAMBERT) \'
+    after include/mcvisi/elements.h '#define MCV_SCATTERERS(X)' '    X(lunar_lambert, "lunarLambert", LUNAR_LAMBERT) \'
     after include/mcvisi/elements.h '#include "mcvisi/materials/retroreflector.h"' '#include "mcvisi/materials/lunar_lambert.h"'
     # 3. What the device needs of it.
     before host/device/pack_materials.c '    case MCV_MATERIAL_MIRROR:' "$(cat "$examples/material/pack_materials.c")"
@@ -131,6 +131,30 @@ add_surface_light() {
 }
 
 # shellcheck disable=SC1003
+add_film() {
+    # 1. The header.
+    add include/mcvisi/materials/diffusing_film.h film/diffusing_film.h
+    # 2. A line in the list, and the header's #include.
+    after include/mcvisi/elements.h '#define MCV_SCATTERERS(X)' '    X(diffusing_film, "diffusingFilm", DIFFUSING_FILM) \'
+    after include/mcvisi/elements.h '#include "mcvisi/materials/retroreflector.h"' '#include "mcvisi/materials/diffusing_film.h"'
+    # 3. What the device needs of it.
+    before host/device/pack_materials.c '    case MCV_MATERIAL_MIRROR:' "$(cat "$examples/film/pack_materials.c")"
+    # 4. Its two functions on the device.
+    add kernels/bsdf/diffusing_film.h film/bsdf.h
+    # 5. The #include of that file.
+    after kernels/bsdf/bsdf.h '#include "bsdf/diffuse.h"' '#include "bsdf/diffusing_film.h"'
+    # 6. The model once more, in the reference renderer.
+    before host/reference/path_surface.c 'bool ref_meet_surface' "$(cat "$examples/film/path_surface.c")"
+    before host/reference/path_surface.c '    case MCV_MATERIAL_DIELECTRIC:' \
+        '    case MCV_MATERIAL_DIFFUSING_FILM: {
+        ref_scatterer s = scatterer_at(world, p, surface);
+        s.evaluate = evaluate_diffusing_film;
+        s.sample = sample_diffusing_film;
+        return ref_scatter(world, p, surface, &s, last, random, tally, radiance);
+    }'
+}
+
+# shellcheck disable=SC1003
 add_plate() {
     # 1. The header.
     add include/mcvisi/materials/filter_glass.h plate/filter_glass.h
@@ -154,6 +178,7 @@ element sensor add_sensor
 element "light without extent" add_emitter
 element "emitter with a surface" add_surface_light
 element "reflecting material" add_material
+element "scattering film" add_film
 element plate add_plate
 
 # Only what differs is copied, so that the build sees what changed; what is gone goes.
@@ -258,6 +283,18 @@ expect "$scene" camera-2 64 "$(awk 'BEGIN { print 0.8 * (0.3125 + 0.75 * (1 - lo
 expect_check "$scene" 'lunar  *0.75'
 expect_refusal "$scene" materials/powder/lunar=2 'materials/powder/lunar: 2 must lie from 0 to 1'
 
+# --- the diffusing film ---
+
+# It passes T = 0.8 about the way straight on, with a = tan(30°) = √(1/3). Of the sky's radiance 1
+# the camera sees T times the mean cosine of these directions, 1/b - (1 - b) artanh(√b)/b^(3/2)
+# with b = 1 - a². The sun has E = π and stands 60° off: T π p(60°) cos(60°) = T 3/25. Its share has
+# no noise. A sample of the sky is between 0 and 0.8: of 32 x 32 x 64 five standard errors are 5/512
+# of it.
+scene=$examples/film/diffusing_film.gltf
+expect "$scene" camera 64 "$(awk 'BEGIN { b = 2 / 3; s = sqrt(b)
+    print 0.8 * (1 / b - (1 - b) * log((1 + s) / (1 - s)) / 2 / (b * s) + 3 / 25) }')" 0.0078
+expect_check "$scene" 'transmittance  *0.8'
+
 # --- the filter glass ---
 
 # The screen has the radiance 1. With Fresnel's R and τ = 0.1^(1/cosθ') the cameras see T at 0° and
@@ -269,7 +306,7 @@ filter() {
         n = 1.5; b = sqrt(1 - (1 - c * c) / (n * n)); tau = exp(log(0.1) / b)
         r = (((c - n * b) / (c + n * b))^2 + ((n * c - b) / (n * c + b))^2) / 2
         t = (1 - r)^2 * tau / (1 - (r * tau)^2)
-        print way == "passed" ? t : r * (1 + t * tau) }'
+        printf "%.9g", way == "passed" ? t : r * (1 + t * tau) }'
 }
 scene=$examples/plate/filter_glass.gltf
 expect "$scene" camera 64 "$(filter 1 passed)" 1e-6 1.4e-3

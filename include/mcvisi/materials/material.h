@@ -10,10 +10,10 @@
  *
  * A material is one header with
  *     MCV_<NAME>_PARAMS(X)    its parameters (mcvisi/params.h)
- *     mcv_<name>              of MCV_REFLECTORS and MCV_PLATES: what the device needs beside the
+ *     mcv_<name>              of MCV_SCATTERERS and MCV_PLATES: what the device needs beside the
  *                             reflectance or transmittance
  *     what light does at it   for the device; kernels/bsdf/ puts it together with the path
- * and one line in MCV_REFLECTORS, MCV_PLATES or MCV_MATERIALS (mcvisi/elements.h).
+ * and one line in MCV_SCATTERERS, MCV_PLATES or MCV_MATERIALS (mcvisi/elements.h).
  */
 #ifndef MCVISI_MATERIALS_MATERIAL_H
 #define MCVISI_MATERIALS_MATERIAL_H
