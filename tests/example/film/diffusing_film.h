@@ -8,8 +8,8 @@
  * retroreflector (mcvisi/materials/retroreflector.h): within the angle `spread` to it, a its
  * tangent, lies half of the light,
  *
- *     p(δ) = a² cosδ/(π (a² cos²δ + sin²δ)²)        f(o, i) = transmittance p(δ)/max(cosθ_o,
- * cosθ_i)
+ *     p(δ) = a² cosδ/(π (a² cos²δ + sin²δ)²)
+ *     f(o, i) = transmittance p(δ)/max(cosθ_o, cosθ_i)
  *
  * f is reciprocal, and the film sends out no more than the transmittance. It reflects nothing. The
  * sides are alike. The function is phenomenological.
