@@ -61,14 +61,13 @@ static uint32_t find_backlight(const mcv_scene *scene, const mcv_sensor *sensor,
 
 static bool is_opaque(const mcv_scene *scene, uint32_t instance) {
     const uint32_t type = scene->materials[scene->instances[instance].material].type;
-    return type != MCV_MATERIAL_DIELECTRIC && type != MCV_MATERIAL_SHEET &&
-           type != MCV_MATERIAL_BEAM_SPLITTER;
+    return type != MCV_MATERIAL_DIELECTRIC && !mcv_material_is_plate(type);
 }
 
 static bool is_glossy(const mcv_scene *scene, uint32_t instance) {
     const uint32_t type = scene->materials[scene->instances[instance].material].type;
     return type != MCV_MATERIAL_DIFFUSE && type != MCV_MATERIAL_ABSORBER &&
-           !mcv_material_is_reflector(type);
+           !mcv_material_is_scatterer(type);
 }
 
 static bool casts_shadow(const mcv_scene *scene, uint32_t instance, const mcv_sensor *sensor,

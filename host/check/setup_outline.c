@@ -4,6 +4,7 @@
 
 #include "io/html.h"
 #include "scene/geometry.h"
+#include "scene/materials.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -91,17 +92,11 @@ void mcv_put_name(mcv_drawing *c, double x, double y, const char *name) {
 }
 
 static const char *class_of(const mcv_scene *scene, uint32_t instance) {
+    const uint32_t type = scene->materials[scene->instances[instance].material].type;
     if (scene->instances[instance].emitter != MCV_NONE) return "light";
-    switch (scene->materials[scene->instances[instance].material].type) {
-    case MCV_MATERIAL_DIELECTRIC:
-    case MCV_MATERIAL_SHEET:
-        return "glass";
-    case MCV_MATERIAL_MIRROR:
-    case MCV_MATERIAL_BEAM_SPLITTER:
-        return "mirror";
-    default:
-        return mcv_is_part(scene, instance) ? "part" : "housing";
-    }
+    if (type == MCV_MATERIAL_MIRROR || type == MCV_MATERIAL_BEAM_SPLITTER) return "mirror";
+    if (type == MCV_MATERIAL_DIELECTRIC || mcv_material_is_plate(type)) return "glass";
+    return mcv_is_part(scene, instance) ? "part" : "housing";
 }
 
 /* Draws the section of the mesh with the plane of the drawing, which contains the axis: two sides

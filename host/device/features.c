@@ -101,7 +101,7 @@ static void find_of_material(finding *f, const mcv_material *m) {
     const mcv_dielectric_params *glass =
         m->type == MCV_MATERIAL_DIELECTRIC ? &m->as.dielectric : NULL;
     const bool diffuse = m->type == MCV_MATERIAL_DIFFUSE;
-    const bool sheet = m->type == MCV_MATERIAL_SHEET || m->type == MCV_MATERIAL_BEAM_SPLITTER;
+    const bool plate = mcv_material_is_plate(m->type);
     const bool texture = m->texture != MCV_NONE || mcv_material_surface_texture(m) != MCV_NONE;
     const struct {
         unsigned feature;
@@ -113,11 +113,11 @@ static void find_of_material(finding *f, const mcv_material *m) {
         {MCV_FEATURE_ABSORPTION, glass && any_above_0(glass->absorption)},
         {MCV_FEATURE_COATING, glass && glass->coating > 0},
         {MCV_FEATURE_DISPERSION, glass && !mcv_is_grey(glass->ior)},
-        {MCV_FEATURE_SPLIT, sheet || glass},
-        {MCV_FEATURE_SHEET, sheet},
+        {MCV_FEATURE_SPLIT, plate || glass},
+        {MCV_FEATURE_SHEET, plate},
         {MCV_FEATURE_MIRROR, m->type == MCV_MATERIAL_MIRROR},
         {MCV_FEATURE_GLOSS, mcv_material_is_rough(m) || m->type == MCV_MATERIAL_CONDUCTOR},
-        {MCV_FEATURE_REFLECTOR, mcv_material_is_reflector(m->type)},
+        {MCV_FEATURE_REFLECTOR, mcv_material_is_scatterer(m->type)},
         {MCV_FEATURE_TEXTURE, texture},
     };
     for (size_t i = 0; i < sizeof of / sizeof of[0]; ++i)
@@ -134,7 +134,7 @@ static void find_of_emitter(finding *f, const mcv_emitter *e) {
         {MCV_FEATURE_PARALLEL, !isnan(mcv_emitter_half_angle(e))},
         {MCV_FEATURE_LIGHT_FIELD, e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER},
         {MCV_FEATURE_PROJECTOR, e->type == MCV_EMITTER_PROJECTOR},
-        {MCV_FEATURE_AREA, e->type == MCV_EMITTER_AREA},
+        {MCV_FEATURE_AREA, mcv_emitter_is_surface_light(e->type)},
         {MCV_FEATURE_ENVIRONMENT, environment && !mcv_is_sampled(e)},
         {MCV_FEATURE_ENVIRONMENT_IMAGE, environment && mcv_is_sampled(e)},
         {MCV_FEATURE_BEAM, e->type == MCV_EMITTER_COLLIMATED_BEAM},

@@ -76,6 +76,12 @@ static void prepare_emitter(const mcv_scene *scene, const mcv_packed *packed, ui
         to->type = MCV_EMITTER_POINT;
         mcv_point_light_prepare(scene, index, packed->centre, &to->light);
         break;
+#define MCV_X(name, key, NAME) case MCV_EMITTER_##NAME:
+        MCV_SURFACE_LIGHTS(MCV_X)
+#undef MCV_X
+        to->type = MCV_EMITTER_AREA;
+        mcv_surface_light_prepare(scene, index, &to->surface_light);
+        break;
     case MCV_EMITTER_DIRECTIONAL:
         mcv_directional_prepare(scene, index, &to->directional);
         break;

@@ -50,8 +50,8 @@ mcv_device_material mcv_pack_material(const mcv_material *material) {
     case MCV_MATERIAL_SHEET: {
         const double n = material->as.sheet.ior;
         value = material->as.sheet.transmittance;
-        out.eta = (float)(1 / n);
-        out.delta = (float)((n - 1) * (n + 1) / (n * n));
+        out.as.sheet =
+            (mcv_sheet){.eta = (float)(1 / n), .delta = (float)((n - 1) * (n + 1) / (n * n))};
         break;
     }
     case MCV_MATERIAL_BEAM_SPLITTER: {
@@ -142,7 +142,7 @@ uint32_t mcv_shading_of(const mcv_packed *packed, const mcv_device_instance *ins
     if (m->texture != MCV_NONE || e) return MCV_SHADING_ANY;
     if (m->type == MCV_MATERIAL_DIFFUSE) return MCV_SHADING_DIFFUSE;
     if (m->type == MCV_MATERIAL_DIELECTRIC && !m->scattering_sides) return MCV_SHADING_SMOOTH;
-    if (!gloss || !m->scattering_sides || mcv_material_is_reflector(m->type))
+    if (!gloss || !m->scattering_sides || mcv_material_is_scatterer(m->type))
         return MCV_SHADING_ANY;
     return gloss->azimuths == 1 && gloss->roughnesses == 1 && gloss->texture == MCV_NONE
                ? MCV_SHADING_GLOSS

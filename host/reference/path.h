@@ -50,9 +50,4 @@ mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_
                       bool sample_emitters, mcv_film *film, mcv_render_stats *stats,
                       mcv_error *error);
 
-/* A sheet's reflectance, both interfaces and all reflections between them: R' = 2R/(1 + R). */
-static inline double ref_sheet_reflectance(double reflectance) {
-    return 2 * reflectance / (1 + reflectance);
-}
-
 #endif

@@ -21,6 +21,12 @@ bool mcv_emitter_is_point_light(uint32_t type) {
 #undef MCV_X
 }
 
+bool mcv_emitter_is_surface_light(uint32_t type) {
+#define MCV_X(name, key, NAME) || type == MCV_EMITTER_##NAME
+    return false MCV_SURFACE_LIGHTS(MCV_X);
+#undef MCV_X
+}
+
 bool mcv_emitter_has_surface(uint32_t type) {
     return type != MCV_EMITTER_ENVIRONMENT && type != MCV_EMITTER_DIRECTIONAL &&
            !mcv_emitter_is_point_light(type);
@@ -234,7 +240,7 @@ void mcv_emitter_image_mean(const mcv_scene *scene, const mcv_emitter *emitter, 
 
 double mcv_emitter_solid_angle(const mcv_emitter *emitter) {
     if (emitter->type == MCV_EMITTER_PROJECTOR) return (double)NAN;
-    if (emitter->type == MCV_EMITTER_AREA) return 2 * M_PI;
+    if (mcv_emitter_is_surface_light(emitter->type)) return 2 * M_PI;
     if (emitter->type == MCV_EMITTER_ENVIRONMENT || emitter->type == MCV_EMITTER_POINT)
         return 4 * M_PI;
     if (emitter->type == MCV_EMITTER_COLLIMATED_BEAM || emitter->type == MCV_EMITTER_DIRECTIONAL)

@@ -3,6 +3,7 @@
 
 #include "scene/transform.h"
 #include "scene/materials.h"
+#include "scene/params.h"
 
 #include <math.h>
 
@@ -139,15 +140,12 @@ static mcv_result check_material(const mcv_solid *solid, const mcv_scene *scene,
 }
 
 static bool passes_light(const mcv_material *m) {
-    const double *share = m->type == MCV_MATERIAL_DIFFUSE ? m->as.diffuse.transmittance
-                          : m->type == MCV_MATERIAL_BEAM_SPLITTER
-                              ? m->as.beam_splitter.transmittance
-                          : m->type == MCV_MATERIAL_SHEET ? m->as.sheet.transmittance
-                                                          : NULL;
+    const double *share = mcv_params_find(mcv_material_table(m->type), "transmittance", &m->as);
+    if (share) return share[0] + share[1] + share[2] > 0;
     if (m->type == MCV_MATERIAL_METALLIC_ROUGHNESS)
         return m->as.metallic_roughness.transmission > 0 ||
                m->as.metallic_roughness.diffuseTransmission > 0;
-    return m->type == MCV_MATERIAL_DIELECTRIC || (share && share[0] + share[1] + share[2] > 0);
+    return m->type == MCV_MATERIAL_DIELECTRIC || mcv_material_is_plate(m->type);
 }
 
 /* Light that came out of glass by an edge of something else would not know that it has. */

@@ -23,12 +23,19 @@
     X(spot, "spot", SPOT)
 /* clang-format on */
 
+/* Emitters with a surface, by how their radiance depends on the angle from its normal
+ * (mcvisi/surface_light.h). */
+/* clang-format off */
+#define MCV_SURFACE_LIGHTS(X) \
+    X(area, "area", AREA)
+/* clang-format on */
+
 #define MCV_EMITTERS(X) \
     X(parallel, "parallel", PARALLEL) \
     X(telecentric_projector, "telecentricProjector", TELECENTRIC_PROJECTOR) \
     X(light_field_emitter, "lightField", LIGHT_FIELD_EMITTER) \
     X(projector, "projector", PROJECTOR) \
-    X(area, "area", AREA) \
+    MCV_SURFACE_LIGHTS(X) \
     X(environment, "environment", ENVIRONMENT) \
     X(collimated_beam, "collimatedBeam", COLLIMATED_BEAM) \
     MCV_POINT_LIGHTS(X) \
@@ -48,19 +55,26 @@
  * the reflectance.
  */
 /* clang-format off */
-#define MCV_REFLECTORS(X) \
+#define MCV_SCATTERERS(X) \
     X(retroreflector, "retroreflector", RETROREFLECTOR)
 /* clang-format on */
+
+/*
+ * Plates without thickness: they reflect one share of the light and pass another straight on.
+ * mcv_scatter_<name> in kernels/bsdf/ describes each. A struct mcv_<name> holds what it needs.
+ */
+#define MCV_PLATES(X) \
+    X(sheet, "sheet", SHEET) \
+    X(beam_splitter, "beamSplitter", BEAM_SPLITTER)
 
 #define MCV_MATERIALS(X) \
     X(diffuse, "diffuse", DIFFUSE) \
     X(dielectric, "dielectric", DIELECTRIC) \
-    X(sheet, "sheet", SHEET) \
+    MCV_PLATES(X) \
     X(mirror, "mirror", MIRROR) \
-    X(beam_splitter, "beamSplitter", BEAM_SPLITTER) \
     X(conductor, "conductor", CONDUCTOR) \
     X(metallic_roughness, "metallicRoughness", METALLIC_ROUGHNESS) \
-    MCV_REFLECTORS(X) \
+    MCV_SCATTERERS(X) \
     X(absorber, "absorber", ABSORBER)
 
 #define MCV_SENSOR_ENUM(name, key, NAME) MCV_SENSOR_##NAME,
@@ -119,9 +133,8 @@ enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 #if !MCV_ON_DEVICE || MCV_WITH_DIELECTRIC
 #include "mcvisi/materials/dielectric.h"
 #endif
-#if !MCV_ON_DEVICE || MCV_WITH_SHEET
+#include "mcvisi/materials/beam_splitter.h"
 #include "mcvisi/materials/sheet.h"
-#endif
 #if !MCV_ON_DEVICE || MCV_WITH_REFLECTOR
 #include "mcvisi/materials/retroreflector.h"
 #endif
@@ -130,7 +143,6 @@ enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 #if !MCV_ON_DEVICE
 #include "mcvisi/emitters/telecentric_projector.h"
 #include "mcvisi/materials/absorber.h"
-#include "mcvisi/materials/beam_splitter.h"
 #include "mcvisi/materials/conductor.h"
 #include "mcvisi/materials/metallic_roughness.h"
 #include "mcvisi/materials/mirror.h"

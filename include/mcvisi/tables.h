@@ -16,6 +16,9 @@
 #if !MCV_ON_DEVICE || MCV_WITH_RECTANGLE
 #include "mcvisi/rectangle.h"
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_AREA
+#include "mcvisi/surface_light.h"
+#endif
 #include "mcvisi/surfaces/solid.h"
 
 /* The number of media that a path can distinguish. Medium 0 is the surrounding vacuum; bit i of a
@@ -82,7 +85,7 @@ MCV_ASSERT_SIZE(mcv_device_instance, 20);
 /*
  * Shading classes of surfaces that do not emit and have no texture: diffuse, isotropic microfacets,
  * smooth bodies, absorbers. Scenes with few emitters have one more class: MCV_SHADING_BLACK plus 1
- * plus the emitter's index is an emitting surface without image that has its full radiance or none.
+ * plus the emitter's index is the surface of an emitter whose radiance depends on the angle alone.
  * All other surfaces are one class.
  */
 enum {
@@ -99,8 +102,6 @@ typedef struct mcv_device_material {
     uint texture;   /* or MCV_NONE */
     float value[3]; /* reflectance, transmittance or base colour; rough conductor: share left after
                        reflection between microfacets */
-    float eta;      /* sheet: 1/n */
-    float delta;    /* sheet: (n - 1)(n + 1)/n² */
     uint scattering_sides; /* number of sides on which scattered light leaves; emitters are sampled
                               from here. 0: smooth or black */
     float
@@ -109,16 +110,15 @@ typedef struct mcv_device_material {
     uint connectable; /* 1: scatters so widely that light paths connect it to the lens; 0: the lens
                          would rarely lie in its highlights */
     uint near_specular; /* 1: scatters so little that light paths continue as at a smooth surface */
-#if !MCV_ON_DEVICE || MCV_WITH_REFLECTOR
     union {
 #define MCV_X(name, key, NAME) mcv_##name name;
-        MCV_REFLECTORS(MCV_X)
-#undef MCV_X
-        uint words[6]; /* the size of the largest member */
-    } as;
-#else
-    uint no_reflector[6]; /* keeps the size */
+#if !MCV_ON_DEVICE || MCV_WITH_REFLECTOR
+        MCV_SCATTERERS(MCV_X)
 #endif
+        MCV_PLATES(MCV_X)
+#undef MCV_X
+        uint words[8]; /* the most that one has */
+    } as;
 } mcv_device_material;
 MCV_ASSERT_SIZE(mcv_device_material, 80);
 
@@ -151,7 +151,7 @@ MCV_ASSERT_SIZE(mcv_device_medium, 16);
 
 typedef struct mcv_device_emitter {
     uint type; /* MCV_EMITTER_…; a telecentric projector is a parallel emitter with a texture; all
-                  MCV_POINT_LIGHTS are MCV_EMITTER_POINT */
+                  MCV_POINT_LIGHTS are MCV_EMITTER_POINT, all MCV_SURFACE_LIGHTS MCV_EMITTER_AREA */
     uint instance; /* instance whose triangles emit, or MCV_NONE */
     uint texture;  /* or MCV_NONE */
     uint cdf; /* where its triangle_count + 1 cumulative shares begin, 2^31 = 1; of an environment
@@ -175,7 +175,7 @@ typedef struct mcv_device_emitter {
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
     mcv_parallel parallel;
 #else
-    uint no_parallel[8];  /* keeps the size */
+    uint no_parallel[8]; /* keeps the size */
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_FIELD
     mcv_light_field_emitter light_field;
@@ -203,13 +203,18 @@ typedef struct mcv_device_emitter {
 #else
     uint no_punctual[16];
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_AREA
+    mcv_surface_light surface_light;
+#else
+    uint no_surface_light[4];
+#endif
 #if !MCV_ON_DEVICE || MCV_WITH_RECTANGLE
     mcv_rectangle rectangle;
 #else
     uint no_rectangle[24];
 #endif
 } mcv_device_emitter;
-MCV_ASSERT_SIZE(mcv_device_emitter, 480);
+MCV_ASSERT_SIZE(mcv_device_emitter, 496);
 
 typedef struct mcv_device_texture {
     uint width, height;

@@ -36,7 +36,7 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interacti
 #define MCV_X(name, key, NAME) \
     if (type == MCV_MATERIAL_##NAME) \
         return mcv_respond_##name(world, interaction, material, media, direction);
-    MCV_REFLECTORS(MCV_X)
+    MCV_SCATTERERS(MCV_X)
 #undef MCV_X
 #endif
     return response;
@@ -51,9 +51,11 @@ MCV_LOOP_FUNCTION int mcv_is_near_specular(mcv_world world, mcv_interaction inte
 }
 
 /* Does the surface pass light straight on, but for what it reflects? */
-MCV_LOOP_FUNCTION int mcv_is_sheet(mcv_world world, mcv_interaction interaction) {
+MCV_LOOP_FUNCTION int mcv_is_plate(mcv_world world, mcv_interaction interaction) {
     const uint type = world.materials[world.instances[interaction.surface.instance].material].type;
-    return type == MCV_MATERIAL_SHEET || type == MCV_MATERIAL_BEAM_SPLITTER;
+#define MCV_X(name, key, NAME) || type == MCV_MATERIAL_##NAME
+    return 0 MCV_PLATES(MCV_X);
+#undef MCV_X
 }
 
 /*
@@ -85,18 +87,19 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
 #define MCV_X(name, key, NAME) \
     if (type == MCV_MATERIAL_##NAME) \
         return mcv_scatter_##name(world, interaction, instance.material, media, pair, choice);
-    MCV_REFLECTORS(MCV_X)
+    MCV_SCATTERERS(MCV_X)
 #undef MCV_X
 #endif
     if (MCV_WITH_TRANSLUCENT && type == MCV_MATERIAL_DIFFUSE)
         return mcv_scatter_translucent(world, interaction, instance.material, media, pair, choice);
-    if (MCV_WITH_SHEET && type == MCV_MATERIAL_BEAM_SPLITTER)
-        return mcv_scatter_beam_splitter(interaction, material, media, pair.x, other);
+#define MCV_X(name, key, NAME) \
+    if (MCV_WITH_SHEET && type == MCV_MATERIAL_##NAME) \
+        return mcv_scatter_##name(world, interaction, instance.material, media, pair.x, other);
+    MCV_PLATES(MCV_X)
+#undef MCV_X
     const mcv_color value = mcv_material_value(world, interaction.surface, instance.material);
     if (MCV_WITH_DIFFUSE && type == MCV_MATERIAL_DIFFUSE)
         return mcv_scatter_diffuse(interaction, value, media, pair);
-    if (MCV_WITH_SHEET && type == MCV_MATERIAL_SHEET)
-        return mcv_scatter_sheet(world, interaction, material, value, media, pair.x, other);
     if (MCV_WITH_MIRROR && type == MCV_MATERIAL_MIRROR) {
         scattering = mcv_scatter_mirrored(interaction, media);
         scattering.factor = value;

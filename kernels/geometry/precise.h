@@ -64,7 +64,7 @@ static mcv_dvec mcv_turn_precisely(mcv_world world, const mcv_interaction *inter
             /* Another law of its own: only floats know it. */
 #define MCV_X(name, key, NAME) \
     if (type == MCV_MATERIAL_##NAME) return mcv_dvec_of(0.0, 0.0, 0.0);
-        MCV_REFLECTORS(MCV_X)
+        MCV_SCATTERERS(MCV_X)
 #undef MCV_X
         turned = mcv_reflect_d(d, met->normal);
         if (!(mcv_dot_d(turned, met->face) > 0.0)) turned = mcv_reflect_d(d, met->face);

@@ -73,15 +73,13 @@ MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint co
             facet = mcv_facet_of(world, triangle);
         const mcv_surface there =
             mcv_surface_on(facet, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
-        const int shines = mcv_shines(e, there.face, there.normal, mcv_scale(direction, -1.0f));
+        const float sent =
+            mcv_radiance_share(e, there.face, there.normal, mcv_scale(direction, -1.0f));
         mcv_emitter_hit met;
         met.emitter = emitter;
         met.other = 0.0f;
         met.share = shares[slot.index];
-        MCV_EACH_CHANNEL(c) {
-            const float full = e->radiance[c];
-            met.radiance.c[c] = shines ? full : 0.0f;
-        }
+        MCV_EACH_CHANNEL(c) met.radiance.c[c] = e->radiance[c] * sent;
 #if MCV_WITH_NEXT_EVENT
         float share;
 #if MCV_WITH_RECTANGLE

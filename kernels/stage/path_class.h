@@ -51,7 +51,7 @@ MCV_LOOP_FUNCTION void mcv_update_path_class(mcv_world world, mcv_slot slot,
                                              const mcv_interaction *interaction,
                                              mcv_shading shading, mcv_scattering on) {
     const int passes = shading.kind == MCV_SHADING_ANY && on.event == MCV_EVENT_PASS &&
-                       mcv_is_sheet(world, *interaction);
+                       mcv_is_plate(world, *interaction);
     mcv_update_path_class_at(world, slot, interaction->surface.point, on.density > 0.0f,
                              mcv_is_connectable(world, *interaction),
                              mcv_is_near_specular(world, *interaction), passes);

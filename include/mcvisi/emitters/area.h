@@ -13,8 +13,13 @@
 
 #define MCV_AREA_PARAMS(X) MCV_RADIANCE_PARAMS(X)
 
-MCV_FUNCTION float mcv_area_evaluate(mcv_vec3 direction, mcv_vec3 normal) {
-    return mcv_dot(direction, normal) > 0.0f ? 1.0f : 0.0f;
+typedef struct mcv_area {
+    uint nothing; /* C has no empty structs */
+} mcv_area;
+
+MCV_LOOP_FUNCTION float mcv_area_share(MCV_GLOBAL const mcv_area *light, float cosine) {
+    (void)light;
+    return cosine > 0.0f ? 1.0f : 0.0f;
 }
 
 #endif

@@ -10,11 +10,11 @@
  * An emitter is one header with
  *     MCV_<NAME>_PARAMS(X)      its parameters (mcvisi/params.h)
  *     mcv_<name>                what the device needs of them, 4-byte scalars
- *     mcv_<name>_evaluate       the share of its radiance that leaves a point in a direction (q_d,
- * q_n unit); for MCV_POINT_LIGHTS mcv_<name>_share, by the angle and one line in MCV_POINT_LIGHTS
- * or MCV_EMITTERS (mcvisi/elements.h). An emitter that rays cannot hit also has functions for
- * next-event estimation. host/scene/emitters.c resolves the parameters, emitters_device.c prepares
- * the device struct.
+ *     mcv_<name>_share          for MCV_POINT_LIGHTS and MCV_SURFACE_LIGHTS: the share of its
+ *                               intensity or radiance that leaves at an angle
+ * and one line in one of the lists of mcvisi/elements.h. An emitter that rays cannot hit also has
+ * functions for next-event estimation. host/scene/emitters.c resolves the parameters,
+ * emitters_device.c prepares the device struct.
  */
 #ifndef MCVISI_EMITTERS_EMITTER_H
 #define MCVISI_EMITTERS_EMITTER_H

@@ -16,4 +16,8 @@
     X(spectrum, reflectance, 0.5, 0, 1, "share of the light that is reflected") \
     X(spectrum, transmittance, 0.5, 0, 1, "share of the light that is transmitted")
 
+typedef struct mcv_beam_splitter {
+    uint nothing; /* C has no empty structs */
+} mcv_beam_splitter;
+
 #endif

@@ -10,9 +10,10 @@
  *
  * A material is one header with
  *     MCV_<NAME>_PARAMS(X)    its parameters (mcvisi/params.h)
- *     mcv_<name>              of MCV_REFLECTORS: what the device needs beside the reflectance
+ *     mcv_<name>              of MCV_SCATTERERS and MCV_PLATES: what the device needs beside the
+ *                             reflectance or transmittance
  *     its optics              for the device; kernels/bsdf/ combines it with the path
- * and one line in MCV_REFLECTORS or MCV_MATERIALS (mcvisi/elements.h).
+ * and one line in MCV_SCATTERERS, MCV_PLATES or MCV_MATERIALS (mcvisi/elements.h).
  */
 #ifndef MCVISI_MATERIALS_MATERIAL_H
 #define MCVISI_MATERIALS_MATERIAL_H

@@ -15,6 +15,12 @@
     X(number, ior, 1.5, 1, 10, "refractive index n") \
     X(spectrum, transmittance, 1, 0, 1, "share of the refracted light that is transmitted")
 
+/* What the device needs beside the transmittance, in vacuum. */
+typedef struct mcv_sheet {
+    float eta;   /* 1/n */
+    float delta; /* (n - 1)(n + 1)/n² */
+} mcv_sheet;
+
 /* R' for the cosine of incidence; `into` is the interface from the medium outside into the
  * sheet. */
 MCV_FUNCTION float mcv_sheet_reflectance(mcv_device_interface into, float cosine) {
