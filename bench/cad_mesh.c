@@ -144,8 +144,8 @@ static void add_part(maker *m, uint32_t bores) {
     add(m, &base, ground[0]);
     add(m, &base, ground[1]);
     for (uint32_t i = 0; i < bores * bores; ++i) {
-        const frame cell =
-            upright(half * (2 * (i % bores) + 1) - 1, half * (2 * (i / bores) + 1) - 1, 0);
+        const uint32_t row = i / bores, column = i % bores;
+        const frame cell = upright(half * (2 * column + 1) - 1, half * (2 * row + 1) - 1, 0);
         add_face(m, &cell, bore + chamfer, half, -0.2);
         add_strip(m, &cell, bore + chamfer, -0.2, bore, -0.2 - chamfer);
         add_strip(m, &cell, bore, -0.2 - chamfer, bore, -0.6);
