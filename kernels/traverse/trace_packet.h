@@ -20,8 +20,14 @@
  * company. */
 #define MCV_PACKET_FEW 5
 
-/* Where slopes differ by no more, company pays. */
+/* So many of a packet wait for company in turns; the sooner they have gone, the sooner their hits
+ * spare the packet nodes. */
+#define MCV_STRAGGLERS 32u
+
+/* Where slopes differ by no more, or origins by no more than this share of the scene's size, rays
+ * enter many of the same nodes. */
 #define MCV_PACKET_SPREAD 0.25f
+#define MCV_PACKET_PLACE 0.03125f
 
 /* A child that waits: its node's level, and which of its children it is. */
 typedef struct mcv_packet_child {
@@ -132,23 +138,41 @@ MCV_LOOP_FUNCTION float mcv_spread_of(const mcv_packet *p, uint count) {
     return max(most[0] - least[0], most[1] - least[1]);
 }
 
+/* By how much the origins differ. */
+MCV_LOOP_FUNCTION float mcv_origins_spread(mcv_rows origins, const uint *numbers, uint count) {
+    float spread = 0.0f;
+#pragma unroll
+    for (uint k = 0; k < 3; ++k) {
+        float least = INFINITY, most = -INFINITY;
+        for (uint i = 0; i < count; ++i) {
+            const float x =
+                as_float(origins.base[numbers[i] * origins.step + k * origins.component]);
+            least = min(least, x);
+            most = max(most, x);
+        }
+        spread = max(spread, most - least);
+    }
+    return spread;
+}
+
 /* The hits of at most MCV_PACKET rays, all of finite origin. */
 MCV_LOOP_FUNCTION void mcv_trace_packet(__global const mcv_node *nodes,
                                         __global const mcv_leaf *leaves, mcv_rows origins,
                                         mcv_rows directions, const uint *numbers, uint count,
-                                        int any, float spread, mcv_hits hits) {
+                                        int any, float spread, float place, mcv_hits hits) {
     mcv_packet_traversal p;
     mcv_straggler stragglers[MCV_PACKET];
     uint alone = 0;
     mcv_packet_setup(origins, directions, numbers, count, nodes->extent, hits, &p.rays);
-    if (mcv_spread_of(&p.rays, count) <= spread) {
+    if (mcv_spread_of(&p.rays, count) <= spread ||
+        mcv_origins_spread(origins, numbers, count) <= place * nodes->extent) {
         mcv_begin_packet(count, any, &p);
     } else {
         p.depth = 0;
         for (; alone < count; ++alone) stragglers[alone] = (mcv_straggler){alone, 0};
     }
     while (p.depth > 0 || alone > 0) {
-        if (p.depth == 0 || alone + MCV_PACKET_FEW > MCV_PACKET) {
+        if (p.depth == 0 || alone >= MCV_STRAGGLERS) {
             mcv_trace_stragglers(nodes, leaves, &p.rays, stragglers, alone, any);
             alone = 0;
             continue;
@@ -171,10 +195,10 @@ MCV_LOOP_FUNCTION void mcv_trace_packet(__global const mcv_node *nodes,
 /*
  * The hits of the rays numbers[0 … count - 1]: the closest or, where any hit will do, one of them,
  * of which only the triangle is known. On entry they are misses (mcv_miss) or what else the rays
- * have hit, which stays where nothing closer is hit. Rays whose slopes differ by at most
- * `spread` go together.
+ * have hit, which stays where nothing closer is hit. Rays whose slopes differ by at most `spread`
+ * go together, and so do those whose origins lie within `place` times the scene's size.
  */
-#define MCV_TRACE_RAYS(name, any, spread) \
+#define MCV_TRACE_RAYS(name, any, spread, place) \
     static inline __attribute__((noinline)) void name( \
         __global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_rows origins, \
         mcv_rows directions, const uint *numbers, uint count, mcv_hits hits) { \
@@ -184,9 +208,9 @@ MCV_LOOP_FUNCTION void mcv_trace_packet(__global const mcv_node *nodes,
         } \
         for (uint first = 0; first < count; first += MCV_PACKET) \
             mcv_trace_packet(nodes, leaves, origins, directions, numbers + first, \
-                             min(count - first, (uint)MCV_PACKET), any, spread, hits); \
+                             min(count - first, (uint)MCV_PACKET), any, spread, place, hits); \
     }
-MCV_TRACE_RAYS(mcv_intersect_closest_rays, 0, MCV_PACKET_SPREAD)
-MCV_TRACE_RAYS(mcv_intersect_any_rays, 1, MCV_PACKET_SPREAD)
+MCV_TRACE_RAYS(mcv_intersect_closest_rays, 0, MCV_PACKET_SPREAD, MCV_PACKET_PLACE)
+MCV_TRACE_RAYS(mcv_intersect_any_rays, 1, MCV_PACKET_SPREAD, MCV_PACKET_PLACE)
 
 #endif
