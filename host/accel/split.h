@@ -9,7 +9,7 @@
 #define MCVISI_HOST_ACCEL_SPLIT_H
 
 #include "mcvisi/accel.h"
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 /* Four lanes, of which the last is unused, so that the compiler can use one vector instruction. */
 typedef struct mcv_box3f {

@@ -19,7 +19,7 @@
 #ifndef MCVISI_HOST_ANALYSIS_EMD_H
 #define MCVISI_HOST_ANALYSIS_EMD_H
 
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 /* J K at most: beyond it a single pair would take seconds. */
 enum { MCV_EMD_MAX_BINS = 1024 };

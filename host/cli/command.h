@@ -4,7 +4,7 @@
 #define MCVISI_HOST_CLI_COMMAND_H
 
 #include "cli/options.h"
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 #include <jansson.h>
 #include <stdbool.h>

@@ -57,7 +57,7 @@ static void print_light(const mcv_rig_light *light) {
            light->type == MCV_RIG_LIGHT_BACKLIGHT ? "behind" : "before");
 }
 
-static void print_choice(const mcv_rig *r, const char *path) {
+static void print_choice(const mcv_rig_design *r, const char *path) {
     printf("%s\n  part            %s x %s x %s, %u triangles\n", path, length(r->across[0]),
            length(r->across[1]), length(r->depth), r->triangles);
     if (r->wishes.kind == MCV_RIG_TELECENTRIC)
@@ -85,7 +85,7 @@ static void print_choice(const mcv_rig *r, const char *path) {
 mcv_result mcv_verb_new(const mcv_command *command, mcv_error *error) {
     char path[PATH_MAX];
     mcv_rig_wishes wishes;
-    mcv_rig rig;
+    mcv_rig_design rig;
     MCV_TRY(read_wishes(command, &wishes, error));
     MCV_TRY(mcv_rig_choose(&wishes, &rig, error));
     MCV_TRY(mcv_rig_write(&rig, command->rig, command->force, path, error));

@@ -40,8 +40,8 @@ static mcv_result make_path(char *out, const char *path, const char *sensor, con
                     path, PATH_MAX);
 }
 
-mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
-                            bool several, mcv_picture *picture, mcv_error *error) {
+mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
+                            bool several, mcv_render_files *picture, mcv_error *error) {
     uint32_t width, height;
     char label[128];
     const bool irradiance = mcv_sensor_measures_irradiance(scene->sensors + sensor);
@@ -159,7 +159,7 @@ static mcv_result make_samples(const mcv_film *film, mcv_exr_part *part, mcv_err
     return MCV_OK;
 }
 
-static mcv_result write_exr(const mcv_picture *picture, const mcv_command *command,
+static mcv_result write_exr(const mcv_render_files *picture, const mcv_command *command,
                             const mcv_scene *scene, uint32_t sensor,
                             const mcv_render_options *options, const mcv_film *film,
                             const mcv_render_stats *stats, const mcv_exr_part *parts,
@@ -203,21 +203,21 @@ static mcv_result write_exr(const mcv_picture *picture, const mcv_command *comma
     mcv_attribute attributes[GENERAL + MCV_PICTURE_PARAMETERS];
     memcpy(attributes, general, sizeof general);
     const uint32_t count =
-        GENERAL + mcv_picture_attributes(scene->sensors + sensor, attributes + GENERAL, names);
+        GENERAL + mcv_header_attributes(scene->sensors + sensor, attributes + GENERAL, names);
     const mcv_result result =
         mcv_exr_write(picture->exr, parts, part_count, attributes, count, error);
     free(set);
     return result;
 }
 
-mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *command,
+mcv_result mcv_render_files_write(const mcv_render_files *picture, const mcv_command *command,
                              const mcv_scene *scene, uint32_t sensor,
                              const mcv_render_options *options, const mcv_film *film,
                              const mcv_render_stats *stats, mcv_preview *preview,
                              mcv_error *error) {
     mcv_exr_part parts[MAX_PARTS] = {{.name = "image"}, {.name = "error"}};
     mcv_result result = mcv_film_develop(film, &parts[0].image, &parts[1].image, error);
-    if (result == MCV_OK) result = mcv_picture_describe(scene, sensor, &parts[0].image, error);
+    if (result == MCV_OK) result = mcv_header_describe(scene, sensor, &parts[0].image, error);
     /* One replicate has no spread, and so no known error. */
     uint32_t count = film->replicates > 1 ? 2 : 1;
     const uint32_t replicates = command->parts && film->replicates > 1 ? film->replicates : 0;

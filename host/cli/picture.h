@@ -14,22 +14,22 @@
 /* Name of the part with a replicate's means. */
 #define MCV_PICTURE_REPLICATE "replicate %u"
 
-typedef struct mcv_picture {
+typedef struct mcv_render_files {
     char exr[PATH_MAX], png[PATH_MAX];
     char grey[PATH_MAX];         /* of --camera, or "" */
     const char *quantity, *unit; /* "radiance", "W/(m^2 sr)" */
-} mcv_picture;
+} mcv_render_files;
 
 /*
  * Where the files of a sensor go, which must be writable: SCENE.exr beside the scene or --output,
  * with -SENSOR before the ending where `several` sensors are rendered to; and the same with .png,
  * or --png; the grey values of --camera.
  */
-mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
-                            bool several, mcv_picture *picture, mcv_error *error);
+mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
+                            bool several, mcv_render_files *picture, mcv_error *error);
 
 /* Writes both. The preview gets its white level. */
-mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *command,
+mcv_result mcv_render_files_write(const mcv_render_files *picture, const mcv_command *command,
                              const mcv_scene *scene, uint32_t sensor,
                              const mcv_render_options *options, const mcv_film *film,
                              const mcv_render_stats *stats, mcv_preview *preview, mcv_error *error);

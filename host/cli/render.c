@@ -75,7 +75,7 @@ mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_option
 
 static mcv_result render_sensor(const mcv_command *command, const mcv_scene *scene,
                                 mcv_render_options options, uint32_t sensor,
-                                const mcv_picture *picture, mcv_film *film, mcv_summary *summary,
+                                const mcv_render_files *picture, mcv_film *film, mcv_summary *summary,
                                 mcv_error *error) {
     const bool reference = mcv_wants_reference(command);
     if (reference)
@@ -89,7 +89,7 @@ static mcv_result render_sensor(const mcv_command *command, const mcv_scene *sce
     MCV_TRY(result);
     const double begun = mcv_seconds();
     mcv_interrupt_watch(true);
-    MCV_TRY(mcv_picture_write(picture, command, scene, sensor, &options, film, &summary->stats,
+    MCV_TRY(mcv_render_files_write(picture, command, scene, sensor, &options, film, &summary->stats,
                               &summary->preview, error));
     summary->seconds_write = mcv_seconds() - begun;
     summary->width = film->width;
@@ -117,9 +117,9 @@ static mcv_result render_and_print(const mcv_command *command, const mcv_scene *
                                    const mcv_render_options *options, uint32_t sensor, bool several,
                                    double seconds_load, mcv_error *error) {
     char label[128];
-    mcv_picture picture;
+    mcv_render_files picture;
     mcv_film film = {0};
-    MCV_TRY(mcv_picture_plan(command, scene, sensor, several, &picture, error));
+    MCV_TRY(mcv_render_files_plan(command, scene, sensor, several, &picture, error));
     mcv_sensor_label(scene, sensor, label, sizeof label);
     mcv_summary summary = {.scene = scene->path,
                            .sensor = label,
@@ -145,11 +145,11 @@ static mcv_result render_and_print(const mcv_command *command, const mcv_scene *
  * folder is missing. */
 static mcv_result check_pictures(const mcv_command *command, const mcv_scene *scene, uint32_t first,
                                  uint32_t count, mcv_error *error) {
-    mcv_picture picture, earlier;
+    mcv_render_files picture, earlier;
     for (uint32_t i = first; i < first + count; ++i) {
-        MCV_TRY(mcv_picture_plan(command, scene, i, count > 1, &picture, error));
+        MCV_TRY(mcv_render_files_plan(command, scene, i, count > 1, &picture, error));
         for (uint32_t j = first; j < i; ++j) {
-            MCV_TRY(mcv_picture_plan(command, scene, j, count > 1, &earlier, error));
+            MCV_TRY(mcv_render_files_plan(command, scene, j, count > 1, &earlier, error));
             if (strcmp(picture.exr, earlier.exr) == 0)
                 return mcv_fail(error, MCV_BAD_INPUT,
                                 "%s would hold the images of both sensors %s and %s: rename one, "

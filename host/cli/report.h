@@ -7,7 +7,7 @@
 #ifndef MCVISI_HOST_CLI_REPORT_H
 #define MCVISI_HOST_CLI_REPORT_H
 
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 #include <jansson.h>
 

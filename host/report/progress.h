@@ -27,9 +27,9 @@ typedef struct mcv_progress_line {
 /* On stderr; a terminal where stderr is one that can go back to the start of its line. */
 mcv_progress_line mcv_progress_stderr(const char *label, const volatile sig_atomic_t *stop);
 
-/* An mcv_progress whose user is the mcv_progress_line. error: relative, so far; NaN or 0: not
+/* An mcv_pass_told whose user is the mcv_progress_line. error: relative, so far; NaN or 0: not
  * known. */
-mcv_progress mcv_progress_report;
+mcv_pass_told mcv_progress_report;
 
 /* Leaves an empty line on the terminal for what follows. */
 void mcv_progress_end(mcv_progress_line *line);

@@ -6,25 +6,25 @@
 #include <math.h>
 
 /* The diameter of the lens; of a light field camera's the diagonal. */
-static double lens_diameter(const mcv_rig *r) {
+static double lens_diameter(const mcv_rig_design *r) {
     const double side = r->focal_length * (1 + r->magnification) / r->f_number; /* b/N */
     return r->directions > 1 ? M_SQRT2 * side : side;
 }
 
 /* From the field, which grows or shrinks towards the lens, and the bundle of rays about each of its
  * points. */
-static double widen(const mcv_rig *r, double field, double distance) {
+static double widen(const mcv_rig_design *r, double field, double distance) {
     if (r->wishes.kind == MCV_RIG_TELECENTRIC)
         return field + fabs(distance) * r->magnification / r->f_number; /* 2 NA */
     const double share = distance / r->working_distance;
     return field * (1 - share) + lens_diameter(r) * fabs(share);
 }
 
-double mcv_rig_view(const mcv_rig *r, double distance) {
+double mcv_rig_view(const mcv_rig_design *r, double distance) {
     return widen(r, hypot(r->field[0], r->field[1]), distance);
 }
 
-double mcv_rig_view_side(const mcv_rig *r, int axis, double distance) {
+double mcv_rig_view_side(const mcv_rig_design *r, int axis, double distance) {
     return widen(r, r->field[axis], distance);
 }
 
@@ -34,7 +34,7 @@ double mcv_rig_view_side(const mcv_rig *r, int axis, double distance) {
  * the edge of the lens: it fills most of the J x K directions everywhere, and its edge lies within
  * them, where its shift shows what turns light aside. Else a diffuse panel that fills the view.
  */
-static void behind(mcv_rig *r, mcv_rig_light *light) {
+static void behind(mcv_rig_design *r, mcv_rig_light *light) {
     const double degrees = 180 / M_PI,
                  corner = 0.5 * hypot(r->field[0], r->field[1]) / r->working_distance;
     light->distance = 0.5 * r->depth + 0.5 * r->field[0];
@@ -53,7 +53,7 @@ static void behind(mcv_rig *r, mcv_rig_light *light) {
 }
 
 /* A flat ring about the view, half way to the camera. */
-static void around(const mcv_rig *r, mcv_rig_light *light) {
+static void around(const mcv_rig_design *r, mcv_rig_light *light) {
     light->distance = 0.5 * (r->working_distance + 0.5 * r->depth);
     light->inner = mcv_rig_usual(1.1 * mcv_rig_view(r, light->distance), true);
     light->outer = 1.6 * light->inner;
@@ -62,7 +62,7 @@ static void around(const mcv_rig *r, mcv_rig_light *light) {
 
 /* A low ring close to the part's front: its band stands 15° above it as seen from the middle, faces
  * it, and spans 7° to 23°. */
-static void low(const mcv_rig *r, mcv_rig_light *light) {
+static void low(const mcv_rig_design *r, mcv_rig_light *light) {
     const double radius = mcv_rig_usual(
         1.3 * 0.5 * fmax(mcv_rig_view(r, 0.5 * r->depth), mcv_rig_view(r, -0.5 * r->depth)), true);
     const double elevation = 15, half = 0.15 * radius;
@@ -79,7 +79,7 @@ static void low(const mcv_rig *r, mcv_rig_light *light) {
  * way to the panel is long. A cone keeps the panel's light off the part where it would pass by the
  * mirror.
  */
-static void along(const mcv_rig *r, mcv_rig_light *light) {
+static void along(const mcv_rig_design *r, mcv_rig_light *light) {
     light->size[0] = light->size[1] = 0;
     for (int i = 0; i < 50; ++i) { /* to where it stays; a camera that is too near sees ever more */
         light->distance = 0.5 * r->depth + 0.6 * light->size[1];
@@ -95,7 +95,7 @@ static void along(const mcv_rig *r, mcv_rig_light *light) {
 
 /* A dome whose opening lies at the part's front, and three times as wide as its hole: a ninth of
  * its light is missing. */
-static void over(const mcv_rig *r, mcv_rig_light *light) {
+static void over(const mcv_rig_design *r, mcv_rig_light *light) {
     double radius = 0;
     for (int i = 0; i < 50; ++i) {
         const double top = 0.5 * r->depth + radius;
@@ -110,7 +110,7 @@ static void over(const mcv_rig *r, mcv_rig_light *light) {
     light->reach = light->distance + radius;
 }
 
-void mcv_rig_choose_light(mcv_rig *r) {
+void mcv_rig_choose_light(mcv_rig_design *r) {
     const bool back =
         r->wishes.kind == MCV_RIG_TELECENTRIC || r->wishes.kind == MCV_RIG_TRANSPARENT;
     r->light = (mcv_rig_light){.type = r->wishes.light};

@@ -56,7 +56,7 @@ static mcv_result read_view(const char *text, double direction[3], mcv_error *er
 
 /* Unless the wish says so along the part's shortest side, so that the largest is seen; the longer
  * of what is seen lies horizontally. */
-static mcv_result look(mcv_rig *r, mcv_error *error) {
+static mcv_result look(mcv_rig_design *r, mcv_error *error) {
     double size[3], to_camera[3] = {0, 0, 0}, right[3] = {1, 0, 0}, up[3], extent[3] = {0, 0, 0};
     int axis = 2;
     for (int i = 0; i < 3; ++i) {
@@ -102,9 +102,9 @@ double mcv_rig_usual(double x, bool above) {
     return above ? 10 * decade : decade;
 }
 
-static double film_side(const mcv_rig *r, int axis) { return r->pixels[axis] * r->pixel; }
+static double film_side(const mcv_rig_design *r, int axis) { return r->pixels[axis] * r->pixel; }
 
-static void set_field(mcv_rig *r) {
+static void set_field(mcv_rig_design *r) {
     for (int i = 0; i < 2; ++i) r->field[i] = film_side(r, i) / r->magnification;
 }
 
@@ -113,7 +113,7 @@ static void set_field(mcv_rig *r) {
  * depth z from the plane in focus is blurred by z m²/N in the image, to first order. The largest
  * where none is enough.
  */
-static double choose_f_number(const mcv_rig *r) {
+static double choose_f_number(const mcv_rig_design *r) {
     static const double usual[] = {4, 5.6, 8, 11, 16};
     enum { COUNT = sizeof usual / sizeof usual[0] };
     const double m = r->magnification;
@@ -126,13 +126,13 @@ static double choose_f_number(const mcv_rig *r) {
 }
 
 /* The wished magnification, given as such or as the field's width; 0 without. */
-static double wished_magnification(const mcv_rig *r) {
+static double wished_magnification(const mcv_rig_design *r) {
     return r->wishes.field_of_view > 0 ? film_side(r, 0) / r->wishes.field_of_view
                                        : r->wishes.magnification;
 }
 
 /* `least`: the working distance that the light asks for. */
-static void choose_telecentric(mcv_rig *r, double least) {
+static void choose_telecentric(mcv_rig_design *r, double least) {
     const double wished = wished_magnification(r),
                  needed[2] = {margin * r->across[0],
                               margin * fmax(r->across[1], 1e-3 * r->across[0])};
@@ -152,7 +152,7 @@ static void choose_telecentric(mcv_rig *r, double least) {
 
 /* At which a focal length frames the part. The nearest face must fit: the field there is (W -
  * depth/2)/W of that in focus. */
-static double framing_distance(const mcv_rig *r, double f, double scale) {
+static double framing_distance(const mcv_rig_design *r, double f, double scale) {
     /* W - depth/2 = scale b with b = W f/(W - f): the larger root of W² - (scale f + f + depth/2) W
      * + f depth/2 = 0. */
     const double half = 0.5 * r->depth, p = 0.5 * (scale * f + f + half);
@@ -161,7 +161,7 @@ static double framing_distance(const mcv_rig *r, double f, double scale) {
 
 /* Whether the camera stands far enough: three fields away for a mild perspective, and where the
  * light leaves it room. */
-static bool is_far_enough(const mcv_rig *r, double f, double distance, double field, double least) {
+static bool is_far_enough(const mcv_rig_design *r, double f, double distance, double field, double least) {
     const double lens = f / (distance - f) * distance / choose_f_number(r); /* b/N */
     if (distance < fmax(least, 3 * field + r->depth)) return false;
     /* The panel lights a cone within the pupil from everywhere in the field if the lens is wider
@@ -170,7 +170,7 @@ static bool is_far_enough(const mcv_rig *r, double f, double distance, double fi
            lens >= 1.2 * field * hypot(1, film_side(r, 1) / film_side(r, 0));
 }
 
-static void choose_entocentric(mcv_rig *r, double least) {
+static void choose_entocentric(mcv_rig_design *r, double least) {
     static const double usual[] = {4e-3,  6e-3,  8e-3,   12e-3,  16e-3,  25e-3, 35e-3,
                                    50e-3, 75e-3, 100e-3, 150e-3, 200e-3, 300e-3};
     enum { LONGEST = sizeof usual / sizeof usual[0] };
@@ -201,7 +201,7 @@ static void choose_entocentric(mcv_rig *r, double least) {
 
 /* --- all of it --- */
 
-static mcv_result check_wishes(const mcv_rig *r, mcv_error *error) {
+static mcv_result check_wishes(const mcv_rig_design *r, mcv_error *error) {
     const mcv_rig_wishes *w = &r->wishes;
     const bool scale = w->magnification > 0 || w->field_of_view > 0;
     if (w->magnification > 0 && w->field_of_view > 0)
@@ -224,8 +224,8 @@ static mcv_result check_wishes(const mcv_rig *r, mcv_error *error) {
     return MCV_OK;
 }
 
-mcv_result mcv_rig_choose(const mcv_rig_wishes *wishes, mcv_rig *r, mcv_error *error) {
-    *r = (mcv_rig){.wishes = *wishes,
+mcv_result mcv_rig_choose(const mcv_rig_wishes *wishes, mcv_rig_design *r, mcv_error *error) {
+    *r = (mcv_rig_design){.wishes = *wishes,
                    .directions = films[wishes->kind].directions,
                    .pixel = films[wishes->kind].pixel};
     MCV_TRY(check_wishes(r, error));
