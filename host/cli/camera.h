@@ -3,8 +3,7 @@
 #ifndef MCVISI_HOST_CLI_CAMERA_H
 #define MCVISI_HOST_CLI_CAMERA_H
 
-#include "analysis/read_out.h"
-#include "cli/command.h"
+#include "verbs/grey_picture.h"
 
 #include <limits.h>
 
@@ -19,8 +18,5 @@ mcv_result mcv_camera_write(const mcv_command *command, const char *image, const
 /* The 8-bit preview beside grey values that viewers show as black or not at all: all but OpenEXR
  * and PNG and TIFF of 8 bits. */
 bool mcv_camera_preview(const mcv_command *command, const char *grey, char preview[PATH_MAX]);
-
-/* The camera of the options. Texts are the command's. */
-mcv_camera_settings mcv_camera_settings_of(const mcv_command *command);
 
 #endif

@@ -3,9 +3,10 @@
 #include "check/findings.h"
 #include "cli/camera.h"
 #include "cli/interrupt.h"
-#include "cli/command.h"
+#include "cli/verbs.h"
 #include "cli/picture.h"
-#include "cli/report.h"
+#include "cli/tell.h"
+#include "verbs/report.h"
 #include "scene/sensor_find.h"
 #include "core/basics.h"
 #include "report/progress.h"
@@ -18,65 +19,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double default_error = 0.01;
-static const double default_seconds = 60;
-
-/* --- options --- */
-
-mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_options *options,
-                                   mcv_error *error) {
-    *options = mcv_render_defaults();
-    options->sampler = command->sampler ? MCV_SAMPLER_RANDOM : MCV_SAMPLER_SOBOL;
-    options->no_split = command->split != 0;
-    options->replicates = (uint32_t)command->replicates;
-    options->seed = (uint32_t)command->seed;
-    options->depth = (uint32_t)command->depth;
-    options->schedule = (uint32_t)command->schedule;
-    options->threads = (uint32_t)command->threads;
-    options->device = command->device;
-    options->error = command->error;
-    options->seconds = command->time;
-    MCV_TRY(mcv_precision_read(command, &options->precision, error));
-    if (command->spp && command->samples[1])
-        return mcv_fail(error, MCV_USAGE,
-                        "--spp and --samples both say how many samples: give one of them");
-    if (command->error > 0 && command->replicates < 2)
-        return mcv_fail(
-            error, MCV_USAGE,
-            "--error needs replicates to know the error from: give --replicates 2 or more");
-    if (command->adaptive && command->samples[1])
-        return mcv_fail(
-            error, MCV_USAGE,
-            "--adaptive is of a whole render: leave out --samples, and say how many by --spp");
-    if (command->adaptive && mcv_wants_reference(command))
-        return mcv_fail(error, MCV_USAGE,
-                        "--adaptive: the reference renderer gives all pixels the same samples: "
-                        "leave out one of the two");
-    options->adaptive = command->adaptive;
-    options->first = command->samples[0];
-    options->last = command->samples[1];
-    if (command->spp) {
-        const uint64_t each = (command->spp + command->replicates - 1) / command->replicates;
-        for (options->last = 1; options->last < each;) options->last *= 2;
-        if (options->last > 0x80000000u)
-            return mcv_fail(error, MCV_USAGE,
-                            "--spp %llu: must be at most 2^31 for each of the %llu replicates",
-                            (unsigned long long)command->spp,
-                            (unsigned long long)command->replicates);
-    }
-    if (options->last == 0 && options->error == 0 && options->seconds == 0) {
-        options->error = default_error;
-        options->seconds = default_seconds;
-    }
-    return MCV_OK;
-}
-
-/* --- one sensor --- */
-
 static mcv_result render_sensor(const mcv_command *command, const mcv_scene *scene,
                                 mcv_render_options options, uint32_t sensor,
-                                const mcv_render_files *picture, mcv_film *film, mcv_summary *summary,
-                                mcv_error *error) {
+                                const mcv_render_files *picture, mcv_film *film,
+                                mcv_summary *summary, mcv_error *error) {
     const bool reference = mcv_wants_reference(command);
     if (reference)
         options.sampler = MCV_SAMPLER_RANDOM; /* it has no other, and the header says so */
@@ -90,7 +36,7 @@ static mcv_result render_sensor(const mcv_command *command, const mcv_scene *sce
     const double begun = mcv_seconds();
     mcv_interrupt_watch(true);
     MCV_TRY(mcv_render_files_write(picture, command, scene, sensor, &options, film, &summary->stats,
-                              &summary->preview, error));
+                                   &summary->preview, error));
     summary->seconds_write = mcv_seconds() - begun;
     summary->width = film->width;
     summary->height = film->height;

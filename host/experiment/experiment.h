@@ -44,21 +44,25 @@ typedef mcv_result mcv_render_with(const mcv_scene *scene, uint32_t sensor,
 
 /* Nothing is owned, and all of it must outlive the sweep. */
 typedef struct mcv_experiment {
-    const char *rig;        /* the path of the scene */
-    mcv_overrides set;      /* of all sets; theirs come after these */
-    const char *sensor;     /* by name or number; NULL: the only one */
-    uint64_t resolution[2]; /* other pixels on the same field of view; 0: as it is */
+    const char *rig;              /* the path of the scene */
+    const mcv_document *document; /* the scene itself, in which the path is for messages only; NULL:
+                                     it is read from there */
+    mcv_overrides set;            /* of all sets; theirs come after these */
+    const char *sensor;           /* by name or number; NULL: the only one */
+    uint64_t resolution[2];       /* other pixels on the same field of view; 0: as it is */
     mcv_variation variation;
     mcv_measuring measuring;
     mcv_render_options render;    /* progress, enough and user are the sweep's own */
     mcv_render_with *render_with; /* NULL: OpenCL, keeping what sets have in common */
-    const char *table;            /* F.csv; F.json and F.html stand beside it */
+    const char *table;            /* F.csv; F.json and F.html stand beside it; NULL: no files */
     const char *images;           /* the folder that keeps each set's image, or NULL */
     bool resume;                  /* go on with a table that was begun */
     const char *file; /* the experiment was read from it, and F.json must not replace it; NULL */
     json_t *settings; /* what F.json tells beside the scene, and must be the same to resume: an
                          object, or NULL */
     mcv_sweep_calls calls;
+    mcv_renderer *renderer;  /* what is used and kept for others; NULL: the sweep's own */
+    mcv_asset_cache *assets; /* likewise */
 } mcv_experiment;
 
 /* It points into itself: it must not be copied. */
@@ -75,6 +79,10 @@ struct mcv_sweep {
     mcv_renderer *renderer;
     mcv_asset_cache *assets;
 };
+
+/* The scene with changes; used by the files beside this one. */
+mcv_result mcv_experiment_load(const mcv_sweep *sweep, mcv_overrides set, mcv_scene **scene,
+                               mcv_error *error);
 
 /*
  * Reads all of the experiment, and the scene: what would be wrong in every set is told here. The

@@ -8,7 +8,7 @@
 #include <stdio.h>
 
 mcv_result mcv_header_describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image,
-                                mcv_error *error) {
+                               mcv_error *error) {
     mcv_camera_model model;
     MCV_TRY(mcv_camera_model_of(scene, scene->sensors + sensor, &model, error));
     image->description = mcv_camera_model_write(&model);
@@ -19,8 +19,8 @@ mcv_result mcv_header_describe(const mcv_scene *scene, uint32_t sensor, mcv_imag
 }
 
 uint32_t mcv_header_attributes(const mcv_sensor *sensor,
-                                mcv_attribute attributes[MCV_PICTURE_PARAMETERS],
-                                char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME]) {
+                               mcv_attribute attributes[MCV_PICTURE_PARAMETERS],
+                               char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME]) {
     const mcv_param_table table = mcv_sensor_table(sensor->type);
     uint32_t count = 0;
     for (size_t i = 0; i < table.count && count < MCV_PICTURE_PARAMETERS; ++i) {

@@ -161,7 +161,8 @@ static double framing_distance(const mcv_rig_design *r, double f, double scale) 
 
 /* Whether the camera stands far enough: three fields away for a mild perspective, and where the
  * light leaves it room. */
-static bool is_far_enough(const mcv_rig_design *r, double f, double distance, double field, double least) {
+static bool is_far_enough(const mcv_rig_design *r, double f, double distance, double field,
+                          double least) {
     const double lens = f / (distance - f) * distance / choose_f_number(r); /* b/N */
     if (distance < fmax(least, 3 * field + r->depth)) return false;
     /* The panel lights a cone within the pupil from everywhere in the field if the lens is wider
@@ -226,8 +227,8 @@ static mcv_result check_wishes(const mcv_rig_design *r, mcv_error *error) {
 
 mcv_result mcv_rig_choose(const mcv_rig_wishes *wishes, mcv_rig_design *r, mcv_error *error) {
     *r = (mcv_rig_design){.wishes = *wishes,
-                   .directions = films[wishes->kind].directions,
-                   .pixel = films[wishes->kind].pixel};
+                          .directions = films[wishes->kind].directions,
+                          .pixel = films[wishes->kind].pixel};
     MCV_TRY(check_wishes(r, error));
     MCV_TRY(mcv_rig_read_part(r, error));
     MCV_TRY(mcv_rig_choose_material(r, error));

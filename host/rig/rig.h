@@ -101,6 +101,11 @@ double mcv_rig_usual(double x, bool above);
 mcv_result mcv_rig_write(const mcv_rig_design *rig, const char *output, bool force, char *path,
                          mcv_error *error);
 
+/* write.c: the same as a text in memory, which the caller frees; `uri` is the part's path from the
+ * rig's folder. */
+mcv_result mcv_rig_text(const mcv_rig_design *rig, const char *uri, char **text, size_t *size,
+                        mcv_error *error);
+
 /* "12.5mm": so many digits in the unit that suits. Three of them are on their way to printf at
  * most. */
 const char *mcv_rig_length(double metres, int digits);

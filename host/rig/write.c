@@ -223,7 +223,8 @@ static void print_rig(FILE *out, const mcv_rig_design *r, const char *uri) {
 
 /* --- files --- */
 
-static mcv_result plan_output(const mcv_rig_design *r, const char *output, char *path, mcv_error *error) {
+static mcv_result plan_output(const mcv_rig_design *r, const char *output, char *path,
+                              mcv_error *error) {
     const char *part = r->wishes.part, *dot = strrchr(part, '.');
     const int stem = (int)(dot ? dot - part : (long)strlen(part));
     const int length_of = output ? snprintf(path, PATH_MAX, "%s", output)
@@ -277,19 +278,25 @@ static mcv_result replace(const char *path, const char *text, size_t size, bool 
     return mcv_output_whole(path, text, size, error);
 }
 
+mcv_result mcv_rig_text(const mcv_rig_design *r, const char *uri, char **text, size_t *size,
+                        mcv_error *error) {
+    *text = NULL;
+    FILE *stream = open_memstream(text, size);
+    if (stream) print_rig(stream, r, uri);
+    if (stream && fclose(stream) == 0) return MCV_OK;
+    free(*text);
+    *text = NULL;
+    return mcv_fail(error, MCV_FAILED, "%s: no memory for a rig", r->wishes.part);
+}
+
 mcv_result mcv_rig_write(const mcv_rig_design *r, const char *output, bool force, char *path,
                          mcv_error *error) {
-    char uri[PATH_MAX] = "", *text = NULL;
-    size_t size = 0;
+    char uri[PATH_MAX] = "", *text;
+    size_t size;
     MCV_TRY(plan_output(r, output, path, error));
     MCV_TRY(find_uri(path, r->wishes.part, uri, error));
-    FILE *stream = open_memstream(&text, &size);
-    if (!stream) return mcv_fail(error, MCV_FAILED, "%s: no memory to write it", path);
-    print_rig(stream, r, uri);
-    const bool written = fclose(stream) == 0;
-    const mcv_result result = written
-                                  ? replace(path, text, size, force, error)
-                                  : mcv_fail(error, MCV_FAILED, "%s: no memory to write it", path);
+    MCV_TRY(mcv_rig_text(r, uri, &text, &size, error));
+    const mcv_result result = replace(path, text, size, force, error);
     free(text);
     return result;
 }
