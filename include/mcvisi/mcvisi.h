@@ -25,24 +25,27 @@
  * Options. Options are a JSON object in UTF-8; NULL and "" stand for none. The keys are the names
  * of the options of the program's verb, with - or _ between words: {"expose-to": 0.8} and
  * {"expose_to": 0.8} are the same. A value is a text as on the command line ("10ms"), a number in
- * SI units, true or false, or for options that may be repeated a list. null leaves an option out.
+ * SI units, true or false, a list for options that may be repeated, and a list of numbers for sizes
+ * and the like: [640, 480]. null leaves an option out.
  * An unknown key is MCV_USAGE. mcv_options_schema gives the JSON schema of a verb's options.
  * Options are JSON and not structs, because the list of them grows: the interface then stays
  * binary compatible, and program, library and other languages read one list.
  *
- * Results. Reports are JSON objects in SI units, the same as the program prints with --json.
- * Texts that the library makes are freed by mcv_text_free. A pointer to a report may be NULL where
- * nobody wants it.
+ * Results. Reports are JSON objects in SI units, the same as the program prints with --json. What
+ * the program says beside them, on standard error, is the member "notes", a list of sentences.
+ * Texts that the library makes are freed by mcv_text_free. Where a report
+ * is not the only result, its pointer may be NULL.
  *
  * Handles. A handle belongs to whoever got it, who frees it once. All functions that free accept
  * NULL. The use of a handle that was freed is undefined, as with free(). Rigs and pictures do not
  * depend on the session that they were used with: they may outlive it.
  *
- * Threads. There is no global state: different handles may be used in different threads at the
- * same time. A handle may move between threads. A session serves one call at a time: a second call
- * on it, from another thread or from inside one of its callbacks, is MCV_USAGE. Functions that take
- * a const rig or picture may run at the same time on the same handle; a function that changes or
- * frees a handle must be the only one that uses it. Callbacks run in the thread of the call.
+ * Threads. Different handles may be used in different threads at the same time: there is no global
+ * state but a cache of compiled programs, behind a lock. A handle may move between threads. A
+ * session serves one call at a time: a second call on it, from another thread or from inside one of
+ * its callbacks, is MCV_USAGE. Functions that take a const rig or picture may run at the same time
+ * on the same handle; a function that changes or frees a handle must be the only one that uses it.
+ * Callbacks run in the thread of the call.
  *
  * Nothing here prints, exits, installs signal handlers or changes the locale of the process. A
  * decimal comma in the host's locale does not matter. Lengths are in metres, angles in radians,
@@ -110,8 +113,9 @@ MCV_API void mcv_text_free(char *text);
 MCV_API mcv_result mcv_options_schema(const char *verb, char **schema, mcv_error *error);
 
 /*
- * The OpenCL devices, as {"devices": [{"number": 0, "name": …, "version": …}, …]}: what the option
- * `device` takes. The list is empty where there is no OpenCL; the device "reference", the
+ * The OpenCL devices, as {"devices": [{"number": 0, "name": …, "type": "cpu", "version": …}, …]}:
+ * what the option `device` takes. The list is empty where there is no OpenCL, and "message" says
+ * why; the device "reference", the
  * independent renderer on the CPU, is always there and not listed.
  */
 MCV_API mcv_result mcv_devices(char **report, mcv_error *error);
@@ -144,7 +148,8 @@ MCV_API mcv_result mcv_rig_parse(const char *json, size_t size, const char *fold
  * A rig around a part (.stl, .glb, .gltf): kind is "telecentric", "entocentric", "lightfield" or
  * "transparent"; options are those of `mcvisi new`. With "output" the rig is written there, with
  * the program's rules for existing files; without, no file is written and the rig lies in the
- * part's folder. *report: what was chosen, {"warnings": [sentences], "field_of_view": [w, h], …}.
+ * part's folder. *report: what was chosen, {"kind", "size", "magnification", "field_of_view": [w,
+ * h], "light": {…}, …}.
  */
 MCV_API mcv_result mcv_rig_new(const char *kind, const char *part, const char *options,
                                mcv_rig **rig, char **report, mcv_error *error);
@@ -152,7 +157,7 @@ MCV_API mcv_result mcv_rig_new(const char *kind, const char *part, const char *o
 /*
  * A lens file of a design program (.zmx, .seq) as a glTF document with exact surfaces, for scenes
  * to place; options are those of `mcvisi import`, without "output". *report: focal length, back
- * focus, f-number and what the file states of them, and {"warnings": [sentences]}.
+ * focus, f-number and what the file states of them.
  */
 MCV_API mcv_result mcv_rig_import(const char *lens, const char *options, mcv_rig **rig,
                                   char **report, mcv_error *error);
@@ -163,12 +168,14 @@ MCV_API mcv_result mcv_rig_copy(const mcv_rig *rig, mcv_rig **copy, mcv_error *e
 /*
  * Changes the document, as --set PATH=VALUE does: "sensors/camera/fNumber", "8". The value is JSON,
  * or else a text, which may have a unit: "80mm". MCV_BAD_INPUT for a path that does not exist: the
- * sentence names what there is.
+ * sentence names what there is. The value itself, and the name of a new member of an MCVISI_
+ * object, are checked by the first call that uses the scene.
  */
 MCV_API mcv_result mcv_rig_set(mcv_rig *rig, const char *path, const char *value, mcv_error *error);
 
 /* The JSON at a path, as written in the document; "" is all of it. MCV_BAD_INPUT for a path that
- * does not exist, or for a member that has its default value because it is not written. */
+ * does not exist, or for a member that has its default value because it is not written. A path may
+ * end before a member: "sensors/camera" is the whole sensor, "sensors" the list of them. */
 MCV_API mcv_result mcv_rig_get(const mcv_rig *rig, const char *path, char **json, mcv_error *error);
 
 /* The paths that mcv_rig_set takes and that the document has, as a JSON list of texts, in the
@@ -323,8 +330,8 @@ MCV_API mcv_result mcv_picture_measure(const mcv_picture *picture, const mcv_pic
 
 /*
  * Tells whether two renders of the same picture differ by more than their noise: the report of
- * `mcvisi compare --json`, in which "differ" says it. *difference: (a - b) in units of its standard
- * error; may be NULL. Render scenes first, with {"parts": "replicates"} for rank tests.
+ * `mcvisi compare --json`, in which "different" says it. *difference: (a - b) in units of its
+ * standard error; may be NULL. Render scenes first, with {"parts": "replicates"} for rank tests.
  */
 MCV_API mcv_result mcv_picture_compare(const mcv_picture *a, const mcv_picture *b,
                                        mcv_picture **difference, char **report, mcv_error *error);
