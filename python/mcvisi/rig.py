@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import base64
 import html
 import json
 import os
@@ -20,6 +21,9 @@ from mcvisi.session import ProgressOption, Session, default_session
 if TYPE_CHECKING:
     from mcvisi.image import Image
     from mcvisi.sweep import Sweep
+
+# A line names so many elements of a kind.
+_SHOWN_NAMES = 6
 
 
 def _jsonable(value: Any) -> Any:
@@ -245,12 +249,22 @@ class Rig(RigVerbs, Handle):
         return self.copy()
 
     def __reduce__(self) -> Tuple[Any, ...]:
-        return (Rig, (self[""], os.path.abspath(self.folder)))
+        return (Rig, (self._whole_document(), os.path.abspath(self.folder)))
+
+    def _whole_document(self) -> Dict[str, Any]:
+        """With the binary chunk of a .glb file as a data: URI."""
+        document: Dict[str, Any] = self[""]
+        buffers = document.get("buffers") or [{"uri": ""}]
+        if "uri" not in buffers[0] and self.path is not None:
+            chunk = _binary_chunk(self.path)
+            words = base64.b64encode(chunk[: buffers[0]["byteLength"]]).decode()
+            buffers[0]["uri"] = "data:application/octet-stream;base64," + words
+        return document
 
     def __repr__(self) -> str:
         if self._pointer is None:
             return "<mcvisi.Rig closed>"
-        groups = ["%s: %s" % (name, ", ".join(self._children(name))) for name in self._children("")]
+        groups = ["%s: %s" % (name, _few(self._children(name))) for name in self._children("")]
         return "<mcvisi.Rig %s; %s>" % (self.path or "not saved", "; ".join(groups))
 
     def _repr_html_(self) -> str:
@@ -326,6 +340,20 @@ class Rig(RigVerbs, Handle):
         from mcvisi.sweep import Sweep
 
         return Sweep(self, session or default_session(), vary, options)
+
+
+def _few(names: List[str]) -> str:
+    """The first names, and how many more there are."""
+    more = len(names) - _SHOWN_NAMES
+    return ", ".join(names[:_SHOWN_NAMES]) + (" and %d more" % more if more > 0 else "")
+
+
+def _binary_chunk(path: str) -> bytes:
+    """The second chunk of a .glb file: behind a header of 12 bytes, each has its length and type."""
+    with open(path, "rb") as file:
+        content = file.read()
+    at = 20 + int.from_bytes(content[12:16], "little")
+    return content[at + 8 : at + 8 + int.from_bytes(content[at : at + 4], "little")]
 
 
 def _columns(table: str) -> Dict[str, Any]:

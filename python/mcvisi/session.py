@@ -249,7 +249,7 @@ class Session(Handle):
 
 # Which process has used OpenCL.
 _process: Optional[int] = None
-_warned = False
+_found = _warned = False
 
 
 def _frames_of_package() -> int:
@@ -263,9 +263,10 @@ def _frames_of_package() -> int:
 
 def _has_device() -> bool:
     """Warns once where there is none."""
-    global _warned
+    global _found, _warned
     try:
-        if devices():
+        _found = _found or bool(devices())
+        if _found:
             return True
     except DeviceError:
         pass

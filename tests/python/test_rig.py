@@ -3,6 +3,7 @@
 
 import copy
 import json
+import pathlib
 import pickle
 
 import mcvisi as mv
@@ -126,6 +127,15 @@ def test_copies_are_independent(rig, clone):
     assert other["nodes"] == rig["nodes"]
     # Its part is found, too.
     assert other.check().report["triangles"] == rig.check().report["triangles"]
+
+
+def test_pickle_of_a_binary_file():
+    """A .glb holds its meshes itself."""
+    rig = mv.load(pathlib.Path(__file__).resolve().parents[2] / "scenes" / "report-dent.glb")
+    rig["emitters/panel/radiance"] = 12
+    again = pickle.loads(pickle.dumps(rig))
+    assert again["emitters/panel/radiance"] == 12
+    assert again.check().report["triangles"] == rig.check().report["triangles"] > 0
 
 
 def test_save_and_load(rig, folder):
