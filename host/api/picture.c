@@ -35,7 +35,8 @@ mcv_result mcv_picture_of(mcv_exr *exr, const char *name, mcv_picture **picture,
         mcv_exr_free(exr);
     }
     *exr = (mcv_exr){0};
-    return mcv_fail(error, MCV_FAILED, "no memory for the picture");
+    mcv_fail(error, MCV_FAILED, "no memory for the picture");
+    return MCV_FAILED;
 }
 
 /* --- files --- */

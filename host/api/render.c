@@ -2,6 +2,7 @@
 /* Renders of the public interface. */
 #include "api/handles.h"
 #include "core/basics.h"
+#include "options/option_table.h"
 #include "reference/reference.h"
 #include "report/summary.h"
 #include "scene/sensor_find.h"
@@ -102,16 +103,17 @@ static mcv_result render_scene(mcv_session *session, const mcv_command *command,
     if (reference) options.sampler = MCV_SAMPLER_RANDOM; /* it has no other */
     options.progress = r->call ? tell : NULL;
     options.user = r;
+    if (!reference) MCV_TRY(mcv_session_renderer(session, command->device, &renderer, error));
     r->rendered.scene = scene;
     r->rendered.sensor = sensor;
     r->rendered.options = &options;
     r->rendered.film = &film;
     r->rendered.stats = &told;
-    if (!reference) MCV_TRY(mcv_session_renderer(session, command->device, &renderer, error));
     mcv_result result =
         reference ? mcv_reference_render(scene, sensor, &options, &film, &told, error)
                   : mcv_renderer_render(renderer, scene, sensor, &options, &film, &told, error);
     if (result == MCV_OK) result = finish(r, seconds_load, picture, stats, error);
+    r->rendered = (mcv_rendered){.set = r->rendered.set}; /* the rest ends here */
     mcv_film_free(&film);
     return result;
 }
@@ -129,12 +131,28 @@ static mcv_result join_changes(const mcv_rig *rig, const mcv_command *command, m
     return MCV_OK;
 }
 
+/* Options that a render has on the command line only: its files, and those of the camera that
+ * reads it out, which is a call of its own here. */
+static void list_others(const char *names[MCV_OPTION_COUNT + 1]) {
+    size_t count = 0;
+    for (size_t i = 0; i < MCV_OPTION_COUNT; ++i) {
+        const mcv_option *o = mcv_options + i;
+        static const char *const files[] = {"output", "png", "camera", "json"};
+        bool other = (o->verbs & MCV_IN_CAMERA) && strcmp(o->name, "seed") != 0;
+        for (size_t k = 0; k < sizeof files / sizeof files[0]; ++k)
+            other = other || strcmp(o->name, files[k]) == 0;
+        if (other) names[count++] = o->name;
+    }
+    names[count] = NULL;
+}
+
 static mcv_result render_rig(mcv_session *session, const mcv_rig *rig, const char *text, running *r,
                              mcv_picture **picture, char **stats, mcv_error *error) {
-    static const char *const without[] = {"output", "png", "camera", "json", NULL};
+    const char *without[MCV_OPTION_COUNT + 1];
     const char *const arguments[2] = {rig->document.path};
     mcv_options_given given;
     mcv_scene *scene = NULL;
+    list_others(without);
     MCV_TRY(mcv_options_read(text, session->defaults, MCV_VERB_RENDER, arguments, without, &given,
                              error));
     const mcv_command *command = &given.command;

@@ -30,14 +30,16 @@ mcv_result mcv_rig_of(mcv_document *document, const char *path, const char *fold
     mcv_rig *r = calloc(1, sizeof *r);
     if (!r) {
         mcv_document_free(document);
-        return fail_no_memory(error);
+        fail_no_memory(error);
+        return MCV_FAILED;
     }
     r->document = *document;
     r->path = strdup(path);
     r->folder = strdup(folder);
     if (!r->path || !r->folder) {
         free_rig(r);
-        return fail_no_memory(error);
+        fail_no_memory(error);
+        return MCV_FAILED;
     }
     *rig = r;
     return MCV_OK;

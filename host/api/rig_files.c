@@ -136,17 +136,18 @@ static mcv_result pack_glb(const char *text, mcv_bytes binary, mcv_bytes *glb, m
     *glb = (mcv_bytes){calloc(1, size), size};
     if (!glb->data) return mcv_fail(error, MCV_FAILED, "no memory to write the rig");
     uint8_t *to = glb->data;
-    memcpy(to, "glTF", 4);
+    put_word(to, 0x46546c67); /* glTF */
     put_word(to + 4, 2);
     put_word(to + 8, (uint32_t)size);
     put_word(to + 12, (uint32_t)json);
-    memcpy(to + 16, "JSON", 4);
+    put_word(to + 16, 0x4e4f534a); /* JSON */
     memset(to + 20, ' ', json);
+    /* NOLINTNEXTLINE(bugprone-not-null-terminated-result): a chunk of a known length, no text */
     memcpy(to + 20, text, length);
     if (!binary.data) return MCV_OK;
     to += 20 + json;
     put_word(to, (uint32_t)data);
-    memcpy(to + 4, "BIN", 4);
+    put_word(to + 4, 0x004e4942); /* BIN */
     if (binary.size) memcpy(to + 8, binary.data, binary.size);
     return MCV_OK;
 }

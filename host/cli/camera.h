@@ -10,9 +10,9 @@
 /* Do the options make a camera whose grey values can be written to the file `grey`? */
 mcv_result mcv_camera_check(const mcv_command *command, const char *grey, mcv_error *error);
 
-/* Reads the OpenEXR file `image`, writes `grey`, warns where values are saturated and, where asked
+/* Reads the OpenEXR file `image`, writes `path`, warns where values are saturated and, where asked
  * to, tells of the exposure. */
-mcv_result mcv_camera_write(const mcv_command *command, const char *image, const char *grey,
+mcv_result mcv_camera_write(const mcv_command *command, const char *image, const char *path,
                             bool told, mcv_error *error);
 
 /* The 8-bit preview beside grey values that viewers show as black or not at all: all but OpenEXR

@@ -27,7 +27,7 @@ mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *sc
                                  mcv_error *error);
 
 /* Writes both. The preview gets its white level. */
-mcv_result mcv_render_files_write(const mcv_render_files *picture, const mcv_command *command,
+mcv_result mcv_render_files_write(const mcv_render_files *files, const mcv_command *command,
                                   const mcv_scene *scene, uint32_t sensor,
                                   const mcv_render_options *options, const mcv_film *film,
                                   const mcv_render_stats *stats, mcv_preview *preview,

@@ -137,7 +137,7 @@ static mcv_result add_member(mcv_arguments *arguments, unsigned verb, const char
     size_t i, length = 0;
     const json_t *item;
     for (; key[length] && length + 1 < sizeof name; ++length)
-        name[length] = key[length] == '_' ? '-' : key[length];
+        name[length] = (char)(key[length] == '_' ? '-' : key[length]);
     name[length] = '\0';
     const mcv_option *o = mcv_option_find(verb, name, length);
     if (!o) {
@@ -225,7 +225,7 @@ mcv_result mcv_options_read(const char *text, const json_t *defaults, unsigned v
             if (strncmp(item, "--", 2) == 0 && strncmp(item + 2, *name, length) == 0 &&
                 (item[2 + length] == '=' || item[2 + length] == '\0'))
                 result = mcv_fail(error, MCV_USAGE,
-                                  "options: --%s is for the command line: leave it out", *name);
+                                  "options: --%s is no option of this call: leave it out", *name);
         }
     mcv_error detail = {""};
     if (result == MCV_OK) {

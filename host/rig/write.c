@@ -286,7 +286,8 @@ mcv_result mcv_rig_text(const mcv_rig_design *r, const char *uri, char **text, s
     if (stream && fclose(stream) == 0) return MCV_OK;
     free(*text);
     *text = NULL;
-    return mcv_fail(error, MCV_FAILED, "%s: no memory for a rig", r->wishes.part);
+    mcv_fail(error, MCV_FAILED, "%s: no memory for a rig", r->wishes.part);
+    return MCV_FAILED;
 }
 
 mcv_result mcv_rig_write(const mcv_rig_design *r, const char *output, bool force, char *path,
