@@ -12,6 +12,7 @@ from typing import List, Optional
 SYSTEM_VENDORS = "/etc/OpenCL/vendors"
 # The loader takes its drivers from the folder that this names.
 VARIABLE = "OCL_ICD_VENDORS"
+hint = ""
 
 
 def packaged_pocl() -> Optional[str]:
@@ -21,6 +22,19 @@ def packaged_pocl() -> Optional[str]:
         for path in sorted(glob.glob(os.path.join(glob.escape(folder), "pyopencl/.libs/libpocl-*"))):
             return os.path.abspath(path)
     return None
+
+
+def can_link() -> bool:
+    """PyPI's PoCL links each kernel against libgcc and libc, by the linker ld. It ends the process
+    where these are not there: whether a compiler can do the same is asked in a process of its own.
+    """
+    import subprocess
+
+    command = ["cc", "-shared", "-x", "c", os.devnull, "-o", os.devnull]
+    try:
+        return subprocess.run(command, capture_output=True, timeout=10).returncode == 0
+    except (OSError, subprocess.SubprocessError):
+        return False
 
 
 def _cache_folder() -> str:
@@ -52,12 +66,17 @@ def find_opencl() -> None:
     """
     Sets OCL_ICD_VENDORS where PyPI's PoCL is installed and the system has no PoCL of its own.
     A variable that is set already stays. Without a folder to write in, nothing is changed.
+    What a warning should say besides is in `hint`.
     """
+    global hint
     if VARIABLE in os.environ:
         return
     drivers = sorted(glob.glob(os.path.join(SYSTEM_VENDORS, "*.icd")))
     pocl = packaged_pocl()
     if pocl is None or any("pocl" in os.path.basename(driver).lower() for driver in drivers):
+        return
+    if not can_link():
+        hint = "; PoCL of PyPI is there, but links kernels as a compiler does: install gcc, libc6-dev"
         return
     try:
         os.environ[VARIABLE] = _vendors_folder(drivers, pocl)

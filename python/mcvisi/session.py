@@ -12,6 +12,7 @@ import time
 import warnings
 from typing import TYPE_CHECKING, Any, Callable, Iterator, List, Literal, Mapping, Optional, Union
 
+from mcvisi import opencl
 from mcvisi.errors import DeviceError, Error, UsageError
 from mcvisi.library import Handle, call, check, ffi, json_of, library, new_pointer, take_text
 from mcvisi.options import options_json
@@ -273,8 +274,8 @@ def _has_device() -> bool:
     if not _warned:
         _warned = True
         warnings.warn(
-            "there is no OpenCL device: the reference renderer is used, which is slow; install "
-            "pocl-opencl-icd, or `pip install mcvisi[cpu]`",
+            "there is no OpenCL device: the reference renderer is used, which is slow"
+            + (opencl.hint or "; install pocl-opencl-icd, or `pip install mcvisi[cpu]`"),
             RuntimeWarning,
             stacklevel=_frames_of_package() + 1,
         )

@@ -11,16 +11,26 @@ import pytest
 from mcvisi import opencl
 
 
+def put_compiler(place, words):
+    path = place / "bin" / "cc"
+    path.write_text("#!/bin/sh\n%s\n" % words)
+    path.chmod(0o755)
+
+
 @pytest.fixture
 def place(tmp_path, monkeypatch):
     """A system without drivers, a cache, and an environment with PyPI's PoCL."""
     vendors, site = tmp_path / "vendors", tmp_path / "site [packages]"
     (site / "pyopencl" / ".libs").mkdir(parents=True)
     vendors.mkdir()
-    monkeypatch.delenv(opencl.VARIABLE, raising=False)
+    monkeypatch.setenv(opencl.VARIABLE, "")  # so that what a test sets goes with it
+    monkeypatch.delenv(opencl.VARIABLE)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr(opencl, "SYSTEM_VENDORS", str(vendors))
     monkeypatch.setattr(sys, "path", [str(site)])
+    (tmp_path / "bin").mkdir()
+    put_compiler(tmp_path, "exit 0")
+    monkeypatch.setenv("PATH", str(tmp_path / "bin"))
     return tmp_path
 
 
@@ -45,6 +55,18 @@ def test_pocl_of_pypi_by_its_absolute_path(place):
     opencl.find_opencl()
     assert drivers() == {"pocl-of-pypi.icd": str(path)}
     assert stat.S_IMODE(os.stat(os.environ[opencl.VARIABLE]).st_mode) == 0o700
+
+
+@pytest.mark.parametrize("compiler", [None, "exit 1"])
+def test_pocl_that_cannot_link_would_end_the_process(place, monkeypatch, compiler):
+    put_pocl(place)
+    if compiler is None:
+        (place / "bin" / "cc").unlink()
+    else:
+        put_compiler(place, compiler)
+    monkeypatch.setattr(opencl, "hint", "")
+    opencl.find_opencl()
+    assert opencl.VARIABLE not in os.environ and "gcc" in opencl.hint
 
 
 def test_beside_the_drivers_of_the_system(place):
