@@ -47,7 +47,9 @@ def write_abi(header: pathlib.Path, folder: pathlib.Path) -> None:
     ffi.cdef(declarations(header.read_text(encoding="utf-8")))
     ffi.set_source("_abi", None)
     ffi.emit_python_code(str(folder / "_abi.py"))
-    (folder / "_abi.pyi").write_text(NOTICE + "from typing import Any\n\nffi: Any\n", encoding="utf-8")
+    (folder / "_abi.pyi").write_text(
+        NOTICE + "from typing import Any\n\nffi: Any\n", encoding="utf-8"
+    )
 
 
 # --- the options ---
@@ -149,8 +151,12 @@ class Verb:
         for name, option in options.items():
             text = "%s: %s" % (argument(name), sentence(option))
             lines += textwrap.wrap(
-                text, 94, initial_indent="    ", subsequent_indent="        ",
-                break_long_words=False, break_on_hyphens=False,
+                text,
+                94,
+                initial_indent="    ",
+                subsequent_indent="        ",
+                break_long_words=False,
+                break_on_hyphens=False,
             )
         lines += ['    """', "    options: Dict[str, Any] = {"]
         lines += ['        "%s": %s,' % (name, argument(name)) for name in options]
@@ -237,10 +243,10 @@ IMAGE_VERBS = [
         "measure",
         "Measures at places of the image: each figure has its standard uncertainty.\n\n"
         "The places are dictionaries by name: a rectangle (x, y, width, height) in pixels from\n"
-        "the top-left corner, or a text: \"@part:-30mm,0mm,3mm,3mm,10mm\".\n"
+        'the top-left corner, or a text: "@part:-30mm,0mm,3mm,3mm,10mm".\n'
         "minus: measure in the difference image - minus.\n"
         "rig: the scene, where the image does not give its scale, and for `nominal`.",
-        'minus: Optional[Image] = None; rig: Optional[Rig] = None',
+        "minus: Optional[Image] = None; rig: Optional[Rig] = None",
         "Measurement",
         "return self._measure(minus, rig, options)",
         without="minus scene",
@@ -288,9 +294,7 @@ FUNCTIONS = [
     ),
 ]
 
-HEAD = (
-    NOTICE
-    + '''"""The functions with options, from the program's lists."""
+HEAD = NOTICE + '''"""The functions with options, from the program's lists."""
 
 from __future__ import annotations
 
@@ -315,7 +319,6 @@ if TYPE_CHECKING:
     from mcvisi.session import ProgressOption, Session
     from mcvisi.sweep import Sweep
 '''
-)
 
 
 def hidden(name: str, arguments: str, result: str, coroutine: bool = False) -> str:

@@ -112,7 +112,7 @@ class Image(ImageVerbs, Handle):
                 channels,
                 ffi.from_buffer("float[]", planes),
                 ffi.NULL if deviation is None else ffi.from_buffer("float[]", deviation),
-                ffi.NULL if attributes is None else json.dumps(dict(attributes)).encode(),
+                ffi.NULL if attributes is None else _attributes_json(attributes),
             ),
             {},
         )
@@ -158,7 +158,7 @@ class Image(ImageVerbs, Handle):
         """The values of a part, a read-only view."""
         import numpy
 
-        if name not in self._parts:
+        if not isinstance(name, str) or name not in self._parts:
             raise UsageError("this image has no part %r; it has %s" % (name, ", ".join(self.parts)))
         return numpy.asarray(self._parts[name])
 
@@ -214,7 +214,7 @@ class Image(ImageVerbs, Handle):
         8 bits. Grey values of a camera as .png, .tif or .npy: the values as they are; `preview`
         writes FILE-preview.png too.
         """
-        options = options_json({"preview": True} if preview else {})
+        options = options_json({"preview": preview})
         call("mcv_picture_write", self._get(), path_bytes(path, "path"), options)
 
     def __reduce__(self) -> Tuple[Any, ...]:
@@ -260,7 +260,7 @@ class Image(ImageVerbs, Handle):
             "mcv_picture_measure",
             self._get(),
             ffi.NULL if minus is None else _picture(minus, "minus"),
-            ffi.NULL if rig is None else rig._snapshot(),
+            ffi.NULL if rig is None else _rig(rig),
             options_json(options),
         )
         return Measurement(report, self.unit)
@@ -275,6 +275,13 @@ class Image(ImageVerbs, Handle):
         return Image._of(pointer, {})
 
 
+def _attributes_json(attributes: Any) -> bytes:
+    try:
+        return json.dumps(dict(attributes), allow_nan=False).encode()
+    except (TypeError, ValueError):
+        raise UsageError("attributes: must be a dictionary of texts and numbers") from None
+
+
 def _plain_attributes(attributes: Mapping[str, Any]) -> Mapping[str, Any]:
     """Those that still hold for other pixels."""
     return {key: attributes[key] for key in ("mcvisi:unit",) if key in attributes}
@@ -284,6 +291,14 @@ def _picture(image: Any, what: str) -> Any:
     if not isinstance(image, Image):
         raise UsageError("%s: must be a mcvisi.Image, not %s" % (what, type(image).__name__))
     return image._get()
+
+
+def _rig(rig: Any) -> Any:
+    from mcvisi.rig import Rig
+
+    if not isinstance(rig, Rig):
+        raise UsageError("rig: must be a mcvisi.Rig, not %s" % type(rig).__name__)
+    return rig._snapshot()
 
 
 def read(path: Path) -> Image:

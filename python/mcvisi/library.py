@@ -72,14 +72,23 @@ def json_of(name: str, *arguments: Any) -> Any:
     return json.loads(text_of(name, *arguments))
 
 
+def utf8(text: str, what: str) -> bytes:
+    """A text for the library."""
+    try:
+        return text.encode()
+    except UnicodeEncodeError:
+        raise UsageError("%s: %r is no text that UTF-8 has" % (what, text)) from None
+
+
 def path_bytes(path: Any, what: str) -> bytes:
     """A file name for the library."""
     try:
         name = os.fsencode(path)
     except TypeError:
-        raise UsageError(
-            "%s: must be a file name, not %s" % (what, type(path).__name__)
-        ) from None
+        words = "%s: must be a file name, not %s" % (what, type(path).__name__)
+        raise UsageError(words) from None
+    except UnicodeEncodeError:
+        raise UsageError("%s: %r is no file name" % (what, path)) from None
     if b"\0" in name:
         raise UsageError("%s: a file name has no NUL character" % what)
     return name

@@ -19,7 +19,9 @@ def packaged_pocl() -> Optional[str]:
     """The library of PyPI's pocl-binary-distribution. Its own .icd names a bare file, which the
     loader does not find; pyopencl itself is never imported for this."""
     for folder in sys.path:
-        for path in sorted(glob.glob(os.path.join(glob.escape(folder), "pyopencl/.libs/libpocl-*"))):
+        for path in sorted(
+            glob.glob(os.path.join(glob.escape(folder), "pyopencl/.libs/libpocl-*"))
+        ):
             return os.path.abspath(path)
     return None
 
@@ -76,7 +78,9 @@ def find_opencl() -> None:
     if pocl is None or any("pocl" in os.path.basename(driver).lower() for driver in drivers):
         return
     if not can_link():
-        hint = "; PoCL of PyPI is there, but links kernels as a compiler does: install gcc, libc6-dev"
+        hint = (
+            "; PoCL of PyPI is there, but links kernels as a compiler does: install gcc, libc6-dev"
+        )
         return
     try:
         os.environ[VARIABLE] = _vendors_folder(drivers, pocl)

@@ -39,9 +39,7 @@ def _plain(value: Any, name: str) -> Any:
         return value
     if isinstance(value, os.PathLike):
         return os.fspath(value)
-    raise UsageError(
-        "%s: must be a number or a text, not %s" % (name, type(value).__name__)
-    )
+    raise UsageError("%s: must be a number or a text, not %s" % (name, type(value).__name__))
 
 
 def _text(value: Any, name: str) -> str:
@@ -116,7 +114,9 @@ def options_json(options: Mapping[str, Any]) -> bytes:
     try:
         return json.dumps(words, allow_nan=False).encode()
     except ValueError:
-        wrong = [name for name, value in words.items() if value != value or value in (1e999, -1e999)]
+        wrong = [
+            name for name, value in words.items() if value != value or value in (1e999, -1e999)
+        ]
         raise UsageError("%s: must be a finite number" % ", ".join(wrong)) from None
 
 

@@ -14,9 +14,19 @@ from mcvisi._verbs import RigVerbs
 from mcvisi.bar import Bar
 from mcvisi.errors import BadInput, PathError, UsageError
 from mcvisi.findings import Findings
-from mcvisi.library import Handle, call, ffi, json_of, library, new_pointer, path_bytes, text_of
+from mcvisi.library import (
+    Handle,
+    call,
+    ffi,
+    json_of,
+    library,
+    new_pointer,
+    path_bytes,
+    text_of,
+    utf8,
+)
 from mcvisi.options import Path, options_json
-from mcvisi.session import ProgressOption, Session, default_session
+from mcvisi.session import ProgressOption, Session, session_of
 
 if TYPE_CHECKING:
     from mcvisi.image import Image
@@ -47,15 +57,15 @@ def _value_json(path: str, value: Any) -> bytes:
         raise BadInput("%s: must be a finite number" % path) from None
 
 
-def _path_text(path: Any) -> str:
+def _path_bytes(path: Any) -> bytes:
     if not isinstance(path, str):
         raise UsageError(
-            "a path of a scene is a text such as \"sensors/camera/fNumber\", not %s"
+            'a path of a scene is a text such as "sensors/camera/fNumber", not %s'
             % type(path).__name__
         )
     if "\0" in path:
         raise PathError("a path of a scene has no NUL character")
-    return path
+    return utf8(path, "a path of a scene")
 
 
 class Group:
@@ -151,7 +161,7 @@ class Rig(RigVerbs, Handle):
 
     def __getitem__(self, path: str) -> Any:
         """The JSON at a path, as it is written; "" is all of it. A copy: to change it, assign."""
-        name = _path_text(path).encode()
+        name = _path_bytes(path)
         with self._lock:
             try:
                 return json_of("mcv_rig_get", self._get(), name)
@@ -159,7 +169,7 @@ class Rig(RigVerbs, Handle):
                 raise PathError(str(error)) from None
 
     def __setitem__(self, path: str, value: Any) -> None:
-        name = _path_text(path).encode()
+        name = _path_bytes(path)
         with self._lock:
             try:
                 call("mcv_rig_set", self._get(), name, _value_json(path, value))
@@ -168,7 +178,7 @@ class Rig(RigVerbs, Handle):
 
     def __contains__(self, path: object) -> bool:
         try:
-            self[_path_text(path)]
+            self[path]  # type: ignore[index]
         except PathError:
             return False
         return True
@@ -281,7 +291,7 @@ class Rig(RigVerbs, Handle):
 
     def _check(self, session: Optional[Session], options: Mapping[str, Any]) -> Findings:
         rig = self._snapshot()
-        with (session or default_session())._used() as used:
+        with session_of(session)._used() as used:
             report = json_of("mcv_session_check", used, rig, options_json(options))
         return Findings(report)
 
@@ -296,7 +306,7 @@ class Rig(RigVerbs, Handle):
         self.interrupted = None
         try:
             with Bar(progress) as told:
-                return (session or default_session())._render(rig, options, told, stop)
+                return session_of(session)._render(rig, options, told, stop)
         except BaseException as error:
             self.interrupted = getattr(error, "image", None)
             raise
@@ -318,10 +328,13 @@ class Rig(RigVerbs, Handle):
     ) -> Dict[str, Any]:
         import numpy
 
-        values = numpy.ascontiguousarray(rays, dtype=float)
+        try:
+            values = numpy.ascontiguousarray(rays, dtype=float)
+        except (TypeError, ValueError):
+            raise UsageError("rays: must be an array of numbers") from None
         if values.ndim != 2 or values.shape[1] != 6:
             raise UsageError("rays: must have six numbers each, origin and direction")
-        rig, used = self._snapshot(), session or default_session()
+        rig, used = self._snapshot(), session_of(session)
         words = used._options(options)
         with used._used() as pointer:
             table = text_of(
@@ -334,12 +347,10 @@ class Rig(RigVerbs, Handle):
             )
         return _columns(table)
 
-    def _sweep(
-        self, vary: Any, session: Optional[Session], options: Mapping[str, Any]
-    ) -> "Sweep":
+    def _sweep(self, vary: Any, session: Optional[Session], options: Mapping[str, Any]) -> "Sweep":
         from mcvisi.sweep import Sweep
 
-        return Sweep(self, session or default_session(), vary, options)
+        return Sweep(self, session_of(session), vary, options)
 
 
 def _few(names: List[str]) -> str:

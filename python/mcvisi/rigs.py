@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 from typing import Any, Mapping
 
-from mcvisi.library import call, ffi, new_pointer, path_bytes, take_text
+from mcvisi.library import call, ffi, new_pointer, path_bytes, take_text, utf8
 from mcvisi.options import Path, options_json
 from mcvisi.rig import Rig
 
@@ -25,7 +25,7 @@ def _made(name: str, *arguments: Any) -> Rig:
 def new_rig(kind: str, part: Path, options: Mapping[str, Any]) -> Rig:
     """A rig around a part."""
     words = options_json(options)
-    return _made("mcv_rig_new", str(kind).encode(), path_bytes(part, "part"), words)
+    return _made("mcv_rig_new", utf8(str(kind), "kind"), path_bytes(part, "part"), words)
 
 
 def lens_rig(path: Path, options: Mapping[str, Any]) -> Rig:

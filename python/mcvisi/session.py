@@ -286,9 +286,13 @@ _default: Optional[Session] = None
 _default_lock = threading.Lock()
 
 
-def default_session() -> Session:
-    """The session of calls that are given none."""
+def session_of(given: Optional[Session]) -> Session:
+    """The session that a call was given, or the one of all calls that are given none."""
     global _default
+    if isinstance(given, Session):
+        return given
+    if given is not None:
+        raise UsageError("session: must be a mcvisi.Session, not %s" % type(given).__name__)
     with _default_lock:
         if _default is None or _default._pointer is None:
             _default = Session()

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stands for cairo in the wheel. Cairo would bring 17 libraries of X11 and of fonts, for nothing but
- * the labelled pictures of compare, lightfield and measure --grid. Here no page can be made;
+ * Stands for cairo in the wheel. Cairo would bring 17 libraries of X11 and of fonts, for nothing
+ * but the labelled pictures of compare, lightfield and measure --grid. Here no page can be made;
  * mcv_page_new (host/io/figure.c) says why, and nothing is drawn on a page that is not there.
  * cairo_status_t is an int whose 0 is success.
  */

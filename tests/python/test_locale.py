@@ -9,10 +9,13 @@ import mcvisi as mv
 import numpy as np
 import pytest
 
-DEFINITION = "".join(
-    '%s\ncopy "POSIX"\nEND %s\n' % (name, name)
-    for name in ("LC_CTYPE", "LC_COLLATE", "LC_MONETARY", "LC_MESSAGES", "LC_TIME")
-) + 'LC_NUMERIC\ndecimal_point ","\nthousands_sep "."\ngrouping 3;3\nEND LC_NUMERIC\n'
+DEFINITION = (
+    "".join(
+        '%s\ncopy "POSIX"\nEND %s\n' % (name, name)
+        for name in ("LC_CTYPE", "LC_COLLATE", "LC_MONETARY", "LC_MESSAGES", "LC_TIME")
+    )
+    + 'LC_NUMERIC\ndecimal_point ","\nthousands_sep "."\ngrouping 3;3\nEND LC_NUMERIC\n'
+)
 
 
 @pytest.fixture

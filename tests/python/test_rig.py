@@ -119,7 +119,9 @@ def test_html_is_escaped(rig):
     assert "<script>" not in rig._repr_html_()
 
 
-@pytest.mark.parametrize("clone", [copy.copy, copy.deepcopy, lambda r: pickle.loads(pickle.dumps(r))])
+@pytest.mark.parametrize(
+    "clone", [copy.copy, copy.deepcopy, lambda r: pickle.loads(pickle.dumps(r))]
+)
 def test_copies_are_independent(rig, clone):
     other = clone(rig)
     other["sensors/camera/fNumber"] = 16

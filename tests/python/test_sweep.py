@@ -11,7 +11,10 @@ PLACE = {"left": (8, 34, 18, 16)}
 
 
 def sweep_of(rig, **options):
-    vary = {"sensors/camera/fNumber": [4, 8], "emitters/light/halfAngle": mv.log("0.2deg", "2deg", 3)}
+    vary = {
+        "sensors/camera/fNumber": [4, 8],
+        "emitters/light/halfAngle": mv.log("0.2deg", "2deg", 3),
+    }
     usual = {"metrics": {"u": "u(left.position)", "b": "left.bright"}, "edges": PLACE, "spp": 16}
     return rig.sweep(vary, **{**usual, **options})
 

@@ -88,7 +88,16 @@ def test_only_its_own_libraries_and_those_of_every_linux(python, tmp_path):
     told = run("ldd", "-r", library, cwd=tmp_path).stdout
     assert "undefined symbol" not in told and "not found" not in told
     own = str(python.parents[1])
-    known = ("linux-vdso", "libstdc++", "libm", "libgcc_s", "libc", "libz", "libpthread", "ld-linux")
+    known = (
+        "linux-vdso",
+        "libstdc++",
+        "libm",
+        "libgcc_s",
+        "libc",
+        "libz",
+        "libpthread",
+        "ld-linux",
+    )
     for line in told.splitlines():
         name = line.split()[0].split("/")[-1]
         assert own in line or name.startswith(known), line
