@@ -156,7 +156,9 @@ class Sweep:
             self.report = self._job.wait(self._rows.append)
 
     def stop(self) -> None:
-        """Ends the sweep after the set that is rendered; the rows so far stay."""
+        """Ends the sweep within the set that is rendered; the rows so far stay."""
+        if self._job is not None:
+            self._job.stop()  # before the lock: another thread may wait for a row with it
         with self._lock:
             self._stop()
             self._ended = True

@@ -2,6 +2,8 @@
 """Sweeps: rows as they finish, tables."""
 
 import math
+import threading
+import time
 
 import mcvisi as mv
 import numpy as np
@@ -120,3 +122,14 @@ def test_a_notebook_shows_it(rig):
     assert sweep._repr_html_() is None
     sweep.rows
     assert "iframe" in sweep._repr_html_()
+
+
+def test_another_thread_may_stop_it(rig):
+    sweep = rig.sweep(
+        {"sensors/camera/fNumber": [4, 8]}, metrics=["left.bright"], edges=PLACE, time=300, spp=2**30
+    )
+    timer = threading.Timer(1.0, sweep.stop)
+    timer.start()
+    before = time.monotonic()
+    assert len(sweep.rows) < 2 and time.monotonic() - before < 60
+    assert rig.render(spp=16, progress=False).shape == (64, 96)
