@@ -6,11 +6,9 @@ import struct
 import numpy as np
 
 
-def write_plate(path, x, y, heights):
-    """
-    A closed plate from z = 0 to `heights`, of shape (len(y), len(x)), over the coordinates x and y.
-    Lengths in mm.
-    """
+def plate(x, y, heights):
+    """The triangles of a closed plate from z = 0 to `heights`, of shape (len(y), len(x)), over the
+    coordinates x and y."""
     heights = np.broadcast_to(np.asarray(heights, float), (len(y), len(x)))
     columns, rows = np.meshgrid(np.asarray(x, float), np.asarray(y, float))
     top = np.stack([columns, rows, heights], -1)
@@ -26,7 +24,7 @@ def write_plate(path, x, y, heights):
     def side(high, low):
         return quads(low[:-1], low[1:], high[1:], high[:-1])
 
-    triangles = np.concatenate(
+    return np.concatenate(
         [
             face(top),
             face(bottom)[:, ::-1],
@@ -36,7 +34,17 @@ def write_plate(path, x, y, heights):
             side(top[:, -1], bottom[:, -1]),
         ]
     )
+
+
+def write_plates(path, plates):
+    """Writes plates (x, y, heights) into one file. Lengths in mm."""
+    triangles = np.concatenate([plate(*one) for one in plates])
     with open(path, "wb") as file:
         file.write(bytes(80) + struct.pack("<I", len(triangles)))
         for corners in triangles:
             file.write(struct.pack("<12fH", 0, 0, 0, *corners.ravel(), 0))
+
+
+def write_plate(path, x, y, heights):
+    """Writes one plate."""
+    write_plates(path, [(x, y, heights)])

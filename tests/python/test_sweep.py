@@ -126,7 +126,11 @@ def test_a_notebook_shows_it(rig):
 
 def test_another_thread_may_stop_it(rig):
     sweep = rig.sweep(
-        {"sensors/camera/fNumber": [4, 8]}, metrics=["left.bright"], edges=PLACE, time=300, spp=2**30
+        {"sensors/camera/fNumber": [4, 8]},
+        metrics=["left.bright"],
+        edges=PLACE,
+        time=300,
+        spp=2**30,
     )
     timer = threading.Timer(1.0, sweep.stop)
     timer.start()
