@@ -44,11 +44,14 @@ mcv_result mcv_command_parse(int argc, char **argv, mcv_command *command, mcv_er
 void mcv_command_free(mcv_command *command);
 
 /*
- * The options of the command's verb that can be told from the default, by their names, as texts and
- * lists of texts such as stand on the command line; without those of `without` (names, NULL at the
- * end) and flags. NULL without memory.
+ * The options of the command's verb that can be told from the default, by their names, as texts,
+ * numbers and lists of texts such as stand on the command line; without those of `without` (names,
+ * NULL at the end) and flags, which mcv_command_flags adds. NULL without memory.
  */
 json_t *mcv_command_json(const mcv_command *command, const char *const *without);
+
+/* Adds the flags that are set, as true; "json" also where it is not. */
+void mcv_command_flags(const mcv_command *command, json_t *options);
 
 /*
  * The given command line with its argument replaced and the members of such an object put before it
@@ -65,7 +68,8 @@ void mcv_arguments_free(mcv_arguments *arguments);
 
 /* Options of a verb as the library takes them: a JSON object as text, NULL or "" for none. */
 typedef struct mcv_options_given {
-    mcv_command command; /* its texts are those of the line */
+    mcv_command command; /* its texts are those of the line; json is true unless the text says
+                            "json": false */
     mcv_arguments line;
 } mcv_options_given;
 

@@ -10,6 +10,7 @@
 #include "core/error.h"
 
 #include <jansson.h>
+#include <stdio.h>
 
 enum { MCV_REPORT_DEPTH = 8 };
 
@@ -20,17 +21,26 @@ typedef struct mcv_report {
     json_t *open[MCV_REPORT_DEPTH]; /* objects and arrays, the innermost last; NULL for people */
     int depth;
     bool json;
-    mcv_report_told *told;
+    mcv_report_told *told; /* NULL: such sentences are kept as notes */
+    json_t *notes;
+    FILE *out;  /* for people; where it is kept: */
+    char *text; /* owned by the stream, */
+    size_t size;
 } mcv_report;
 
-/* told NULL, with JSON only: such sentences become the member "notes". */
+/* A report that is printed to standard output: as JSON in the end, for people as it is made. */
 void mcv_report_begin(mcv_report *report, bool json, mcv_report_told *told);
 
-/* A sentence about the work: a warning, a note. */
+/* A report that is kept for mcv_report_take. It must not be moved. After failure, too, it is freed
+ * by mcv_report_free. */
+mcv_result mcv_report_keep(mcv_report *report, bool json, mcv_error *error);
+
+/* A sentence about the work: a warning, a note. Of a kept report it is a member of "notes", or a
+ * line before the text. */
 void mcv_report_tell(mcv_report *report, const char *severity, const char *text);
 
-/* Each of these ends a report; a failure before is the last. Prints the JSON; or makes a text of
- * it, to be freed; or throws it away. MCV_FAILED without memory. */
+/* Each of these ends a report; a failure before is the last. Prints the JSON; or gives a kept
+ * report as a text, to be freed; or throws it away. MCV_FAILED without memory. */
 mcv_result mcv_report_end(mcv_report *report, mcv_error *error);
 mcv_result mcv_report_take(mcv_report *report, char **text, mcv_error *error);
 void mcv_report_free(mcv_report *report);
