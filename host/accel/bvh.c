@@ -8,7 +8,7 @@
 enum {
     CHUNK = 256,      /* draft nodes per allocation */
     GRAIN = 4096,     /* triangles that one thread finishes by itself */
-    SPARE_TENTHS = 3, /* of the triangles: how many references spatial splits may add */
+    SPARE_TENTHS = 3, /* tenths of the triangles: room for references that spatial splits add */
     MOST_THREADS = 256,
     MOST_TRIANGLES = 1 << 28,
 };
@@ -21,17 +21,17 @@ static uint32_t levels_needed(uint32_t n) {
     return levels;
 }
 
-/* Of two children that could be opened, the one of larger area, or of more triangles where areas
- * say nothing. */
+/* Which of two children to open first: the one of larger area, or of more triangles if the areas
+ * cannot be compared. */
 static bool opens_before(const mcv_record *a, const mcv_record *b, bool halve) {
     const float area_a = mcv_box_area(&a->bounds), area_b = mcv_box_area(&b->bounds);
     return halve || area_a == area_b ? mcv_record_count(a) > mcv_record_count(b) : area_a > area_b;
 }
 
 /*
- * Opens the content of a node into at most 8 children. Where the levels left suffice only just, it
- * is halved evenly, so that the depth stays within MCV_BVH_LEVELS: an uneven split costs a level
- * and needs one to spare.
+ * Opens the content of a node into at most 8 children. If the remaining levels are only just
+ * enough, it is halved evenly, so that the depth stays within MCV_BVH_LEVELS: an uneven split costs
+ * a level and needs one to spare.
  */
 static uint32_t open_record(mcv_bvh_builder *b, const mcv_bvh_task *t,
                             mcv_record children[MCV_BVH_WIDTH]) {
@@ -50,7 +50,7 @@ static uint32_t open_record(mcv_bvh_builder *b, const mcv_bvh_task *t,
         const mcv_record opened = children[chosen];
         mcv_record_split(&b->splitter, &opened, halve, children + chosen, children + count++);
     }
-    /* Where any hit will do, children are visited in their order: those that cost least first. */
+    /* Any-hit queries visit children in their order: the cheapest first. */
     for (uint32_t i = 1; i < count; ++i) {
         const mcv_record moved = children[i];
         uint32_t place = i;
@@ -68,7 +68,7 @@ static mcv_node *draft_node(const mcv_bvh_builder *b, uint32_t draft) {
     return b->chunks[draft / CHUNK] + draft % CHUNK;
 }
 
-/* A place for one more draft node; MCV_NONE without memory. */
+/* A new draft node; MCV_NONE without memory. */
 static uint32_t add_draft(mcv_bvh_worker *w) {
     mcv_bvh_builder *b = w->builder;
     if (w->drafts_left == 0) {
@@ -89,7 +89,7 @@ static uint32_t add_draft(mcv_bvh_worker *w) {
     return w->next_draft++;
 }
 
-/* A draft's leaf child: the bit, the first reference, their number - 1. */
+/* A draft's leaf child: the bit, the first reference, the number of references - 1. */
 static uint32_t pack_leaf(const mcv_record *r) {
     return MCV_CHILD_LEAF | r->begin * MCV_LEAF_TRIANGLES | (mcv_record_count(r) - 1);
 }
@@ -121,7 +121,7 @@ static bool push_task(mcv_bvh_builder *b, const mcv_bvh_task *t) {
     return pushed;
 }
 
-/* Makes one draft node and what is under it; large children are left to whoever is free. */
+/* Makes one draft node and its subtree; large children become tasks for other threads. */
 static bool make_node(mcv_bvh_worker *w, const mcv_bvh_task *t) {
     mcv_bvh_builder *b = w->builder;
     mcv_record children[MCV_BVH_WIDTH];
@@ -168,8 +168,9 @@ static void make_nodes(mcv_bvh_worker *w) {
 /* --- before and after --- */
 
 /*
- * Numbers nodes depth first and leaves in the order of their parents, siblings side by side: the
- * same for any number of threads, and near in memory what is near in space.
+ * Numbers nodes depth first, and leaves in the order of their parents, siblings together. The
+ * result does not depend on the number of threads, and neighbours in space are neighbours in
+ * memory.
  */
 static void order(mcv_bvh_builder *b) {
     struct {
@@ -208,7 +209,7 @@ static void *run_launch(void *user) {
     return NULL;
 }
 
-/* Runs work on all threads; where one cannot be started, its share is done here. */
+/* Runs work on all threads; if one cannot be started, the caller does its share. */
 static void run_workers(mcv_bvh_builder *b, launch *launches, void (*work)(mcv_bvh_worker *)) {
     pthread_t threads[MOST_THREADS];
     bool started[MOST_THREADS] = {false};

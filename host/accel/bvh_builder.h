@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A structure while it is built, and what one thread of its builder works with (accel/bvh.c). */
+/* The state of a builder and of one of its threads (accel/bvh.c). */
 #ifndef MCVISI_HOST_ACCEL_BVH_BUILDER_H
 #define MCVISI_HOST_ACCEL_BVH_BUILDER_H
 
@@ -8,8 +8,7 @@
 
 #include <pthread.h>
 
-/* A node to be made: its place among the drafts, its level (the root's is 1) and what lies under
- * it. */
+/* A node to make: its place among the drafts, its level (the root has 1) and its content. */
 typedef struct mcv_bvh_task {
     uint32_t draft, level;
     mcv_record content;
@@ -19,8 +18,7 @@ typedef struct mcv_bvh_builder {
     mcv_splitter splitter;
     uint32_t triangle_count, threads;
     uint32_t capacity; /* references, those of spatial splits included */
-    /* Draft nodes are numbered in the order in which the threads happen to make them; `order`
-     * renumbers them. */
+    /* Draft nodes are numbered in the order in which threads make them; `order` renumbers them. */
     mcv_node **chunks;
     uint32_t chunk_count;
     uint32_t node_count, leaf_count;
@@ -34,7 +32,7 @@ typedef struct mcv_bvh_builder {
     uint32_t *leaf_contents; /* per leaf, as in a draft's child */
 } mcv_bvh_builder;
 
-/* What one thread works with. */
+/* The state of one thread. */
 typedef struct mcv_bvh_worker {
     mcv_bvh_builder *builder;
     uint32_t number;
@@ -43,14 +41,14 @@ typedef struct mcv_bvh_worker {
     mcv_box3f bounds, centroids; /* of its share of the triangles */
 } mcv_bvh_worker;
 
-/* This worker's part of n things. */
+/* The part of n things that this thread processes. */
 void mcv_bvh_share(const mcv_bvh_worker *w, uint32_t n, uint32_t *begin, uint32_t *end);
 
-/* The references to this worker's part of the triangles, and their boxes. */
+/* Makes the references to this thread's part of the triangles, and their boxes. */
 
 void mcv_bvh_make_references(mcv_bvh_worker *w);
 
-/* This worker's part of the leaves from the references that they hold. */
+/* Fills this thread's part of the leaves from their references. */
 
 void mcv_bvh_fill_leaves(mcv_bvh_worker *w);
 

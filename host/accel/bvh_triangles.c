@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Triangles to references before a structure is built, references to leaves after it. */
+/* From triangles to references before a structure is built, and from references to leaves after
+ * it. */
 #include "accel/bvh_builder.h"
 
 #include <math.h>
@@ -45,7 +46,7 @@ void mcv_bvh_fill_leaves(mcv_bvh_worker *w) {
         uint32_t lane = 0;
         for (uint32_t k = first; k < first + count; ++k) {
             const uint32_t triangle = b->splitter.references[k].triangle;
-            /* Two parts of one triangle may meet again. */
+            /* Two parts of one triangle may end in one leaf. */
             bool there = false;
             for (uint32_t before = 0; before < lane; ++before)
                 there = there || leaf->triangle[before] == triangle;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Splits a record by whichever split is cheaper, or into halves. */
+/* Splits a record by the cheapest split, or into halves. */
 #include "accel/split_bins.h"
 
 /*
- * Spatial splits are looked for where the sides of the best other split overlap by this share of
- * the root's area, of the node's own and, since large triangles reach far over the plane, of its
- * width. Stich et al. have 1e-5 for the first only: the cost of the trees is the same to 1e-2, and
- * a smooth mesh takes a fifth of the time.
+ * Spatial splits are tried if the sides of the best object split overlap by at least these shares:
+ * of the root's area, of the node's own area and, because large triangles extend far beyond the
+ * plane, of its width. Stich et al. use 1e-5 for the first only. The cost of the trees is the same
+ * within 1e-2, and a smooth mesh is built in a fifth of the time.
  */
 static const float least_overlap = 1e-4f, least_own_overlap = 0.1f, least_width_overlap = 0.05f;
 
@@ -81,7 +81,8 @@ static void split_halves(const mcv_splitter *s, const mcv_record *r, mcv_record 
     for (uint32_t i = middle; i < r->end; ++i) mcv_record_add(right, s->references + i);
 }
 
-/* Shares what room is left in proportion to the numbers of references: the right side moves up. */
+/* Divides the remaining room in proportion to the numbers of references; the right side moves
+ * up. */
 static void share_room(const mcv_splitter *s, const mcv_record *r, mcv_record *left,
                        mcv_record *right) {
     const uint32_t count_left = mcv_record_count(left), count_right = mcv_record_count(right);

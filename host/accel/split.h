@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Splitting the content of a node in two: by the surface area heuristic over binned centroids
- * (Wald, On fast Construction of SAH-based Bounding Volume Hierarchies, 2007), or through space,
- * which puts a triangle that lies on both sides into both (Stich, Friedrich and Dietrich, Spatial
+ * Splits of a node in two. The surface area heuristic over binned centroids separates objects
+ * (Wald, On fast Construction of SAH-based Bounding Volume Hierarchies, 2007). Spatial splits
+ * separate space and put a triangle on both sides into both (Stich, Friedrich and Dietrich, Spatial
  * Splits in Bounding Volume Hierarchies, HPG 2009).
  */
 #ifndef MCVISI_HOST_ACCEL_SPLIT_H
@@ -11,12 +11,12 @@
 #include "mcvisi/accel.h"
 #include "core/error.h"
 
-/* Four lanes, of which the last is unused, so that the compiler can use one vector instruction. */
+/* Four lanes, the last one unused, so that the compiler can use vector instructions. */
 typedef struct mcv_box3f {
     float lower[4], upper[4];
 } mcv_box3f;
 
-/* A triangle, or the part of one that lies in the box. */
+/* A triangle, or the part of one inside the box. */
 typedef struct mcv_reference {
     float lower[3];
     uint32_t triangle;
@@ -26,7 +26,7 @@ typedef struct mcv_reference {
 
 /*
  * References begin … end - 1, their box and the box of their doubled centroids (lower + upper). The
- * places up to `limit` are free for what spatial splits add.
+ * entries up to `limit` are free for references that spatial splits add.
  */
 typedef struct mcv_record {
     uint32_t begin, end, limit;
@@ -72,10 +72,9 @@ static inline void mcv_record_add(mcv_record *r, const mcv_reference *added) {
 }
 
 /*
- * Splits by whichever heuristic is cheaper or, if none finds anything or must be asked (halve),
- * into halves. Both sides get at least one reference. Large records are binned by several of the
- * threads, which changes nothing: counts and boxes do not depend on the order in which they are
- * added up.
+ * Splits by the cheaper heuristic, or into halves if no split is found or `halve` is set. Each side
+ * gets at least one reference. Several threads bin a large record; this does not change the result,
+ * because counts and boxes do not depend on the order of addition.
  */
 void mcv_record_split(const mcv_splitter *s, const mcv_record *r, bool halve, mcv_record *left,
                       mcv_record *right);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Splits through space: a triangle that lies on both sides goes into both. */
+/* Spatial splits: a triangle on both sides goes into both. */
 #include "accel/split_bins.h"
 
 enum { SPATIAL_BINS = 16 };
@@ -32,11 +32,11 @@ static bool clip_to(mcv_reference *part, const mcv_reference *whole, const mcv_b
 }
 
 /*
- * The parts of a reference on either side of a plane: boxes around the triangle's part on that
- * side, within the reference's box. A side may have none, and is said so; never both. Corners on
- * the plane are rounded outwards from double, whose own error, 2^-29 of the float's, is nothing to
- * the margin of traversal (kernels/traverse/bvh8.h): what is in the box lies in one part or the
- * other.
+ * Splits a reference at a plane. Each part is the box of the triangle's part on that side, within
+ * the reference's box. One part may be empty, which is reported; never both. Corners on the plane
+ * are computed in double and rounded outwards. The error of double, 2^-29 of the float's, is
+ * negligible against the margin of traversal (kernels/traverse/bvh8.h): each point of the box lies
+ * in one part or the other.
  */
 static void split_reference(const mcv_splitter *s, const mcv_reference *whole, int axis,
                             float plane, mcv_reference *left, bool *has_left, mcv_reference *right,
@@ -78,9 +78,9 @@ static inline mcv_box3f point_box(const float *p) {
 }
 
 /*
- * Adds the boxes of a reference's parts in bins first … last: those of the pieces of its triangle's
- * edges. They only serve to choose a plane, so float will do, and for a triangle that crosses just
- * one, so will the halves of its box.
+ * Adds the boxes of a reference's parts to the bins first … last. They are the boxes of the pieces
+ * of the triangle's edges. They only serve to choose a plane, so float is enough; for a triangle
+ * that crosses one plane only, the halves of its box are enough.
  */
 static void add_parts(const mcv_splitter *s, const mcv_reference *whole, const mcv_binning *b,
                       uint32_t first, uint32_t last, mcv_box3f *bounds) {

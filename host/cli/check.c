@@ -11,7 +11,7 @@
 
 enum {
     DEFINES_SLICE = 512
-}; /* of the tile schedule, as the renderer chooses it where paths split */
+}; /* of the tile schedule, with the renderer's choice for paths that split */
 
 static void print_defines(uint32_t features, uint32_t channels, uint32_t sensor_type) {
     char options[1024];
@@ -56,8 +56,9 @@ mcv_result mcv_verb_check(const mcv_command *command, mcv_error *error) {
         if (!command->defines)
             return mcv_fail(error, MCV_USAGE, "SCENE is missing: `mcvisi check SCENE`");
         for (uint32_t type = 0; type < MCV_SENSOR_COUNT; ++type) {
-            const bool disk = type == MCV_SENSOR_THIN_LENS ||
-                              type == MCV_SENSOR_TELECENTRIC; /* only in a disk a pixel aims */
+            const bool disk =
+                type == MCV_SENSOR_THIN_LENS ||
+                type == MCV_SENSOR_TELECENTRIC; /* pupil guiding needs a round pupil */
             const uint32_t all = (1u << MCV_FEATURE_COUNT) - 1;
             print_defines(disk ? all : all & ~(1u << MCV_FEATURE_AIM), 3, type);
         }

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* NULL: as by default. */
+/* NULL: the value is the default. */
 static json_t *value_json(const mcv_option *o, const mcv_command *command,
                           const mcv_command *defaults) {
     const void *field = (const char *)command + o->offset,
@@ -112,7 +112,7 @@ static mcv_result add_value(mcv_arguments *arguments, const char *path, const ch
         length = asprintf(&text, "--%s", key);
     else
         return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: %s: must be a text, a number, true, false or a list of them", path,
+                        "%s: %s: must be a string, a number, true, false or a list of them", path,
                         key);
     return add_argument(arguments, length < 0 ? NULL : text, error);
 }

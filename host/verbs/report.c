@@ -149,14 +149,14 @@ void mcv_report_flag(mcv_report *report, const char *key, bool value) {
         mcv_report_text(report, key, value ? "yes" : "no");
 }
 
-/* Whole numbers stay whole in JSON, as far as a double holds them. */
+/* Integers stay integers in JSON, as far as a double represents them. */
 static json_t *number(double value) {
     if (!isfinite(value)) return json_null();
     return value == floor(value) && fabs(value) < 0x1p53 ? json_integer((json_int_t)value)
                                                          : json_real(value);
 }
 
-/* The unit in which the largest of the values reads best. */
+/* The unit that suits the largest value. */
 static const char *handy_unit(const char *unit, const double *values, size_t count,
                               double *factor) {
     static const struct {
@@ -193,7 +193,7 @@ void mcv_report_numbers(mcv_report *report, const char *key, const char *unit, c
     print_label(report, key);
     for (size_t i = 0; i < count; ++i) {
         if (i) fputs(between, report->out);
-        if (isfinite(values[i])) /* what rounding leaves of a 0 is a 0; + 0: no -0 */
+        if (isfinite(values[i])) /* a rounded 0 is printed as 0; + 0: no -0 */
             fprintf(report->out, "%.6g",
                     fabs(values[i]) > 1e-14 * largest || !isfinite(largest)
                         ? values[i] * factor + 0.0

@@ -69,8 +69,7 @@
 extern "C" {
 #endif
 
-/* X(NAME, exit code, meaning): the codes a function returns are the codes the program exits with.
- */
+/* X(NAME, exit code, meaning): what functions return, and what the program exits with. */
 #define MCV_RESULTS(X) \
     X(OK, 0, "done") \
     X(FAILED, 1, "the work failed") \

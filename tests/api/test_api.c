@@ -15,7 +15,7 @@ static void test_options_are_checked(void **state) {
     mcv_session *session = NULL;
     char *text = NULL;
     (void)state;
-    FAILS(MCV_USAGE, "no JSON", mcv_session_open("{device", &session, &error));
+    FAILS(MCV_USAGE, "not JSON", mcv_session_open("{device", &session, &error));
     FAILS(MCV_USAGE, "JSON object", mcv_session_open("[1]", &session, &error));
     FAILS(MCV_USAGE, "unknown option --devise: did you mean --device?",
           mcv_session_open("{\"devise\": \"0\"}", &session, &error));
@@ -37,7 +37,7 @@ static void test_values_of_options(void **state) {
         const char *options, *says;
     } wrong[] = {{"{\"spp\": \"many\"}", "--spp many: must be an integer"},
                  {"{\"spp\": {}}", "spp: must be a text, a number"},
-                 {"{\"spp\": 1e999}", "no JSON"},
+                 {"{\"spp\": 1e999}", "not JSON"},
                  {"{\"resolution\": [16]}", "--resolution 16: must be WxH"},
                  {"{\"resolution\": [16, \"x\"]}", "must be a list of numbers"},
                  {"{\"resolution\": []}", "must be a list of numbers"},
@@ -112,8 +112,8 @@ static void test_rig_is_changed_and_read(void **state) {
     assert_null(text);
     FAILS(MCV_BAD_INPUT, "no such file", mcv_rig_open("./no such file.gltf", &none, &error));
     assert_null(none);
-    FAILS(MCV_BAD_INPUT, "no JSON", mcv_rig_parse("{]", 2, NULL, &none, &error));
-    FAILS(MCV_BAD_INPUT, "no JSON", mcv_rig_parse("", 0, NULL, &none, &error));
+    FAILS(MCV_BAD_INPUT, "not JSON", mcv_rig_parse("{]", 2, NULL, &none, &error));
+    FAILS(MCV_BAD_INPUT, "not JSON", mcv_rig_parse("", 0, NULL, &none, &error));
     mcv_rig_free(rig);
     mcv_rig_free(copy);
     mcv_rig_free(NULL);
