@@ -200,7 +200,7 @@ static mcv_result read_texts(const char *text, const json_t *defaults, unsigned 
     json_error_t wrong;
     json_t *object = text && text[0] ? json_loads(text, JSON_REJECT_DUPLICATES, &wrong) : NULL;
     if (text && text[0] && !object)
-        return mcv_fail(error, MCV_USAGE, "options: line %d column %d is no JSON: %s", wrong.line,
+        return mcv_fail(error, MCV_USAGE, "options: line %d column %d is not JSON: %s", wrong.line,
                         wrong.column, mcv_json_wrong(&wrong));
     mcv_result result =
         !object || json_is_object(object)
