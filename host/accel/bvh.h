@@ -22,8 +22,8 @@ typedef struct mcv_bvh {
  * mcv_bvh_free.
  *
  * The method is the surface area heuristic with spatial splits (host/accel/split.h), counting
- * blocks of four triangles. A node opens its child of largest area until it has eight. A triangle
- * may lie in several leaves, at most 1.3 references per triangle in all.
+ * blocks of four triangles, into a binary hierarchy. Its nodes are gathered into nodes of eight at
+ * the least cost. A triangle may lie in several leaves, at most 1.7 references per triangle in all.
  */
 mcv_result mcv_bvh_build(const float *positions, const uint32_t *indices, uint32_t triangle_count,
                          uint32_t threads, mcv_bvh *bvh, mcv_error *error);

@@ -39,9 +39,8 @@ void mcv_bvh_fill_leaves(mcv_bvh_worker *w) {
     mcv_bvh_share(w, b->leaf_count, &begin, &end);
     for (uint32_t i = begin; i < end; ++i) {
         mcv_leaf *leaf = b->bvh->leaves + i;
-        const uint32_t content = b->leaf_contents[i] & ~MCV_CHILD_LEAF;
-        const uint32_t first = content / MCV_LEAF_TRIANGLES,
-                       count = content % MCV_LEAF_TRIANGLES + 1;
+        const mcv_binary *content = mcv_bvh_binary(b, b->leaf_binaries[i]);
+        const uint32_t first = content->children[0], count = content->children[1] & ~MCV_CHILD_LEAF;
         *leaf = (mcv_leaf){.triangle = {MCV_NONE, MCV_NONE, MCV_NONE, MCV_NONE}};
         uint32_t lane = 0;
         for (uint32_t k = first; k < first + count; ++k) {

@@ -28,11 +28,6 @@ typedef struct mcv_split_candidate {
     uint32_t left_count, right_count;
 } mcv_split_candidate;
 
-static inline mcv_box3f mcv_reference_box(const mcv_reference *r) {
-    return (mcv_box3f){{r->lower[0], r->lower[1], r->lower[2], 0.0f},
-                       {r->upper[0], r->upper[1], r->upper[2], 0.0f}};
-}
-
 static inline uint32_t mcv_bin_of(const mcv_binning *b, const mcv_reference *r) {
     return (uint32_t)((r->lower[b->axis] + r->upper[b->axis] - b->origin) * b->scale);
 }

@@ -216,9 +216,6 @@ static void find_next_event(finding *f, const mcv_scene *scene, const mcv_packed
     bool rectangle = false, emits = false;
     uint32_t count = 0;
     const char *name = NULL, *rectangle_name = NULL;
-    add(f, MCV_FEATURE_INTERLEAVE,
-        (f->features & scatters) && scene->triangle_count >= MCV_MANY_TRIANGLES,
-        "the number of triangles", NULL);
     if (!(f->features & scatters) || !packed->emitters) return;
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
         if (!mcv_is_sampled(scene->emitters + i)) continue;

@@ -23,14 +23,6 @@
 #endif
 #define MCV_BVH_STACK (MCV_BVH_LEVELS * (MCV_BVH_WIDTH - 1) + 1)
 
-/*
- * From this number of triangles on, the structure (some 80 bytes per triangle) is much larger than
- * the caches. Rays that leave a diffuse surface then diverge from their packet and wait for memory:
- * interleaving them is faster than tracing one after the other (docs/benchmark-results.md). Rays
- * that are only refracted stay coherent.
- */
-#define MCV_MANY_TRIANGLES 200000u
-
 /* A child is the index of a node, or with this bit set the index of a leaf. */
 #define MCV_CHILD_LEAF 0x80000000u
 

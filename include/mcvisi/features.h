@@ -50,10 +50,7 @@
       "smooth surfaces") \
     X(MIXED, "mixed", \
       "--precision mixed: hits on smooth surfaces and directions behind them are computed in " \
-      "double") \
-    X(INTERLEAVE, "interleave", \
-      "many triangles and scattering surfaces: incoherent rays are interleaved to hide memory " \
-      "latency")
+      "double")
 
 enum {
 #define MCV_X(NAME, word, why) MCV_FEATURE_##NAME,

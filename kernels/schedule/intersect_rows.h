@@ -8,7 +8,7 @@
 
 #include "schedule/solid_rows.h"
 #include "stage/intersect_closest.h"
-#include "traverse/policy.h"
+#include "traverse/trace_packet.h"
 
 /* A vector's rows, as traverse/packet.h reads them. */
 #define MCV_ROWS(paths, field) \
@@ -58,7 +58,8 @@ MCV_BATCH void mcv_intersect_paths(mcv_world world, uint *paths, uint count) {
         if (!mcv_is_flat(world.nodes) || world.nodes->child[2] != MCV_NONE)
             listed = mcv_list_near_triangles(world, paths, count, chosen);
     }
-    MCV_TRACE_CLOSEST(world.nodes, world.leaves, origins, directions, chosen, listed, hits);
+    mcv_intersect_closest_rays(world.nodes, world.leaves, origins, directions, chosen, listed,
+                               hits);
     if (!MCV_WITH_ABSORPTION) return;
     MCV_VECTORIZE
     MCV_EACH_PATH (slot, paths, 0, count) mcv_absorb(world, slot);

@@ -93,11 +93,11 @@ static void mcv_intersect_shadows(mcv_world world, uint *paths, const uint *list
         for (uint i = 0; i < chosen_count; ++i)
             hits.t[chosen[i]] = as_uint(mcv_shadow_end(mcv_slot_at(paths, chosen[i])));
         if (any)
-            MCV_TRACE_ANY(world.nodes, world.leaves, origins, directions, chosen, chosen_count,
-                          hits);
+            mcv_intersect_any_rays(world.nodes, world.leaves, origins, directions, chosen,
+                                   chosen_count, hits);
         else
-            MCV_TRACE_CLOSEST(world.nodes, world.leaves, origins, directions, chosen, chosen_count,
-                              hits);
+            mcv_intersect_closest_rays(world.nodes, world.leaves, origins, directions, chosen,
+                                       chosen_count, hits);
         if (MCV_WITH_SURFACES) mcv_shadows_past_solids(world, paths, first, last, any, hits);
         for (uint i = 0; i < chosen_count && !any; ++i)
             if (!mcv_hits_target(world, mcv_slot_at(paths, chosen[i]), mcv_hit_of(hits, chosen[i])))

@@ -395,8 +395,8 @@ static void test_compares(void **state) {
     b = render(session, rig, "{\"spp\": 16, \"seed\": 1}");
     WELL(mcv_picture_compare(a, a, NULL, &report, &error));
     assert_non_null(strstr(report, "\"different\":false"));
-    assert_non_null(strstr(
-        report, "\"notes\":[{\"severity\":\"warning\",\"text\":\"both images have seed 0"));
+    assert_non_null(
+        strstr(report, "\"notes\":[{\"severity\":\"warning\",\"text\":\"both images have seed 0"));
     mcv_text_free(report);
     WELL(mcv_picture_compare(a, b, &difference, &report, &error));
     assert_non_null(strstr(report, "\"different\":true"));
